@@ -11,7 +11,9 @@
 
 #include <stddef.h>
 
-#define NEPH_KERNEL_BUFFERS_MAX 32
+/* As many storage buffers as lavapipe lets a kernel see, and two uniform ones. */
+#define NEPH_KERNEL_STORAGE_MAX 32
+#define NEPH_KERNEL_BUFFERS_MAX (NEPH_KERNEL_STORAGE_MAX + 2)
 #define NEPH_KERNEL_CONSTANTS_MAX 96
 #define NEPH_KERNEL_IMAGES_MAX NEPH_GPU_MEDIA_MAX
 

@@ -8,6 +8,7 @@
 #include "scenes/emission.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +19,14 @@ static void set_rgb(float out[3], struct neph_rgb rgb)
     out[0] = (float)rgb.r;
     out[1] = (float)rgb.g;
     out[2] = (float)rgb.b;
+}
+
+/* SOLID_TURNED of shaders/solids.glsl and what follows it. */
+static void set_turn(const struct neph_turn *turn, struct neph_gpu_solid *box)
+{
+    box->kind = 2u + (uint32_t)turn->axis;
+    box->radius_m = (float)turn->cosine;
+    box->albedo[3] = (float)turn->sine;
 }
 
 struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
@@ -33,6 +42,8 @@ struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
     set_rgb(gpu.albedo, solid->albedo);
     if (is_box) {
         neph_relative_position(gpu.high_m, solid->box.max_m, camera_position_m);
+        if (neph_is_turned(&solid->turn))
+            set_turn(&solid->turn, &gpu);
         return gpu;
     }
     const struct neph_gpu_globe globe = neph_gpu_globe_from(solid->center_m, solid->radius_m,
@@ -351,7 +362,8 @@ static uint32_t known_media(const struct neph_gpu_frame *frame)
     return known;
 }
 
-/* All of space around a sphere: what rounding makes of its rays no box bounds. */
+/* All of space around a sphere and a turned box: what rounding makes of their rays no box bounds.
+ */
 static void block_include(struct neph_gpu_solid_block *block, const struct neph_gpu_solid *solid)
 {
     const bool is_box = solid->kind == NEPH_SOLID_BOX;
@@ -397,6 +409,8 @@ static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, dou
     gpu->constants[1] = camera.orthographic_height_m > 0.0 ? NEPH_GPU_ORTHOGRAPHIC : 0u;
     fill_media(scene, camera.position_m, gpu, media);
     gpu->constants[1] |= known_media(gpu->frame) | (gpu->is_on_cpu ? NEPH_GPU_ON_CPU : 0u);
+    for (int i = 0; i < scene->solid_count; i++)
+        gpu->constants[1] |= neph_is_turned(&scene->solids[i].turn) ? NEPH_GPU_TURNED : 0u;
     fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
     place_majorants(gpu);
 }

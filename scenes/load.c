@@ -142,6 +142,9 @@ static const struct neph_field scene_fields[] = {
      .record = &gate_record, .standard = "none"},
     {"failure", NEPH_RECORD, SCENE(failing), .note = "how methods fail over time, see Failures",
      .record = &neph_failing_record, .standard = "none"},
+    {"inject", NEPH_RECORD, SCENE(injections),
+     .note = "what is put into a running renderer, see Injections",
+     .record = &neph_injection_record, .standard = "none"},
     {"solids", NEPH_LIST, offsetof(struct neph_written_scene, solids),
      .most = NEPH_SCENE_SOLIDS_MAX, .count_at = offsetof(struct neph_written_scene, solid_count),
      .record = &neph_solid_record, .standard = "none"},
@@ -171,6 +174,8 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
         status = neph_finish_solids(reader, written);
     if (!status)
         status = neph_check_motion(reader, scene);
+    if (!status)
+        status = neph_check_injections(reader, scene);
     return status ? status : neph_scene_hash(scene, reader->diag);
 }
 
@@ -191,8 +196,7 @@ static enum neph_status load_document(struct neph_document *document, const char
                                                written);
     if (!status)
         status = finish(&reader, path, written);
-    free(written->solids);
-    written->solids = NULL;
+    neph_written_solids_free(written);
     if (status)
         neph_scene_destroy(&written->scene);
     else
@@ -278,12 +282,17 @@ void neph_scene_destroy(struct neph_scene *scene)
     }
     free(scene->gates);
     neph_failing_finish(&scene->failing);
+    neph_injections_finish(&scene->injections);
     for (int i = 0; i < scene->medium_count; i++)
         neph_medium_finish(&scene->media[i]);
+    for (int i = 0; i < scene->mover_count; i++)
+        free(scene->movers[i].keys);
+    free(scene->movers);
     free(scene->solids);
     free(scene->wind_keys);
     free(scene->sun_keys);
     free(scene->frame_scales);
+    free(scene->clears);
     free(scene->pauses);
     free(scene->camera_keys);
     free(scene->physics);

@@ -25,6 +25,13 @@ extern const struct neph_record neph_camera_record, neph_frames_record, neph_sun
 /* Into a struct neph_failing. */
 extern const struct neph_record neph_failing_record;
 
+/* Into a struct neph_injections. */
+extern const struct neph_record neph_injection_record;
+
+/* What of it needs the finished scene. */
+enum neph_status neph_check_injections(const struct neph_reader *reader,
+                                       const struct neph_scene *scene);
+
 /* Write the numbers of a point of the sweep into the file. */
 enum neph_status neph_failing_put_point(struct neph_document *document,
                                         const struct neph_failing *failing, int point,
@@ -39,8 +46,11 @@ extern const struct neph_record neph_solid_record, neph_medium_record;
 /* Once all is read, whatever its order: the sun of frame 0. */
 void neph_finish_sun(struct neph_written_scene *written);
 
-/* Fences become their bars. */
+/* Fences become their bars, and what moves has its mover. */
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written);
+
+/* The solids as they are written. */
+void neph_written_solids_free(struct neph_written_scene *written);
 
 /* What needs the finished scene: cameras of all frames outside solids and never degenerate, wind
  * that moves media and not too far. */

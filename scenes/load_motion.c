@@ -51,6 +51,15 @@ static const struct neph_field pause_fields[] = {
 };
 static const struct neph_record pause_record = {sizeof(struct neph_pause), pause_fields, NULL};
 
+static const struct neph_field clear_fields[] = {
+    {"frame", NEPH_WHOLE, offsetof(struct neph_clear, frame), "", 0, KEY_FRAME_MAX,
+     .note = "of the keys, the first without media"},
+    {"count", NEPH_WHOLE, offsetof(struct neph_clear, count), "frames", 1, KEY_FRAME_MAX,
+     .note = "of the keys"},
+    {0},
+};
+static const struct neph_record clear_record = {sizeof(struct neph_clear), clear_fields, NULL};
+
 static const struct neph_field size_fields[] = {
     {"frame", NEPH_WHOLE, offsetof(struct neph_frame_scale, frame), "", 0, KEY_FRAME_MAX,
      .note = "the first picture of this size"},
@@ -66,6 +75,12 @@ static const struct neph_field frames_fields[] = {
     {"pauses", NEPH_LIST, SCENE(pauses), .is_ascending = true, .least = 1,
      .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(pause_count), .record = &pause_record,
      .standard = "none"},
+    {"advance", NEPH_NUMBERS, SCENE(advances), "frames", 0, 1000,
+     .note = "of the keys from picture to picture, by turns: pictures at uneven times", .least = 1,
+     .most = NEPH_SCENE_ADVANCES_MAX, .count_at = SCENE(advance_count), .standard = "[1]"},
+    {"clear", NEPH_LIST, SCENE(clears), .note = "there are no media", .is_ascending = true,
+     .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(clear_count),
+     .record = &clear_record, .standard = "none"},
     {"sizes", NEPH_LIST, SCENE(frame_scales), .is_ascending = true, .least = 1,
      .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(frame_scale_count), .record = &size_record,
      .standard = "none"},
@@ -319,12 +334,14 @@ static enum neph_status check_view(const struct neph_reader *reader, const struc
                            "at frame %g the camera looks along its up direction; turn the view or "
                            "give another camera.up",
                            frame);
-    for (int i = 0; i < scene->solid_count; i++)
-        if (neph_solid_contains(&scene->solids[i], key.position_m))
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_solid solid = neph_scene_solid_at(scene, i, frame);
+        if (neph_solid_contains(&solid, key.position_m))
             return neph_refuse(reader, camera_path(reader, scene, frame, "position_m").text,
                                "at frame %g the camera is inside a solid (number %d of the %d in "
                                "the scene, bars counted)",
                                frame, i + 1, scene->solid_count);
+    }
     return NEPH_OK;
 }
 
@@ -354,6 +371,9 @@ static enum neph_status check_drift(const struct neph_reader *reader,
 enum neph_status neph_check_motion(const struct neph_reader *reader, const struct neph_scene *scene)
 {
     enum neph_status status = NEPH_OK;
+    if (scene->advance_count > 0 && scene->pause_count > 0)
+        return neph_refuse(reader, "frames.advance",
+                           "give either advance, which may be 0, or pauses");
     for (int i = 0; i < scene->camera_key_count && !status; i++)
         status = check_view(reader, scene, scene->camera_keys[i].frame);
     for (int frame = 0; frame < scene->frame_count && !status; frame++)

@@ -23,13 +23,59 @@ struct fence {
 /* One of them. */
 struct neph_written_solid {
     struct neph_solid solid;
-    struct fence fence; /* of 0 bars: there is none */
+    struct fence fence;      /* of 0 bars: there is none */
+    struct neph_mover mover; /* without keys: it stands still */
 };
 
 #define SOLID(member) offsetof(struct neph_written_solid, solid.member)
-#define FENCE(member) offsetof(struct fence, member)
+#define FENCE(member) offsetof(struct neph_written_solid, fence.member)
+#define MOVER(member) offsetof(struct neph_written_solid, mover.member)
+#define KEY(member) offsetof(struct neph_solid_key, member)
 
 static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
+
+/* --- Motion --- */
+
+static const char *const axis_words[] = {"x", "y", "z", NULL};
+
+static const struct neph_field key_fields[] = {
+    {"frame", NEPH_NUMBER, KEY(frame), "", 0, 1e5, .note = "of the keys, see Time"},
+    {"move_m", NEPH_THREE, KEY(move_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "from where it is built", .standard = "[0, 0, 0]"},
+    {"turn_deg", NEPH_NUMBER, KEY(turn_rad), "degrees", -1e5, 1e5,
+     .note = "from how it is built, by the right hand", .standard = "0"},
+    {0},
+};
+static const struct neph_record key_record = {sizeof(struct neph_solid_key), key_fields, NULL};
+
+static const struct neph_field motion_fields[] = {
+    {"axis", NEPH_WORD, MOVER(axis), .note = "of turns, by the pivot", .words = axis_words,
+     .standard = "`x`"},
+    {"pivot_m", NEPH_THREE, MOVER(pivot_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "as it is built; it moves along", .standard = "[0, 0, 0]"},
+    {"keys", NEPH_LIST, MOVER(keys), .note = "by ascending frames; linear in between",
+     .is_ascending = true, .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = MOVER(key_count),
+     .record = &key_record},
+    {0},
+};
+
+/* Turns are written in degrees. */
+static enum neph_status read_motion(struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_record *record, void *target)
+{
+    struct neph_mover *mover = &((struct neph_written_solid *)target)->mover;
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    for (int i = 0; i < mover->key_count && !status; i++)
+        mover->keys[i].turn_rad *= NEPH_RAD_PER_DEG;
+    return status;
+}
+
+static const struct neph_record motion_record = {0, motion_fields, read_motion};
+
+#define MOTION                                                                                     \
+    {                                                                                              \
+        "motion", NEPH_RECORD, .record = &motion_record, .standard = ""                            \
+    }
 
 static const struct neph_field box_fields[] = {
     {"min_m", NEPH_THREE, SOLID(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
@@ -37,6 +83,7 @@ static const struct neph_field box_fields[] = {
     {"max_m", NEPH_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the upper corner"},
     {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
+    MOTION,
     {0},
 };
 
@@ -45,6 +92,7 @@ static const struct neph_field sphere_fields[] = {
      .note = "of the ball"},
     {"radius_m", NEPH_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M, .note = "a planet, too"},
     {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
+    MOTION,
     {0},
 };
 
@@ -56,7 +104,7 @@ static const struct neph_field rails_fields[] = {
      .note = "along Z, less than that of the bars"},
     {0},
 };
-static const struct neph_record rails_record = {sizeof(struct fence), rails_fields, NULL};
+static const struct neph_record rails_record = {0, rails_fields, NULL};
 
 static const struct neph_field fence_fields[] = {
     {"origin_m", NEPH_THREE, FENCE(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
@@ -72,6 +120,7 @@ static const struct neph_field fence_fields[] = {
      .standard = "needed by `rows`"},
     {"rails", NEPH_RECORD, .record = &rails_record, .standard = ""},
     {"albedo", NEPH_THREE, FENCE(albedo), "", 0, 1, .note = albedo_note},
+    MOTION,
     {0},
 };
 
@@ -102,7 +151,7 @@ static enum neph_status check_rails(const struct neph_reader *reader, const stru
 static enum neph_status read_fence(struct neph_reader *reader, const yaml_node_t *node,
                                    const struct neph_record *record, void *target)
 {
-    struct fence *fence = target;
+    const struct fence *fence = &((struct neph_written_solid *)target)->fence;
     const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     if (status)
         return status;
@@ -145,8 +194,7 @@ static const struct neph_record fence_record = {0, fence_fields, read_fence};
 static const struct neph_field solid_fields[] = {
     {"box", NEPH_RECORD, .record = &box_record, .standard = ""},
     {"sphere", NEPH_RECORD, .record = &sphere_record, .standard = ""},
-    {"fence", NEPH_RECORD, offsetof(struct neph_written_solid, fence), .record = &fence_record,
-     .standard = ""},
+    {"fence", NEPH_RECORD, .record = &fence_record, .standard = ""},
     {0},
 };
 
@@ -221,6 +269,26 @@ static int count_of(const struct neph_written_solid *written)
     return fence->bars > 0 ? fence->rows * (fence->bars + fence->rail_count) : 1;
 }
 
+/* The scene takes over the keys of what moves. */
+static enum neph_status finish_movers(struct neph_reader *reader,
+                                      struct neph_written_scene *written)
+{
+    struct neph_scene *scene = &written->scene;
+    scene->movers = calloc(NEPH_SCENE_MOVERS_MAX, sizeof(*scene->movers));
+    if (!scene->movers)
+        return neph_fail_memory(reader->diag);
+    for (int i = 0; i < written->solid_count; i++) {
+        if (written->solids[i].mover.key_count == 0)
+            continue;
+        if (scene->mover_count == NEPH_SCENE_MOVERS_MAX)
+            return neph_refuse(reader, neph_at("solids[%d]", i).text,
+                               "no more than %d entries may move", NEPH_SCENE_MOVERS_MAX);
+        scene->movers[scene->mover_count++] = written->solids[i].mover;
+        written->solids[i].mover.keys = NULL;
+    }
+    return NEPH_OK;
+}
+
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written)
 {
     struct neph_scene *scene = &written->scene;
@@ -241,10 +309,20 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
     scene->solid_count = count;
     struct neph_solid *next = scene->solids;
     for (int i = 0; i < written->solid_count; i++) {
+        written->solids[i].mover.first = (int)(next - scene->solids);
+        written->solids[i].mover.count = count_of(&written->solids[i]);
         if (written->solids[i].fence.bars > 0)
             next = append_fence(&written->solids[i].fence, next);
         else
             *next++ = written->solids[i].solid;
     }
-    return NEPH_OK;
+    return finish_movers(reader, written);
+}
+
+void neph_written_solids_free(struct neph_written_scene *written)
+{
+    for (int i = 0; i < written->solid_count; i++)
+        free(written->solids[i].mover.keys);
+    free(written->solids);
+    written->solids = NULL;
 }

@@ -81,6 +81,23 @@ void neph_medium_drift(struct neph_medium *medium, struct neph_vec3 by_m)
         rows[medium->kind]->drift(medium, by_m);
 }
 
+bool neph_medium_can_shift(const struct neph_medium *medium)
+{
+    return medium->kind != NEPH_MEDIUM_HORIZON;
+}
+
+void neph_medium_shift(struct neph_medium *medium, struct neph_vec3 by_m)
+{
+    if (neph_medium_drifts(medium)) {
+        neph_medium_drift(medium, by_m);
+        return;
+    }
+    medium->bounds = neph_bounds_moved(medium->bounds, by_m);
+    medium->shell.center_m = neph_vec3_add(medium->shell.center_m, by_m);
+    for (int i = 0; i < medium->layer_count; i++)
+        medium->layers[i].height_m += by_m.y;
+}
+
 void neph_medium_finish(struct neph_medium *medium)
 {
     if (rows[medium->kind]->destroy)

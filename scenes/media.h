@@ -46,6 +46,11 @@ bool neph_medium_drifts(const struct neph_medium *medium);
 /* Carry it along; what does not drift stays as it is. Writes to its grid or horizon. */
 void neph_medium_drift(struct neph_medium *medium, struct neph_vec3 by_m);
 
+/* The same medium elsewhere, bounds and all; not of Horizon layers, whose planet stands under the
+ * world's origin. Writes as drifting does. */
+bool neph_medium_can_shift(const struct neph_medium *medium);
+void neph_medium_shift(struct neph_medium *medium, struct neph_vec3 by_m);
+
 /* Free what it owns. */
 void neph_medium_finish(struct neph_medium *medium);
 

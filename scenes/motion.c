@@ -3,6 +3,7 @@
 
 #include "scenes/load.h"
 #include "scenes/media.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -65,8 +66,25 @@ static struct neph_vec3 slerp(struct neph_vec3 a, struct neph_vec3 b, double par
 
 /* --- pictures and keys ----------------------------------------------------------------------- */
 
+/* The keys' frame of a picture where they go on unevenly; before the first picture evenly. */
+static double advanced(const struct neph_scene *scene, double frame)
+{
+    double round = 0.0, sum = 0.0;
+    if (frame <= 0.0)
+        return frame;
+    for (int i = 0; i < scene->advance_count; i++)
+        round += scene->advances[i];
+    const double whole = floor(frame / scene->advance_count);
+    double rest = frame - whole * scene->advance_count;
+    for (int i = 0; rest > 0.0; i++, rest -= 1.0)
+        sum += fmin(rest, 1.0) * scene->advances[i];
+    return whole * round + sum;
+}
+
 double neph_scene_time_frame(const struct neph_scene *scene, double frame)
 {
+    if (scene->advance_count > 0)
+        return advanced(scene, frame);
     for (int i = 0; i < scene->pause_count; i++)
         if (frame > scene->pauses[i].frame)
             frame = fmax(scene->pauses[i].frame, frame - scene->pauses[i].count);
@@ -194,9 +212,89 @@ struct neph_vec3 neph_scene_wind_displacement_m(const struct neph_scene *scene, 
                            frame_s);
 }
 
+bool neph_scene_is_clear(const struct neph_scene *scene, double frame)
+{
+    const double key_frame = neph_scene_time_frame(scene, frame);
+    for (int i = 0; i < scene->clear_count; i++)
+        if (key_frame >= scene->clears[i].frame &&
+            key_frame < (double)scene->clears[i].frame + scene->clears[i].count)
+            return true;
+    return false;
+}
+
+/* --- solids ---------------------------------------------------------------------------------- */
+
+static struct neph_placing placing_at(const struct neph_mover *mover, double key_frame)
+{
+    const struct neph_solid_key *keys = mover->keys;
+    const struct span span = span_at(keys, sizeof(*keys), mover->key_count, key_frame);
+    const struct neph_solid_key *a = &keys[span.from], *b = &keys[span.to];
+    const double turn_rad = a->turn_rad + span.part * (b->turn_rad - a->turn_rad);
+    return (struct neph_placing){
+        .turn = {mover->axis, cos(turn_rad), sin(turn_rad)},
+        .pivot_m = mover->pivot_m,
+        .move_m = mix(a->move_m, b->move_m, span.part),
+    };
+}
+
+struct neph_placing neph_mover_placing(const struct neph_scene *scene,
+                                       const struct neph_mover *mover, double frame)
+{
+    return placing_at(mover, neph_scene_time_frame(scene, frame));
+}
+
+static struct neph_vec3 placed_m(const struct neph_placing *placing, struct neph_vec3 point_m)
+{
+    const struct neph_vec3 arm_m = neph_vec3_sub(point_m, placing->pivot_m);
+    return neph_vec3_add(neph_vec3_add(placing->pivot_m, neph_turned(&placing->turn, arm_m)),
+                         placing->move_m);
+}
+
+struct neph_vec3 neph_placed_before_m(const struct neph_placing *now,
+                                      const struct neph_placing *before, struct neph_vec3 point_m)
+{
+    const struct neph_vec3 arm_m = neph_vec3_sub(neph_vec3_sub(point_m, now->move_m), now->pivot_m);
+    return placed_m(before, neph_vec3_add(now->pivot_m, neph_turned_back(&now->turn, arm_m)));
+}
+
+/* What has not turned stays as simple as it was. */
+static struct neph_solid placed(const struct neph_placing *placing, struct neph_solid solid)
+{
+    if (solid.kind == NEPH_SOLID_SPHERE) {
+        solid.center_m = placed_m(placing, solid.center_m);
+        return solid;
+    }
+    const struct neph_vec3 middle_m = neph_vec3_scale(
+        neph_vec3_add(solid.box.min_m, solid.box.max_m), 0.5);
+    solid.box = neph_bounds_moved(solid.box, neph_vec3_sub(placed_m(placing, middle_m), middle_m));
+    if (placing->turn.sine != 0.0 || placing->turn.cosine != 1.0)
+        solid.turn = placing->turn;
+    return solid;
+}
+
+struct neph_solid neph_scene_solid_at(const struct neph_scene *scene, int index, double key_frame)
+{
+    for (int i = 0; i < scene->mover_count; i++) {
+        const struct neph_mover *mover = &scene->movers[i];
+        if (index < mover->first || index >= mover->first + mover->count)
+            continue;
+        const struct neph_placing placing = placing_at(mover, key_frame);
+        return placed(&placing, scene->solids[index]);
+    }
+    return scene->solids[index];
+}
+
+struct neph_solid neph_scene_solid(const struct neph_scene *scene, int index, double frame)
+{
+    return neph_scene_solid_at(scene, index, neph_scene_time_frame(scene, frame));
+}
+
+/* --- moments --------------------------------------------------------------------------------- */
+
 bool neph_scene_moves(const struct neph_scene *scene)
 {
-    return scene->sun_key_count > 0 || scene->wind_key_count > 0;
+    return scene->sun_key_count > 0 || scene->wind_key_count > 0 || scene->mover_count > 0 ||
+           scene->clear_count > 0;
 }
 
 /* All that engines take from the time of a picture; doubles alone, so that bytes can be compared.
@@ -206,8 +304,9 @@ struct moment {
     struct neph_vec3 sun_direction, wind_m;
     struct neph_rgb sun_w_per_m2;
     double width_px, height_px; /* of the largest picture */
+    double is_clear;
 };
-_Static_assert(sizeof(struct moment) == 25 * sizeof(double), "no padding");
+_Static_assert(sizeof(struct moment) == 26 * sizeof(double), "no padding");
 
 static struct moment moment_at(const struct neph_scene *scene, double frame)
 {
@@ -221,13 +320,26 @@ static struct moment moment_at(const struct neph_scene *scene, double frame)
         .wind_m = neph_scene_wind_displacement_m(scene, frame),
         .width_px = width_px,
         .height_px = height_px,
+        .is_clear = neph_scene_is_clear(scene, frame),
     };
+}
+
+static bool are_solids_same(const struct neph_scene *scene, double frame_a, double frame_b)
+{
+    for (int i = 0; i < scene->mover_count; i++) {
+        const struct neph_placing a = neph_mover_placing(scene, &scene->movers[i], frame_a);
+        const struct neph_placing b = neph_mover_placing(scene, &scene->movers[i], frame_b);
+        if (memcmp(&a.move_m, &b.move_m, sizeof(a.move_m)) != 0 || a.turn.sine != b.turn.sine ||
+            a.turn.cosine != b.turn.cosine)
+            return false;
+    }
+    return true;
 }
 
 bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, double frame_b)
 {
     const struct moment a = moment_at(scene, frame_a), b = moment_at(scene, frame_b);
-    return memcmp(&a, &b, sizeof(a)) == 0;
+    return memcmp(&a, &b, sizeof(a)) == 0 && are_solids_same(scene, frame_a, frame_b);
 }
 
 /* --- a scene that stands still --------------------------------------------------------------- */
@@ -236,16 +348,21 @@ bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, d
 struct still {
     struct neph_scene scene;
     struct neph_camera_key camera_key;
-    max_align_t rooms[]; /* what media need to drift by themselves */
+    max_align_t rooms[]; /* what media need to drift by themselves, then solids that move */
 };
+
+static size_t units(size_t bytes)
+{
+    return (bytes + sizeof(max_align_t) - 1) / sizeof(max_align_t);
+}
 
 static size_t units_of(const struct neph_medium *medium)
 {
-    return (neph_medium_room(medium) + sizeof(max_align_t) - 1) / sizeof(max_align_t);
+    return units(neph_medium_room(medium));
 }
 
-/* Media of its own, so that they can be moved. */
-static void place_media(struct still *still, struct neph_vec3 by_m)
+/* Media of its own, so that they can be moved. Returns the room behind them. */
+static max_align_t *place_media(struct still *still, struct neph_vec3 by_m)
 {
     max_align_t *room = still->rooms;
     for (int i = 0; i < still->scene.medium_count; i++) {
@@ -254,14 +371,29 @@ static void place_media(struct still *still, struct neph_vec3 by_m)
         room += units_of(medium);
         neph_medium_drift(medium, by_m);
     }
+    return room;
+}
+
+/* Whether solids are its own, so that they can be moved. */
+static bool has_own_solids(const struct neph_scene *scene)
+{
+    return scene->mover_count > 0 || scene->injections.origin_count > 0;
+}
+
+static void place_solids(const struct neph_scene *scene, double frame, struct neph_solid *solids)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        solids[i] = neph_scene_solid(scene, i, frame);
 }
 
 /* Without the keys, which are in the numbers now. */
 static void stop_time(struct neph_scene *scene)
 {
-    scene->pause_count = scene->frame_scale_count = 0;
-    scene->sun_key_count = scene->wind_key_count = 0;
+    scene->pause_count = scene->frame_scale_count = scene->advance_count = 0;
+    scene->sun_key_count = scene->wind_key_count = scene->clear_count = scene->mover_count = 0;
     scene->pauses = NULL;
+    scene->clears = NULL;
+    scene->movers = NULL;
     scene->frame_scales = NULL;
     scene->sun_keys = NULL;
     scene->wind_keys = NULL;
@@ -270,10 +402,11 @@ static void stop_time(struct neph_scene *scene)
 enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
                                struct neph_scene **still, struct neph_diag *diag)
 {
-    size_t units = 0;
+    const size_t solids = has_own_solids(scene) ? (size_t)scene->solid_count : 0;
+    size_t room = units(solids * sizeof(*scene->solids));
     for (int i = 0; i < scene->medium_count; i++)
-        units += units_of(&scene->media[i]);
-    struct still *made = calloc(1, sizeof(*made) + units * sizeof(made->rooms[0]));
+        room += units_of(&scene->media[i]);
+    struct still *made = calloc(1, sizeof(*made) + room * sizeof(made->rooms[0]));
     if (!made)
         return neph_fail_memory(diag);
     made->scene = *scene;
@@ -282,8 +415,27 @@ enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
     made->scene.camera_keys = &made->camera_key;
     made->scene.camera_key_count = 1;
     made->scene.sun = neph_scene_sun(scene, frame);
-    place_media(made, neph_scene_wind_displacement_m(scene, frame));
+    void *behind = place_media(made, neph_scene_wind_displacement_m(scene, frame));
+    if (has_own_solids(scene)) {
+        place_solids(scene, frame, behind);
+        made->scene.solids = behind;
+    }
+    if (neph_scene_is_clear(scene, frame))
+        made->scene.medium_count = 0;
     stop_time(&made->scene);
     *still = &made->scene;
     return NEPH_OK;
+}
+
+void neph_scene_shift(struct neph_scene *still, struct neph_vec3 by_m)
+{
+    struct neph_camera_key *key = still->camera_keys;
+    key->position_m = neph_vec3_add(key->position_m, by_m);
+    key->look_at_m = neph_vec3_add(key->look_at_m, by_m);
+    for (int i = 0; i < still->medium_count; i++)
+        neph_medium_shift(&still->media[i], by_m);
+    for (int i = 0; i < still->solid_count; i++) {
+        still->solids[i].center_m = neph_vec3_add(still->solids[i].center_m, by_m);
+        still->solids[i].box = neph_bounds_moved(still->solids[i].box, by_m);
+    }
 }

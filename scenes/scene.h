@@ -13,6 +13,7 @@
 #include "base/status.h"
 #include "base/vec3.h"
 #include "scenes/failing.h"
+#include "scenes/injection.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -21,6 +22,8 @@
 #define NEPH_SCENE_SOLIDS_MAX 1024 /* after fences are expanded into their bars */
 #define NEPH_SCENE_KEYS_MAX 1024
 #define NEPH_FOG_LAYERS_MAX 2
+#define NEPH_SCENE_MOVERS_MAX 16
+#define NEPH_SCENE_ADVANCES_MAX 16
 
 /* Axis-aligned; a side at -inf or +inf is open. */
 struct neph_bounds {
@@ -115,10 +118,17 @@ enum neph_solid_kind {
     NEPH_SOLID_SPHERE,
 };
 
+/* About an axis of the world, by the right hand. */
+struct neph_turn {
+    int axis;            /* 0 x, 1 y, 2 z */
+    double cosine, sine; /* of its angle; 0, 0: it does not turn at all */
+};
+
 /* Opaque, Lambertian. Lit by the sun directly when its albedo is not 0. */
 struct neph_solid {
     enum neph_solid_kind kind;
     struct neph_bounds box; /* kind BOX; finite */
+    struct neph_turn turn;  /* of a box, about its middle; it has none before it moves */
     struct neph_vec3 center_m;
     double radius_m;
     struct neph_rgb albedo;
@@ -168,9 +178,32 @@ struct neph_wind_key {
     struct neph_vec3 velocity_m_per_s;
 };
 
+/* Where a solid is from where it was built: moved, and turned about the axis and pivot of its
+ * mover. */
+struct neph_solid_key {
+    double frame;
+    struct neph_vec3 move_m;
+    double turn_rad;
+};
+
+/* Solids that move as one: those of one entry of the file. */
+struct neph_mover {
+    int first, count; /* of the scene's solids */
+    int axis;         /* 0 x, 1 y, 2 z, through the pivot, which moves along */
+    struct neph_vec3 pivot_m;
+    int key_count;               /* >= 1 */
+    struct neph_solid_key *keys; /* owned */
+};
+
 /* The keys' frame stands still for so many more pictures. */
 struct neph_pause {
     int frame; /* of the keys */
+    int count;
+};
+
+/* In so many frames of the keys from this one on there are no media. */
+struct neph_clear {
+    int frame;
     int count;
 };
 
@@ -226,6 +259,10 @@ struct neph_scene {
     double frame_rate_hz;
     int pause_count;
     struct neph_pause *pauses; /* owned; ascending frames */
+    int advance_count;         /* 0: from picture to picture the keys go on by 1 frame */
+    double advances[NEPH_SCENE_ADVANCES_MAX]; /* by so many frames, by turns; >= 0 */
+    int clear_count;
+    struct neph_clear *clears; /* owned; ascending frames */
     int frame_scale_count;
     struct neph_frame_scale *frame_scales; /* owned; ascending frames */
 
@@ -243,19 +280,22 @@ struct neph_scene {
 
     int solid_count;
     struct neph_solid *solids; /* owned */
+    int mover_count;
+    struct neph_mover *movers; /* owned; of some of the solids */
     int medium_count;
     struct neph_medium media[NEPH_SCENE_MEDIA_MAX];
 
     double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
     int gate_count;
-    struct neph_gate *gates;     /* owned */
-    struct neph_failing failing; /* how methods fail in it over time; owned */
+    struct neph_gate *gates;           /* owned */
+    struct neph_failing failing;       /* how methods fail in it over time; owned */
+    struct neph_injections injections; /* put into the renderer, not into the scene; owned */
     bool borrows; /* made by neph_scene_at() or neph_scene_variant(): what is owned belongs to the
                      scene it came from */
     bool is_as_filed; /* of one that borrows: media, solids and scattering are those of its file */
 
     /* BLAKE2b of everything above that changes a rendered value (not names, gates, failures,
-     * exposure). */
+     * injections, exposure). */
     char hash[NEPH_HASH_HEX_SIZE];
 };
 

@@ -31,6 +31,19 @@ static void put_camera(FILE *text, const struct neph_scene *scene)
     neph_put_number(text, "frame_rate_hz", scene->frame_rate_hz);
 }
 
+static void put_mover(FILE *text, const struct neph_mover *mover)
+{
+    neph_put_number(text, "mover", mover->first);
+    neph_put_number(text, "count", mover->count);
+    neph_put_number(text, "axis", mover->axis);
+    neph_put_vec3(text, "pivot_m", mover->pivot_m);
+    for (int i = 0; i < mover->key_count; i++) {
+        neph_put_number(text, "solid_key", mover->keys[i].frame);
+        neph_put_vec3(text, "move_m", mover->keys[i].move_m);
+        neph_put_number(text, "turn_rad", mover->keys[i].turn_rad);
+    }
+}
+
 /* Nothing of a scene that has none of it: what was stored before there was motion stays valid. */
 static void put_motion(FILE *text, const struct neph_scene *scene)
 {
@@ -38,6 +51,14 @@ static void put_motion(FILE *text, const struct neph_scene *scene)
         neph_put_number(text, "pause", scene->pauses[i].frame);
         neph_put_number(text, "count", scene->pauses[i].count);
     }
+    for (int i = 0; i < scene->advance_count; i++)
+        neph_put_number(text, "advance", scene->advances[i]);
+    for (int i = 0; i < scene->clear_count; i++) {
+        neph_put_number(text, "clear", scene->clears[i].frame);
+        neph_put_number(text, "count", scene->clears[i].count);
+    }
+    for (int i = 0; i < scene->mover_count; i++)
+        put_mover(text, &scene->movers[i]);
     for (int i = 0; i < scene->frame_scale_count; i++) {
         neph_put_number(text, "frame_scale", scene->frame_scales[i].frame);
         neph_put_number(text, "scale", scene->frame_scales[i].scale);

@@ -10,11 +10,76 @@
 
 #include <math.h>
 
+/* --- turned boxes ---------------------------------------------------------------------------- */
+
+struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 v)
+{
+    const double c = turn->cosine, s = turn->sine;
+    switch (turn->axis) {
+    case 0:
+        return (struct neph_vec3){v.x, c * v.y - s * v.z, s * v.y + c * v.z};
+    case 1:
+        return (struct neph_vec3){c * v.x + s * v.z, v.y, c * v.z - s * v.x};
+    default:
+        return (struct neph_vec3){c * v.x - s * v.y, s * v.x + c * v.y, v.z};
+    }
+}
+
+struct neph_vec3 neph_turned_back(const struct neph_turn *turn, struct neph_vec3 vector)
+{
+    const struct neph_turn back = {turn->axis, turn->cosine, -turn->sine};
+    return neph_turned(&back, vector);
+}
+
+static struct neph_vec3 middle_of(const struct neph_bounds *box)
+{
+    return neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
+}
+
+/* A point as the box would have it if it had not turned. */
+static struct neph_vec3 own_point(const struct neph_solid *solid, struct neph_vec3 point_m)
+{
+    if (!neph_is_turned(&solid->turn))
+        return point_m;
+    const struct neph_vec3 middle_m = middle_of(&solid->box);
+    return neph_vec3_add(middle_m,
+                         neph_turned_back(&solid->turn, neph_vec3_sub(point_m, middle_m)));
+}
+
+static struct neph_vec3 own_direction(const struct neph_solid *solid, struct neph_vec3 direction)
+{
+    return neph_is_turned(&solid->turn) ? neph_turned_back(&solid->turn, direction) : direction;
+}
+
+/* Half the sides of the box around a turned box. */
+static struct neph_vec3 half_around(const struct neph_solid *solid)
+{
+    const struct neph_vec3 half_m = neph_vec3_scale(
+        neph_vec3_sub(solid->box.max_m, solid->box.min_m), 0.5);
+    const struct neph_turn turn = {solid->turn.axis, fabs(solid->turn.cosine),
+                                   fabs(solid->turn.sine)};
+    const struct neph_turn back = {turn.axis, turn.cosine, -turn.sine};
+    const struct neph_vec3 a = neph_turned(&turn, half_m), b = neph_turned(&back, half_m);
+    return (struct neph_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
+
+struct neph_bounds neph_solid_bounds(const struct neph_solid *solid)
+{
+    if (solid->kind == NEPH_SOLID_SPHERE)
+        return neph_bounds_around(solid->center_m, solid->radius_m);
+    if (!neph_is_turned(&solid->turn))
+        return solid->box;
+    const struct neph_vec3 middle_m = middle_of(&solid->box), half_m = half_around(solid);
+    return (struct neph_bounds){neph_vec3_sub(middle_m, half_m), neph_vec3_add(middle_m, half_m)};
+}
+
+/* --- rays ------------------------------------------------------------------------------------ */
+
 bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_m)
 {
-    return solid->kind == NEPH_SOLID_SPHERE
-               ? neph_vec3_length(neph_vec3_sub(point_m, solid->center_m)) <= solid->radius_m
-               : neph_bounds_contain(&solid->box, point_m);
+    if (solid->kind == NEPH_SOLID_SPHERE)
+        return neph_vec3_length(neph_vec3_sub(point_m, solid->center_m)) <= solid->radius_m;
+    return neph_bounds_contain(&solid->box, own_point(solid, point_m));
 }
 
 /* A shadow ray starts on a surface: what is nearer than this is the surface itself. Points of a
@@ -52,7 +117,8 @@ static bool solid_interval(const struct neph_solid *solid, struct neph_vec3 orig
         return sphere_interval(solid, origin_m, direction, t0_m, t1_m);
     *t0_m = -INFINITY;
     *t1_m = INFINITY;
-    return neph_bounds_clip(&solid->box, origin_m, direction, t0_m, t1_m);
+    return neph_bounds_clip(&solid->box, own_point(solid, origin_m),
+                            own_direction(solid, direction), t0_m, t1_m);
 }
 
 /* The face of a box on which a point lies, chosen as the one it is nearest to. */
@@ -74,7 +140,8 @@ static struct neph_vec3 solid_normal(const struct neph_solid *solid, struct neph
 {
     if (solid->kind == NEPH_SOLID_SPHERE)
         return neph_vec3_normalize(neph_vec3_sub(point_m, solid->center_m));
-    return box_normal(&solid->box, point_m);
+    const struct neph_vec3 normal = box_normal(&solid->box, own_point(solid, point_m));
+    return neph_is_turned(&solid->turn) ? neph_turned(&solid->turn, normal) : normal;
 }
 
 struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 origin_m,
@@ -225,7 +292,9 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
     double u0 = t0_m, u1 = t1_m;
     const bool hidden = solid->kind == NEPH_SOLID_SPHERE
                             ? sphere_shadow(solid, sun_direction, origin_m, direction, &u0, &u1)
-                            : box_shadow(&solid->box, sun_direction, origin_m, direction, &u0, &u1);
+                            : box_shadow(&solid->box, own_direction(solid, sun_direction),
+                                         own_point(solid, origin_m),
+                                         own_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
     *shadow_t0_m = u0;

@@ -24,6 +24,19 @@ struct neph_vec3 neph_hit_outside_m(const struct neph_hit *hit, struct neph_vec3
 /* Faces belong to the solid. */
 bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_m);
 
+/* A box around it. */
+struct neph_bounds neph_solid_bounds(const struct neph_solid *solid);
+
+/* A vector turned, and turned back. */
+struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 vector);
+struct neph_vec3 neph_turned_back(const struct neph_turn *turn, struct neph_vec3 vector);
+
+/* Whether there is a turn at all. */
+static inline bool neph_is_turned(const struct neph_turn *turn)
+{
+    return turn->cosine != 0.0 || turn->sine != 0.0;
+}
+
 /* True when no solid stands between the point and the sun. */
 bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m);
 

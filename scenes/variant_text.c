@@ -160,7 +160,14 @@ static void put_frames(FILE *out, struct file *file, const struct neph_scene *ma
     for (int i = 0; i < made->frame_scale_count; i++)
         fprintf(out, "%s{frame: %d, scale: %.17g}", i ? ", " : ", sizes: [",
                 made->frame_scales[i].frame, made->frame_scales[i].scale);
-    fprintf(out, "%s}", made->frame_scale_count > 0 ? "]" : "");
+    fprintf(out, "%s", made->frame_scale_count > 0 ? "]" : "");
+    for (int i = 0; i < made->advance_count; i++)
+        fprintf(out, "%s%.17g", i ? ", " : ", advance: [", made->advances[i]);
+    fprintf(out, "%s", made->advance_count > 0 ? "]" : "");
+    for (int i = 0; i < made->clear_count; i++)
+        fprintf(out, "%s{frame: %d, count: %d}", i ? ", " : ", clear: [", made->clears[i].frame,
+                made->clears[i].count);
+    fprintf(out, "%s}", made->clear_count > 0 ? "]" : "");
 }
 
 typedef void put_function(FILE *out, struct file *file, const struct neph_scene *made);

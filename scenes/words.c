@@ -35,6 +35,16 @@ const char *const neph_failing_truth_words[] = {
     NULL,
 };
 
+const char *const neph_injected_value_words[] = {
+    [NEPH_INJECTED_NAN] = "nan",
+    [NEPH_INJECTED_INFINITE] = "infinite",
+    [NEPH_INJECTED_NEGATIVE] = "negative",
+    [NEPH_INJECTED_HUGE] = "huge",
+    [NEPH_INJECTED_GARBAGE] = "garbage",
+    [NEPH_INJECTED_BLACK] = "black",
+    NULL,
+};
+
 const char *neph_scattering_name(enum neph_scattering scattering)
 {
     return neph_scattering_words[scattering];
@@ -48,6 +58,11 @@ const char *neph_gate_quantity_name(enum neph_gate_quantity quantity)
 const char *neph_failing_measure_name(enum neph_failing_measure measure)
 {
     return neph_failing_measure_words[measure];
+}
+
+const char *neph_injected_value_name(enum neph_injected_value value)
+{
+    return neph_injected_value_words[value];
 }
 
 const char *neph_failing_truth_name(enum neph_failing_truth truth)

@@ -270,10 +270,26 @@ def add_object(scene, name: str, data):
     return thing
 
 
-def box_mesh(lo_m, hi_m, material, units: Units):
+def turned(place, middle, turn):
+    """About an axis of our world, whose y is Blender's z and whose z is Blender's -y."""
+    axis, cosine, sine = turn
+    x, y, z = (a - b for a, b in zip(place, middle))
+    if axis == 0:
+        way = (x, cosine * y - sine * z, sine * y + cosine * z)
+    elif axis == 1:
+        way = (cosine * x - sine * y, sine * x + cosine * y, z)
+    else:
+        way = (cosine * x - sine * z, y, sine * x + cosine * z)
+    return tuple(a + b for a, b in zip(middle, way))
+
+
+def box_mesh(lo_m, hi_m, material, units: Units, turn=None):
     a, b = units.point(lo_m), units.point(hi_m)
     x, y, z = (sorted(pair) for pair in zip(a, b))
     corners = [(p, q, r) for r in z for q in y for p in x]
+    if turn:
+        middle = tuple(0.5 * (p + q) for p, q in zip(a, b))
+        corners = [turned(corner, middle, turn) for corner in corners]
     faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     mesh = bpy.data.meshes.new("box")
     mesh.from_pydata(corners, [], faces)
@@ -315,7 +331,8 @@ def add_solid(scene, solid: dict, is_light: bool, units: Units) -> None:
     albedo = tuple(solid["albedo"])
     if solid["kind"] == "box":
         material = solid_material(albedo, is_light)
-        add_object(scene, "box", box_mesh(solid["min_m"], solid["max_m"], material, units))
+        mesh = box_mesh(solid["min_m"], solid["max_m"], material, units, solid.get("turn"))
+        add_object(scene, "box", mesh)
     elif solid["kind"] == "sphere":
         thing = add_object(scene, "sphere", sphere_mesh(solid["segments"], albedo, is_light))
         thing.location = units.point(solid["center_m"])

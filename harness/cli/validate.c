@@ -23,7 +23,7 @@ struct request {
     struct neph_cli_words engines, only, presets;
     const char *tier, *suite, *check, *pictures;
     int budget_s, samples, jobs, page_limit_mb;
-    bool no_charts;
+    bool no_charts, on_device;
 };
 
 static const struct neph_cli_option options[] = {
@@ -49,6 +49,10 @@ static const struct neph_cli_option options[] = {
      "Of the failure suite: only this preset, or PRESET+KEY=VALUE; may be given several times "
      "(default: seed, fixed and ours, in the full tier all; march, cycles and povray beside them)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, presets)},
+    {"on-device", 0, NULL,
+     "Of the failure suite: only count bad values, in all images of every frame, on the device; "
+     "nothing is kept",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, on_device)},
     {"jobs", 0, "N", "Of the failure suite: processes that render at the same time (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, jobs), .minimum = 1,
      .maximum = NEPH_FAILURE_JOBS_MAX},
@@ -99,9 +103,9 @@ static void check_failure(const struct request *request, const struct argp_state
     const struct neph_cli_shared *shared = &request->shared;
     if (!is_failure(request)) {
         if (request->only.count > 0 || request->presets.count > 0 || request->jobs >= 0 ||
-            request->pictures || request->page_limit_mb >= 0)
-            argp_error(state, "--only, --preset, --jobs, --pictures and --page-limit belong to "
-                              "--suite failure");
+            request->pictures || request->page_limit_mb >= 0 || request->on_device)
+            argp_error(state, "--only, --preset, --jobs, --pictures, --page-limit and --on-device "
+                              "belong to --suite failure");
         return;
     }
     if (shared->operand_count > 0)
@@ -360,6 +364,7 @@ static enum neph_status run_failure(const struct request *request, struct neph_d
                                          .engine_count = request->engines.count,
                                          .width_px = shared->size.width_px,
                                          .height_px = shared->size.height_px,
+                                         .on_device = request->on_device,
                                          .jobs = request->jobs < 0 ? 1 : request->jobs,
                                          .quiet = shared->quiet};
     const size_t limit_mb = request->page_limit_mb < 0 ? 60 : (size_t)request->page_limit_mb;

@@ -114,13 +114,17 @@ static void fill_row(int row, void *context)
 static enum neph_status write_depth(const struct neph_shot *shot, const char *folder,
                                     struct neph_diag *diag)
 {
-    struct depths depths = {.scene = shot->scene,
+    struct neph_scene *still = NULL; /* solids are where they are in this picture */
+    struct neph_image *image = NULL;
+    enum neph_status status = neph_scene_at(shot->scene, shot->frame, &still, diag);
+    if (status)
+        return status;
+    struct depths depths = {.scene = still,
                             .camera = neph_scene_camera(shot->scene, shot->frame),
                             .width_px = shot->width_px,
                             .height_px = shot->height_px};
-    struct neph_image *image = NULL;
     char *path = neph_path_join(folder, "depth.exr");
-    enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
+    status = path ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_image_create(shot->width_px, shot->height_px, &image, diag);
     if (!status)
@@ -130,6 +134,7 @@ static enum neph_status write_depth(const struct neph_shot *shot, const char *fo
     if (!status)
         status = neph_exr_write_plain(path, image, diag);
     neph_image_destroy(image);
+    neph_scene_destroy(still);
     free(path);
     return status;
 }

@@ -7,6 +7,7 @@
 #include "scenes/emission.h"
 #include "scenes/grid.h"
 #include "scenes/media.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -316,13 +317,20 @@ static int sphere_segments(const struct neph_solid *sphere, const struct neph_ca
     return (int)segments;
 }
 
+/* Axis of the world, cosine and sine; null: it has not turned. */
+static json_t *turn_json(const struct neph_turn *turn)
+{
+    return neph_is_turned(turn) ? json_pack("[iff]", turn->axis, turn->cosine, turn->sine)
+                                : json_null();
+}
+
 static json_t *solid_json(const struct neph_solid *solid, const struct neph_camera *camera,
                           int height_px, double *error_px)
 {
     if (solid->kind == NEPH_SOLID_BOX)
-        return json_pack("{s:s, s:o, s:o, s:o}", "kind", "box", "min_m",
+        return json_pack("{s:s, s:o, s:o, s:o, s:o}", "kind", "box", "min_m",
                          vector_json(solid->box.min_m), "max_m", vector_json(solid->box.max_m),
-                         "albedo", color_json(solid->albedo));
+                         "turn", turn_json(&solid->turn), "albedo", color_json(solid->albedo));
     const int segments = sphere_segments(solid, camera, height_px, error_px);
     return json_pack("{s:s, s:o, s:f, s:i, s:o}", "kind", "sphere", "center_m",
                      vector_json(solid->center_m), "radius_m", solid->radius_m, "segments",

@@ -105,6 +105,10 @@ struct neph_engine_sequence {
     /* What the oldest of them has cost, waited for. NULL where `send` is. */
     enum neph_status (*home)(void *sequence, struct neph_flight_cost *cost, struct neph_diag *diag);
 
+    /* How many values of the last picture are bad, in all images that it was made of, waited for
+     * and counted on the device. NULL: nobody can tell. */
+    enum neph_status (*watch)(void *sequence, uint64_t *bad, struct neph_diag *diag);
+
     /* NULL is fine. */
     void (*close)(void *sequence);
 };
@@ -129,6 +133,7 @@ struct neph_engine {
     bool remembers;   /* its pictures follow from those before. Its shots have the scene over time,
                          where others get the scene of the picture (scenes/motion.h) */
     bool takes_given; /* a depth and radiance of the solids from a file */
+    bool injects;     /* what the scene wants put into a running renderer: scenes/injection.h */
     uint32_t version; /* of our own driver; raise it when its output changes */
     bool look; /* a lighting model that is no physics and does not claim to be: what it is off by is
                   the gap of a model */

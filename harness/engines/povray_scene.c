@@ -21,6 +21,7 @@
 #include "harness/engines/povray_exposure.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -50,15 +51,6 @@ static double axis_of(struct neph_vec3 v, int axis)
 static void set_axis(struct neph_vec3 *v, int axis, double value)
 {
     *(axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z) = value;
-}
-
-static struct neph_bounds solid_bounds(const struct neph_solid *solid)
-{
-    if (solid->kind == NEPH_SOLID_BOX)
-        return solid->box;
-    struct neph_vec3 r = {solid->radius_m, solid->radius_m, solid->radius_m};
-    return (struct neph_bounds){neph_vec3_sub(solid->center_m, r),
-                                neph_vec3_add(solid->center_m, r)};
 }
 
 static const struct neph_bounds nothing = {{INFINITY, INFINITY, INFINITY},
@@ -163,7 +155,7 @@ static void choose_units(struct neph_povray_world *world)
 {
     struct neph_bounds solids = nothing;
     for (int i = 0; i < world->scene->solid_count; i++)
-        solids = join(solids, solid_bounds(&world->scene->solids[i]));
+        solids = join(solids, neph_solid_bounds(&world->scene->solids[i]));
     struct neph_bounds eye = {world->camera.position_m, world->camera.position_m};
     struct neph_bounds all = join(solids, eye);
     for (int i = 0; i < world->scene->medium_count; i++) {
@@ -179,7 +171,7 @@ static void choose_units(struct neph_povray_world *world)
 static enum neph_status check_solids(const struct neph_povray_world *world, struct neph_diag *diag)
 {
     for (int i = 0; i < world->scene->solid_count; i++) {
-        struct neph_bounds bounds = solid_bounds(&world->scene->solids[i]);
+        struct neph_bounds bounds = neph_solid_bounds(&world->scene->solids[i]);
         struct neph_vec3 size_m = neph_vec3_sub(bounds.max_m, bounds.min_m);
         double smallest_m = fmin(size_m.x, fmin(size_m.y, size_m.z));
         if (!(smallest_m * world->units_per_m >= solid_minimum_units))
@@ -198,7 +190,7 @@ static bool is_crowded(const struct neph_povray_world *world, int container, int
     if (fabs(axis_of(world->camera.position_m, axis) - plane_m) < gap_m)
         return true;
     for (int i = 0; i < world->scene->solid_count; i++) {
-        struct neph_bounds bounds = solid_bounds(&world->scene->solids[i]);
+        struct neph_bounds bounds = neph_solid_bounds(&world->scene->solids[i]);
         if (fabs(axis_of(bounds.min_m, axis) - plane_m) < gap_m ||
             fabs(axis_of(bounds.max_m, axis) - plane_m) < gap_m)
             return true;
@@ -261,7 +253,7 @@ static enum neph_status check_extinctions(const struct neph_povray_world *world,
 /* Planar depth of the farthest corner of a solid's box. */
 static double solid_depth_m(const struct neph_solid *solid, const struct neph_camera *camera)
 {
-    struct neph_bounds bounds = solid_bounds(solid);
+    struct neph_bounds bounds = neph_solid_bounds(solid);
     double depth_m = 0.0;
     for (int axis = 0; axis < 3; axis++) {
         double forward = axis_of(camera->forward, axis);
@@ -717,6 +709,27 @@ static void write_texture(struct writer *writer, struct neph_rgb albedo)
     }
 }
 
+/* Before the texture, which does not turn along. Row i of POV-Ray's matrix is what becomes of unit
+ * vector i. */
+static void write_turn(struct writer *writer, const struct neph_solid *box)
+{
+    const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m),
+                                                      0.5);
+    if (!neph_is_turned(&box->turn))
+        return;
+    words(writer, " translate -");
+    position(writer, middle_m);
+    words(writer, " matrix <");
+    for (int axis = 0; axis < 3; axis++) {
+        const struct neph_vec3 unit = {axis == 0, axis == 1, axis == 2};
+        const struct neph_vec3 row = neph_turned(&box->turn, unit);
+        for (int i = 0; i < 3; i++)
+            named_number(writer, "", axis_of(row, i), ", ");
+    }
+    words(writer, "0, 0, 0> translate ");
+    position(writer, middle_m);
+}
+
 static void write_solid(struct writer *writer, const struct neph_solid *solid)
 {
     if (solid->kind == NEPH_SOLID_BOX) {
@@ -724,6 +737,7 @@ static void write_solid(struct writer *writer, const struct neph_solid *solid)
         position(writer, solid->box.min_m);
         words(writer, ", ");
         position(writer, solid->box.max_m);
+        write_turn(writer, solid);
     } else {
         words(writer, "sphere { ");
         position(writer, solid->center_m);

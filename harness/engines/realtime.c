@@ -175,6 +175,25 @@ static enum neph_status label(struct neph_image *frame, const struct neph_realti
     return status ? status : label_passes(frame, stats, diag);
 }
 
+/* Nothing of a scene that injects nothing. */
+static enum neph_status label_injections(struct neph_image *frame,
+                                         const struct neph_injections *injections,
+                                         const struct neph_realtime_stats *stats,
+                                         struct neph_diag *diag)
+{
+    char *text = neph_injections_text(injections);
+    if (!text)
+        return neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
+    if (text[0])
+        status = neph_frame_stats_set(frame, "injected_values", (double)stats->injected_values,
+                                      diag);
+    if (text[0] && !status)
+        status = neph_image_set_attribute(frame, "neph.injected", diag, "%s", text);
+    free(text);
+    return status;
+}
+
 static enum neph_status follow_size(struct sequence *sequence, const struct neph_shot *shot,
                                     struct neph_diag *diag)
 {
@@ -200,6 +219,8 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
         status = neph_realtime_render(sequence->realtime, &picture, &image, &stats, diag);
     if (!status)
         status = label(image, &stats, diag);
+    if (!status)
+        status = label_injections(image, &shot->scene->injections, &stats, diag);
     if (!status)
         status = label_cycles(image, &shot->settings, diag);
     if (status) {
@@ -238,6 +259,12 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
         cost->passes[cost->pass_count++].traffic_bytes = NAN;
     }
     return NEPH_OK;
+}
+
+static enum neph_status watch(void *opened, uint64_t *bad, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    return neph_realtime_watch(sequence->realtime, bad, diag);
 }
 
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
@@ -308,6 +335,7 @@ static const struct neph_engine_sequence sequence_of = {
     .next = next_picture,
     .send = send,
     .home = home,
+    .watch = watch,
     .close = close_sequence,
 };
 
@@ -322,6 +350,7 @@ const struct neph_engine neph_engine_realtime = {
     .sequence = &sequence_of,
     .remembers = true,
     .takes_given = true,
+    .injects = true,
     .version = 3, /* octaves fitted to whole pictures, too */
     .shortcut_of = "march",
     .stochastic = true,

@@ -260,7 +260,8 @@ static void add_point(const struct neph_failure_params *params, struct neph_fail
     const char *name = neph_arena_text(&suite->arena, text);
     for (int i = 0; i < scene->failing.limit_count; i++) {
         const struct neph_failing_limit *limit = &scene->failing.limits[i];
-        if (params->width_px == 0 || limit->measure == NEPH_FAILING_BAD_VALUES)
+        const bool judges_all = params->width_px == 0 && !params->on_device;
+        if (judges_all || limit->measure == NEPH_FAILING_BAD_VALUES)
             add_row(suite, scene, point, name, limit);
     }
     if (!judges_bad_values(&scene->failing))

@@ -42,7 +42,9 @@ struct neph_failure_params {
     enum neph_failure_pictures pictures;
     int width_px, height_px; /* 0: those of the scenarios. Of another size bad values alone are
                                 judged: limits hold at their own */
-    int jobs;                /* processes that render at the same time, 1 .. */
+    bool on_device; /* bad values alone, in all images of all passes, counted on the device; nothing
+                       is kept, not even in the store */
+    int jobs;       /* processes that render at the same time, 1 .. */
     bool quiet;
 
     /* Called with what is there so far, by one process alone; NULL: nobody looks. */

@@ -33,7 +33,8 @@ static void expect_references(struct neph_failure_bench *bench,
     for (int c = 0; c < bench->suite->column_count; c++)
         is_asked |= bench->suite->columns[c].is_preset &&
                     neph_failure_is_asked(bench->suite, point, c);
-    if (is_asked && failing->truth == NEPH_FAILING_MARCH && bench->params->width_px == 0)
+    if (is_asked && failing->truth == NEPH_FAILING_MARCH && bench->params->width_px == 0 &&
+        !bench->params->on_device)
         neph_progress_expect(&bench->progress, NEPH_FAILURE_KIND_REFERENCE,
                              neph_reference_picture_count(point->scene, 0, failing->frame_count),
                              picture_typical_s);

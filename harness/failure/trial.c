@@ -6,6 +6,7 @@
 #include "harness/failure/exhibit.h"
 #include "harness/failure/expectations.h"
 #include "harness/failure/measures.h"
+#include "harness/failure/watch.h"
 #include "harness/run/seed.h"
 #include "harness/study/take.h"
 
@@ -363,6 +364,18 @@ static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
     return run_take(trial, &take, diag);
 }
 
+/* Every frame, of which only the count of its bad values comes home. */
+static enum neph_status watch(struct trial *trial, struct neph_diag *diag)
+{
+    uint64_t bad = 0;
+    const enum neph_status status = neph_watch_sequence(&trial->job, trial->frames.count, &bad,
+                                                        diag);
+    for (int r = 0; r < trial->point->row_count && !status; r++)
+        fill_cell(trial, row_of(trial, r), (double)bad, "");
+    trial->bench->suite->frame_count += trial->frames.count;
+    return status;
+}
+
 static enum neph_status run(struct trial *trial, struct neph_diag *diag)
 {
     const bool is_preset = column_of(trial)->is_preset;
@@ -372,11 +385,13 @@ static enum neph_status run(struct trial *trial, struct neph_diag *diag)
                               : neph_failure_engine_frames(point->at);
     neph_failure_extractors(&point->at->failing, is_preset, trial->extractors);
     enum neph_status status = make_job(trial, diag);
-    if (!status)
+    if (!status && !trial->bench->params->on_device)
         status = have_truth(trial, diag);
     trial->bench->progress.kind = is_preset ? NEPH_FAILURE_KIND_TAKE
                                             : NEPH_FAILURE_KIND_ENGINE + trial->column;
-    return status ? status : measure(trial, diag);
+    if (status)
+        return status;
+    return trial->bench->params->on_device ? watch(trial, diag) : measure(trial, diag);
 }
 
 /* Whether every number of the column is one that is skipped. */

@@ -171,12 +171,65 @@ static void mark_without_past(const struct neph_image *image, float *x_px, float
         x_px[i] = y_px[i] = NEPH_MOTION_NOWHERE_PX;
 }
 
+/* Where the camera of the frame before saw a point, less where it is now. */
+static void follow_point(const struct view *view, const struct neph_camera *before,
+                         struct neph_vec3 point_m, int x, int y, float motion_px[2], float *depth_m)
+{
+    const struct neph_vec3 from_m = neph_vec3_sub(point_m, before->position_m);
+    const double depth = neph_vec3_dot(from_m, before->forward);
+    const double half_height_px = 0.5 * view->height_px / neph_camera_half_height(before);
+    motion_px[0] = motion_px[1] = NEPH_MOTION_NOWHERE_PX;
+    *depth_m = (float)fmax(depth, 0.0);
+    if (depth <= 0.0)
+        return;
+    const double right_px = neph_vec3_dot(from_m, before->right) / depth * half_height_px;
+    const double up_px = neph_vec3_dot(from_m, before->up) / depth * half_height_px;
+    motion_px[0] = (float)(0.5 * view->width_px + right_px - (x + 0.5));
+    motion_px[1] = (float)(0.5 * view->height_px - up_px - (y + 0.5));
+}
+
+static const struct neph_mover *mover_of(const struct neph_scene *scene, int solid)
+{
+    for (int i = 0; i < scene->mover_count; i++)
+        if (solid >= scene->movers[i].first &&
+            solid < scene->movers[i].first + scene->movers[i].count)
+            return &scene->movers[i];
+    return NULL;
+}
+
+/* What moves by itself, in place of what the camera alone would say. */
+static void follow_solids(const struct neph_scene *scene, const struct view *view, int frame,
+                          float *x_px, float *y_px, float *before_m)
+{
+    const struct neph_camera before = neph_scene_camera(scene, frame - 1);
+    for (int y = 0; y < view->height_px && scene->mover_count > 0; y++)
+        for (int x = 0; x < view->width_px; x++) {
+            const size_t i = (size_t)y * (size_t)view->width_px + (size_t)x;
+            const struct neph_pixel_ray ray = ray_of(view, x, y);
+            const struct neph_hit hit = neph_scene_hit(view->scene, ray.origin_m, ray.direction);
+            const struct neph_mover *mover =
+                hit.solid ? mover_of(scene, (int)(hit.solid - view->scene->solids)) : NULL;
+            if (!mover)
+                continue;
+            const struct neph_placing here = neph_mover_placing(scene, mover, frame);
+            const struct neph_placing there = neph_mover_placing(scene, mover, frame - 1);
+            const struct neph_vec3 point_m = neph_vec3_along(ray.origin_m, ray.direction, hit.t_m);
+            float motion_px[2];
+            follow_point(view, &before, neph_placed_before_m(&here, &there, point_m), x, y,
+                         motion_px, &before_m[i]);
+            x_px[i] = motion_px[0];
+            y_px[i] = motion_px[1];
+        }
+}
+
 static enum neph_status add_motion(const struct neph_scene *scene, const struct view *view,
                                    int frame, struct neph_image *image, struct neph_diag *diag)
 {
     const float *depth_m = neph_image_channel(image, "Z");
     float *x_px = NULL, *y_px = NULL, *before_m = NULL;
-    if (!depth_m || scene->camera_key_count < 2 || neph_image_channel(image, "motion.x"))
+    const bool moves = scene->camera_key_count > 1 || scene->mover_count > 0;
+    const bool is_parallel = scene->orthographic_height_m > 0.0; /* motion.h knows perspective */
+    if (!depth_m || !moves || is_parallel || neph_image_channel(image, "motion.x"))
         return NEPH_OK;
     const struct neph_camera camera_before = neph_scene_camera(scene, frame - 1);
     const struct neph_motion_camera now = motion_camera(&view->camera);
@@ -186,11 +239,16 @@ static enum neph_status add_motion(const struct neph_scene *scene, const struct 
         status = neph_image_add_channel(image, "motion.y", &y_px, diag);
     if (!status)
         status = neph_image_add_channel(image, "motion.depth", &before_m, diag);
-    if (!status && neph_scene_is_cut(scene, frame - 1, frame))
+    if (status)
+        return status;
+    if (neph_scene_is_cut(scene, frame - 1, frame)) {
         mark_without_past(image, x_px, y_px);
-    else if (!status)
-        status = neph_motion_of_depth(&now, &before, view->width_px, view->height_px, depth_m,
-                                      NEPH_MOTION_EYE_DEPTH, x_px, y_px, before_m, diag);
+        return NEPH_OK;
+    }
+    status = neph_motion_of_depth(&now, &before, view->width_px, view->height_px, depth_m,
+                                  NEPH_MOTION_EYE_DEPTH, x_px, y_px, before_m, diag);
+    if (!status)
+        follow_solids(scene, view, frame, x_px, y_px, before_m);
     return status;
 }
 

@@ -36,15 +36,21 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
 {
     const struct neph_shot *shot = &job->shot;
     char *settings = neph_settings_text(job->engine, &shot->settings);
+    char *injected = job->engine->injects ? neph_injections_text(&shot->scene->injections)
+                                          : strdup("");
     char *text = neph_format(
         "neph-job-1\nscene %s\nengine %s driver %u\nversion %s\nbuild %s\n"
-        "device %s\nsettings %s\nsize %dx%d\nframe %d\nlayers %u\nseed %llu\nrepeat %d\n",
+        "device %s\nsettings %s\nsize %dx%d\nframe %d\nlayers %u\nseed %llu\nrepeat %d\n"
+        "%s%s",
         shot->scene->hash, job->engine->name, (unsigned)job->engine->version, job->info->version,
         job->info->build, job->info->device, settings ? settings : "", shot->width_px,
-        shot->height_px, shot->frame, shot->layers, (unsigned long long)shot->seed, job->repeat);
-    enum neph_status status = settings && text ? neph_hash(text, strlen(text), key, diag)
-                                               : neph_fail_memory(diag);
+        shot->height_px, shot->frame, shot->layers, (unsigned long long)shot->seed, job->repeat,
+        injected && injected[0] ? "inject " : "", injected ? injected : "");
+    enum neph_status status = settings && injected && text
+                                  ? neph_hash(text, strlen(text), key, diag)
+                                  : neph_fail_memory(diag);
     free(settings);
+    free(injected);
     free(text);
     return status;
 }

@@ -10,6 +10,15 @@ static size_t pixel_count(const struct neph_rt_device *device)
     return (size_t)device->view->size_px[0] * device->view->size_px[1];
 }
 
+/* The texel of a full-resolution target that a pixel of the view has. */
+static size_t texel_of(const struct neph_rt_device *device, int target, size_t pixel)
+{
+    const struct neph_gpu_view *view = device->view;
+    const size_t x = pixel % view->size_px[0] + view->origin_px[0];
+    const size_t y = pixel / view->size_px[0] + view->origin_px[1];
+    return y * view->targets[target].width + x;
+}
+
 enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *const channels[3],
                               struct neph_diag *diag)
 {
@@ -25,7 +34,7 @@ enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *
         for (int c = 0; c < 3; c++)
             if (channels[c])
                 value[c] = fminf(channels[c][i], NEPH_GPU_FAR_M);
-        neph_rt_store(&device->view->targets[target], words, i, value);
+        neph_rt_store(&device->view->targets[target], words, texel_of(device, target, i), value);
     }
     const enum neph_status status = neph_rt_device_upload(device, target, words, diag);
     free(words);
@@ -42,7 +51,7 @@ enum neph_status neph_rt_bring(struct neph_rt_device *device, int target, float 
     const size_t count = pixel_count(device);
     for (size_t i = 0; i < count && !status; i++) {
         float value[4];
-        neph_rt_load(&device->view->targets[target], words, i, value);
+        neph_rt_load(&device->view->targets[target], words, texel_of(device, target, i), value);
         for (int c = 0; c < 4; c++)
             if (channels[c])
                 channels[c][i] = value[c];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Between the targets on the device and images on the CPU, for views that fill their targets.
+ * Between the view of the targets on the device and images on the CPU.
  */
 #ifndef NEPH_RENDERER_REALTIME_IMAGES_H
 #define NEPH_RENDERER_REALTIME_IMAGES_H
@@ -9,7 +9,7 @@
 #include "renderer/realtime/device.h"
 
 /* Up to three channels of an image become those of a full-resolution target, where it has memory;
- * NULL: 0. Infinity becomes FAR_M. */
+ * NULL: 0, and so is what is not of the view. Infinity becomes FAR_M. */
 enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *const channels[3],
                               struct neph_diag *diag);
 

@@ -50,6 +50,11 @@ uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target)
     return (uint64_t)shape->width * shape->height * neph_rt_format_bytes(shape->format);
 }
 
+uint32_t neph_rt_target_side_px(int target)
+{
+    return (uint32_t)rows[target].resolution;
+}
+
 uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution)
 {
     return (uint64_t)divide_up((int)view->size_px[0], resolution) *

@@ -17,6 +17,9 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
 /* Bytes of one target: what a GPU would have in memory for its texture. */
 uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target);
 
+/* How many pixels wide and high a texel of a target is. */
+uint32_t neph_rt_target_side_px(int target);
+
 /* Texels that a view has at a resolution: RT_FULL, RT_HALF, RT_QUARTER. */
 uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution);
 

@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+_Static_assert((int)NEPH_SCENE_MOVERS_MAX <= RT_MOVERS_MAX, "room for every mover");
+
 static void set_vector(float out[3], struct neph_vec3 vector)
 {
     out[0] = (float)vector.x;
@@ -43,8 +45,10 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
     struct neph_rt_moment now = {
         .camera = neph_scene_camera(scene, frame),
         .drift_m = neph_scene_wind_displacement_m(scene, frame),
+        .origin_m = neph_injected_origin_at(&scene->injections, frame),
         .frame = frame,
     };
+    now.camera.position_m = neph_vec3_add(now.camera.position_m, now.origin_m);
     double jitter_px[2] = {0.0, 0.0};
     if (moves_rays && view->settings[RT_TAA] != 0.0f)
         neph_rt_jitter((int)view->settings[RT_TAA_JITTER],
@@ -54,13 +58,57 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
     return now;
 }
 
+/* The same moment in a world that lies elsewhere now. */
+static struct neph_rt_moment in_world_of(const struct neph_rt_moment *before,
+                                         const struct neph_rt_moment *now)
+{
+    const struct neph_vec3 way_m = neph_vec3_sub(now->origin_m, before->origin_m);
+    struct neph_rt_moment moved = *before;
+    moved.camera.position_m = neph_vec3_add(before->camera.position_m, way_m);
+    moved.origin_m = now->origin_m;
+    return moved;
+}
+
+/* Where the pivot of a mover is, from the camera of now. */
+static struct neph_vec3 pivot_from(const struct neph_rt_moment *now,
+                                   const struct neph_rt_moment *then,
+                                   const struct neph_placing *placing)
+{
+    const struct neph_vec3 own_m = neph_vec3_add(placing->pivot_m, placing->move_m);
+    return neph_vec3_sub(neph_vec3_add(own_m, then->origin_m), now->camera.position_m);
+}
+
+/* The angle back is the difference of both, in double: it is exactly 0 at rest. */
+static struct neph_gpu_mover mover_from(const struct neph_scene *scene,
+                                        const struct neph_mover *mover,
+                                        const struct neph_rt_moment *now,
+                                        const struct neph_rt_moment *before)
+{
+    const struct neph_placing here = neph_mover_placing(scene, mover, now->frame);
+    const struct neph_placing there = neph_mover_placing(scene, mover, before->frame);
+    const struct neph_turn a = here.turn, b = there.turn;
+    const bool rests = a.cosine == b.cosine && a.sine == b.sine;
+    struct neph_gpu_mover made = {
+        .first = (uint32_t)mover->first,
+        .end = (uint32_t)(mover->first + mover->count),
+        .axis = (uint32_t)mover->axis,
+        .cosine = rests ? 1.0f : (float)(a.cosine * b.cosine + a.sine * b.sine),
+        .sine = rests ? 0.0f : (float)(b.sine * a.cosine - b.cosine * a.sine),
+    };
+    set_vector(made.pivot_m, pivot_from(now, now, &here));
+    set_vector(made.pivot_before_m, pivot_from(now, before, &there));
+    return made;
+}
+
 void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene *scene,
                              const struct neph_rt_moment *now, const struct neph_rt_moment *before,
                              uint32_t number)
 {
     const bool is_first = !before;
-    if (is_first)
-        before = now;
+    struct neph_rt_moment past = is_first ? *now : *before;
+    if (view->settings[RT_ORIGIN_SHIFT] != 0.0f)
+        past = in_world_of(&past, now);
+    before = &past;
     const bool is_cut = !is_first && neph_scene_is_cut(scene, before->frame, now->frame);
     view->now = camera_from(&now->camera, now->camera.position_m, view->size_px);
     view->before = camera_from(&before->camera, now->camera.position_m, view->size_px);
@@ -71,4 +119,7 @@ void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene
     memcpy(view->jitter_px, now->jitter_px, sizeof(view->jitter_px));
     memcpy(view->jitter_before_px, before->jitter_px, sizeof(view->jitter_before_px));
     set_vector(view->wind_m, neph_vec3_sub(now->drift_m, before->drift_m));
+    view->mover_count = (uint32_t)scene->mover_count;
+    for (int i = 0; i < scene->mover_count; i++)
+        view->movers[i] = mover_from(scene, &scene->movers[i], now, before);
 }

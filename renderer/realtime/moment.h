@@ -10,8 +10,9 @@
 
 struct neph_rt_moment {
     struct neph_camera camera;
-    struct neph_vec3 drift_m; /* of the media */
-    int frame;                /* of the scene's pictures */
+    struct neph_vec3 drift_m;  /* of the media */
+    struct neph_vec3 origin_m; /* where the world lies, from where its file has it */
+    int frame;                 /* of the scene's pictures */
     float jitter_px[2];
 };
 

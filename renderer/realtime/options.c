@@ -367,5 +367,13 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
 
     [RT_DIFFUSION_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
     [RT_DIFFUSION_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(2),
+
+    [RT_SOLID_MOTION] = CHOICE(
+        "solid_motion", 1, switches,
+        "with split=four the anti-aliasing follows solids that move; off: as "
+        "if they stood still"),
+    [RT_ORIGIN_SHIFT] = CHOICE("origin_shift", 1, switches,
+                               "history follows where the world's origin is moved (inject.origin); "
+                               "off: as if the camera had gone so far"),
     {.name = NULL},
 };

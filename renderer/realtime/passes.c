@@ -27,6 +27,9 @@ static const uint32_t upscale_spirv[] = {
 static const uint32_t compose_spirv[] = {
 #include "shaders/rt_compose.comp.inc"
 };
+static const uint32_t motion_spirv[] = {
+#include "shaders/rt_motion.comp.inc"
+};
 static const uint32_t taa_spirv[] = {
 #include "shaders/rt_taa.comp.inc"
 };
@@ -118,6 +121,15 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .picture = RT_COLOR,
     },
     {
+        .name = "motion",
+        .note = "how far solids that move have come, a ray per pixel",
+        .shader = {"rt_motion", motion_spirv, sizeof(motion_spirv)},
+        .condition = {RT_SOLID_MOTION, 1},
+        .resolution = RT_FULL,
+        .rays = NEPH_RT_RAYS_TO_SOLIDS,
+        .writes = BIT(RT_MOVED),
+    },
+    {
         .name = "anti-aliasing",
         .note = "the mean over jittered frames, held in a neighbourhood clamp",
         .shader = {"rt_taa", taa_spirv, sizeof(taa_spirv)},
@@ -125,9 +137,10 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .resolution = RT_FULL,
         .column = RT_TAA_COLUMN,
         .reads = BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) |
-                 BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE),
+                 BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_MOVED),
         .spared = {{{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE)},
-                   {{RT_GRADIENT, 1}, BIT(RT_CHANGE)}},
+                   {{RT_GRADIENT, 1}, BIT(RT_CHANGE)},
+                   {{RT_SOLID_MOTION, 1}, BIT(RT_MOVED)}},
         .writes = BIT(RT_TAA_OUT),
         .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
         .picture = RT_TAA_OUT,
@@ -169,6 +182,7 @@ static const char *const target_names[RT_TARGET_COUNT] = {
     [RT_KEPT_RAY] = "kept ray",
     [RT_KEPT_BEHIND] = "kept radiance behind",
     [RT_CHANGE] = "change",
+    [RT_MOVED] = "moved",
 };
 
 const char *neph_rt_target_name(int target)

@@ -38,7 +38,7 @@ struct neph_rt_spared {
     uint32_t targets;
 };
 
-enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 2, NEPH_RT_PASSES_MAX = 32 };
+enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 3, NEPH_RT_PASSES_MAX = 32 };
 
 #define NEPH_RT_BIT(target) (1u << (target))
 

@@ -6,16 +6,23 @@
 #include "renderer/march_cut.h"
 #include "renderer/march_scene.h"
 #include "renderer/realtime/images.h"
+#include "renderer/realtime/injection.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
+#include "renderer/realtime/watch.h"
 #include "renderer/shortcuts.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+_Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_TARGET_COUNT - NEPH_GPU_SCENE_UNIFORMS <=
+                   NEPH_KERNEL_STORAGE_MAX,
+               "room for all that a pass with rays is bound to");
 
 struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */
@@ -31,6 +38,11 @@ struct neph_realtime {
     uint32_t frame_count; /* that it has rendered */
     bool has_past;
     struct neph_rt_moment past;
+    bool has_mirrored_past; /* of the camera that is mirrored (inject.mirror) */
+    struct neph_rt_moment mirrored_past;
+    uint64_t injected_values;  /* since the last picture */
+    bool has_injected_rays;    /* in the last picture */
+    bool has_injected_history; /* ever */
     struct neph_in_flight flight;
     struct neph_realtime_stats flights[NEPH_IN_FLIGHT_FRAMES]; /* of the frames in flight */
     struct neph_sun_cache_cost fills[NEPH_IN_FLIGHT_FRAMES];   /* before them */
@@ -189,15 +201,24 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
                                      struct neph_diag *diag)
 {
     struct neph_gpu_view view;
+    const struct neph_injected_view *around = &scene->injections.view;
     const int size_px[2] = {realtime->march.width_px, realtime->march.height_px};
-    const int origin_px[2] = {0, 0};
-    neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, size_px);
+    const int origin_px[2] = {around->left_px, around->top_px};
+    const int buffer_px[2] = {around->left_px + size_px[0] + around->right_px,
+                              around->top_px + size_px[1] + around->bottom_px};
+    neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
+    if (scene->mover_count == 0 || choice_of(realtime, RT_TAA) == 0 ||
+        choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE) /* it costs where it does something */
+        view.settings[RT_SOLID_MOTION] = 0.0f;
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
                                        realtime->noise_ranks, &realtime->device, diag);
     realtime->device.specialises = true;
+    if (!status && (buffer_px[0] > size_px[0] || buffer_px[1] > size_px[1]))
+        status = neph_rt_inject_around(&realtime->device, around->value, &realtime->injected_values,
+                                       diag);
     if (!status && choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE)
         status = neph_march_create(realtime->vulkan, scene, &realtime->march, &realtime->whole,
                                    diag);
@@ -296,7 +317,7 @@ enum neph_status neph_realtime_resize(struct neph_realtime *realtime,
         return status;
     destroy_sized(realtime);
     realtime->march = march;
-    realtime->has_past = false;
+    realtime->has_past = realtime->has_mirrored_past = false;
     return create_sized(realtime, scene, diag);
 }
 
@@ -311,12 +332,13 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 
 /* A frame on its way. Targets are NEPH_RT_BIT() of each. */
 struct progress {
-    uint32_t given;                   /* what no pass needs to write */
-    uint32_t touched;                 /* what passes have read or written so far */
-    uint32_t past;                    /* what they hand on, as the next frame calls it */
-    int picture;                      /* the target that shows the frame */
-    bool counts;                      /* whether passes with rays count what they do */
-    struct neph_sun_cache_cost *fill; /* borrowed, as stats: of the split frame's sun cache */
+    uint32_t given;                        /* what no pass needs to write */
+    uint32_t touched;                      /* what passes have read or written so far */
+    uint32_t past;                         /* what they hand on, as the next frame calls it */
+    int picture;                           /* the target that shows the frame */
+    bool counts;                           /* whether passes with rays count what they do */
+    const struct neph_injected_rays *rays; /* to put in, or NULL */
+    struct neph_sun_cache_cost *fill;      /* borrowed, as stats: of the split frame's sun cache */
     struct neph_march_moment moment;
     struct neph_realtime_stats *stats; /* borrowed; one of neph_realtime.flights */
 };
@@ -341,18 +363,33 @@ static enum neph_status observe(struct neph_realtime *realtime, const struct nep
     return status;
 }
 
+/* Behind the march, before anybody has seen what it found. */
+static enum neph_status inject_rays(struct neph_realtime *realtime, const struct neph_rt_pass *pass,
+                                    const struct neph_injected_rays *rays,
+                                    struct neph_rt_submission *submission, struct neph_diag *diag)
+{
+    if (!rays || !(pass->writes & NEPH_RT_BIT(RT_RAY)))
+        return NEPH_OK;
+    const enum neph_status status = neph_rt_submission_wait(submission, diag);
+    return status ? status
+                  : neph_rt_inject_rays(&realtime->device, rays, &realtime->injected_values, diag);
+}
+
 static enum neph_status add_pass(struct neph_realtime *realtime, const struct neph_rt_pass *pass,
                                  struct neph_rt_submission *submission, struct progress *made,
                                  struct neph_diag *diag)
 {
     double *gpu_s = &made->stats->pass_gpu_s[pass - neph_rt_passes];
     const uint32_t touched = neph_rt_targets_touched(realtime->device.view, pass);
-    const enum neph_status status =
+    enum neph_status status =
         pass->rays ? add_ray_pass(realtime, pass, made->counts, submission, gpu_s, diag)
                    : neph_rt_device_add(&realtime->device, pass, submission, diag);
     if (status)
         return status;
     neph_rt_submission_mark(submission, gpu_s);
+    status = inject_rays(realtime, pass, made->rays, submission, diag);
+    if (status)
+        return status;
     made->stats->pass_traffic_bytes[pass - neph_rt_passes] = targets_bytes(realtime->device.view,
                                                                            touched);
     made->stats->traffic_bytes += made->stats->pass_traffic_bytes[pass - neph_rt_passes];
@@ -532,30 +569,80 @@ static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
     };
 }
 
-enum neph_status neph_realtime_render(struct neph_realtime *realtime,
-                                      const struct neph_realtime_frame *frame,
-                                      struct neph_image **image, struct neph_realtime_stats *stats,
-                                      struct neph_diag *diag)
+/* The scene as it stands in a picture, wherever its world lies, seen by its camera or by that which
+ * is mirrored. */
+static enum neph_status stand_still(const struct neph_realtime_frame *frame, bool is_mirrored,
+                                    struct neph_scene **still, struct neph_diag *diag)
+{
+    const struct neph_injections *injections = &frame->scene->injections;
+    const enum neph_status status = neph_scene_at(frame->scene, frame->frame, still, diag);
+    if (status)
+        return status;
+    struct neph_camera_key *key = (*still)->camera_keys;
+    if (is_mirrored) {
+        key->position_m.y = 2.0 * injections->mirror.height_m - key->position_m.y;
+        key->look_at_m.y = 2.0 * injections->mirror.height_m - key->look_at_m.y;
+    }
+    if (injections->origin_count > 0)
+        neph_scene_shift(*still, neph_injected_origin_at(injections, frame->frame));
+    return NEPH_OK;
+}
+
+/* What the picture takes for its past; NULL: it has none. */
+static enum neph_status inject_history(struct neph_realtime *realtime,
+                                       const struct neph_realtime_frame *frame,
+                                       const struct neph_rt_moment **past, struct neph_diag *diag)
+{
+    const struct neph_injected_history *history = neph_injected_history_at(
+        &frame->scene->injections, frame->frame);
+    if (!history)
+        return NEPH_OK;
+    realtime->has_injected_history = true;
+    if (history->first)
+        *past = NULL;
+    const enum neph_status status = neph_batches_wait(
+        realtime->vulkan, neph_batches_sent(realtime->vulkan), "frames in flight", diag);
+    return status ? status
+                  : neph_rt_inject_history(&realtime->device, history->value,
+                                           &realtime->injected_values, diag);
+}
+
+static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
+                                       const struct neph_realtime_frame *frame,
+                                       const struct neph_scene *still)
+{
+    struct neph_rt_moment now = neph_rt_moment_of(realtime->device.view, frame->scene, frame->frame,
+                                                  realtime->frame_count, !frame->given);
+    now.camera = neph_scene_camera(still, frame->frame);
+    return now;
+}
+
+static enum neph_status render_picture(struct neph_realtime *realtime,
+                                       const struct neph_realtime_frame *frame, bool is_mirrored,
+                                       struct neph_image **image, struct neph_realtime_stats *stats,
+                                       struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
     struct neph_gpu_view *view = realtime->device.view;
-    const struct neph_rt_moment now = neph_rt_moment_of(view, frame->scene, frame->frame,
-                                                        realtime->frame_count, !frame->given);
+    const struct neph_rt_moment *past = realtime->has_past ? &realtime->past : NULL;
     struct progress made = {.given = 0};
     struct neph_scene *still = NULL;
     int slot;
     enum neph_status status = neph_in_flight_begin(realtime->vulkan, &realtime->flight, &slot,
                                                    diag);
     if (!status)
-        status = neph_scene_at(frame->scene, frame->frame, &still, diag);
+        status = inject_history(realtime, frame, &past, diag);
+    if (!status)
+        status = stand_still(frame, is_mirrored, &still, diag);
     if (status)
         return status;
+    const struct neph_rt_moment now = moment_of(realtime, frame, still);
     made.stats = &realtime->flights[slot];
+    made.rays = neph_injected_rays_at(&frame->scene->injections, frame->frame);
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
     made.fill = &realtime->fills[slot];
     *made.fill = (struct neph_sun_cache_cost){.gpu_s = 0.0};
-    neph_rt_view_set_moment(view, frame->scene, &now, realtime->has_past ? &realtime->past : NULL,
-                            realtime->frame_count);
+    neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
     made.moment = march_moment(view, &now);
     neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
     neph_rt_device_show(&realtime->device);
@@ -568,6 +655,9 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
         return status;
     finish_frame(realtime, &now, &made);
     made.stats->wall_s = neph_wall_s() - start_s;
+    made.stats->injected_values = realtime->injected_values;
+    realtime->injected_values = 0;
+    realtime->has_injected_rays = made.rays;
     if (!image)
         return NEPH_OK;
     status = neph_in_flight_land(realtime->vulkan, &realtime->flight, diag);
@@ -576,6 +666,79 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     if (stats)
         *stats = *made.stats;
     return status;
+}
+
+static void change_view(struct neph_realtime *realtime)
+{
+    const struct neph_rt_moment past = realtime->past;
+    const bool has_past = realtime->has_past;
+    realtime->past = realtime->mirrored_past;
+    realtime->has_past = realtime->has_mirrored_past;
+    realtime->mirrored_past = past;
+    realtime->has_mirrored_past = has_past;
+}
+
+/* A picture that nobody looks at; its history is the next one's, and what is counted goes on. Both
+ * views have the same phase: they are of one frame. */
+static enum neph_status render_mirrored(struct neph_realtime *realtime,
+                                        const struct neph_realtime_frame *frame,
+                                        struct neph_diag *diag)
+{
+    const struct neph_realtime_frame own = {frame->scene, frame->frame, NULL};
+    const uint32_t frame_count = realtime->frame_count;
+    struct neph_realtime_stats stats = {.injected_values = 0};
+    struct neph_image *image = NULL;
+    change_view(realtime);
+    const enum neph_status status = render_picture(realtime, &own, true, &image, &stats, diag);
+    change_view(realtime);
+    realtime->frame_count = frame_count;
+    realtime->injected_values += stats.injected_values;
+    neph_image_destroy(image);
+    return status;
+}
+
+static int scaled_px(int side_px, double scale)
+{
+    return (int)fmin(fmax(1.0, round(side_px * scale)), NEPH_MARCH_SIDE_MAX_PX);
+}
+
+/* A picture of another size, that nobody looks at, and back. */
+static enum neph_status render_resized(struct neph_realtime *realtime,
+                                       const struct neph_realtime_frame *frame, double scale,
+                                       struct neph_diag *diag)
+{
+    const struct neph_realtime_frame own = {frame->scene, frame->frame, NULL};
+    const int width_px = realtime->march.width_px, height_px = realtime->march.height_px;
+    struct neph_image *image = NULL;
+    enum neph_status status = neph_realtime_resize(
+        realtime, frame->scene, scaled_px(width_px, scale), scaled_px(height_px, scale), diag);
+    if (!status)
+        status = render_picture(realtime, &own, false, &image, NULL, diag);
+    if (!status)
+        status = neph_realtime_resize(realtime, frame->scene, width_px, height_px, diag);
+    neph_image_destroy(image);
+    return status;
+}
+
+enum neph_status neph_realtime_render(struct neph_realtime *realtime,
+                                      const struct neph_realtime_frame *frame,
+                                      struct neph_image **image, struct neph_realtime_stats *stats,
+                                      struct neph_diag *diag)
+{
+    const struct neph_injections *injections = &frame->scene->injections;
+    const struct neph_injected_size *size = neph_injected_size_at(injections, frame->frame);
+    const bool is_mirrored = neph_injected_mirror_at(injections, frame->frame);
+    enum neph_status status = NEPH_OK;
+    if (!image && (size || is_mirrored))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "a picture with another before it cannot be in flight: leave out "
+                         "inject.%s",
+                         size ? "sizes" : "mirror");
+    if (size)
+        status = render_resized(realtime, frame, size->scale, diag);
+    if (!status && is_mirrored)
+        status = render_mirrored(realtime, frame, diag);
+    return status ? status : render_picture(realtime, frame, false, image, stats, diag);
 }
 
 enum neph_status neph_realtime_home(struct neph_realtime *realtime,
@@ -594,4 +757,18 @@ enum neph_status neph_realtime_home(struct neph_realtime *realtime,
     if (!status)
         *stats = *home;
     return status;
+}
+
+enum neph_status neph_realtime_watch(struct neph_realtime *realtime, uint64_t *bad,
+                                     struct neph_diag *diag)
+{
+    uint32_t targets = neph_rt_watched(realtime->device.view);
+    if (targets == 0)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "split=none has no images of its own to count in: count in the pictures");
+    if (realtime->has_injected_rays)
+        targets &= ~NEPH_RT_BIT(RT_RAY);
+    if (realtime->has_injected_history) /* overwritten bit by bit, in their place */
+        targets &= ~(NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_KEPT_BEHIND));
+    return neph_rt_watch(&realtime->device, targets, bad, diag);
 }

@@ -45,6 +45,7 @@ struct neph_realtime_stats {
     uint64_t closed_forms;
     uint64_t rays; /* view rays marched through media */
     uint64_t view_steps;
+    uint64_t injected_values; /* that the scene's injections put into it (scenes/injection.h) */
     /* Memory of targets in the formats of the settings. Traffic: what the passes read and write,
      * each texel of a target once per pass. */
     uint64_t history_bytes, target_bytes, traffic_bytes;
@@ -62,7 +63,8 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
                                       struct neph_realtime **realtime, struct neph_diag *diag);
 void neph_realtime_destroy(struct neph_realtime *realtime);
 
-/* The next picture: R G B, volume.*, transmittance.*, Z and volume.distance as in base/image.h.
+/* The next picture, with what the scene injects into it: R G B, volume.*, transmittance.*, Z and
+ * volume.distance as in base/image.h.
  * Same pictures in the same order on the same device: same bits. `stats` may be NULL.
  * NEPH_ERR_INPUT: the given frame has another size, no Z, a depth that is not above 0, or radiance
  * that is not finite or below 0.
@@ -82,6 +84,13 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
  * forgotten. NEPH_ERR_USAGE: none is in flight. */
 enum neph_status neph_realtime_home(struct neph_realtime *realtime,
                                     struct neph_realtime_stats *stats, struct neph_diag *diag);
+
+/* How many values of the last picture, in all images that its passes have made, are not finite or
+ * negative: counted on the device, after waiting for it. Rays that were injected do not count,
+ * nor what is overwritten bit by bit once a history was: what is made of them does.
+ * NEPH_ERR_UNSUPPORTED: there are none, of a march of every pixel. */
+enum neph_status neph_realtime_watch(struct neph_realtime *realtime, uint64_t *bad,
+                                     struct neph_diag *diag);
 
 /* Another size: the history is void, the count of frames goes on. */
 enum neph_status neph_realtime_resize(struct neph_realtime *realtime,

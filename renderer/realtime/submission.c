@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/submission.h"
 
-/* Beside the targets: what all passes with rays count in and keep their rays in. */
+/* Beside the targets: what all passes with rays count in and keep their rays in, and the word that
+ * stands in for targets which a pass leaves alone: whoever checks may take it for written. */
 #define RAY_BUFFERS NEPH_RT_BIT(31)
 _Static_assert(RT_TARGET_COUNT <= 31, "a bit for each target");
 
@@ -29,7 +30,7 @@ enum neph_status neph_rt_submission_add(struct neph_rt_submission *submission,
         submission->is_open = true;
         submission->reads = submission->writes = 0;
     }
-    order(submission, pass->reads, pass->writes | (pass->rays ? RAY_BUFFERS : 0));
+    order(submission, pass->reads | RAY_BUFFERS, pass->writes | (pass->rays ? RAY_BUFFERS : 0));
     return neph_batch_dispatch(&submission->batch, kernel, dispatch, diag);
 }
 

@@ -19,6 +19,7 @@
 #define NEPH_GPU_COLOURED 1u // some medium's extinction depends on the channel
 #define NEPH_GPU_ORTHOGRAPHIC 2u // the camera is orthographic
 #define NEPH_GPU_ON_CPU 4u // the device is a CPU
+#define NEPH_GPU_TURNED 8u // some box has turned
 // Behind these, where there are no more than so many media: how many, and from KINDS_SHIFT on four
 // bits for each, the kind and above it 1 for two layers. Else 0, and the frame says.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4

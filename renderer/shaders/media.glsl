@@ -27,7 +27,6 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 // What the scene is made of, known before the shader is compiled: code for what is not there costs
 // nothing, not even the loop turns (renderer/compute.h) of loops that no thread takes.
 layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: a medium of kind k
-layout(constant_id = 1) const uint TRAITS = NEPH_GPU_COLOURED;
 const bool COLOURED = (TRAITS & NEPH_GPU_COLOURED) != 0u; // extinction depends on the channel
 const bool ORTHOGRAPHIC = (TRAITS & NEPH_GPU_ORTHOGRAPHIC) != 0u; // the camera is orthographic
 

@@ -36,6 +36,18 @@ struct ViewCamera {
     float padding_2;
 };
 
+// Solids that move as one: about a pivot, which has moved itself, they have turned since the frame
+// before. Places are relative to this frame's camera.
+struct Mover {
+    vec3 pivot_m;
+    uint first; // of the scene's solids
+    vec3 pivot_before_m;
+    uint end;
+    uint axis; // 0 x, 1 y, 2 z
+    float cosine, sine; // of the angle back to the frame before
+    uint padding;
+};
+
 // Elements row by row, row 0 on top.
 struct Target {
     uint format; // RT_R16F, ..
@@ -62,6 +74,8 @@ layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     float wind_m[3];    // displacement of the medium since the frame before
     uint resting;       // no override in this frame (override_rest)
     float jitter_before_px[2]; // jitter_px of the frame before
+    uint mover_count;
+    Mover movers[RT_MOVERS_MAX];
 } view;
 
 // Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).

@@ -130,7 +130,10 @@
 // Diffused light.
 #define RT_DIFFUSION_CELLS 106
 #define RT_DIFFUSION_CYCLES 107
-#define RT_SETTING_COUNT 108
+// What moves beside the camera and the air.
+#define RT_SOLID_MOTION 108
+#define RT_ORIGIN_SHIFT 109
+#define RT_SETTING_COUNT 110
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -295,7 +298,12 @@
 #define RT_KEPT_RAY 18    // half resolution; R: luminance of the medium, G: transmittance
 #define RT_KEPT_BEHIND 19 // R: luminance of what is behind all media
 #define RT_CHANGE 20      // quarter resolution; R: of the medium, below 0: unknown; G: behind it
-#define RT_TARGET_COUNT 21
+// RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move
+#define RT_MOVED 21
+#define RT_TARGET_COUNT 22
+
+// Groups of solids that move, each as one.
+#define RT_MOVERS_MAX 16
 
 // How many pixels wide and high one of their texels is.
 #define RT_FULL 1
@@ -327,6 +335,7 @@
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */ \
     {RT_HALF, RT_FIXED, RT_RG16F, RT_RG16F},                /* RT_KEPT_RAY */ \
     {RT_FULL, RT_FIXED, RT_R16F, RT_R16F},                  /* RT_KEPT_BEHIND */ \
-    {RT_QUARTER, RT_FIXED, RT_RG16F, RT_RG16F},             /* RT_CHANGE */
+    {RT_QUARTER, RT_FIXED, RT_RG16F, RT_RG16F},             /* RT_CHANGE */ \
+    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */
 
 #endif

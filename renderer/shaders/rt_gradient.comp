@@ -53,7 +53,8 @@ float change_of_ray(ivec2 tile)
         return -1.0; // a cut tile has no room for all four
     vec4 ray = fetch_tile(RT_RAY, tile);
     vec2 now = vec2(kept_luminance(ray.rgb), kept(ray.a));
-    vec2 then = fetch_half(RT_KEPT_RAY, half_pixel).xy;
+    vec2 found = fetch_half(RT_KEPT_RAY, half_pixel).xy;
+    vec2 then = vec2(kept(found.x), kept(found.y)); // what was kept stays; what is no number is 0
     put_half(RT_KEPT_RAY, half_pixel, vec4(now, 0.0, 0.0));
     precise float of_transmittance = abs(now.y - then.y);
     float of_luminance = relative_change(now.x, then.x);
@@ -71,7 +72,7 @@ float change_behind(ivec2 tile)
         if (pixel.x >= view_size().x || pixel.y >= view_size().y)
             continue;
         float now = kept_luminance(fetch_full(RT_BEHIND, pixel).rgb);
-        float change = relative_change(now, fetch_full(RT_KEPT_BEHIND, pixel).x);
+        float change = relative_change(now, kept(fetch_full(RT_KEPT_BEHIND, pixel).x));
         put_full(RT_KEPT_BEHIND, pixel, vec4(now, 0.0, 0.0, 0.0));
         most = change > most ? change : most;
     }

@@ -25,9 +25,9 @@
 // Ours, and off in what follows Unreal: with taa_age_max a pixel that is at rest and in the same
 // light, by the temporal gradient, is the mean of its frames; with taa_medium its history is looked
 // up where the medium was.
-// Left out: velocities of moving objects and their anti-ghosting flag (solids of our scenes do not
-// move), the responsive stencil, depth of field, upsampling with its own jitter and box,
-// pre-exposure, and the unfiltered frame that is mixed in where a bilinear history blurs.
+// Left out: the anti-ghosting flag of moving objects, the responsive stencil, depth of field,
+// upsampling with its own jitter and box, pre-exposure, and the unfiltered frame that is mixed in
+// where a bilinear history blurs.
 #extension GL_GOOGLE_include_directive : require
 
 #include "random.glsl"
@@ -92,18 +92,26 @@ vec2 place_from_middle(ViewCamera camera, vec3 from, float depth)
     return place;
 }
 
-// The nearest of the pixel's depth and four around, so that the rim of an object goes with it. As
-// in Unreal the motion is that of the pixel's own place at this depth, not of the neighbour's.
-float depth_of_motion(ivec2 pixel)
+bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }
+
+// The nearest of the pixel's depth and four around, so that the rim of an object goes with it, and
+// how far what is there has moved by itself. As in Unreal the motion is that of the pixel's own
+// place at this depth, not of the neighbour's.
+float depth_of_motion(ivec2 pixel, out vec3 moved_m)
 {
+    moved_m = vec3(0.0);
+    ivec2 nearest = pixel;
     float nearest_m = fetch_full(RT_DEPTH, pixel).x;
-    if (choice(RT_TAA_MOTION) == RT_MOTION_CENTRE)
-        return nearest_m;
-    for (int i = 0; i < 4; i++) {
-        float depth_m = fetch_full(RT_DEPTH, pixel + 4 * ivec2(i & 1, i >> 1) - 2).x;
-        if (depth_m < nearest_m)
+    for (int i = 0; i < 4 && choice(RT_TAA_MOTION) != RT_MOTION_CENTRE; i++) {
+        ivec2 other = pixel + 4 * ivec2(i & 1, i >> 1) - 2;
+        float depth_m = fetch_full(RT_DEPTH, other).x;
+        if (depth_m < nearest_m) {
             nearest_m = depth_m;
+            nearest = other;
+        }
     }
+    if (follows_solids())
+        moved_m = fetch_full(RT_MOVED, nearest).xyz;
     return nearest_m;
 }
 
@@ -119,7 +127,7 @@ vec3 medium_from_m()
 // What it sees stays where it is: motions would come out as 0.
 bool rests()
 {
-    return view_before.position_m == vec3(0.0) &&
+    return !follows_solids() && view_before.position_m == vec3(0.0) &&
            (!follows_medium() || medium_from_m() == vec3(0.0)) &&
            view_now.forward == view_before.forward &&
            view_now.right == view_before.right && view_now.up == view_before.up &&
@@ -165,13 +173,14 @@ bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
         speed_px = 0.0;
         return true;
     }
-    vec3 ray = ray_through(centre_px);
+    vec3 ray = ray_through(centre_px), moved_m = vec3(0.0);
     vec2 motion_px;
-    bool has_moved = view_before.position_m != vec3(0.0); // else all depths move alike
-    float scene_m = has_moved || follows_medium() ? depth_of_motion(pixel) : FAR_M;
+    // Else all depths move alike.
+    bool has_moved = view_before.position_m != vec3(0.0) || follows_solids();
+    float scene_m = has_moved || follows_medium() ? depth_of_motion(pixel, moved_m) : FAR_M;
+    precise vec3 from_m = view_before.position_m + moved_m;
     bool is_before = (follows_medium() && goes_with_medium(pixel, ray, scene_m, motion_px)) ||
-                     find_motion(ray, has_moved ? scene_m : FAR_M, view_before.position_m,
-                                 motion_px);
+                     find_motion(ray, has_moved ? scene_m : FAR_M, from_m, motion_px);
     precise vec2 before_px = centre_px - motion_px;
     place_px = before_px;
     speed_px = length(motion_px);

@@ -6,16 +6,21 @@
 
 #include "globe.glsl"
 
-// enum neph_solid_kind
+// What else is known of the scene, the bits of constants.h.
+layout(constant_id = 1) const uint TRAITS = NEPH_GPU_COLOURED;
+const bool TURNED = (TRAITS & NEPH_GPU_TURNED) != 0u; // some box has turned
+
+// enum neph_solid_kind; behind it a box that has turned about x, about y and about z.
 const uint SOLID_BOX = 0;
 const uint SOLID_SPHERE = 1;
+const uint SOLID_TURNED = 2;
 
 struct Solid {
-    vec3 low_m; // of a sphere: its centre
+    vec3 low_m; // of a sphere: its centre; of a turned box: as if it had not turned
     uint kind;
     vec3 high_m; // of a sphere: the direction from its centre to the camera, unit
-    float radius_m;
-    vec4 albedo; // w: of a sphere, how high the camera is above it
+    float radius_m; // of a turned box: the cosine of its angle
+    vec4 albedo; // w: of a sphere, how high the camera is above it; of a turned box: the sine
 };
 
 // The box around BLOCK_SOLIDS of them that follow each other: its rounded interval on a ray holds
@@ -78,22 +83,44 @@ bool ball_interval(Solid ball, vec3 origin_m, vec3 direction, out float t0_m, ou
     return globe_interval(globe, globe_ray(globe, origin_m, direction), 0.0, t0_m, t1_m);
 }
 
+// By the box's angle, whose sine is given: with the other sign back by it.
+vec3 turned(Solid box, vec3 v, float sine)
+{
+    float c = box.radius_m;
+    if (box.kind == SOLID_TURNED)
+        return vec3(v.x, c * v.y - sine * v.z, sine * v.y + c * v.z);
+    if (box.kind == SOLID_TURNED + 1u)
+        return vec3(c * v.x + sine * v.z, v.y, c * v.z - sine * v.x);
+    return vec3(c * v.x - sine * v.y, sine * v.x + c * v.y, v.z);
+}
+
+bool is_turned(Solid solid) { return TURNED && solid.kind >= SOLID_TURNED; }
+
+// A point as a turned box would have it if it had not turned.
+vec3 own_point(Solid box, vec3 point_m)
+{
+    vec3 middle_m = 0.5 * (box.low_m + box.high_m);
+    return middle_m + turned(box, point_m - middle_m, -box.albedo.w);
+}
+
 bool solid_interval(Solid solid, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
 {
     if (solid.kind == SOLID_SPHERE)
         return ball_interval(solid, origin_m, direction, t0_m, t1_m);
     t0_m = -FAR_M;
     t1_m = FAR_M;
+    if (is_turned(solid)) {
+        origin_m = own_point(solid, origin_m);
+        direction = turned(solid, direction, -solid.albedo.w);
+    }
     return clip_box(solid.low_m, solid.high_m, origin_m, direction, t0_m, t1_m);
 }
 
-// Outward unit normal at a point of the surface. Of a box: of the face that is nearest.
-vec3 solid_normal(Solid solid, vec3 point_m)
+// That of the nearest face of a box, outward.
+vec3 box_normal(Solid box, vec3 point_m)
 {
-    if (solid.kind == SOLID_SPHERE)
-        return normalize(point_m - solid.low_m);
-    vec3 to_low_m = abs(point_m - solid.low_m);
-    vec3 to_high_m = abs(point_m - solid.high_m);
+    vec3 to_low_m = abs(point_m - box.low_m);
+    vec3 to_high_m = abs(point_m - box.high_m);
     vec3 to_face_m = min(to_low_m, to_high_m);
     vec3 outward = mix(vec3(-1.0), vec3(1.0), lessThan(to_high_m, to_low_m));
     if (to_face_m.x <= to_face_m.y && to_face_m.x <= to_face_m.z)
@@ -101,6 +128,16 @@ vec3 solid_normal(Solid solid, vec3 point_m)
     if (to_face_m.y <= to_face_m.z)
         return vec3(0.0, outward.y, 0.0);
     return vec3(0.0, 0.0, outward.z);
+}
+
+// Outward unit normal at a point of the surface. Of a box: of the face that is nearest.
+vec3 solid_normal(Solid solid, vec3 surface_m)
+{
+    if (solid.kind == SOLID_SPHERE)
+        return normalize(surface_m - solid.low_m);
+    vec3 point_m = is_turned(solid) ? own_point(solid, surface_m) : surface_m;
+    vec3 normal = box_normal(solid, point_m);
+    return is_turned(solid) ? turned(solid, normal, solid.albedo.w) : normal;
 }
 
 #endif

@@ -164,6 +164,15 @@ class Runs(unittest.TestCase):
         self.assertEqual((done.returncode, json.loads(done.stdout)["compared"]), (1, 0))
         self.assertIn("nothing was compared", done.stderr)
 
+    def test_bad_values_are_counted_on_the_device(self):
+        before = self.entries()
+        done = suite(self.folder, "--on-device", "--only", "ray_bad", "--preset", "fixed",
+                     "--preset", "fixed+validity=off", "--size", "32x18", "--json")
+        self.assertEqual((done.returncode, self.entries()), (1, before), done.stderr)
+        found = {r["column"]: r for r in json.loads(done.stdout)["results"]}
+        self.assertEqual(found["fixed"]["value"], 0.0)
+        self.assertGreater(found["fixed+validity=off"]["value"], 0.0)
+
     def test_at_another_size_bad_values_alone_are_judged(self):
         done = suite(self.folder, "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
                      "--json")
@@ -263,6 +272,7 @@ class Words(unittest.TestCase):
                     (("page-limit",), ("--suite", "failure", "--page-limit", "0")),
                     (("--suite failure",), ("--page-limit", "3")),
                     (("--suite failure",), ("--only", "fence_tiles")),
+                    (("--suite failure",), ("--on-device",)),
                     (("jobs",), ("--suite", "failure", "--jobs", "0"))):
                 done = neph("validate", "-q", "-o", folder, *arguments)
                 self.assertEqual((done.returncode, done.stdout), (64, ""), done.stderr)

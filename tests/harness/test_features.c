@@ -21,6 +21,8 @@ struct stage {
     struct neph_camera_key camera_keys[2];
     struct neph_sun_key sun_keys[2];
     struct neph_wind_key wind_keys[1];
+    struct neph_solid_key solid_keys[2];
+    struct neph_mover mover;
     struct neph_grid *grid;
     struct neph_horizon *horizon;
 };
@@ -135,6 +137,18 @@ static void moving_sun(struct stage *stage)
     stage->test.scene.frame_count = 11;
 }
 
+static void moving_solid(struct stage *stage)
+{
+    stage->test.solids[0] = make_box(-1, -1, -1, 1, 1, 1);
+    stage->test.scene.solid_count = 1;
+    stage->solid_keys[0] = (struct neph_solid_key){0, {0, 0, 0}, 0.5};
+    stage->solid_keys[1] = (struct neph_solid_key){10, {1, 0, 0}, 1.0};
+    stage->mover = (struct neph_mover){0, 1, 1, {0, 0, 0}, 2, stage->solid_keys};
+    stage->test.scene.movers = &stage->mover;
+    stage->test.scene.mover_count = 1;
+    stage->test.scene.frame_count = 11;
+}
+
 static void wind(struct stage *stage)
 {
     stage->wind_keys[0].velocity_m_per_s = (struct neph_vec3){1, 0, 0};
@@ -183,6 +197,7 @@ static const struct feature {
     {"`camera.keys`", ANY_KIND, ANY_LIGHT, moving_camera},
     {"`sun.keys`", ANY_KIND, ANY_LIGHT, moving_sun},
     {"`wind`", ANY_DRIFT, ANY_LIGHT, wind},
+    {"`solids[].*.motion`", ANY_KIND, ANY_LIGHT, moving_solid},
 };
 
 /* ---- answers --------------------------------------------------------------------------------- */

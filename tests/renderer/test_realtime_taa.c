@@ -138,6 +138,17 @@ static void fill_medium(struct test_passes *test, uint64_t *seed)
         test->view.wind_m[c] = (float)between(seed, -5.0, 5.0);
 }
 
+/* What each pixel sees has moved by itself; of draws of its own, so that others stay theirs. */
+static void fill_moves(struct test_passes *test, uint64_t seed)
+{
+    for (size_t i = 0; i < test_elements(test, RT_MOVED); i++) {
+        float way_m[4] = {0.0f};
+        for (int c = 0; c < 3 && test_random(&seed) % 2; c++)
+            way_m[c] = (float)between(&seed, -1.0, 1.0);
+        test_set(test, RT_MOVED, i, way_m);
+    }
+}
+
 static double pixel_value(const struct test_passes *test, int target, int x, int y, int channel)
 {
     float value[4];
@@ -261,6 +272,8 @@ static void test_the_pass_equals_the_twin(void **state)
         fill_colours(&test, RT_COLOR, most, &seed);
         fill_colours(&test, RT_TAA_BEFORE, most, &seed);
         fill_medium(&test, &seed);
+        if (round % 3 == 1)
+            fill_moves(&test, start);
         run(&test);
         twin_taa(&test.twin);
         compare(&test, most, start, text);

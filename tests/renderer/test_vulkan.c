@@ -51,7 +51,7 @@ static const struct neph_kernel *sum_kernel(struct neph_vulkan *vulkan, uint32_t
     const struct neph_kernel_params params = {.name = "tracer_sum",
                                               .spirv = sum_spirv,
                                               .spirv_size_bytes = sizeof(sum_spirv),
-                                              .buffer_count = NEPH_KERNEL_BUFFERS_MAX,
+                                              .buffer_count = NEPH_KERNEL_STORAGE_MAX,
                                               .push_size_bytes = 64,
                                               .constant_count = 2,
                                               .constants = {kinds, unknown}};

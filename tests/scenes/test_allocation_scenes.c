@@ -78,6 +78,33 @@ static void test_motion(void **state)
     assert_every_failure_is_told("motion", load, &loading);
 }
 
+/* Solids that move, frames without media, and all that can be put into a renderer. */
+static void test_injections(void **state)
+{
+    static const char scene[] =
+        "name: probe\n"
+        "title: a probe\n"
+        "physics: none\n"
+        "camera: {position_m: [0, 1, 50], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
+        "frames: {advance: [1, 2], clear: [{frame: 0, count: 1}]}\n"
+        "scattering: none\n"
+        "solids:\n"
+        "  - box: {min_m: [0, 0, 0], max_m: [1, 1, 1], albedo: [0, 0, 0],\n"
+        "          motion: {axis: y, keys: [{frame: 0}, {frame: 1, turn_deg: 9}]}}\n"
+        "  - sphere: {center_m: [9, 9, 9], radius_m: 1, albedo: [0, 0, 0],\n"
+        "             motion: {keys: [{frame: 0, move_m: [1, 0, 0]}]}}\n"
+        "inject:\n"
+        "  history: [{frame: 1, value: nan}]\n"
+        "  rays: [{frame: 1, value: nan}]\n"
+        "  sizes: [{frame: 1, scale: 2}]\n"
+        "  origin: [{frame: 1, by_m: [1, 0, 0]}]\n";
+    char path[SCRATCH_PATH_MAX];
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
+    struct loading loading = {.path = path};
+    assert_every_failure_is_told("injections", load, &loading);
+}
+
 /* A volume from a file, and a medium that is made into voxels. */
 static void test_voxels(void **state)
 {
@@ -172,9 +199,10 @@ static void test_volume_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_catalogue),  scratch_test(test_motion),
-        scratch_test(test_voxels),     cmocka_unit_test(test_variants),
-        cmocka_unit_test(test_points), scratch_test(test_volume_files),
+        scratch_test(test_catalogue),    scratch_test(test_motion),
+        scratch_test(test_injections),   scratch_test(test_voxels),
+        cmocka_unit_test(test_variants), cmocka_unit_test(test_points),
+        scratch_test(test_volume_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

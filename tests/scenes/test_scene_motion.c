@@ -67,6 +67,43 @@ static void test_time_stands_still_in_pauses(void **state)
     neph_scene_destroy(scene);
 }
 
+static void test_time_goes_on_unevenly(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(camera, sun, "frames: {advance: [0.25, 2, 0]}\n");
+    static const double map[][2] = {
+        {-3, -3}, {0, 0},   {1, 0.25},    {1.5, 1.25}, {2, 2.25},   {3, 2.25},       {4, 2.5},
+        {5, 4.5}, {6, 4.5}, {6.5, 4.625}, {30, 22.5},  {31, 22.75}, {3001, 2250.25},
+    };
+    for (size_t i = 0; i < sizeof(map) / sizeof(map[0]); i++)
+        assert_true(neph_scene_time_frame(scene, map[i][0]) == map[i][1]);
+    neph_scene_destroy(scene);
+}
+
+static void test_there_are_no_media_where_they_are_cleared(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(
+        camera, sun,
+        "frames: {advance: [2], clear: [{frame: 6, count: 3}, {frame: 20, count: 1}]}\n"
+        "media: [{gaussian: {center_m: [0, 1, 0], width_m: 1, extinction_per_m: 1,\n"
+        "                    albedo: [1, 1, 1]}}]\n");
+    for (int picture = -2; picture < 14; picture++) { /* key frames 6 and 8; 20 */
+        const bool expected = picture == 3 || picture == 4 || picture == 10;
+        struct neph_scene *still = NULL;
+        struct neph_diag diag = {.line = 0};
+        neph_assert_ok(neph_scene_at(scene, picture, &still, &diag), &diag);
+        assert_int_equal(neph_scene_is_clear(scene, picture), expected);
+        assert_int_equal(still->medium_count, expected ? 0 : 1);
+        assert_false(neph_scene_is_clear(still, picture));
+        neph_scene_destroy(still);
+    }
+    assert_true(neph_scene_moves(scene));
+    assert_false(neph_scene_is_same_moment(scene, 2, 3));
+    assert_true(neph_scene_is_same_moment(scene, 3, 4));
+    neph_scene_destroy(scene);
+}
+
 static void test_sizes_hold_from_their_picture_on(void **state)
 {
     (void)state;
@@ -303,6 +340,83 @@ static void test_still_clouds_are_the_moved_ones(void **state)
     neph_scene_destroy(scene);
 }
 
+/* --- solids ---------------------------------------------------------------------------------- */
+
+/* A ball that goes round the pivot while that goes along x, a box that turns about its own middle,
+ * a fence that slides, and a box that stays. */
+static const char movers[] =
+    "solids:\n"
+    "  - sphere: {center_m: [3, 1, 0], radius_m: 0.5, albedo: [0, 0, 0], motion: {axis: y,\n"
+    "      pivot_m: [1, 9, 0], keys: [{frame: 0}, {frame: 4, turn_deg: 90, move_m: [8, 0, 0]}]}}\n"
+    "  - box: {min_m: [-1, 0, -3], max_m: [1, 2, -1], albedo: [0, 0, 0], motion: {axis: z,\n"
+    "      pivot_m: [0, 1, -2], keys: [{frame: 2, turn_deg: -30}, {frame: 3, turn_deg: 30}]}}\n"
+    "  - fence: {origin_m: [0, 0, 5], bars: 2, pitch_m: 1, bar_width_m: 0.1, bar_depth_m: 0.1,\n"
+    "      height_m: 1, albedo: [0, 0, 0], motion: {keys: [{frame: 0, move_m: [0, 7, 0]}]}}\n"
+    "  - box: {min_m: [5, 5, 5], max_m: [6, 6, 6], albedo: [0, 0, 0]}\n";
+
+static void test_solids_are_where_their_keys_say(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(camera, sun, movers);
+    assert_int_equal(scene->mover_count, 3);
+    /* Halfway: 45 degrees by the right hand about y take x towards -z; then 4 m along x. */
+    const struct neph_vec3 ball_m = neph_scene_solid(scene, 0, 2).center_m;
+    const double arm_m = 2.0 * sqrt(0.5);
+    assert_vec3(ball_m, (struct neph_vec3){1 + arm_m + 4, 1, -arm_m}, 1e-15, 1e-15);
+    assert_vec3(neph_scene_solid(scene, 0, 99).center_m, (struct neph_vec3){9, 1, -2}, 1e-15,
+                1e-15);
+    const struct neph_solid level = neph_scene_solid(scene, 1, 2.5);
+    const struct neph_solid tilted = neph_scene_solid(scene, 1, 0);
+    assert_true(level.turn.cosine == 0.0 && level.turn.sine == 0.0); /* as it was built */
+    assert_vec3(tilted.box.min_m, (struct neph_vec3){-1, 0, -3}, 1e-15, 1e-15);
+    assert_int_equal(tilted.turn.axis, 2);
+    neph_assert_close(tilted.turn.sine, -0.5, 1e-15, 0.0);
+    for (int bar = 2; bar < 4; bar++)
+        assert_true(neph_scene_solid(scene, bar, 1).box.min_m.y == 7.0);
+    assert_true(neph_scene_solid(scene, 4, 1).box.min_m.y == 5.0);
+    neph_scene_destroy(scene);
+}
+
+/* What a solid is at a picture it is in the scene that stands still there, hit by hit; and the
+ * scene that moves is left as it was. */
+static void test_still_solids_are_the_moved_ones(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(camera, sun, movers), *still = NULL;
+    const struct neph_vec3 built_m = scene->solids[0].center_m;
+    struct neph_diag diag = {.line = 0};
+    neph_assert_ok(neph_scene_at(scene, 1, &still, &diag), &diag);
+    assert_true(neph_scene_moves(scene) && !neph_scene_moves(still));
+    assert_int_equal(still->solid_count, scene->solid_count);
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_solid own = neph_scene_solid(scene, i, 1);
+        assert_memory_equal(&still->solids[i].box, &own.box, sizeof(own.box));
+        assert_vec3(still->solids[i].center_m, own.center_m, 0.0, 0.0);
+        assert_true(still->solids[i].turn.sine == own.turn.sine);
+    }
+    neph_scene_destroy(still);
+    assert_vec3(scene->solids[0].center_m, built_m, 0.0, 0.0);
+    assert_false(neph_scene_is_same_moment(scene, 0, 1));
+    assert_true(neph_scene_is_same_moment(scene, 4, 5));
+    neph_scene_destroy(scene);
+}
+
+/* A point of a mover goes where the mover takes it, and from there back. */
+static void test_a_point_of_a_solid_is_found_before(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = load_three(camera, sun, movers);
+    const struct neph_placing here = neph_mover_placing(scene, &scene->movers[0], 3);
+    const struct neph_placing there = neph_mover_placing(scene, &scene->movers[0], 1);
+    const struct neph_vec3 now_m = neph_scene_solid(scene, 0, 3).center_m;
+    const struct neph_vec3 then_m = neph_scene_solid(scene, 0, 1).center_m;
+    assert_vec3(neph_placed_before_m(&here, &there, now_m), then_m, 1e-14, 1e-14);
+    assert_vec3(neph_placed_before_m(&there, &here, then_m), now_m, 1e-14, 1e-14);
+    neph_scene_destroy(scene);
+}
+
+/* --- a scene that stands still --------------------------------------------------------------- */
+
 static void test_still_scene_has_no_time_left(void **state)
 {
     (void)state;
@@ -389,6 +503,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_time_stands_still_in_pauses),
+        cmocka_unit_test(test_time_goes_on_unevenly),
+        cmocka_unit_test(test_there_are_no_media_where_they_are_cleared),
+        cmocka_unit_test(test_solids_are_where_their_keys_say),
+        cmocka_unit_test(test_still_solids_are_the_moved_ones),
+        cmocka_unit_test(test_a_point_of_a_solid_is_found_before),
         cmocka_unit_test(test_sizes_hold_from_their_picture_on),
         cmocka_unit_test(test_camera_is_held_until_it_cuts),
         cmocka_unit_test(test_cuts_lie_behind_the_earlier_picture),

@@ -244,6 +244,74 @@ static void test_shadow_interval_against_brute_force(void **state)
     assert_true(hidden > tested / 10);
 }
 
+/* A turned box before a ray is the box before the ray turned back, with all that it answers. */
+static void test_a_turned_box_is_a_turned_world(void **state)
+{
+    (void)state;
+    uint64_t seed = 2718;
+    long met = 0;
+    for (int trial = 0; trial < neph_test_paths(20000); trial++) {
+        struct neph_solid box = random_solid(&seed);
+        if (box.kind != NEPH_SOLID_BOX)
+            continue;
+        const double angle_rad = neph_test_uniform(&seed, -4.0, 4.0);
+        const struct neph_turn turn = {trial % 3, cos(angle_rad), sin(angle_rad)};
+        const struct neph_vec3 sun = random_sight(&seed);
+        const struct ray view = random_view(&seed, &box, sun);
+        const struct neph_vec3 middle_m = neph_vec3_scale(
+            neph_vec3_add(box.box.min_m, box.box.max_m), 0.5);
+        const struct ray turned = {
+            neph_vec3_add(middle_m, neph_turned(&turn, neph_vec3_sub(view.origin_m, middle_m))),
+            neph_turned(&turn, view.direction)};
+        struct neph_scene scene = {.solid_count = 1, .solids = &box};
+        const struct neph_hit plain = neph_scene_hit(&scene, view.origin_m, view.direction);
+        double a0_m, a1_m, b0_m, b1_m;
+        const bool shades = neph_solid_shadow(&box, sun, view.origin_m, view.direction, 0.0, 20.0,
+                                              &a0_m, &a1_m);
+        box.turn = turn;
+        const struct neph_hit hit = neph_scene_hit(&scene, turned.origin_m, turned.direction);
+        const bool shades_too = neph_solid_shadow(&box, neph_turned(&turn, sun), turned.origin_m,
+                                                  turned.direction, 0.0, 20.0, &b0_m, &b1_m);
+        if (!plain.solid || !hit.solid || !shades || !shades_too) /* or one that grazes an edge */
+            continue;
+        met++;
+        neph_assert_close(hit.t_m, plain.t_m, 1e-9, 1e-9);
+        neph_assert_close(b0_m, a0_m, 1e-6, 1e-6);
+        neph_assert_close(b1_m, a1_m, 1e-6, 1e-6);
+        const struct neph_vec3 normal = neph_turned_back(&turn, hit.normal);
+        neph_assert_close(neph_vec3_dot(normal, plain.normal), 1.0, 1e-12, 0.0);
+        const struct neph_vec3 point_m = neph_vec3_along(turned.origin_m, turned.direction,
+                                                         hit.t_m);
+        const struct neph_bounds around = neph_solid_bounds(&box);
+        assert_true(point_m.x >= around.min_m.x - 1e-9 && point_m.x <= around.max_m.x + 1e-9);
+        assert_true(point_m.y >= around.min_m.y - 1e-9 && point_m.y <= around.max_m.y + 1e-9);
+        assert_true(point_m.z >= around.min_m.z - 1e-9 && point_m.z <= around.max_m.z + 1e-9);
+    }
+    print_message("%ld rays\n", met);
+    assert_true(met > neph_test_paths(20000) / 20);
+}
+
+/* By hand: a cube of 2 m whose edge points at the eye. */
+static void test_a_cube_shows_its_edge(void **state)
+{
+    (void)state;
+    struct neph_solid cube = make_box(-1, -1, -1, 1, 1, 1);
+    cube.turn = (struct neph_turn){1, sqrt(0.5), sqrt(0.5)};
+    const struct neph_scene scene = {.solid_count = 1, .solids = &cube};
+    const struct neph_vec3 ahead = {0, 0, -1};
+    const struct neph_hit edge = neph_scene_hit(&scene, (struct neph_vec3){0, 0, 5}, ahead);
+    const struct neph_hit face = neph_scene_hit(&scene, (struct neph_vec3){0.5, 0, 5}, ahead);
+    neph_assert_close(edge.t_m, 5.0 - sqrt(2.0), 1e-15, 0.0);
+    neph_assert_close(face.t_m, 5.5 - sqrt(2.0), 1e-15, 0.0);
+    neph_assert_close(face.normal.x, sqrt(0.5), 1e-15, 0.0);
+    neph_assert_close(face.normal.z, sqrt(0.5), 1e-15, 0.0);
+    assert_true(neph_solid_contains(&cube, (struct neph_vec3){1.4, 0, 0}));
+    assert_false(neph_solid_contains(&cube, (struct neph_vec3){0.9, 0, 0.9}));
+    const struct neph_bounds around = neph_solid_bounds(&cube);
+    neph_assert_close(around.max_m.x, sqrt(2.0), 1e-15, 0.0);
+    neph_assert_close(around.max_m.y, 1.0, 1e-15, 0.0);
+}
+
 /* The range asked for only cuts: no memory of what lies outside it. */
 static void test_shadow_range_only_cuts(void **state)
 {
@@ -319,6 +387,8 @@ int main(void)
         cmocka_unit_test(test_hit_from_far_away),
         cmocka_unit_test(test_shadows_by_hand),
         cmocka_unit_test(test_shadow_interval_against_brute_force),
+        cmocka_unit_test(test_a_turned_box_is_a_turned_world),
+        cmocka_unit_test(test_a_cube_shows_its_edge),
         cmocka_unit_test(test_shadow_range_only_cuts),
         cmocka_unit_test(test_a_lit_face_sees_the_sun),
         cmocka_unit_test(test_a_planet_does_not_shade_its_day),

@@ -82,16 +82,23 @@ static void place_from_middle(const struct neph_gpu_view *view,
                (dot(from, camera->up) / (spread(camera, depth) * camera->half_height));
 }
 
-static float depth_of_motion(const struct twin *twin, int x, int y)
+static float depth_of_motion(const struct twin *twin, int x, int y, float moved_m[4])
 {
     static const int cross_px[4][2] = {{-2, -2}, {2, -2}, {-2, 2}, {2, 2}};
     float nearest_m[4], depth_m[4];
+    int nearest_x = x, nearest_y = y;
     twin_fetch_full(twin, RT_DEPTH, x, y, nearest_m);
     for (int i = 0; i < 4 && choice(twin, RT_TAA_MOTION) == RT_MOTION_CROSS; i++) {
         twin_fetch_full(twin, RT_DEPTH, x + cross_px[i][0], y + cross_px[i][1], depth_m);
-        if (depth_m[0] < nearest_m[0])
+        if (depth_m[0] < nearest_m[0]) {
             nearest_m[0] = depth_m[0];
+            nearest_x = x + cross_px[i][0];
+            nearest_y = y + cross_px[i][1];
+        }
     }
+    memset(moved_m, 0, 4 * sizeof(*moved_m));
+    if (choice(twin, RT_SOLID_MOTION))
+        twin_fetch_full(twin, RT_MOVED, nearest_x, nearest_y, moved_m);
     return nearest_m[0];
 }
 
@@ -116,12 +123,12 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
                              float motion_px[2])
 {
     const struct neph_gpu_view *view = twin->view;
-    float volume[4], distance[4], from_m[3];
+    float volume[4], distance[4], from_m[3], moved_m[4];
     twin_fetch_full(twin, RT_VOLUME, x, y, volume);
     twin_fetch_full(twin, RT_VOLUME_DISTANCE, x, y, distance);
     for (int c = 0; c < 3; c++)
         from_m[c] = view->before.position_m[c] + (choice(twin, RT_WIND) ? view->wind_m[c] : 0.0f);
-    const bool is_sky = depth_of_motion(twin, x, y) >= NEPH_GPU_FAR_M;
+    const bool is_sky = depth_of_motion(twin, x, y, moved_m) >= NEPH_GPU_FAR_M;
     return volume[3] >= 0.0f && volume[3] < (is_sky ? 1.0f : 0.5f) && distance[0] > 0.0f &&
            distance[0] < NEPH_GPU_FAR_M &&
            find_motion(view, ray, distance[0] / sqrtf(dot(ray, ray)), from_m, motion_px);
@@ -135,12 +142,15 @@ static bool find_before(const struct twin *twin, int x, int y, float place_px[2]
     const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
     const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->half_width;
     const float up = (1.0f - 2.0f * centre_px[1] / height_px) * now->half_height;
-    float ray[3], motion_px[2];
-    for (int c = 0; c < 3; c++)
+    float ray[3], motion_px[2], moved_m[4], from_m[3];
+    const float scene_m = depth_of_motion(twin, x, y, moved_m);
+    for (int c = 0; c < 3; c++) {
         ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
-    const bool is_before =
-        (choice(twin, RT_TAA_MEDIUM) && goes_with_medium(twin, x, y, ray, motion_px)) ||
-        find_motion(view, ray, depth_of_motion(twin, x, y), view->before.position_m, motion_px);
+        from_m[c] = view->before.position_m[c] + moved_m[c];
+    }
+    const bool is_before = (choice(twin, RT_TAA_MEDIUM) &&
+                            goes_with_medium(twin, x, y, ray, motion_px)) ||
+                           find_motion(view, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
     place_px[1] = centre_px[1] - motion_px[1];
     *speed_px = hypot(motion_px[0], motion_px[1]);

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/failure/watch.h"
+
+#include "base/interrupt.h"
+
+/* A picture with another one before it cannot be in flight (inject.mirror, inject.sizes): it comes
+ * home, and is thrown away. */
+static enum neph_status render(struct neph_job *job, const struct neph_shot *shot,
+                               struct neph_diag *diag)
+{
+    const struct neph_injections *injections = &shot->scene->injections;
+    const struct neph_engine_sequence *sequence = job->engine->sequence;
+    if (injections->mirror.count == 0 && injections->size_count == 0)
+        return sequence->send(job->sequence, shot, diag);
+    struct neph_image *image = NULL;
+    struct neph_cost cost;
+    const enum neph_status status = sequence->next(job->sequence, shot, &image, &cost, diag);
+    neph_image_destroy(image);
+    return status;
+}
+
+/* The pictures before the first come home when an engine warms up by itself; here they need not. */
+static int take_warm_up(struct neph_job *job)
+{
+    const int setting = neph_option_find(job->engine->options, "warm_up");
+    if (setting < 0)
+        return 0;
+    const int count = (int)job->shot.settings.values[setting];
+    job->shot.settings.values[setting] = 0.0;
+    return count;
+}
+
+enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint64_t *bad,
+                                     struct neph_diag *diag)
+{
+    const struct neph_engine_sequence *sequence = job->engine->sequence;
+    if (!sequence || !sequence->watch)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s does not count bad values on the device",
+                         job->engine->name);
+    const int warm_up = take_warm_up(job);
+    enum neph_status status = neph_job_open(job, diag);
+    *bad = 0;
+    for (int frame = -warm_up; frame < frame_count && !status; frame++) {
+        struct neph_shot shot = job->shot;
+        uint64_t of_frame = 0;
+        shot.frame = frame;
+        status = render(job, &shot, diag);
+        if (!status)
+            status = sequence->watch(job->sequence, &of_frame, diag);
+        if (!status && neph_interrupted())
+            status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted at frame %d", frame);
+        *bad += of_frame;
+    }
+    neph_job_close(job);
+    return status;
+}

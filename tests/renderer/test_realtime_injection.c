@@ -1,0 +1,546 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a scene puts into a running renderer (scenes/injection.h): that it arrives, is counted, and
+ * is gone where the renderer says that it gets over it; and solids that move.
+ */
+#include "tests/renderer/march_test.h"
+#include "tests/renderer/realtime_test.h"
+
+#include "base/files.h"
+#include "renderer/realtime/pipeline.h"
+#include "renderer/realtime/watch.h"
+#include "scenes/motion.h"
+#include "scenes/solids.h"
+
+enum { WIDTH_PX = 32, HEIGHT_PX = 20, FRAMES = 6 };
+
+/* A few bars in fog, and a blob behind them. */
+static void scene_bars(struct test_scene *test)
+{
+    test_scene_init(test);
+    test_add_medium(test, 0.03, 0.05, 0.0);
+    for (int i = 0; i < 5; i++)
+        test_add_box(test, (struct neph_vec3){-3.0 + 1.4 * i, 0.0, -12.0},
+                     (struct neph_vec3){-2.4 + 1.4 * i, 4.0, -11.8});
+}
+
+static struct neph_settings preset(const char *name, const char *assignment)
+{
+    struct neph_settings settings;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, name, &settings, &diag),
+        &diag);
+    if (assignment)
+        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", assignment, &settings, &diag),
+                       &diag);
+    return settings;
+}
+
+static char cache_folder[] = "/tmp/neph-test-injection-XXXXXX";
+
+static int setup(void **state)
+{
+    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
+}
+
+static int teardown(void **state)
+{
+    neph_dir_remove(cache_folder, NULL);
+    return test_vulkan_teardown(state);
+}
+
+static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
+                                           const struct neph_scene *scene,
+                                           const struct neph_settings *settings)
+{
+    struct neph_realtime *realtime = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
+                                                .height_px = HEIGHT_PX,
+                                                .settings = settings,
+                                                .seed = 7,
+                                                .cache_folder = cache_folder};
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    return realtime;
+}
+
+static struct neph_image *next(struct neph_realtime *realtime, const struct neph_scene *scene,
+                               int frame, struct neph_realtime_stats *stats)
+{
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_realtime_frame picture = {scene, frame, NULL};
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, stats, &diag), &diag);
+    return image;
+}
+
+static size_t bad_values(const struct neph_image *image)
+{
+    size_t bad = 0;
+    for (int c = 0; c < image->channel_count; c++)
+        for (size_t p = 0; p < neph_image_pixel_count(image); p++) {
+            const float value = image->channels[c].samples[p];
+            bad += isnan(value) || value < 0.0f;
+        }
+    return bad;
+}
+
+static bool is_same(const struct neph_image *a, const struct neph_image *b)
+{
+    bool same = a->channel_count == b->channel_count;
+    for (int c = 0; c < a->channel_count && same; c++)
+        same = memcmp(a->channels[c].samples, b->channels[c].samples,
+                      neph_image_pixel_count(a) * sizeof(float)) == 0;
+    return same;
+}
+
+/* The pictures of a scene with injections against those with others; how many differ. */
+static int differing(struct neph_vulkan *vulkan, struct neph_scene *scene,
+                     const struct neph_settings *settings, const struct neph_injections *one,
+                     const struct neph_injections *other)
+{
+    int differ = 0;
+    scene->injections = *one;
+    struct neph_realtime *first = open_realtime(vulkan, scene, settings);
+    scene->injections = *other;
+    struct neph_realtime *second = open_realtime(vulkan, scene, settings);
+    for (int frame = 0; frame < FRAMES; frame++) {
+        scene->injections = *one;
+        struct neph_image *a = next(first, scene, frame, NULL);
+        scene->injections = *other;
+        struct neph_image *b = next(second, scene, frame, NULL);
+        differ += !is_same(a, b);
+        neph_image_destroy(a);
+        neph_image_destroy(b);
+    }
+    scene->injections = (struct neph_injections){.history_count = 0};
+    neph_realtime_destroy(first);
+    neph_realtime_destroy(second);
+    return differ;
+}
+
+static const struct neph_injections nothing = {.history_count = 0};
+
+/* --- histories and rays ----------------------------------------------------------------------- */
+
+/* Whatever lies in memory before a first picture: it is as good as nothing. Where validity is off
+ * it is not. */
+static void test_garbage_before_a_first_picture_never_shows(void **state)
+{
+    struct test_scene test;
+    struct neph_injected_history dirty = {3, NEPH_INJECTED_GARBAGE, true};
+    struct neph_injected_history clean = {3, NEPH_INJECTED_BLACK, true};
+    const struct neph_injections one = {.history_count = 1, .histories = &dirty};
+    const struct neph_injections other = {.history_count = 1, .histories = &clean};
+    scene_bars(&test);
+    static const enum neph_injected_value values[] = {NEPH_INJECTED_GARBAGE, NEPH_INJECTED_NAN,
+                                                      NEPH_INJECTED_HUGE};
+    const struct neph_settings sound = preset("ours", NULL), seed = preset("seed", NULL);
+    for (int i = 0; i < neph_test_by_day(1, 3); i++) {
+        dirty.value = values[i];
+        assert_int_equal(differing(*state, &test.scene, &sound, &one, &other), 0);
+    }
+    dirty.value = NEPH_INJECTED_GARBAGE;
+    assert_true(differing(*state, &test.scene, &seed, &one, &other) > 0);
+}
+
+/* Every element of every history, each of its channels, and no more. */
+static void test_what_is_put_in_is_counted(void **state)
+{
+    struct test_scene test;
+    struct neph_injected_history history = {1, NEPH_INJECTED_NAN, false};
+    struct neph_injected_rays rays = {2, 5, NEPH_INJECTED_NEGATIVE};
+    struct neph_injected_rays all = {3, 1000, NEPH_INJECTED_INFINITE};
+    const struct neph_settings settings = preset("fixed", NULL);
+    scene_bars(&test);
+    struct neph_injected_rays lists[] = {rays, all};
+    test.scene.injections = (struct neph_injections){
+        .history_count = 1, .histories = &history, .ray_count = 2, .rays = lists};
+    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    const uint64_t pixels = WIDTH_PX * HEIGHT_PX;
+    /* Half depth 1 channel, history 4 and its state 2, of a quarter of the pixels; the
+     * anti-aliasing 4 of all. A ray has 4. */
+    const uint64_t expected[] = {0, pixels / 4 * (1 + 4 + 2) + pixels * 4, 5 * 4, pixels / 16 * 4,
+                                 0};
+    for (int frame = 0; frame < 5; frame++) {
+        struct neph_realtime_stats stats;
+        struct neph_image *image = next(realtime, &test.scene, frame, &stats);
+        assert_int_equal(stats.injected_values, expected[frame]);
+        assert_int_equal(bad_values(image), 0);
+        neph_image_destroy(image);
+    }
+    neph_realtime_destroy(realtime);
+}
+
+/* A renderer that does not look shows what it was given. */
+static void test_a_bad_ray_shows_where_nobody_looks(void **state)
+{
+    struct test_scene test;
+    struct neph_injected_rays rays = {1, 1, NEPH_INJECTED_NAN};
+    const struct neph_settings settings = preset("fixed", "validity=off");
+    scene_bars(&test);
+    test.scene.injections = (struct neph_injections){.ray_count = 1, .rays = &rays};
+    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    for (int frame = 0; frame < 2; frame++) {
+        struct neph_image *image = next(realtime, &test.scene, frame, NULL);
+        assert_true((bad_values(image) > 0) == (frame == 1));
+        neph_image_destroy(image);
+    }
+    neph_realtime_destroy(realtime);
+}
+
+/* Words at random, of which one in 512 is no number in halves, one in 256 in floats, and half are
+ * negative: the device counts in each target what the C counts, within the view alone. */
+static void test_the_device_counts_what_is_bad(void **state)
+{
+    uint64_t seed = 5;
+    struct test_passes test;
+    struct neph_diag diag = {0};
+    uint64_t all = 0;
+    const struct neph_settings settings = preset("ours", NULL);
+    test_passes_open(*state, &settings, (int[2]){29, 15}, (int[2]){8, 4}, 2, &test);
+    for (int t = 0; t < RT_TARGET_COUNT; t++) {
+        const struct neph_gpu_target *shape = &test.view.targets[t];
+        const uint32_t side_px = neph_rt_target_side_px(t);
+        uint64_t expected = 0, found = 0;
+        for (size_t i = 0; i < neph_rt_device_words(&test.device, t); i++)
+            test.twin.targets[t][i] = (uint32_t)test_random(&seed);
+        for (size_t i = 0; i < test_elements(&test, t); i++) {
+            const uint32_t x = (uint32_t)i % shape->width * side_px;
+            const uint32_t y = (uint32_t)i / shape->width * side_px;
+            float value[4];
+            test_get(&test, t, i, value);
+            for (int c = 0; c < 4 && x >= 8 && x < 8 + 29 && y >= 4 && y < 4 + 15; c++)
+                expected += !isfinite(value[c]) ||
+                            (value[c] < 0.0f && t != RT_MOVED && t != RT_CHANGE);
+        }
+        neph_assert_ok(neph_rt_device_upload(&test.device, t, test.twin.targets[t], &diag), &diag);
+        neph_assert_ok(neph_rt_watch(&test.device, NEPH_RT_BIT(t), &found, &diag), &diag);
+        assert_int_equal(found, expected);
+        all += found;
+    }
+    assert_true(all > 1000);
+    test_passes_close(&test);
+}
+
+/* A renderer that is sound has none in any image; one whose history went bad has, and a ray that
+ * was put in does not count itself. */
+static void test_a_sequence_is_watched(void **state)
+{
+    struct test_scene test;
+    struct neph_injected_rays rays = {1, 3, NEPH_INJECTED_NAN};
+    struct neph_diag diag = {0};
+    scene_bars(&test);
+    test.scene.injections = (struct neph_injections){.ray_count = 1, .rays = &rays};
+    for (int is_sound = 0; is_sound < 2; is_sound++) {
+        const struct neph_settings settings = preset("fixed", is_sound ? NULL : "validity=off");
+        struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+        for (int frame = 0; frame < 3; frame++) {
+            uint64_t bad = 0;
+            const struct neph_realtime_frame picture = {&test.scene, frame, NULL};
+            neph_assert_ok(neph_realtime_render(realtime, &picture, NULL, NULL, &diag), &diag);
+            neph_assert_ok(neph_realtime_watch(realtime, &bad, &diag), &diag);
+            assert_true((bad > 0) == (!is_sound && frame >= 1));
+        }
+        neph_realtime_destroy(realtime);
+    }
+}
+
+/* --- views ------------------------------------------------------------------------------------ */
+
+/* A view amid buffers full of no numbers is the view alone, bit by bit; one that counts tiles from
+ * the corner of the buffer is not. */
+static void test_a_split_view_is_the_view_alone(void **state)
+{
+    struct test_scene test;
+    const struct neph_injections split = {.view = {36, 4, 8, 4, NEPH_INJECTED_NAN}};
+    static const char *const presets[] = {"ours", "fixed", "c52e", "unity", "ue"};
+    scene_bars(&test);
+    for (int p = 0; p < neph_test_by_day(1, 5); p++) {
+        const struct neph_settings settings = preset(presets[p], NULL);
+        assert_int_equal(differing(*state, &test.scene, &settings, &split, &nothing), 0);
+    }
+    const struct neph_settings faulty = preset("fixed", "tile_origin=buffer");
+    assert_true(differing(*state, &test.scene, &faulty, &split, &nothing) > 0);
+}
+
+/* The first picture has no past, whoever was rendered before it; the next ones have a wrong one.
+ * Without a history a second view costs nothing but its time. */
+static void test_a_mirrored_view_leaves_its_history(void **state)
+{
+    struct test_scene test;
+    const struct neph_injections mirror = {.mirror = {0, 100, -3.0}};
+    const struct neph_settings settings = preset("fixed", NULL), whole = preset("off", NULL);
+    scene_bars(&test);
+    assert_int_equal(differing(*state, &test.scene, &settings, &mirror, &nothing), FRAMES - 1);
+    assert_int_equal(differing(*state, &test.scene, &whole, &mirror, &nothing), 0);
+}
+
+/* As who resizes by hand. */
+static void test_another_size_and_back(void **state)
+{
+    struct test_scene test;
+    struct neph_injected_size size = {2, 0.5};
+    struct neph_diag diag = {0};
+    const struct neph_settings settings = preset("fixed", NULL);
+    scene_bars(&test);
+    struct neph_realtime *by_hand = open_realtime(*state, &test.scene, &settings);
+    struct neph_realtime *injected = open_realtime(*state, &test.scene, &settings);
+    for (int frame = 0; frame < 4; frame++) {
+        test.scene.injections = nothing;
+        if (frame == 2) {
+            neph_assert_ok(neph_realtime_resize(by_hand, &test.scene, 16, 10, &diag), &diag);
+            neph_image_destroy(next(by_hand, &test.scene, frame, NULL));
+            neph_assert_ok(neph_realtime_resize(by_hand, &test.scene, 32, 20, &diag), &diag);
+        }
+        struct neph_image *expected = next(by_hand, &test.scene, frame, NULL);
+        test.scene.injections = (struct neph_injections){.size_count = 1, .sizes = &size};
+        struct neph_image *image = next(injected, &test.scene, frame, NULL);
+        assert_true(is_same(image, expected));
+        neph_image_destroy(expected);
+        neph_image_destroy(image);
+    }
+    neph_realtime_destroy(by_hand);
+    neph_realtime_destroy(injected);
+}
+
+/* Pictures in flight have none before them. */
+static void test_no_other_picture_in_flight(void **state)
+{
+    struct test_scene test;
+    struct neph_diag diag = {0};
+    const struct neph_settings settings = preset("fixed", NULL);
+    scene_bars(&test);
+    test.scene.injections = (struct neph_injections){.mirror = {0, 100, -3.0}};
+    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    const struct neph_realtime_frame picture = {&test.scene, 0, NULL};
+    assert_int_equal(neph_realtime_render(realtime, &picture, NULL, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "inject.mirror"));
+    neph_realtime_destroy(realtime);
+}
+
+/* --- the origin ------------------------------------------------------------------------------- */
+
+static double largest_difference(const struct neph_image *a, const struct neph_image *b)
+{
+    double largest = 0.0;
+    float *p[3], *q[3];
+    neph_image_rgb(a, NULL, p);
+    neph_image_rgb(b, NULL, q);
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < neph_image_pixel_count(a); i++)
+            largest = fmax(largest, fabs((double)p[c][i] - q[c][i]));
+    return largest;
+}
+
+/* By a power of two, so that nothing is rounded: the same bits, where history follows; else the
+ * camera has gone far, and nothing has a past. */
+static void test_pictures_do_not_know_where_the_world_lies(void **state)
+{
+    struct test_scene test;
+    struct neph_injected_origin shift = {2, {1048576.0, 0.0, -65536.0}};
+    const struct neph_injections shifted = {.origin_count = 1, .origins = &shift};
+    const struct neph_settings settings = preset("ours", NULL);
+    const struct neph_settings lost = preset("ours", "origin_shift=off");
+    scene_bars(&test);
+    struct neph_realtime *at_home = open_realtime(*state, &test.scene, &settings);
+    struct neph_realtime *away = open_realtime(*state, &test.scene, &settings);
+    struct neph_realtime *forgotten = open_realtime(*state, &test.scene, &lost);
+    for (int frame = 0; frame < 4; frame++) {
+        test.scene.injections = nothing;
+        struct neph_image *a = next(at_home, &test.scene, frame, NULL);
+        test.scene.injections = shifted;
+        struct neph_image *b = next(away, &test.scene, frame, NULL);
+        struct neph_image *c = next(forgotten, &test.scene, frame, NULL);
+        assert_true(largest_difference(a, b) < 1e-6); /* a bar's face rounded in double, once */
+        assert_true((largest_difference(a, c) > 1e-3) == (frame >= 2));
+        neph_image_destroy(a);
+        neph_image_destroy(b);
+        neph_image_destroy(c);
+    }
+    neph_realtime_destroy(at_home);
+    neph_realtime_destroy(away);
+    neph_realtime_destroy(forgotten);
+}
+
+/* --- solids that move ------------------------------------------------------------------------ */
+
+/* A box that turns about its middle and goes to the right, and a ball that goes round it. */
+struct movers {
+    struct test_scene test;
+    struct neph_solid_key keys[2][2];
+    struct neph_mover movers[2];
+};
+
+static void scene_movers(struct movers *stage)
+{
+    struct neph_scene *scene = &stage->test.scene;
+    test_scene_init(&stage->test);
+    test_add_medium(&stage->test, 0.02, 0.0, 0.0);
+    test_add_box(&stage->test, (struct neph_vec3){-1.5, 0.5, -9.0},
+                 (struct neph_vec3){1.5, 2.5, -8.0});
+    test_add_sphere(&stage->test, (struct neph_vec3){3.0, 1.5, -8.5}, 0.6);
+    for (int i = 0; i < 2; i++) {
+        stage->keys[i][0] = (struct neph_solid_key){.frame = 0};
+        stage->keys[i][1] = (struct neph_solid_key){8, {i ? 0.0 : 2.0, 0, 0}, i ? 3.0 : 1.0};
+        stage->movers[i] = (struct neph_mover){i, 1, 1, {0, 0, -8.5}, 2, stage->keys[i]};
+    }
+    scene->movers = stage->movers;
+    scene->mover_count = 2;
+}
+
+struct watch {
+    const struct neph_scene *scene;
+    int frame, checked, moving;
+};
+
+/* Against where the C has the points, hit by hit; what grazes a rim may be either. */
+static void check_motion(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                         void *context)
+{
+    struct watch *watch = context;
+    struct neph_diag diag = {0};
+    if (strcmp(pass->name, "motion") != 0)
+        return;
+    const size_t size = neph_rt_device_words(device, RT_MOVED);
+    uint32_t *words = malloc(size * sizeof(*words));
+    neph_assert_ok(neph_rt_device_download(device, RT_MOVED, words, &diag), &diag);
+    struct neph_scene *still = NULL;
+    neph_assert_ok(neph_scene_at(watch->scene, watch->frame, &still, &diag), &diag);
+    const struct neph_camera camera = neph_scene_camera(still, watch->frame);
+    for (int y = 0; y < HEIGHT_PX; y++)
+        for (int x = 0; x < WIDTH_PX; x++) {
+            float moved[4];
+            neph_rt_load(&device->view->targets[RT_MOVED], words, (size_t)(y * WIDTH_PX + x),
+                         moved);
+            const struct neph_pixel_ray ray = neph_camera_ray(
+                &camera, WIDTH_PX, HEIGHT_PX, x + (double)device->view->jitter_px[0],
+                y + (double)device->view->jitter_px[1]);
+            const struct neph_hit hit = neph_scene_hit(still, ray.origin_m, ray.direction);
+            struct neph_vec3 expected = {0, 0, 0};
+            if (hit.solid) {
+                const struct neph_mover *mover = &watch->scene->movers[hit.solid - still->solids];
+                const struct neph_placing here = neph_mover_placing(watch->scene, mover,
+                                                                    watch->frame);
+                const struct neph_placing there = neph_mover_placing(
+                    watch->scene, mover, watch->frame > 0 ? watch->frame - 1 : 0);
+                const struct neph_vec3 point_m = neph_vec3_along(ray.origin_m, ray.direction,
+                                                                 hit.t_m);
+                expected = neph_vec3_sub(point_m, neph_placed_before_m(&here, &there, point_m));
+                watch->moving++;
+            }
+            watch->checked += fabs(moved[0] - expected.x) < 1e-4 &&
+                              fabs(moved[1] - expected.y) < 1e-4 &&
+                              fabs(moved[2] - expected.z) < 1e-4;
+        }
+    neph_scene_destroy(still);
+    free(words);
+}
+
+static void test_motion_is_that_of_the_solids(void **state)
+{
+    struct movers stage;
+    const struct neph_settings settings = preset("ours", NULL);
+    scene_movers(&stage);
+    struct neph_realtime *realtime = open_realtime(*state, &stage.test.scene, &settings);
+    struct watch watch = {.scene = &stage.test.scene};
+    neph_realtime_observe(realtime, check_motion, &watch);
+    for (watch.frame = 0; watch.frame < 4; watch.frame++)
+        neph_image_destroy(next(realtime, &stage.test.scene, watch.frame, NULL));
+    print_message("%d of %d pixels agree, %d of them of solids\n", watch.checked,
+                  4 * WIDTH_PX * HEIGHT_PX, watch.moving);
+    assert_true(watch.checked >= 4 * WIDTH_PX * HEIGHT_PX - 8);
+    assert_true(watch.moving > 4 * WIDTH_PX * HEIGHT_PX / 20);
+    neph_realtime_destroy(realtime);
+}
+
+static double rmse_to(struct neph_vulkan *vulkan, const struct neph_scene *scene, int frame,
+                      const struct neph_image *image)
+{
+    const struct neph_march_params params = {
+        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .frame = 0, .steps = 16, .sun_steps = 4};
+    struct neph_scene *still = NULL;
+    struct neph_image *truth = NULL;
+    struct neph_diag diag = {0};
+    double sum = 0.0;
+    float *a[3], *b[3];
+    neph_assert_ok(neph_scene_at(scene, frame, &still, &diag), &diag);
+    neph_assert_ok(test_march_frame(vulkan, still, &params, &truth, NULL, &diag), &diag);
+    neph_image_rgb(image, NULL, a);
+    neph_image_rgb(truth, NULL, b);
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < neph_image_pixel_count(image); i++)
+            sum += ((double)a[c][i] - b[c][i]) * ((double)a[c][i] - b[c][i]);
+    neph_image_destroy(truth);
+    neph_scene_destroy(still);
+    return sqrt(sum);
+}
+
+/* Without a box to hold it, a history that does not follow leaves a tail. */
+static void test_anti_aliasing_follows_solids(void **state)
+{
+    struct movers stage;
+    double errors[2] = {0.0, 0.0};
+    scene_movers(&stage);
+    for (int follows = 0; follows < 2; follows++) {
+        struct neph_settings settings = preset("fixed", "taa_box=none");
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_options_set(neph_rt_options, "realtime",
+                                        follows ? "solid_motion=on" : "solid_motion=off", &settings,
+                                        &diag),
+                       &diag);
+        struct neph_realtime *realtime = open_realtime(*state, &stage.test.scene, &settings);
+        for (int frame = 0; frame < 8; frame++) {
+            struct neph_image *image = next(realtime, &stage.test.scene, frame, NULL);
+            if (frame == 7)
+                errors[follows] = rmse_to(*state, &stage.test.scene, frame, image);
+            neph_image_destroy(image);
+        }
+        neph_realtime_destroy(realtime);
+    }
+    print_message("error %g, following %g\n", errors[0], errors[1]);
+    assert_true(errors[1] < 0.7 * errors[0]);
+}
+
+/* What stands still costs no pass, no memory and no bit. */
+static void test_what_stands_still_costs_nothing(void **state)
+{
+    struct test_scene test;
+    const struct neph_settings on = preset("ours", "solid_motion=on");
+    const struct neph_settings off = preset("ours", "solid_motion=off");
+    scene_bars(&test);
+    struct neph_realtime *a = open_realtime(*state, &test.scene, &on);
+    struct neph_realtime *b = open_realtime(*state, &test.scene, &off);
+    struct neph_realtime_stats of_a, of_b;
+    struct neph_image *one = next(a, &test.scene, 0, &of_a);
+    struct neph_image *other = next(b, &test.scene, 0, &of_b);
+    assert_true(is_same(one, other));
+    assert_int_equal(of_a.target_bytes, of_b.target_bytes);
+    assert_int_equal(of_a.traffic_bytes, of_b.traffic_bytes);
+    neph_image_destroy(one);
+    neph_image_destroy(other);
+    neph_realtime_destroy(a);
+    neph_realtime_destroy(b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_garbage_before_a_first_picture_never_shows),
+        cmocka_unit_test(test_what_is_put_in_is_counted),
+        cmocka_unit_test(test_a_bad_ray_shows_where_nobody_looks),
+        cmocka_unit_test(test_the_device_counts_what_is_bad),
+        cmocka_unit_test(test_a_sequence_is_watched),
+        cmocka_unit_test(test_a_split_view_is_the_view_alone),
+        cmocka_unit_test(test_a_mirrored_view_leaves_its_history),
+        cmocka_unit_test(test_another_size_and_back),
+        cmocka_unit_test(test_no_other_picture_in_flight),
+        cmocka_unit_test(test_pictures_do_not_know_where_the_world_lies),
+        cmocka_unit_test(test_motion_is_that_of_the_solids),
+        cmocka_unit_test(test_anti_aliasing_follows_solids),
+        cmocka_unit_test(test_what_stands_still_costs_nothing),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
