@@ -93,7 +93,17 @@ static enum neph_status draw(const struct neph_evidence_source *source,
     return status ? status : keep_worst(source, evidence->worst_frame, folder, diag);
 }
 
+/* Whose frames they are: the store's database asks. */
+static void describe_engine(const struct neph_job *job, json_t **record)
+{
+    neph_json_set(record, "engine", json_string(job->engine->name));
+    neph_json_set(record, "version", json_string(job->info->version));
+    neph_json_set(record, "build", json_string(job->info->build));
+    neph_json_set(record, "device", json_string(job->info->device));
+}
+
 enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
+                                   const struct neph_job *job,
                                    const struct neph_evidence_source *source,
                                    const struct neph_viewing *viewing, bool with_map,
                                    struct neph_diag *diag)
@@ -116,6 +126,7 @@ enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
                            evidence.slice_first, "slice_count", evidence.slice_count, "flip_first",
                            evidence.flip_first, "flip_count", evidence.flip_count, "scale",
                            evidence.scale);
+        describe_engine(job, &record);
         status = neph_json_check(record, diag);
     }
     if (!status)

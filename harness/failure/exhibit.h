@@ -7,6 +7,7 @@
 #define NEPH_HARNESS_FAILURE_EXHIBIT_H
 
 #include "harness/failure/evidence.h"
+#include "harness/run/job.h"
 #include "harness/run/store.h"
 #include "metrics/meter.h"
 
@@ -22,9 +23,10 @@ enum neph_status neph_exhibit_key(const char *take_key, char key[NEPH_HASH_HEX_S
  * "flip_first", "flip_count" and "scale". */
 bool neph_exhibit_find(struct neph_store *store, const char *key, char **folder, json_t **record);
 
-/* Make and publish it. Frames with bad values, fewer than what is seen needs, or without a
- * reference have no map. */
+/* Make and publish it, as of the engine and device of `job`. Frames with bad values, fewer than
+ * what is seen needs, or without a reference have no map. */
 enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
+                                   const struct neph_job *job,
                                    const struct neph_evidence_source *source,
                                    const struct neph_viewing *viewing, bool with_map,
                                    struct neph_diag *diag);

@@ -284,8 +284,8 @@ static enum neph_status look(const struct neph_take *take, const struct neph_tak
                             diag);
     if (status || !is_drawn(trial))
         return status;
-    return neph_exhibit_make(trial->bench->store, trial->exhibit_key, &source, &viewing,
-                             frames->bad_values == 0, diag);
+    return neph_exhibit_make(trial->bench->store, trial->exhibit_key, &trial->job, &source,
+                             &viewing, frames->bad_values == 0, diag);
 }
 
 /* The pictures of what was judged; rendered again where the store has none, as when a limit has

@@ -5,6 +5,7 @@ killed leave whole things."""
 import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -80,6 +81,7 @@ class Output(unittest.TestCase):
         for name in ("report", "store"):
             (self.folder / name / ".neph-owned").unlink()
         (self.folder / "store/.neph-lock").unlink(missing_ok=True)
+        shutil.rmtree(self.folder / "report/view")  # there were no viewers then
         (self.folder / "report/images/x").mkdir()
         done = neph(*SMALL, "-o", self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
