@@ -94,7 +94,7 @@ const struct neph_ablation_part neph_ablation_parts[] = {
      "after C. Schied, C. Peters, C. Dachsbacher, HPG 2018: noise is no change", "gradient=off",
      .needs = "taa"},
     {"rest", "what is at rest and in the same light is the mean of all its frames",
-     "ours, second generation: a still picture comes to rest", "taa_age_max=0",
+     "ours, second generation: a still picture comes to rest", "taa_age_max=0+taa_change=0.02",
      .needs = "true_gradient"},
     {"medium_motion", "the anti-aliasing follows the medium by its distance and the wind",
      "ours, second generation: clouds are no part of the sky", "taa_medium=off", .needs = "taa"},

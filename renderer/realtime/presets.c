@@ -80,8 +80,9 @@ const struct neph_preset neph_rt_presets[] = {
      "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
      "taa_box=variance taa_sigma=1"},
     {"ours2", "the mean of all that is at rest and in the same light, told from noise",
-     "reject_depth=0.1 gradient=on box_motion_px=0.05 box_change=0.02 history_age_max=32 box_age=0 "
-     "fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 taa_alpha=0.1 "
-     "taa_box=variance taa_sigma=1 upscale=bilateral upscale_dither=none"},
+     "reject_depth=0.1 gradient=on box_motion_px=0.05 box_change=0.002 history_age_max=32 "
+     "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
+     "taa_change=0.002 taa_alpha=0.1 taa_box=variance taa_sigma=1 upscale=bilateral "
+     "upscale_dither=none"},
     {.name = NULL},
 };
