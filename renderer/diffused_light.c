@@ -5,6 +5,7 @@
 #include "renderer/lattice.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,7 +32,8 @@ enum job { CLEAR, COARSEN, RED, BLACK, LEAVE, CORRECT, LIMIT };
 /* Sweeps over both colours before and after a coarser level, and on the coarsest. */
 enum { SWEEPS = 2, COARSEST_SWEEPS = 8 };
 
-/* Cycles after which nothing is left in float32, and those of a first picture, at least. */
+/* Cycles after which a picture at rest is left as it is (of what was given 1.5e-4 is unbalanced
+ * then, in 24 cells a side), and those of a first picture, at least. */
 enum { SETTLED = 48, COLD = 16 };
 
 /* Points of a cell, at most (shaders/diffuse_fill.comp). */
@@ -76,10 +78,10 @@ static double ground_m(const struct neph_scene *scene, struct neph_vec3 at_m)
 {
     double ground = -column_reach_m;
     for (int i = 0; i < scene->solid_count; i++) {
-        const struct neph_bounds *box = &scene->solids[i].box;
-        if (scene->solids[i].kind == NEPH_SOLID_BOX && box->min_m.x <= at_m.x &&
-            at_m.x <= box->max_m.x && box->min_m.z <= at_m.z && at_m.z <= box->max_m.z)
-            ground = fmax(ground, box->max_m.y);
+        const struct neph_bounds box = neph_solid_bounds(&scene->solids[i]);
+        if (scene->solids[i].kind == NEPH_SOLID_BOX && box.min_m.x <= at_m.x &&
+            at_m.x <= box.max_m.x && box.min_m.z <= at_m.z && at_m.z <= box.max_m.z)
+            ground = fmax(ground, box.max_m.y);
     }
     return ground;
 }
@@ -87,15 +89,8 @@ static double ground_m(const struct neph_scene *scene, struct neph_vec3 at_m)
 static struct neph_bounds support_of(const struct neph_scene *scene)
 {
     struct neph_bounds all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (int i = 0; i < scene->medium_count; i++) {
-        const struct neph_bounds own = neph_medium_support(&scene->media[i]);
-        all.min_m = (struct neph_vec3){fmin(all.min_m.x, own.min_m.x),
-                                       fmin(all.min_m.y, own.min_m.y),
-                                       fmin(all.min_m.z, own.min_m.z)};
-        all.max_m = (struct neph_vec3){fmax(all.max_m.x, own.max_m.x),
-                                       fmax(all.max_m.y, own.max_m.y),
-                                       fmax(all.max_m.z, own.max_m.z)};
-    }
+    for (int i = 0; i < scene->medium_count; i++)
+        all = neph_bounds_hull(all, neph_medium_support(&scene->media[i]));
     return all;
 }
 
@@ -254,6 +249,7 @@ void neph_diffused_light_destroy(struct neph_diffused_light *light)
         return;
     neph_buffer_destroy(light->vulkan, &light->field);
     neph_buffer_destroy(light->vulkan, &light->cells);
+    free(light->solids);
     *light = (struct neph_diffused_light){0};
 }
 
@@ -422,6 +418,7 @@ static enum neph_status link_levels(struct work *work, struct neph_diag *diag)
 
 static enum neph_status forget(struct work *work, struct neph_diag *diag)
 {
+    work->light->settled = 0;
     enum neph_status status = begin(work, diag);
     if (!status)
         status = add_pass(work, work->cycle, 0, 0, CLEAR, diag);
@@ -430,18 +427,36 @@ static enum neph_status forget(struct work *work, struct neph_diag *diag)
 
 /* --- a picture ------------------------------------------------------------------------------- */
 
-static bool same_sun(const struct neph_sun *a, const struct neph_sun *b)
+/* Solids throw shadows on cells, and stand in them. */
+static bool holds_solids(const struct neph_diffused_light *light, const struct neph_scene *scene)
 {
-    return a->direction.x == b->direction.x && a->direction.y == b->direction.y &&
-           a->direction.z == b->direction.z;
+    return scene->solid_count == light->solid_count &&
+           (scene->solid_count == 0 ||
+            memcmp(scene->solids, light->solids,
+                   (size_t)scene->solid_count * sizeof(*scene->solids)) == 0);
+}
+
+static enum neph_status keep_solids(struct neph_diffused_light *light,
+                                    const struct neph_scene *scene, struct neph_diag *diag)
+{
+    const size_t bytes = (size_t)scene->solid_count * sizeof(*scene->solids);
+    struct neph_solid *solids = bytes > 0 ? malloc(bytes) : NULL;
+    if (bytes > 0 && !solids)
+        return neph_fail_memory(diag);
+    if (bytes > 0)
+        memcpy(solids, scene->solids, bytes);
+    free(light->solids);
+    light->solids = solids;
+    light->solid_count = scene->solid_count;
+    return NEPH_OK;
 }
 
 static bool holds(const struct neph_diffused_light *light, const struct neph_scene *scene)
 {
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
     neph_gpu_scene_media(scene, media);
-    return light->is_filled && same_sun(&scene->sun, &light->sun) &&
-           memcmp(media, light->media, sizeof(media)) == 0;
+    return light->is_filled && neph_gpu_same_sun(&scene->sun, &light->sun) &&
+           memcmp(media, light->media, sizeof(media)) == 0 && holds_solids(light, scene);
 }
 
 static enum neph_status fill(struct work *work, const struct neph_scene *scene,
@@ -453,6 +468,8 @@ static enum neph_status fill(struct work *work, const struct neph_scene *scene,
     enum neph_status status = neph_march_cut_run(&light->cut, fill_run, work, diag);
     if (!status)
         status = link_levels(work, diag);
+    if (!status)
+        status = keep_solids(light, scene, diag);
     light->is_filled = !status;
     light->settled = 0;
     light->sun = scene->sun;
@@ -506,7 +523,7 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
     const int cycles = cycles_of(light, continues);
     if (!status)
         status = run_cycles(&work, cycles, diag);
-    light->settled += cycles;
+    light->settled += status ? 0 : cycles;
     light->is_alone = !continues && !status;
     return status;
 }

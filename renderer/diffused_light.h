@@ -30,7 +30,9 @@ struct neph_diffused_light {
     bool is_filled;
     struct neph_sun sun;                              /* what it was filled for */
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]; /* in the world */
-    int settled;   /* cycles since, up to where nothing is left to be done */
+    struct neph_solid *solids;                        /* owned */
+    int solid_count;
+    int settled;   /* cycles since, or since the fluence was forgotten */
     bool is_alone; /* what is there began from none, for a picture by itself */
 };
 
@@ -45,12 +47,13 @@ neph_diffused_light_create(struct neph_vulkan *vulkan, const struct neph_scene *
 /* A zero one is fine. */
 void neph_diffused_light_destroy(struct neph_diffused_light *light);
 
-/* Place the lattice in a frame of the scene, and send on their way its filling, if sun or media
- * have changed, and the cycles of a picture; `*gpu_s` receives what the device takes for them when
- * they are home, and is borrowed until then. `bound` is what a march of the picture is bound to
- * (march_scene.h). A picture that `continues` the one before goes on from its fluence, others from
- * none. `will_change`: sunlight is not yet what it will be in the next picture (sun_cache.h), and
- * is then filled in anew. NEPH_ERR_INTERRUPTED: neph_interrupted() between two dispatches. */
+/* Place the lattice in a frame of the scene, and send on their way its filling, if sun, media or
+ * solids have changed, and the cycles of a picture; `*gpu_s` receives what the device takes for
+ * them when they are home, and is borrowed until then. `bound` is what a march of the picture is
+ * bound to (march_scene.h). A picture that `continues` the one before goes on from its fluence,
+ * others from none. `will_change`: sunlight is not yet what it will be in the next picture
+ * (sun_cache.h), and is then filled in anew. NEPH_ERR_INTERRUPTED: neph_interrupted() between two
+ * dispatches. */
 enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
                                            const struct neph_scene *scene, double frame,
                                            const struct neph_gpu_scene *gpu,

@@ -143,6 +143,12 @@ uint32_t neph_gpu_scene_list(const struct neph_scene *scene,
     return count;
 }
 
+bool neph_gpu_same_sun(const struct neph_sun *a, const struct neph_sun *b)
+{
+    return a->direction.x == b->direction.x && a->direction.y == b->direction.y &&
+           a->direction.z == b->direction.z;
+}
+
 uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
                               struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX])
 {
@@ -155,13 +161,6 @@ uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
     return count;
 }
 
-static struct neph_bounds hull(struct neph_bounds a, struct neph_bounds b)
-{
-    return (struct neph_bounds){
-        {fmin(a.min_m.x, b.min_m.x), fmin(a.min_m.y, b.min_m.y), fmin(a.min_m.z, b.min_m.z)},
-        {fmax(a.max_m.x, b.max_m.x), fmax(a.max_m.y, b.max_m.y), fmax(a.max_m.z, b.max_m.z)}};
-}
-
 bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box)
 {
     bool any = false;
@@ -169,7 +168,7 @@ bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box)
         if (neph_medium_is_fog(&scene->media[i]) || !is_there(&scene->media[i]))
             continue;
         const struct neph_bounds own = neph_medium_support(&scene->media[i]);
-        *box = any ? hull(*box, own) : own;
+        *box = any ? neph_bounds_hull(*box, own) : own;
         any = true;
     }
     return any;

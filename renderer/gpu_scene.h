@@ -78,6 +78,10 @@ uint32_t neph_gpu_scene_list(const struct neph_scene *scene,
 uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
                               struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]);
 
+/* Whether two suns stand in the same place: what light goes through on its way does not ask how
+ * bright it is. */
+bool neph_gpu_same_sun(const struct neph_sun *a, const struct neph_sun *b);
+
 /* The box around all shapes (media but fogs) of them; false when there is none. */
 bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box);
 

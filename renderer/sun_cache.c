@@ -177,12 +177,6 @@ void neph_sun_cache_counts(const struct neph_sun_cache_cost *cost, uint64_t *den
 
 /* --- what is stale --------------------------------------------------------------------------- */
 
-static bool same_sun(const struct neph_sun *a, const struct neph_sun *b)
-{
-    return a->direction.x == b->direction.x && a->direction.y == b->direction.y &&
-           a->direction.z == b->direction.z;
-}
-
 static bool is_used(const struct neph_sun_cache *cache, const struct neph_gpu_scene *gpu)
 {
     return cache->size[0] > 0 && gpu->frame->scatters;
@@ -200,7 +194,8 @@ static void find_stale(struct neph_sun_cache *cache, const struct neph_scene *sc
 {
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
     neph_gpu_scene_media(scene, media);
-    if (same_sun(&scene->sun, &cache->sun) && memcmp(media, cache->media, sizeof(media)) == 0)
+    if (neph_gpu_same_sun(&scene->sun, &cache->sun) &&
+        memcmp(media, cache->media, sizeof(media)) == 0)
         return;
     cache->sun = scene->sun;
     memcpy(cache->media, media, sizeof(media));

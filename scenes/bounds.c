@@ -42,6 +42,13 @@ struct neph_bounds neph_bounds_intersect(struct neph_bounds a, struct neph_bound
         {fmin(a.max_m.x, b.max_m.x), fmin(a.max_m.y, b.max_m.y), fmin(a.max_m.z, b.max_m.z)}};
 }
 
+struct neph_bounds neph_bounds_hull(struct neph_bounds a, struct neph_bounds b)
+{
+    return (struct neph_bounds){
+        {fmin(a.min_m.x, b.min_m.x), fmin(a.min_m.y, b.min_m.y), fmin(a.min_m.z, b.min_m.z)},
+        {fmax(a.max_m.x, b.max_m.x), fmax(a.max_m.y, b.max_m.y), fmax(a.max_m.z, b.max_m.z)}};
+}
+
 struct neph_bounds neph_bounds_narrow(struct neph_bounds a, struct neph_bounds b)
 {
     struct neph_bounds box = neph_bounds_intersect(a, b);

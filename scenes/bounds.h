@@ -24,6 +24,9 @@ bool neph_clip_axis(double minimum, double maximum, double origin, double direct
 /* The part of `a` that lies in `b`; where nothing does, a minimum is above its maximum. */
 struct neph_bounds neph_bounds_intersect(struct neph_bounds a, struct neph_bounds b);
 
+/* The smallest box that holds both. */
+struct neph_bounds neph_bounds_hull(struct neph_bounds a, struct neph_bounds b);
+
 /* The part of `a` that lies in `b`, shrunk to a point on the axes where nothing does. */
 struct neph_bounds neph_bounds_narrow(struct neph_bounds a, struct neph_bounds b);
 

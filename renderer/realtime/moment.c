@@ -43,12 +43,10 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
                                         bool moves_rays)
 {
     struct neph_rt_moment now = {
-        .camera = neph_scene_camera(scene, frame),
         .drift_m = neph_scene_wind_displacement_m(scene, frame),
         .origin_m = neph_injected_origin_at(&scene->injections, frame),
         .frame = frame,
     };
-    now.camera.position_m = neph_vec3_add(now.camera.position_m, now.origin_m);
     double jitter_px[2] = {0.0, 0.0};
     if (moves_rays && view->settings[RT_TAA] != 0.0f)
         neph_rt_jitter((int)view->settings[RT_TAA_JITTER],

@@ -17,7 +17,7 @@ struct neph_rt_moment {
 };
 
 /* A picture of a scene over time, the `number`-th that is rendered; `moves_rays`: with the jitter
- * of the view's settings. */
+ * of the view's settings. Its camera is for the caller to set. */
 struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
                                         const struct neph_scene *scene, int frame, uint32_t number,
                                         bool moves_rays);

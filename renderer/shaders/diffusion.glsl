@@ -10,9 +10,9 @@
 //   div F + sigma_a phi = (1 - f) sigma_s E'            E': sunlight in the similar medium
 //   grad phi / 3 + sigma_tr F = g' (1 - f) sigma_s E' s    sigma_tr = (1 - g albedo) sigma_t
 //
-// and nothing comes in from outside: phi = 2 F at the faces (Marshak). Each face between two cells
-// passes what the one loses to the other, so that all that the sun gives is absorbed or leaves:
-// that is the equation of finite volumes, and holds to what the solver leaves of it.
+// and nothing comes in from outside: phi = F / OUTWARD at the faces (constants.h). Each face
+// between two cells passes what the one loses to the other, so that all that the sun gives is
+// absorbed or leaves: that is the equation of finite volumes, and holds to what the solver leaves.
 //
 // Where next to nothing is in the way P1 knows no end to a flux: there light goes no further than
 // the mean chord of the box, as if that were its mean free path.

@@ -59,14 +59,19 @@ float area_m2(int axis)
     return run.sides_m.x * run.sides_m.y * run.sides_m.z / run.sides_m[axis];
 }
 
+// A face may always pass on half of the difference between its sides: where one of them is dark
+// that is Marshak's flux.
+const float PASSES_ALWAYS = 0.5;
+
 // Where all light leaves to one side, as from a surface into the void, this part of the fluence is
-// its flux, and more never is: the condition at open faces wherever a medium ends.
+// its flux, and more is so only by what passes always: the condition at open faces wherever
+// a medium ends.
 float limited(Face face, float low, float high)
 {
     float apart = low - high, room = OUTWARD * max(low, high) + abs(face.beam);
     if (face.conductance * abs(apart) <= room)
         return face.conductance;
-    return min(face.conductance, max(room / abs(apart), 0.5));
+    return min(face.conductance, max(room / abs(apart), PASSES_ALWAYS));
 }
 
 #endif
