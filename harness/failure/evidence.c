@@ -10,8 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A residual that is no number outweighs all that are. */
-static const double bad_weight = 1e30;
+/* A residual that is no number outweighs all that are: squares of floats, summed over all pixels,
+ * stay below 1e90. */
+static const double bad_weight = 1e100;
 static const double scale_of_white = 0.1;
 
 /* ---- frames ---------------------------------------------------------------------------------- */
@@ -158,12 +159,16 @@ enum neph_status neph_evidence_find(const struct neph_evidence_source *source,
     const int count = source->files->count;
     double *frames = calloc((size_t)count, sizeof(*frames));
     double *rows = calloc(NEPH_IMAGE_SIDE_MAX_PX, sizeof(*rows));
-    int row_count = 0;
+    int width_px = 0, row_count = 0;
     enum neph_status status = frames && rows ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; i < count && !status; i++) {
         struct pair pair;
         status = open_pair(source, i, &pair, diag);
+        if (!status && i > 0 && (pair.width_px != width_px || pair.height_px != row_count))
+            status = neph_fail(diag, NEPH_ERR_INPUT,
+                               "frames of several sizes (frames.sizes) have no evidence");
         if (!status) {
+            width_px = pair.width_px;
             row_count = pair.height_px;
             frames[i] = add_residuals(&pair, rows);
         }

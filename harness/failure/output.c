@@ -168,7 +168,7 @@ char *neph_failure_command(const struct neph_failure_suite *suite,
 {
     const struct neph_failing *failing = &row->scene->failing;
     const struct neph_failure_column *of = &suite->columns[column];
-    if (of->is_preset && !row->point[0] && !strchr(of->name, '+'))
+    if (of->is_preset && !of->engine->is_guest && !row->point[0] && !strchr(of->name, '+'))
         return neph_format("neph render %s -e realtime --preset %s -s steps=%d --seed %llu "
                            "--frames %d --size %dx%d -o %s",
                            row->scene->name, of->name, failing->steps,

@@ -32,15 +32,7 @@ static bool is_based_on(const char *preset, const char *name, size_t length)
     return strncmp(preset, name, length) == 0 && (preset[length] == '\0' || preset[length] == '+');
 }
 
-/* A guest is asked everything. */
-static bool is_guest(const char *preset)
-{
-    const struct neph_engine *engine;
-    struct neph_settings settings;
-    return neph_engine_words(preset, NULL, &engine, &settings, NULL) == NEPH_OK && engine->is_guest;
-}
-
-bool neph_failure_has_preset(const struct neph_failing *failing, const char *preset)
+static bool has_preset(const struct neph_failing *failing, const char *preset)
 {
     const char *word = failing->presets;
     while (*word) {
@@ -49,7 +41,7 @@ bool neph_failure_has_preset(const struct neph_failing *failing, const char *pre
             return true;
         word += length + (word[length] == ' ');
     }
-    return failing->presets[0] == '\0' || is_guest(preset);
+    return failing->presets[0] == '\0';
 }
 
 static enum neph_status find_preset(const char *words, const struct neph_engine **engine,
@@ -64,8 +56,10 @@ static enum neph_status find_preset(const char *words, const struct neph_engine 
 bool neph_failure_asks(const struct neph_failing *failing, const struct neph_failing_limit *limit,
                        const struct neph_failure_column *column)
 {
+    if (column->engine->is_guest)
+        return true;
     if (column->is_preset)
-        return neph_failure_has_preset(failing, column->name);
+        return has_preset(failing, column->name);
     return failing->engines && !neph_failure_measure(limit->measure)->over_time;
 }
 

@@ -12,11 +12,9 @@
 enum neph_status neph_failure_plan(const struct neph_failure_params *params,
                                    struct neph_failure_suite *suite, struct neph_diag *diag);
 
-/* Whether a scenario is of a preset: it names it, or none, or it is a change of one that it names;
- * or it is a guest ("command"), of which nobody knows what it is prone to. */
-bool neph_failure_has_preset(const struct neph_failing *failing, const char *preset);
-
-/* Whether a number of a scenario is asked of a column. */
+/* Whether a number of a scenario is asked of a column. All are of a guest ("command"), of which
+ * nobody knows what it is prone to; of a preset those of scenarios that name it, or none, or what
+ * it is a change of. */
 bool neph_failure_asks(const struct neph_failing *failing, const struct neph_failing_limit *limit,
                        const struct neph_failure_column *column);
 

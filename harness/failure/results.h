@@ -53,7 +53,8 @@ struct neph_failure_params {
     void *context;
 };
 
-/* A preset of `realtime`, or an engine that makes each picture anew. */
+/* A preset of `realtime`; a guest ("command"), which takes part as one; or an engine that makes
+ * each picture anew. */
 struct neph_failure_column {
     const char *name;
     const struct neph_engine *engine;

@@ -101,6 +101,14 @@ static enum neph_status show(struct work *work, enum neph_failure_state state,
     return status;
 }
 
+/* A run that did not finish has a page that does not say for ever that it runs. */
+static void show_end(struct work *work)
+{
+    struct neph_diag why = {.line = 0};
+    if (show(work, NEPH_FAILURE_INTERRUPTED, &why))
+        neph_progress_warn("%s", why.message);
+}
+
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 static enum neph_status run_point(struct work *work, const struct neph_share *share,
@@ -188,7 +196,10 @@ enum neph_status neph_failure_run(const struct neph_failure_params *params,
     if (status == NEPH_ERR_INTERRUPTED) {
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");
         neph_interrupt_acknowledge();
-        show(&work, NEPH_FAILURE_INTERRUPTED, NULL);
     }
-    return status ? status : show(&work, NEPH_FAILURE_FINISHED, diag);
+    if (!status)
+        return show(&work, NEPH_FAILURE_FINISHED, diag);
+    if (status == NEPH_ERR_INTERRUPTED || work.shown_s > 0.0)
+        show_end(&work);
+    return status;
 }

@@ -130,19 +130,13 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
                              : set_engine(&trial->job, diag);
 }
 
-/* That of all presets, also where a guest is the first. */
+/* That of all presets, whichever is the first: the march of none of their changes. */
 static enum neph_status have_march(struct trial *trial, struct neph_diag *diag)
 {
     struct neph_failure_bench *bench = trial->bench;
     struct neph_job job = trial->job;
-    struct neph_engine_info info;
-    enum neph_status status = NEPH_OK;
-    if (trial->job.engine->is_guest) {
-        status = set_words(trial, "off", &job, diag);
-        job.info = &info;
-        job.shot.time_limit_s = 0.0;
-        neph_engine_probe(job.engine, &info);
-    }
+    const enum neph_status status = set_words(trial, "off", &job, diag);
+    job.shot.time_limit_s = 0.0;
     bench->progress.kind = NEPH_FAILURE_KIND_REFERENCE;
     return status ? status
                   : neph_failure_preset_truth(&job, bench->store, &bench->progress,
@@ -331,7 +325,8 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
                             take->reading_count > 0, diag);
     if (!status)
         status = have_pictures(trial, take, diag);
-    trial->bench->suite->frame_count += take->frame_count;
+    if (!status)
+        trial->bench->suite->frame_count += take->frame_count;
     json_decref(record);
     free(folder);
     return status;
@@ -409,8 +404,8 @@ static bool is_skipped(const struct trial *trial)
     return true;
 }
 
-/* What breaks or cannot be rendered is of one column; what ends the run goes on. An engine need not
- * model everything, or be there; a preset is a promise. */
+/* What breaks or cannot be rendered is of one column; what ends the run goes on. An engine or
+ * a guest need not model everything, or be there; a preset is a promise. */
 static bool is_of_one_column(const struct neph_failure_column *column, enum neph_status status,
                              enum neph_failure_verdict *verdict)
 {
@@ -423,12 +418,13 @@ static bool is_of_one_column(const struct neph_failure_column *column, enum neph
         {NEPH_ERR_GATE, true, true, NEPH_FAILURE_NO_NUMBER},
         {NEPH_ERR_UNSUPPORTED, true, true, NEPH_FAILURE_CANNOT},
         {NEPH_ERR_UNAVAILABLE, false, true, NEPH_FAILURE_MISSING},
-        {NEPH_ERR_TIMEOUT, true, true, NEPH_FAILURE_NOT_RENDERED},
+        {NEPH_ERR_TIMEOUT, false, true, NEPH_FAILURE_NOT_RENDERED},
     };
+    const bool is_promise = column->is_preset && !column->engine->is_guest;
     for (size_t i = 0; i < sizeof(table) / sizeof(table[0]); i++)
         if (table[i].status == status) {
-            *verdict = column->is_preset ? NEPH_FAILURE_NO_NUMBER : table[i].verdict;
-            return column->is_preset ? table[i].of_presets : table[i].of_engines;
+            *verdict = is_promise ? NEPH_FAILURE_NO_NUMBER : table[i].verdict;
+            return is_promise ? table[i].of_presets : table[i].of_engines;
         }
     return false;
 }

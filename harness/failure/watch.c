@@ -38,8 +38,8 @@ enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s does not count bad values on the device",
                          job->engine->name);
     const int warm_up = take_warm_up(job);
+    uint64_t found = 0;
     enum neph_status status = neph_job_open(job, diag);
-    *bad = 0;
     for (int frame = -warm_up; frame < frame_count && !status; frame++) {
         struct neph_shot shot = job->shot;
         uint64_t of_frame = 0;
@@ -49,8 +49,10 @@ enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint
             status = sequence->watch(job->sequence, &of_frame, diag);
         if (!status && neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted at frame %d", frame);
-        *bad += of_frame;
+        found += of_frame;
     }
     neph_job_close(job);
+    if (!status)
+        *bad = found;
     return status;
 }

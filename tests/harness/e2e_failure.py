@@ -321,7 +321,9 @@ class Proofs(unittest.TestCase):
         engines = {"march", "cycles", "povray"}
         proven = ({e["scene"] for e in listed["expectations"]
                    if e["is"] == "fails" and not engines & set(e["presets"])}
-                  | {m["scene"] for m in MUTATIONS["mutations"]})
+                  # a single step is a fault of what marches: it proves no history and no mask
+                  | {m["scene"] for m in MUTATIONS["mutations"]
+                     if m["settings"] != "steps=1" or m["measure"] == "energy"})
         scenarios = {path.stem for path in (ROOT / "scenes/failure").glob("*.yaml")}
         self.assertEqual(scenarios - proven, set(MUTATIONS["unproven"]))
 
