@@ -81,15 +81,8 @@ static const struct neph_field mirror_fields[] = {
     {0},
 };
 
-/* What is left out is no mirror, and has no default of its own. */
-static enum neph_status read_mirror(struct neph_reader *reader, const yaml_node_t *node,
-                                    const struct neph_record *record, void *target)
-{
-    return neph_read_fields(reader, node, record->fields, target);
-}
-
 static const struct neph_record mirror_record = {sizeof(struct neph_injected_mirror), mirror_fields,
-                                                 read_mirror};
+                                                 NULL};
 
 static const struct neph_field size_fields[] = {
     {"frame", NEPH_WHOLE, SIZE(frame), "", 0, FRAME_MAX, .note = picture_note},

@@ -142,6 +142,7 @@ static void hold_still(struct neph_scene *scene)
 {
     scene->frame_count = 1;
     scene->pause_count = scene->frame_scale_count = 0;
+    scene->advance_count = scene->clear_count = 0;
     scene->sun_key_count = scene->wind_key_count = 0;
     scene->camera_key_count = 1;
 }

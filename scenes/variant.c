@@ -48,6 +48,8 @@ const char *neph_variant_name(enum neph_variant_kind kind)
 
 const char *neph_variant_obstacle(const struct neph_scene *scene, enum neph_variant_kind kind)
 {
+    if (scene->advance_count > 0)
+        return "its time goes on unevenly (frames.advance), and its light with it";
     if (scene->pause_count > 0)
         return "its time stands still in pauses (frames.pauses), and its light with it";
     return kinds[kind].obstacle(scene);

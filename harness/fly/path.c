@@ -65,7 +65,7 @@ static struct neph_scene scene_of(const struct neph_fly_path *path, const struct
     made.camera_keys = (struct neph_camera_key *)path->keys;
     made.camera_key_count = path->frame_count;
     made.frame_count = path->frame_count;
-    made.pause_count = made.frame_scale_count = 0;
+    made.pause_count = made.frame_scale_count = made.advance_count = 0;
     return made;
 }
 

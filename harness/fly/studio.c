@@ -155,6 +155,7 @@ static void borrow_scene(struct neph_studio *studio)
     studio->scene.camera_keys = &studio->camera;
     studio->scene.camera_key_count = 1;
     studio->scene.pause_count = studio->scene.frame_scale_count = 0;
+    studio->scene.advance_count = 0;
 }
 
 enum neph_status neph_studio_open(const struct neph_studio_params *params, const char *preset,
