@@ -51,6 +51,10 @@ static enum neph_status tell(const struct neph_cli_pick_presets *asked,
     if (!status && study->failed_count > 0)
         status = neph_fail(diag, NEPH_ERR_ENGINE, "%d takes broke; their scenes have no number",
                            study->failed_count);
+    if (!status && choice->scene_counts[choice->least] == 0)
+        status = neph_fail(diag, NEPH_ERR_GATE,
+                           "there is no scene in which all presets have a number of '%s'",
+                           neph_choice_measures[choice->least].name);
     if (!status && choice->chosen < 0)
         status = neph_fail(diag, NEPH_ERR_GATE, "none of the presets is within what was asked for");
     return status;

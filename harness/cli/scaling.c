@@ -68,16 +68,17 @@ static enum neph_status write_json(const char *folder, const struct neph_scaling
 }
 
 static enum neph_status tell(const struct request *request, const struct neph_scaling *scaling,
-                             struct neph_diag *diag)
+                             const json_t *there, struct neph_diag *diag)
 {
-    enum neph_status status = write_json(request->shared.output, scaling, diag);
-    if (!status && request->shared.json)
+    const enum neph_status status = write_json(request->shared.output, scaling, diag);
+    if (status)
+        return status;
+    if (request->shared.json)
         return neph_cli_print_json(neph_scaling_json(scaling), diag);
-    if (!status)
-        neph_scaling_print(scaling, stdout);
-    if (!status && request->against)
-        status = neph_scaling_print_against(scaling, request->against, stdout, diag);
-    return status;
+    neph_scaling_print(scaling, stdout);
+    if (there)
+        neph_scaling_print_against(scaling, there, stdout);
+    return NEPH_OK;
 }
 
 enum neph_status neph_cli_scaling(int argc, char **argv, struct neph_diag *diag)
@@ -99,14 +100,21 @@ enum neph_status neph_cli_scaling(int argc, char **argv, struct neph_diag *diag)
                                                .times = &times,
                                                .retimes = request.retimes};
     struct neph_scaling scaling;
-    enum neph_status status = folder && times_path ? neph_store_open(folder, &store, diag)
-                                                   : neph_fail_memory(diag);
+    json_t *there = NULL;
+    enum neph_status status = folder && times_path ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && request.against)
+        status = neph_scaling_load(request.against, &there, diag);
+    if (!status)
+        status = neph_store_open(folder, &store, diag);
     if (!status)
         status = neph_times_open(times_path, &times, diag);
     if (!status)
         status = neph_scaling_run(&params, store, &scaling, diag);
+    if (!status && there)
+        status = neph_scaling_check_against(&scaling, there, request.against, diag);
     if (!status)
-        status = tell(&request, &scaling, diag);
+        status = tell(&request, &scaling, there, diag);
+    json_decref(there);
     neph_times_close(&times);
     neph_store_close(store);
     free(times_path);

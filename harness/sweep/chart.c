@@ -163,18 +163,19 @@ static int by_x(const void *a_, const void *b_)
 }
 
 /* The front as it is drawn: of all marks of the chart, whatever is on its axes, from the least x
- * on. */
+ * on. -1: out of memory. */
 static int front_marks(const struct mark *marks, int count, struct mark *on_front)
 {
     struct neph_front_point *points = calloc((size_t)count, sizeof(*points));
     int found = 0;
-    for (int i = 0; i < count && points; i++) {
+    if (!points)
+        return -1;
+    for (int i = 0; i < count; i++) {
         points[i].values[0] = marks[i].x.value;
         points[i].values[1] = marks[i].y.value;
     }
-    if (points)
-        neph_front_find(points, count, 2);
-    for (int i = 0; i < count && points; i++)
+    neph_front_find(points, count, 2);
+    for (int i = 0; i < count; i++)
         if (points[i].on_front)
             on_front[found++] = marks[i];
     free(points);
@@ -187,8 +188,8 @@ static int front_marks(const struct mark *marks, int count, struct mark *on_fron
 static json_t *front_json(const struct mark *marks, int count, struct range x, struct range y)
 {
     struct mark *on_front = calloc((size_t)count, sizeof(*on_front));
-    json_t *list = on_front ? json_array() : NULL;
-    const int found = on_front ? front_marks(marks, count, on_front) : 0;
+    const int found = on_front ? front_marks(marks, count, on_front) : -1;
+    json_t *list = found >= 0 ? json_array() : NULL;
     for (int i = -1; i <= found && found > 0; i++) {
         const struct mark *mark = &on_front[i < 0 ? 0 : i == found ? found - 1 : i];
         neph_json_add(&list, json_pack("{s:i, s:f, s:f}", "place", i + 1, "x",

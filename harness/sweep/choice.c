@@ -295,6 +295,9 @@ enum neph_status neph_choice_print(const struct neph_choice *choice,
     print_asked(choice, out);
     if (choice->chosen >= 0)
         fprintf(out, "choice: %s\n", study->params->presets[choice->chosen]);
+    else if (choice->scene_counts[choice->least] == 0)
+        fprintf(out, "no choice: there is no number of '%s'\n",
+                neph_choice_measures[choice->least].name);
     else
         fprintf(out, "none is within that; nearest is %s\n",
                 study->params->presets[choice->nearest]);

@@ -26,7 +26,6 @@ const struct neph_ladder_pipeline neph_ladder_pipelines[] = {
     {.name = NULL},
 };
 
-/* Solids stand still. */
 const struct neph_ladder_part neph_ladder_motion_parts[] = {
     {"history follows the wind", "wind=off", NEPH_LADDER_WIND},
     {"cuts of the camera void the history", "cut_reset=off", NEPH_LADDER_CAMERA},
@@ -62,7 +61,7 @@ bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion w
     for (int frame = 1; frame < scene->frame_count; frame++)
         if (!is_same_camera(scene, frame))
             return true;
-    return scene->frame_scale_count > 0;
+    return scene->frame_scale_count > 0 || scene->mover_count > 0;
 }
 
 bool neph_ladder_has_closed_form(const struct neph_scene *scene)

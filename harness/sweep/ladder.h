@@ -26,7 +26,7 @@ extern const struct neph_ladder_pipeline neph_ladder_pipelines[]; /* the cheapes
 
 /* What moves. */
 enum neph_ladder_motion {
-    NEPH_LADDER_CAMERA, /* or the size of the picture */
+    NEPH_LADDER_CAMERA, /* or a solid, or the size of the picture */
     NEPH_LADDER_WIND,
 };
 bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion what);

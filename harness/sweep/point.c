@@ -96,6 +96,16 @@ static bool is_counted(const struct neph_job *job)
     return true;
 }
 
+double neph_sweep_evaluations(const struct neph_job *job, const struct neph_image *frame)
+{
+    json_t *stats = neph_frame_stats(frame);
+    const json_t *count = json_object_get(stats, "density_evaluations");
+    const double evaluations = json_is_number(count) && is_counted(job) ? json_number_value(count)
+                                                                        : NAN;
+    json_decref(stats);
+    return evaluations;
+}
+
 enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_sweep_point *point,
                                         struct neph_diag *diag)
 {
@@ -103,11 +113,9 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
     const enum neph_status status = neph_exr_read(frame_path, &image, diag);
     if (status)
         return status;
-    json_t *stats = neph_frame_stats(image);
-    const json_t *count = json_object_get(stats, "density_evaluations");
-    if (json_is_number(count) && is_counted(&point->job))
-        point->evaluations = json_number_value(count) / (double)neph_image_pixel_count(image);
-    json_decref(stats);
+    const double evaluations = neph_sweep_evaluations(&point->job, image);
+    if (!isnan(evaluations))
+        point->evaluations = evaluations / (double)neph_image_pixel_count(image);
     neph_image_destroy(image);
     return NEPH_OK;
 }

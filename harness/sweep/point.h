@@ -39,8 +39,10 @@ bool neph_sweep_is_sequence(const struct neph_sweep_point *point);
 enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
                                           struct neph_sweep_point *point, struct neph_diag *diag);
 
-/* The evaluations of density that a frame of the point has cost, as its file says; NaN where nobody
- * counts them. */
+/* The evaluations of density that a frame of a job has cost; NaN where nobody counts them. */
+double neph_sweep_evaluations(const struct neph_job *job, const struct neph_image *frame);
+
+/* Those for a pixel of the point's picture, as its file says. */
 enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_sweep_point *point,
                                         struct neph_diag *diag);
 

@@ -255,12 +255,9 @@ static enum neph_status count_pictures(struct work *work, struct neph_scaling_li
         status = neph_job_render(&job, &frame, &cost, diag);
         if (status)
             break;
-        json_t *stats = neph_frame_stats(frame);
-        const json_t *count = json_object_get(stats, "density_evaluations");
         spent.x = i + 1;
-        spent.evaluations += json_is_number(count) ? json_number_value(count) : NAN;
+        spent.evaluations += neph_sweep_evaluations(&job, frame);
         spent.time.median += cost.render_s;
-        json_decref(stats);
         neph_image_destroy(frame);
         if (spent.x == axis->values[line->count])
             line->points[line->count++] = spent;
@@ -387,6 +384,9 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     if (status)
         return status;
     snprintf(work->scaling->scene, sizeof(work->scaling->scene), "%s", work->scene->name);
+    snprintf(work->scaling->scene_hash, sizeof(work->scaling->scene_hash), "%s", work->scene->hash);
+    work->scaling->width_px = work->params->width_px;
+    work->scaling->height_px = work->params->height_px;
     work->scaling->has_closed_form = neph_ladder_has_closed_form(work->scene);
     return add_lines(work, diag);
 }

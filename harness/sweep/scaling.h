@@ -59,8 +59,9 @@ struct neph_scaling_line {
 };
 
 struct neph_scaling {
-    char scene[64], device[128];
-    char series[NEPH_SCALING_SERIES][64];
+    char scene[64], scene_hash[NEPH_HASH_HEX_SIZE], device[128];
+    int width_px, height_px; /* of the largest picture */
+    char series[NEPH_SCALING_SERIES][256];
     struct neph_scaling_line lines[NEPH_SCALING_AXES * NEPH_SCALING_SERIES];
     int line_count;
     bool has_closed_form; /* engine exact marches no ray in it, whatever there is of it */
@@ -80,9 +81,16 @@ void neph_scaling_print(const struct neph_scaling *scaling, FILE *out);
 /* {"format": "neph-scaling-1", ...}, docs/sweep.md; for the caller to json_decref. */
 json_t *neph_scaling_json(const struct neph_scaling *scaling);
 
-/* Times of the same pictures on another device, out of the JSON of a run there: by what factor each
- * is slower or faster. NEPH_ERR_INPUT: the file holds no scaling of this scene. */
-enum neph_status neph_scaling_print_against(const struct neph_scaling *scaling, const char *path,
-                                            FILE *out, struct neph_diag *diag);
+/* The JSON of an earlier run, to json_decref. NEPH_ERR_INPUT: the file holds none. */
+enum neph_status neph_scaling_load(const char *path, json_t **document, struct neph_diag *diag);
+
+/* NEPH_ERR_INPUT: it is of another scene or size, so of other pictures. `path` is for words. */
+enum neph_status neph_scaling_check_against(const struct neph_scaling *scaling,
+                                            const json_t *document, const char *path,
+                                            struct neph_diag *diag);
+
+/* Times of the same pictures on another device: by what factor each is slower or faster. */
+void neph_scaling_print_against(const struct neph_scaling *scaling, const json_t *document,
+                                FILE *out);
 
 #endif

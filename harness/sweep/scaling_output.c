@@ -103,9 +103,10 @@ json_t *neph_scaling_json(const struct neph_scaling *scaling)
     json_t *lines = json_array();
     for (int i = 0; i < scaling->line_count; i++)
         neph_json_add(&lines, line_json(scaling, &scaling->lines[i]));
-    return json_pack("{s:s, s:s, s:s, s:b, s:o}", "format", "neph-scaling-1", "scene",
-                     scaling->scene, "device", scaling->device, "has_closed_form",
-                     scaling->has_closed_form, "lines", lines);
+    return json_pack("{s:s, s:s, s:s, s:[i, i], s:s, s:b, s:o}", "format", "neph-scaling-1",
+                     "scene", scaling->scene, "scene_hash", scaling->scene_hash, "size_px",
+                     scaling->width_px, scaling->height_px, "device", scaling->device,
+                     "has_closed_form", scaling->has_closed_form, "lines", lines);
 }
 
 /* --- another device ------------------------------------------------------------------------- */
@@ -130,7 +131,8 @@ static double seconds_there(const json_t *document, const char *series, const ch
     return NAN;
 }
 
-static void compare(const struct neph_scaling *scaling, const json_t *document, FILE *out)
+void neph_scaling_print_against(const struct neph_scaling *scaling, const json_t *document,
+                                FILE *out)
 {
     fprintf(out, "\nhere: %s\nthere: %s\n%-16s %-9s %11s %11s %11s %11s\n", scaling->device,
             neph_json_text(document, "device"), "series", "axis", "x", "ms here", "ms there",
@@ -153,21 +155,36 @@ static void compare(const struct neph_scaling *scaling, const json_t *document, 
         }
 }
 
-enum neph_status neph_scaling_print_against(const struct neph_scaling *scaling, const char *path,
-                                            FILE *out, struct neph_diag *diag)
+enum neph_status neph_scaling_load(const char *path, json_t **document, struct neph_diag *diag)
 {
     json_error_t error;
-    json_t *document = json_load_file(path, 0, &error);
-    enum neph_status status = NEPH_OK;
-    if (!document)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path, error.text);
-    else if (strcmp(neph_json_text(document, "format"), "neph-scaling-1") != 0)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds no scaling", path);
-    else if (strcmp(neph_json_text(document, "scene"), scaling->scene) != 0)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is of scene %s, not %s", path,
-                           neph_json_text(document, "scene"), scaling->scene);
-    else
-        compare(scaling, document, out);
-    json_decref(document);
-    return status;
+    json_t *loaded = json_load_file(path, 0, &error);
+    if (!loaded)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path, error.text);
+    if (strcmp(neph_json_text(loaded, "format"), "neph-scaling-1") != 0) {
+        json_decref(loaded);
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds no scaling", path);
+    }
+    *document = loaded;
+    return NEPH_OK;
+}
+
+static int side_of(const json_t *document, size_t side)
+{
+    return (int)json_integer_value(json_array_get(json_object_get(document, "size_px"), side));
+}
+
+enum neph_status neph_scaling_check_against(const struct neph_scaling *scaling,
+                                            const json_t *document, const char *path,
+                                            struct neph_diag *diag)
+{
+    if (strcmp(neph_json_text(document, "scene"), scaling->scene) != 0 ||
+        strcmp(neph_json_text(document, "scene_hash"), scaling->scene_hash) != 0)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is of scene %s as it was, not of this %s",
+                         path, neph_json_text(document, "scene"), scaling->scene);
+    if (side_of(document, 0) != scaling->width_px || side_of(document, 1) != scaling->height_px)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is of %d x %d pixels, this run of %d x %d",
+                         path, side_of(document, 0), side_of(document, 1), scaling->width_px,
+                         scaling->height_px);
+    return NEPH_OK;
 }

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/sweep/equal.h"
 #include "harness/sweep/front.h"
 #include "harness/sweep/ladder.h"
 #include "harness/sweep/timing.h"
@@ -228,20 +229,15 @@ static enum neph_status measure_points(struct neph_sweep_bench *bench, struct ne
 
 /* --- fronts --------------------------------------------------------------------------------- */
 
-/* What a picture costs: its time, or where that was not asked for, its work. */
-static double cost_of(const struct neph_sweep_point *point, bool untimed)
-{
-    return untimed ? point->evaluations : point->time.median;
-}
-
 static enum neph_status find_fronts(struct neph_sweep *sweep, bool untimed, struct neph_diag *diag)
 {
+    const enum neph_sweep_cost cost = untimed ? NEPH_SWEEP_COST_WORK : NEPH_SWEEP_COST_TIME;
     struct neph_front_point *front = calloc((size_t)sweep->point_count, sizeof(*front));
     if (!front)
         return neph_fail_memory(diag);
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
         for (int i = 0; i < sweep->point_count; i++) {
-            front[i].values[0] = cost_of(&sweep->points[i], untimed);
+            front[i].values[0] = neph_sweep_cost_of(&sweep->points[i], cost);
             front[i].values[1] = sweep->points[i].numbers[n].value;
         }
         neph_front_find(front, sweep->point_count, 2);

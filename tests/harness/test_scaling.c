@@ -130,6 +130,7 @@ static void test_parts_for_motion(void **state)
         {"gaussian_blob", "wind=off cut_reset=off reject_depth=0 taa_motion=centre"},
         {"wind_cloud", "cut_reset=off reject_depth=0 taa_motion=centre"},
         {"camera_pan", "wind=off"},
+        {"box_crosses", "wind=off"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_scene *scene = load(cases[i].scene);
