@@ -89,7 +89,9 @@ void apply(const ocio::ConstCPUProcessorRcPtr &processor, std::vector<float> &rg
     ocio::PackedImageDesc image(rgb.data(), static_cast<long>(rgb.size() / 3), 1, 3);
     processor->apply(image);
     for (float &value : rgb)
-        value = std::isfinite(value) ? 255.0f * value : 0.0f;
+        value = std::isinf(value) && value > 0.0f ? 255.0f
+                : std::isfinite(value)            ? 255.0f * value
+                                                  : 0.0f; // NaN, or the logarithm of 0
 }
 
 double shown(double code)

@@ -2,8 +2,8 @@
  *
  * What a page to look at frames with is made of.
  */
-#ifndef NEPH_HARNESS_REPORT_VIEW_H
-#define NEPH_HARNESS_REPORT_VIEW_H
+#ifndef NEPH_HARNESS_REPORT_VIEWER_H
+#define NEPH_HARNESS_REPORT_VIEWER_H
 
 #include "harness/compare/sequence.h"
 #include "metrics/display_cube.h"

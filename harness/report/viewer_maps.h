@@ -2,8 +2,8 @@
  *
  * Maps of the metrics for the page of neph view: what each set is off by against the first.
  */
-#ifndef NEPH_HARNESS_REPORT_VIEW_MAPS_H
-#define NEPH_HARNESS_REPORT_VIEW_MAPS_H
+#ifndef NEPH_HARNESS_REPORT_VIEWER_MAPS_H
+#define NEPH_HARNESS_REPORT_VIEWER_MAPS_H
 
 #include "harness/json.h"
 #include "harness/report/viewer.h"

@@ -315,6 +315,9 @@ static enum neph_status ship_cube(struct shop *shop, json_t **told, struct neph_
     *told = json_null();
     if (!shop->view->display.config)
         return NEPH_OK;
+    if (shop->is_picture)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "these are pictures for a display: --ocio shows linear data");
     enum neph_status status = neph_display_cube_bake(&shop->view->display, &cube, diag);
     if (status)
         return status;

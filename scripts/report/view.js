@@ -8,7 +8,7 @@
 
   const data = window.NEPH_VIEW;
   const main = document.getElementById("view");
-  const { want, have } = window.NephPlanes;
+  const { want, keep, have } = window.NephPlanes;
   const { display, byCodes, byCube, paintPicture, paintDepth, paintValues, valueOf, differenceOf,
     gradient } = window.NephPaint;
 
@@ -91,6 +91,9 @@
     cubeColours ??= byCube(data.cube, have("cube"));
     return cubeColours;
   }
+
+  // All sets, each with three planes of a quantity and of a map, and the config's view.
+  keep(4 * (6 * pixels * data.sets.length + (data.cube ? 3 * data.cube.side ** 3 : 0)));
 
   const keysOfValues = () => data.sets.flatMap((_, s) => [keyOf(s), mapKeyOf(s)])
     .filter((key) => key !== null);

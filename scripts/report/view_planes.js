@@ -6,7 +6,7 @@
 (function () {
   "use strict";
 
-  const KEPT_BYTES = 384 * 1024 * 1024; // of opened planes, the least used go first
+  let keptBytes = 384 * 1024 * 1024; // of opened planes, the least used go first
   const waiting = new Map(); // key: what to do with its text
   const opened = new Map(); // key: Promise of planes; the order is that of their last use
   const ready = new Map(); // key: planes
@@ -22,7 +22,10 @@
       const script = document.createElement("script");
       script.src = `frames/${key}.js`;
       waiting.set(key, resolve);
-      script.addEventListener("load", () => script.remove());
+      script.addEventListener("load", () => {
+        script.remove();
+        if (waiting.delete(key)) reject(new Error(`frames/${key}.js is damaged`));
+      });
       script.addEventListener("error", () => {
         script.remove();
         reject(new Error(`frames/${key}.js cannot be read`));
@@ -71,7 +74,7 @@
     let bytes = 0;
     for (const planes of ready.values()) bytes += bytesIn(planes);
     for (const key of [...opened.keys()]) {
-      if (bytes <= KEPT_BYTES) return;
+      if (bytes <= keptBytes) return;
       if (!ready.has(key)) continue;
       bytes -= bytesIn(ready.get(key));
       ready.delete(key);
@@ -88,5 +91,10 @@
     return planes;
   }
 
-  window.NephPlanes = { want, have: (key) => ready.get(key) };
+  /** What is looked at together must stay together, or it would be loaded for ever. */
+  function keep(bytes) {
+    keptBytes = Math.max(keptBytes, bytes);
+  }
+
+  window.NephPlanes = { want, keep, have: (key) => ready.get(key) };
 })();
