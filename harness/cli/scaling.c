@@ -36,8 +36,16 @@ static const struct neph_cli_option options[] = {
     {.name = NULL},
 };
 
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    if (request->against && request->shared.json)
+        argp_error(state, "--against is of the table, not of --json");
+}
+
 static const struct neph_cli_syntax syntax = {
     .options = options,
+    .check = check,
     .operands = &neph_cli_one_scene,
     .doc =
         "How cost grows with pixels, steps, voxels, density and pictures in a row, and whether it "
