@@ -363,7 +363,8 @@ static enum neph_status begin(struct work *work, struct neph_diag *diag)
     struct neph_query *query = NULL;
     enum neph_status status = neph_store_index(work->store, &index, diag);
     if (!status)
-        status = neph_history_begin(index, &who, &night->id, &night->resumed, diag);
+        status = neph_history_begin(index, neph_store_folder(work->store), &who, &night->id,
+                                    &night->resumed, diag);
     for (int i = 0; i < night->plan.count && !status; i++) {
         status = read_cost(work, index, i, diag);
         if (!status)

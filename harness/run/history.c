@@ -60,6 +60,41 @@ static enum neph_status write_document(const char *store_folder, enum document k
     return status;
 }
 
+/* A number is taken by its document, also by one that is torn and so has no rows. */
+static enum neph_status is_taken(const char *store_folder, enum document kind, int64_t number,
+                                 bool *taken, struct neph_diag *diag)
+{
+    char *path = document_path(store_folder, kind, number);
+    const enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
+    *taken = path && neph_path_exists(path);
+    free(path);
+    return status;
+}
+
+/* The first number from `*number` on that no document has. */
+static enum neph_status next_number(const char *store_folder, enum document kind, int64_t *number,
+                                    struct neph_diag *diag)
+{
+    bool taken = true;
+    enum neph_status status = is_taken(store_folder, kind, *number, &taken, diag);
+    while (!status && taken)
+        status = is_taken(store_folder, kind, ++*number, &taken, diag);
+    return status;
+}
+
+/* What is there is never written over. */
+static enum neph_status write_new_document(const char *store_folder, enum document kind,
+                                           int64_t number, const json_t *document,
+                                           struct neph_diag *diag)
+{
+    bool taken = false;
+    const enum neph_status status = is_taken(store_folder, kind, number, &taken, diag);
+    if (!status && taken)
+        return neph_fail(diag, NEPH_ERR_IO, "'%s/history/%s%06lld.json' is there already",
+                         store_folder, documents[kind].prefix, (long long)number);
+    return status ? status : write_document(store_folder, kind, number, document, diag);
+}
+
 static enum neph_status read_document(const char *path, enum document kind, json_t **document,
                                       struct neph_diag *diag)
 {
@@ -165,13 +200,14 @@ static enum neph_status insert_night(struct neph_database *index, int64_t night,
     return status ? status : insert_lists(index, night, d, diag);
 }
 
+/* Whoever opens the store while it is accepted may have found its document first. */
 static enum neph_status insert_acceptance(struct neph_database *index, int64_t number,
                                           const json_t *d, struct neph_diag *diag)
 {
-    return neph_database_do(index, diag, "INSERT INTO acceptances VALUES (?, ?, ?, ?, ?, ?)",
-                            "isisss", number, text(d, "series"),
-                            (int64_t)json_integer_value(json_object_get(d, "night")),
-                            text(d, "who"), text(d, "when_utc"), text(d, "why"));
+    return neph_database_do(
+        index, diag, "INSERT OR IGNORE INTO acceptances VALUES (?, ?, ?, ?, ?, ?)", "isisss",
+        number, text(d, "series"), (int64_t)json_integer_value(json_object_get(d, "night")),
+        text(d, "who"), text(d, "when_utc"), text(d, "why"));
 }
 
 /* All of a document's rows or none. */
@@ -267,33 +303,48 @@ static enum neph_status forget_unfinished(struct neph_database *index, int64_t b
     return status;
 }
 
-static enum neph_status find_or_insert_night(struct neph_database *index,
-                                             const struct neph_history_night *night, int64_t *id,
-                                             bool *resumed, struct neph_diag *diag)
+/* One of its own: acceptances know nights that have no rows. */
+static enum neph_status insert_new_night(struct neph_database *index, const char *store_folder,
+                                         const struct neph_history_night *night, int64_t *id,
+                                         struct neph_diag *diag)
 {
     char now[32];
     neph_utc_now(now);
+    enum neph_status status = neph_database_count(
+        index, id, diag,
+        "SELECT coalesce(max(id), 0) + 1 FROM (SELECT id FROM nights UNION SELECT night FROM "
+        "acceptances)",
+        "");
+    if (!status)
+        status = next_number(store_folder, NIGHT, id, diag);
+    return status ? status
+                  : neph_database_do(index, diag,
+                                     "INSERT INTO nights VALUES (?, ?, '', ?, ?, ?, ?, '')",
+                                     "isssss", *id, now, night->plan, night->revision,
+                                     night->program, night->host);
+}
+
+static enum neph_status find_or_insert_night(struct neph_database *index, const char *store_folder,
+                                             const struct neph_history_night *night, int64_t *id,
+                                             bool *resumed, struct neph_diag *diag)
+{
+    bool taken = false;
     *id = 0;
     enum neph_status status = neph_database_count(
         index, id, diag,
         "SELECT id FROM nights WHERE ended_utc = '' AND plan = ? AND revision = ? AND program = ? "
         "AND host = ? ORDER BY id DESC",
         "ssss", night->plan, night->revision, night->program, night->host);
+    if (!status && *id > 0)
+        status = is_taken(store_folder, NIGHT, *id, &taken, diag);
+    *id = taken ? 0 : *id; /* it could not end */
     *resumed = *id > 0;
     if (!status)
         status = forget_unfinished(index, *id, diag);
-    if (status || *resumed)
-        return status;
-    status = neph_database_do(index, diag,
-                              "INSERT INTO nights VALUES ((SELECT coalesce(max(id), 0) + 1 FROM "
-                              "nights), ?, '', ?, ?, ?, ?, '')",
-                              "sssss", now, night->plan, night->revision, night->program,
-                              night->host);
-    *id = neph_database_last_row(index);
-    return status;
+    return status || *resumed ? status : insert_new_night(index, store_folder, night, id, diag);
 }
 
-enum neph_status neph_history_begin(struct neph_database *index,
+enum neph_status neph_history_begin(struct neph_database *index, const char *store_folder,
                                     const struct neph_history_night *night, int64_t *id,
                                     bool *resumed, struct neph_diag *diag)
 {
@@ -301,7 +352,7 @@ enum neph_status neph_history_begin(struct neph_database *index,
     bool is_old = false;
     enum neph_status status = neph_database_begin(index, diag);
     if (!status)
-        status = find_or_insert_night(index, night, &found, &is_old, diag);
+        status = find_or_insert_night(index, store_folder, night, &found, &is_old, diag);
     if (status) {
         neph_database_rollback(index);
         return status;
@@ -472,7 +523,7 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
     if (!status)
         status = neph_json_put(document, "frames", json_copy((json_t *)frames), diag);
     if (!status)
-        status = write_document(store_folder, NIGHT, night, document, diag);
+        status = write_new_document(store_folder, NIGHT, night, document, diag);
     if (!status)
         status = insert_document(index, NIGHT, night, document, diag);
     json_decref(document);
@@ -501,29 +552,44 @@ static enum neph_status check_acceptable(struct neph_database *index, const char
     return status;
 }
 
+/* Number, document and rows while nobody else writes: of two at once, each has its own. */
+static enum neph_status number_acceptance(struct neph_database *index, const char *store_folder,
+                                          json_t *document, struct neph_diag *diag)
+{
+    int64_t number = 0;
+    enum neph_status status = neph_database_count(
+        index, &number, diag, "SELECT coalesce(max(id), 0) + 1 FROM acceptances", "");
+    if (!status)
+        status = next_number(store_folder, ACCEPTANCE, &number, diag);
+    if (!status)
+        status = neph_json_put(document, "acceptance", json_integer(number), diag);
+    if (!status)
+        status = write_new_document(store_folder, ACCEPTANCE, number, document, diag);
+    return status ? status : insert_acceptance(index, number, document, diag);
+}
+
 enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag)
 {
-    int64_t number = 0;
     char now[32];
     neph_utc_now(now);
     enum neph_status status = check_acceptable(index, series, night, diag);
+    if (status)
+        return status;
+    json_t *document = json_pack(
+        "{s:s, s:n, s:s, s:I, s:s, s:s, s:s}", "format", documents[ACCEPTANCE].format, "acceptance",
+        "series", series, "night", (json_int_t)night, "who", who, "when_utc", now, "why", why);
+    status = neph_json_check(document, diag);
     if (!status)
-        status = neph_database_count(index, &number, diag,
-                                     "SELECT coalesce(max(id), 0) + 1 FROM acceptances", "");
-    json_t *document = status
-                           ? NULL
-                           : json_pack("{s:s, s:I, s:s, s:I, s:s, s:s, s:s}", "format",
-                                       documents[ACCEPTANCE].format, "acceptance",
-                                       (json_int_t)number, "series", series, "night",
-                                       (json_int_t)night, "who", who, "when_utc", now, "why", why);
-    if (!status)
-        status = neph_json_check(document, diag);
-    if (!status)
-        status = write_document(store_folder, ACCEPTANCE, number, document, diag);
-    if (!status)
-        status = insert_document(index, ACCEPTANCE, number, document, diag);
+        status = neph_database_begin(index, diag);
+    if (!status) {
+        status = number_acceptance(index, store_folder, document, diag);
+        if (!status)
+            status = neph_database_commit(index, diag);
+        else
+            neph_database_rollback(index);
+    }
     json_decref(document);
     return status;
 }

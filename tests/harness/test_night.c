@@ -237,7 +237,9 @@ static int64_t add_night(struct bench *bench, const struct neph_history_step *st
     int64_t night = 0;
     bool resumed;
     json_t *none = json_array();
-    neph_assert_ok(neph_history_begin(bench->index, &who, &night, &resumed, &diag), &diag);
+    neph_assert_ok(neph_history_begin(bench->index, neph_store_folder(bench->store), &who, &night,
+                                      &resumed, &diag),
+                   &diag);
     neph_assert_ok(neph_history_add(bench->index, night, step, numbers, count, &diag), &diag);
     if (is_over)
         neph_assert_ok(neph_history_end(bench->index, neph_store_folder(bench->store), night,

@@ -114,7 +114,8 @@ static int64_t make_night(struct neph_store *store, const char *revision, double
         {"fog/march/radiance/rel_rmse/all", "fixed", value, NAN, "device"},
         {"fog/march/transmittance/max_abs/all", "fixed", NAN, NAN, "device"}};
     neph_assert_ok(neph_store_index(store, &index, &diag), &diag);
-    neph_assert_ok(neph_history_begin(index, &who, &night, &resumed, &diag), &diag);
+    neph_assert_ok(
+        neph_history_begin(index, neph_store_folder(store), &who, &night, &resumed, &diag), &diag);
     assert_false(resumed);
     neph_assert_ok(neph_history_add(index, night, &step, numbers, 2, &diag), &diag);
     neph_assert_ok(neph_history_end(index, neph_store_folder(store), night, "pass", frames, &diag),
@@ -512,14 +513,17 @@ static void test_a_night_that_was_killed_goes_on(void **state)
     int64_t first = 0, second = 0, count = 0;
     bool resumed = true;
     neph_assert_ok(neph_store_index(store, &index, NULL), NULL);
-    neph_assert_ok(neph_history_begin(index, &who, &first, &resumed, NULL), NULL);
+    neph_assert_ok(
+        neph_history_begin(index, neph_store_folder(store), &who, &first, &resumed, NULL), NULL);
     assert_false(resumed);
     neph_assert_ok(neph_history_add(index, first, &step, &number, 1, NULL), NULL);
     neph_database_close(index); /* and no end */
     neph_assert_ok(neph_store_index(store, &index, NULL), NULL);
-    neph_assert_ok(neph_history_begin(index, &who, &second, &resumed, NULL), NULL);
+    neph_assert_ok(
+        neph_history_begin(index, neph_store_folder(store), &who, &second, &resumed, NULL), NULL);
     assert_true(resumed && first == second);
-    neph_assert_ok(neph_history_begin(index, &other, &second, &resumed, NULL), NULL);
+    neph_assert_ok(
+        neph_history_begin(index, neph_store_folder(store), &other, &second, &resumed, NULL), NULL);
     assert_false(resumed);
     neph_assert_ok(
         neph_database_count(index, &count, NULL, "SELECT count(*) FROM measurements", ""), NULL);
@@ -550,6 +554,66 @@ static void test_acceptances_are_added_and_never_changed(void **state)
     json_decref(none);
 }
 
+/* What remains of one that is torn is not written over, and no later night has its number, by which
+ * an old acceptance would make it a baseline. */
+static void test_numbers_of_torn_documents_are_not_given_again(void **state)
+{
+    char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX], *text = NULL;
+    size_t size;
+    struct neph_store *store = open_store(state);
+    json_t *none = json_array();
+    make_night(store, "a", 0.25, none);
+    accept(store, "*", make_night(store, "b", 0.5, none), NEPH_OK);
+    accept(store, "*", 1, NEPH_OK);
+    neph_store_close(store);
+    scratch_path(state, folder, "store/history");
+    write_text(folder, "night-000002.json", "{\"torn");
+    write_text(folder, "accept-000002.json", "{\"torn, too");
+    remove_index(state);
+    store = open_store(state);
+    assert_int_equal(make_night(store, "c", 0.75, none), 3);
+    accept(store, "*", 3, NEPH_OK);
+    assert_int_equal(count_rows(store, "acceptances"), 2);
+    static const char *const torn[][2] = {{"store/history/night-000002.json", "{\"torn"},
+                                          {"store/history/accept-000002.json", "{\"torn, too"}};
+    for (size_t i = 0; i < COUNT(torn); i++) {
+        neph_assert_ok(
+            neph_file_read(scratch_path(state, path, torn[i][0]), 1000, &text, &size, NULL), NULL);
+        assert_string_equal(text, torn[i][1]);
+        free(text);
+    }
+    assert_true(neph_path_exists(scratch_path(state, path, "store/history/accept-000003.json")));
+    neph_store_close(store);
+    json_decref(none);
+}
+
+/* Each has a number and a document. */
+static void test_acceptances_at_the_same_time_are_all_kept(void **state)
+{
+    enum { RUNS = 4, EACH = 5 };
+    pid_t pids[RUNS];
+    struct neph_store *store = open_store(state);
+    json_t *none = json_array();
+    make_night(store, "a", 0.25, none);
+    for (int run = 0; run < RUNS; run++) {
+        pids[run] = fork();
+        if (pids[run] != 0)
+            continue;
+        for (int i = 0; i < EACH; i++)
+            accept(store, "*", 1, NEPH_OK);
+        _exit(0);
+    }
+    for (int run = 0; run < RUNS; run++) {
+        int how = 1;
+        waitpid(pids[run], &how, 0);
+        assert_int_equal(how, 0);
+    }
+    assert_int_equal(count_rows(store, "acceptances"), RUNS * EACH);
+    neph_store_close(store);
+    assert_int_equal(count_in(state, "store/index"), 1); /* none was set aside */
+    json_decref(none);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -565,6 +629,8 @@ int main(void)
         scratch_test(test_gc_takes_the_longest_unused_and_no_baseline),
         scratch_test(test_a_night_that_was_killed_goes_on),
         scratch_test(test_acceptances_are_added_and_never_changed),
+        scratch_test(test_numbers_of_torn_documents_are_not_given_again),
+        scratch_test(test_acceptances_at_the_same_time_are_all_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
