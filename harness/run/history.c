@@ -596,32 +596,80 @@ enum neph_status neph_history_accept(struct neph_database *index, const char *st
 
 /* ---- a closer look --------------------------------------------------------------------------- */
 
+/* `*torn`: the document is there and says nothing. One that is missing or cannot be read is an
+ * error: the rows are then all that is left of the night. */
+static enum neph_status compare_night(struct neph_database *index, const char *path, int64_t night,
+                                      json_t **rows, bool *torn, struct neph_diag *diag)
+{
+    json_t *document = NULL;
+    *torn = false;
+    enum neph_status status = neph_history_document(index, night, rows, diag);
+    if (status)
+        return status;
+    status = read_document(path, NIGHT, &document, diag);
+    *torn = status == NEPH_ERR_INPUT;
+    if (status && !*torn)
+        neph_hint(diag, "bring it back from a copy of the store; what it said is still in the "
+                        "database, and `neph store export` prints it");
+    if (*torn || (!status && !json_equal(*rows, document)))
+        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
+                           (long long)night, path);
+    json_decref(document);
+    return status;
+}
+
 static enum neph_status check_night(struct neph_database *index, const char *store_folder,
                                     int64_t night, struct neph_diag *diag)
 {
-    json_t *rows = NULL, *document = NULL;
+    json_t *rows = NULL;
+    bool torn;
     char *path = document_path(store_folder, NIGHT, night);
-    enum neph_status status = path ? neph_history_document(index, night, &rows, diag)
-                                   : neph_fail_memory(diag);
-    if (!status && read_document(path, NIGHT, &document, diag))
-        status = NEPH_ERR_INPUT;
-    if (!status && !json_equal(rows, document))
-        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
-                           (long long)night, path);
+    const enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
+                                         : neph_fail_memory(diag);
     json_decref(rows);
-    json_decref(document);
     free(path);
+    return status;
+}
+
+/* A document that disagrees is right. So is the lack of rows that cannot be read. */
+static enum neph_status mend_night(struct neph_database *index, const char *store_folder,
+                                   int64_t night, struct neph_diag *diag)
+{
+    json_t *rows = NULL;
+    bool torn = false;
+    char *path = document_path(store_folder, NIGHT, night);
+    enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
+                                   : neph_fail_memory(diag);
+    if (torn)
+        status = write_document(store_folder, NIGHT, night, rows, diag);
+    json_decref(rows);
+    free(path);
+    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
+}
+
+static enum neph_status visit_nights(struct neph_database *index, const char *store_folder,
+                                     enum neph_status (*visit)(struct neph_database *, const char *,
+                                                               int64_t, struct neph_diag *),
+                                     struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
+    while (!status && neph_query_next(query, &status, diag))
+        status = visit(index, store_folder, neph_query_integer(query, 0), diag);
+    neph_query_end(query);
     return status;
 }
 
 enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
                                     struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
-    while (!status && neph_query_next(query, &status, diag))
-        status = check_night(index, store_folder, neph_query_integer(query, 0), diag);
-    neph_query_end(query);
-    return status;
+    return visit_nights(index, store_folder, check_night, diag);
+}
+
+enum neph_status neph_history_mend(struct neph_database *index, const char *store_folder,
+                                   struct neph_diag *diag)
+{
+    const enum neph_status status = visit_nights(index, store_folder, mend_night, diag);
+    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
 }

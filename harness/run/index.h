@@ -22,7 +22,7 @@ enum neph_status neph_index_open(const char *store_folder, struct neph_database 
                                  struct neph_diag *diag);
 
 /* Look closely: the form of the database, and each finished night against its document. `*whole`
- * tells, and `why` what is wrong. */
+ * tells, and `why` what is wrong. Errors as of neph_history_check(). */
 enum neph_status neph_index_check(struct neph_database *index, const char *store_folder,
                                   bool *whole, struct neph_diag *why, struct neph_diag *diag);
 

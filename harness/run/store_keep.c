@@ -137,7 +137,9 @@ static enum neph_status check_index(struct check *check, struct neph_diag *diag)
     if (status || whole)
         return status;
     struct neph_store_fault fault = {.key = "", .why = why.message};
-    if (check->repairs) {
+    if (check->repairs)
+        status = neph_history_mend(check->index, neph_store_folder(check->store), diag);
+    if (check->repairs && !status) {
         neph_database_close(check->index);
         check->index = NULL;
         status = neph_store_renew_index(check->store, why.message, &check->index, diag);

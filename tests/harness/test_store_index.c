@@ -443,6 +443,70 @@ static void test_check_holds_nights_against_their_documents(void **state)
     neph_store_close(store);
 }
 
+static void count_any_fault(const struct neph_store_fault *fault, void *context)
+{
+    int *removed = context;
+    *removed += fault->removed;
+}
+
+/* Two nights, the second accepted and with a frame, and its document no longer what it was. */
+static json_t *spoil_a_document(void **state, struct neph_store *store, const char *text)
+{
+    char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX];
+    json_t *none = json_array(), *frames = json_pack("[s]", "0000");
+    make_night(store, "a", 0.25, none);
+    accept(store, "*", make_night(store, "b", 0.5, frames), NEPH_OK);
+    scratch_path(state, folder, "store/history");
+    if (text)
+        write_text(folder, "night-000002.json", text);
+    else
+        assert_int_equal(unlink(scratch_path(state, path, "store/history/night-000002.json")), 0);
+    json_decref(none);
+    json_decref(frames);
+    return export_of(store);
+}
+
+/* Made again, the database would be without it, and eviction would take a baseline's frames. */
+static void test_a_repair_keeps_a_night_whose_document_is_missing(void **state)
+{
+    struct neph_store_sums sums;
+    struct neph_diag diag = {0};
+    int removed = 0;
+    struct neph_store *store = open_store(state);
+    json_t *before = spoil_a_document(state, store, NULL);
+    assert_int_equal(neph_store_check(store, true, count_any_fault, &removed, &sums, &diag),
+                     NEPH_ERR_NOT_FOUND);
+    assert_non_null(strstr(diag.message, "night-000002.json"));
+    json_t *after = export_of(store);
+    assert_true(json_equal(before, after));
+    assert_int_equal(removed, 0);
+    json_decref(before);
+    json_decref(after);
+    neph_store_close(store);
+}
+
+static void test_a_repair_writes_a_torn_document_from_its_rows(void **state)
+{
+    struct neph_store_sums sums;
+    int removed = 0;
+    struct neph_store *store = open_store(state);
+    json_t *before = spoil_a_document(state, store, "{\"torn");
+    for (int repairs = 0; repairs < 2; repairs++) {
+        neph_assert_ok(neph_store_check(store, repairs, count_any_fault, &removed, &sums, NULL),
+                       NULL);
+        assert_int_equal(sums.bad, 1);
+        assert_int_equal(sums.nights, 2);
+        assert_int_equal(removed, repairs);
+    }
+    neph_assert_ok(neph_store_check(store, true, count_any_fault, &removed, &sums, NULL), NULL);
+    assert_int_equal(sums.bad, 0);
+    json_t *after = export_of(store);
+    assert_true(json_equal(before, after));
+    json_decref(before);
+    json_decref(after);
+    neph_store_close(store);
+}
+
 static void set_age(void **state, int number, int hours)
 {
     char path[SCRATCH_PATH_MAX], name[128], key[NEPH_HASH_HEX_SIZE];
@@ -626,6 +690,8 @@ int main(void)
         scratch_test(test_runs_at_the_same_time_lose_nothing),
         scratch_test(test_check_finds_a_changed_frame_and_repairs),
         scratch_test(test_check_holds_nights_against_their_documents),
+        scratch_test(test_a_repair_keeps_a_night_whose_document_is_missing),
+        scratch_test(test_a_repair_writes_a_torn_document_from_its_rows),
         scratch_test(test_gc_takes_the_longest_unused_and_no_baseline),
         scratch_test(test_a_night_that_was_killed_goes_on),
         scratch_test(test_acceptances_are_added_and_never_changed),
