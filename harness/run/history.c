@@ -95,6 +95,17 @@ static enum neph_status write_new_document(const char *store_folder, enum docume
     return status ? status : write_document(store_folder, kind, number, document, diag);
 }
 
+/* What its rows cannot be without. */
+static bool is_whole(const json_t *document, enum document kind)
+{
+    size_t i;
+    const json_t *step;
+    bool whole = strcmp(neph_json_text(document, "format"), documents[kind].format) == 0;
+    json_array_foreach(json_object_get(document, "steps"), i, step)
+        whole = whole && json_is_number(json_object_get(step, "wall_s"));
+    return whole;
+}
+
 static enum neph_status read_document(const char *path, enum document kind, json_t **document,
                                       struct neph_diag *diag)
 {
@@ -105,9 +116,9 @@ static enum neph_status read_document(const char *path, enum document kind, json
         return status;
     json_t *read = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
     free(text);
-    if (strcmp(neph_json_text(read, "format"), documents[kind].format) != 0) {
+    if (!is_whole(read, kind)) {
         json_decref(read);
-        return neph_fail(diag, NEPH_ERR_INPUT, "it is no %s", documents[kind].format);
+        return neph_fail(diag, NEPH_ERR_INPUT, "it is no whole %s", documents[kind].format);
     }
     *document = read;
     return NEPH_OK;

@@ -651,6 +651,24 @@ static void test_numbers_of_torn_documents_are_not_given_again(void **state)
     json_decref(none);
 }
 
+/* Its rows would be refused, for which the good database would be set aside at each opening. */
+static void test_a_step_without_a_time_leaves_its_night_out(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_store *store = open_store(state);
+    json_t *none = json_array();
+    make_night(store, "a", 0.25, none);
+    write_text(
+        scratch_path(state, path, "store/history"), "night-000002.json",
+        "{\"format\": \"neph-night-1\", \"ended_utc\": \"2026\", \"steps\": [{\"name\": \"a\"}]}");
+    neph_store_close(store);
+    store = open_store(state);
+    assert_int_equal(count_rows(store, "nights"), 1);
+    neph_store_close(store);
+    assert_int_equal(count_in(state, "store/index"), 1); /* none was set aside */
+    json_decref(none);
+}
+
 /* Each has a number and a document. */
 static void test_acceptances_at_the_same_time_are_all_kept(void **state)
 {
@@ -696,6 +714,7 @@ int main(void)
         scratch_test(test_a_night_that_was_killed_goes_on),
         scratch_test(test_acceptances_are_added_and_never_changed),
         scratch_test(test_numbers_of_torn_documents_are_not_given_again),
+        scratch_test(test_a_step_without_a_time_leaves_its_night_out),
         scratch_test(test_acceptances_at_the_same_time_are_all_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
