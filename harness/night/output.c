@@ -120,16 +120,23 @@ static json_t *series_json(const struct neph_compared *row)
                      row->nights);
 }
 
+static json_t *step_json(const struct neph_night_step *step,
+                         const struct neph_night_outcome *outcome)
+{
+    const char *what = outcome->outcome ? outcome->outcome : "not run";
+    json_t *words = json_array();
+    for (int w = 0; step->words[w]; w++)
+        neph_json_add(&words, json_string(step->words[w]));
+    return json_pack("{s:s, s:b, s:s, s:s, s:o}", "name", step->name, "done",
+                     strcmp(what, "done") == 0, "outcome", what, "reason",
+                     outcome->reason ? outcome->reason : "", "arguments", words);
+}
+
 static json_t *steps_json(const struct neph_night *night)
 {
     json_t *list = json_array();
-    for (int i = 0; i < night->plan.count; i++) {
-        json_t *words = json_array();
-        for (int w = 0; night->plan.steps[i].words[w]; w++)
-            neph_json_add(&words, json_string(night->plan.steps[i].words[w]));
-        neph_json_add(&list, json_pack("{s:s, s:b, s:o}", "name", night->plan.steps[i].name, "done",
-                                       night->done[i], "arguments", words));
-    }
+    for (int i = 0; i < night->plan.count; i++)
+        neph_json_add(&list, step_json(&night->plan.steps[i], &night->outcomes[i]));
     return list;
 }
 
