@@ -255,67 +255,133 @@ static enum neph_status run_steps(struct work *work, struct neph_diag *diag)
 
 /* ---- once more ------------------------------------------------------------------------------- */
 
+static void find_otherwise(struct work *work, const char *series,
+                           const struct neph_night_step *step, const char *words, double value)
+{
+    const struct neph_finding finding = {
+        NEPH_FOUND_BITS, series, step->name, words, value, NAN, NAN, NAN, NAN};
+    neph_night_add_finding(&work->night->comparison, &finding);
+}
+
+/* A number of the second run against that of the first. */
+static enum neph_status compare_number(struct work *work, struct neph_database *index,
+                                       const struct neph_night_step *step,
+                                       const struct neph_measurement *m, struct neph_diag *diag)
+{
+    int64_t all = 0, others = 0;
+    enum neph_status status = neph_database_count(
+        index, &all, diag,
+        "SELECT count(*) FROM measurements JOIN series ON series.id = series WHERE night = ? AND "
+        "name = ?",
+        "is", work->night->id, m->series);
+    if (!status)
+        status = neph_database_count(
+            index, &others, diag,
+            "SELECT count(*) FROM measurements JOIN series ON series.id = series WHERE night = ? "
+            "AND name = ? AND environment = ? AND value != ?",
+            "issd", work->night->id, m->series, m->environment, m->value);
+    if (!status && all == 0)
+        find_otherwise(work, m->series, step,
+                       "run once more in an empty folder, the same program gave a number that it "
+                       "had not given",
+                       m->value);
+    if (!status && others > 0)
+        find_otherwise(work, m->series, step,
+                       "run once more in an empty folder, the same program gave another number",
+                       m->value);
+    return status;
+}
+
+static bool has_series(const struct neph_night_numbers *numbers, const char *series)
+{
+    for (int i = 0; i < numbers->count; i++)
+        if (strcmp(numbers->list[i].series, series) == 0)
+            return true;
+    return false;
+}
+
+/* What the first run gave and the second did not. */
+static enum neph_status find_lost(struct work *work, struct neph_database *index,
+                                  const struct neph_night_step *step,
+                                  const struct neph_night_numbers *numbers, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag,
+        "SELECT name FROM measurements JOIN series ON series.id = series WHERE night = ? AND step "
+        "= ?",
+        "is", work->night->id, step->name);
+    while (!status && neph_query_next(query, &status, diag))
+        if (!has_series(numbers, neph_query_text(query, 0)))
+            find_otherwise(
+                work, neph_arena_text(&work->night->comparison.arena, neph_query_text(query, 0)),
+                step,
+                "run once more in an empty folder, the same program did not give this "
+                "number",
+                NAN);
+    neph_query_end(query);
+    return status;
+}
+
 static enum neph_status compare_bits(struct work *work, const struct neph_night_step *step,
                                      const struct neph_night_numbers *numbers,
                                      struct neph_diag *diag)
 {
     struct neph_database *index = NULL;
     enum neph_status status = neph_store_index(work->store, &index, diag);
-    for (int i = 0; i < numbers->count && !status; i++) {
-        const struct neph_measurement *m = &numbers->list[i];
-        int64_t others = 0;
-        status = neph_database_count(
-            index, &others, diag,
-            "SELECT count(*) FROM measurements WHERE night = ? AND environment = ? AND value != ? "
-            "AND series = (SELECT id FROM series WHERE name = ?)",
-            "isds", work->night->id, m->environment, m->value, m->series);
-        if (!status && others > 0) {
-            const struct neph_finding finding = {NEPH_FOUND_BITS,
-                                                 m->series,
-                                                 step->name,
-                                                 "run once more in an empty folder, the same "
-                                                 "program gave another number",
-                                                 m->value,
-                                                 NAN,
-                                                 NAN,
-                                                 NAN,
-                                                 NAN};
-            neph_night_add_finding(&work->night->comparison, &finding);
-        }
-    }
+    for (int i = 0; i < numbers->count && !status; i++)
+        status = compare_number(work, index, step, &numbers->list[i], diag);
+    if (!status)
+        status = find_lost(work, index, step, numbers, diag);
     neph_database_close(index);
     return status;
 }
 
+/* In an empty folder; `numbers` are of the arena. */
+static enum neph_status measure_again(struct work *work, int index,
+                                      struct neph_night_numbers *numbers, struct neph_diag *diag)
+{
+    const struct neph_night_step *step = &work->night->plan.steps[index];
+    json_t *document = NULL;
+    double wall_s = 0.0;
+    char *folder = neph_path_join(work->folder, "again");
+    enum neph_status status = folder ? neph_dir_remove(folder, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = run_command(work, index, folder, log_path(work, step, "_again"), &document,
+                             &wall_s, diag);
+    if (!status)
+        status = neph_night_read(step->suite, document, NAN, work->night->host, &work->night->arena,
+                                 numbers, diag);
+    if (folder)
+        neph_dir_remove(folder, NULL);
+    json_decref(document);
+    free(folder);
+    return status;
+}
+
+/* As in do_step(), only what ends the night is an error. */
 static enum neph_status run_again(struct work *work, int index, struct neph_diag *diag)
 {
     const struct neph_night_step *step = &work->night->plan.steps[index];
     struct neph_night_numbers numbers = {.count = 0};
     struct neph_diag why = {.line = 0};
-    json_t *document = NULL;
-    double wall_s = 0.0;
-    char *folder = neph_path_join(work->folder, "again");
-    enum neph_status status = folder ? neph_dir_remove(folder, diag) : neph_fail_memory(diag);
+    const enum neph_status status = measure_again(work, index, &numbers, &why);
     if (!status) {
-        status = run_command(work, index, folder, log_path(work, step, "_again"), &document,
-                             &wall_s, &why);
-        if (!status)
-            status = neph_night_read(step->suite, document, NAN, work->night->host,
-                                     &work->night->arena, &numbers, &why);
-        if (status && status != NEPH_ERR_INTERRUPTED)
-            neph_progress_warn("%s, once more: %s", step->name, why.message);
-        else if (status && diag)
-            *diag = why;
-        status = status == NEPH_ERR_INTERRUPTED ? status : NEPH_OK;
+        work->night->again_count++;
+        return compare_bits(work, step, &numbers, diag);
     }
-    if (!status)
-        status = compare_bits(work, step, &numbers, diag);
-    if (folder)
-        neph_dir_remove(folder, NULL);
-    work->night->again_count++;
-    json_decref(document);
-    free(folder);
-    return status;
+    if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
+        if (diag)
+            *diag = why;
+        return status;
+    }
+    find_otherwise(work, step->name, step,
+                   neph_arena_format(&work->night->comparison.arena,
+                                     "it was done, and run once more in an empty folder it was "
+                                     "not: %s",
+                                     why.message),
+                   NAN);
+    return NEPH_OK;
 }
 
 static bool is_done(const struct work *work, int index)
@@ -328,11 +394,14 @@ static enum neph_status run_some_again(struct work *work, struct neph_diag *diag
 {
     const struct neph_night_plan *plan = &work->night->plan;
     const int wanted = (int)ceil(again_share * plan->count);
+    int tried = 0;
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < plan->count && work->night->again_count < wanted && !status; i++) {
+    for (int i = 0; i < plan->count && tried < wanted && !status; i++) {
         const int index = (int)((work->night->id * wanted + i) % plan->count);
-        if (is_done(work, index) && plan->steps[index].suite != NEPH_NIGHT_SPEED)
-            status = run_again(work, index, diag);
+        if (!is_done(work, index) || plan->steps[index].suite == NEPH_NIGHT_SPEED)
+            continue;
+        tried++;
+        status = run_again(work, index, diag);
     }
     return status;
 }
