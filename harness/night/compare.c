@@ -262,7 +262,8 @@ static bool has_successor(const struct work *work, const char *series)
     return false;
 }
 
-/* Numbers of the accepted night whose step was done tonight, too, and which are not there. */
+/* Numbers of the accepted night whose step was done tonight, too, and which are not there. Of a
+ * step that was not calibrated, because the machine was busy, durations are not used. */
 static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
 {
     struct neph_night_comparison *comparison = work->comparison;
@@ -270,10 +271,9 @@ static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
     enum neph_status status = neph_query_begin(
         work->index, &query, diag,
         "SELECT name, step FROM measurements AS m JOIN series ON series.id = m.series WHERE night "
-        "= "
-        "? AND step IN (SELECT name FROM steps WHERE night = ? AND outcome = 'done') AND NOT "
-        "EXISTS "
-        "(SELECT 1 FROM measurements AS n WHERE n.night = ? AND n.series = m.series)",
+        "= ? AND step IN (SELECT name FROM steps WHERE night = ? AND outcome = 'done' AND (m.kind "
+        "!= 'timed' OR calibration_s IS NOT NULL)) AND NOT EXISTS (SELECT 1 FROM measurements AS n "
+        "WHERE n.night = ? AND n.series = m.series)",
         "iii", comparison->baseline, comparison->night, comparison->night);
     while (!status && neph_query_next(query, &status, diag)) {
         const char *name = neph_arena_text(&comparison->arena, neph_query_text(query, 0));

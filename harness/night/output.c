@@ -59,6 +59,16 @@ static void print_counts(const struct neph_night *night, FILE *out)
             night->plan.count, night->again_count, night->seconds / 60.0);
 }
 
+/* A step that is done has a reason when some of its numbers are not used. */
+static void print_reasons(const struct neph_night *night, FILE *out)
+{
+    for (int i = 0; i < night->plan.count; i++) {
+        const struct neph_night_outcome *outcome = &night->outcomes[i];
+        if (outcome->outcome && strcmp(outcome->outcome, "done") == 0 && outcome->reason[0])
+            fprintf(out, " %s: %s.", night->plan.steps[i].name, outcome->reason);
+    }
+}
+
 static void print_findings(const struct neph_night *night, FILE *out)
 {
     const struct neph_night_comparison *c = &night->comparison;
@@ -83,6 +93,7 @@ static void print_summary(const struct neph_night *night, const char *tier, FILE
     fprintf(out, "Night %lld (%s%s%s, %s) %s.", (long long)night->id, tier,
             night->revision[0] ? ", " : "", night->revision, night->host, verdict_of(night));
     print_counts(night, out);
+    print_reasons(night, out);
     print_findings(night, out);
     fputc('\n', out);
 }

@@ -373,6 +373,34 @@ static void test_another_size_and_a_broken_step(void **state)
     close_bench(&bench);
 }
 
+/* Durations of a step that could not be calibrated are not missing; what else it lacks is. */
+static void test_a_busy_machine_fails_no_night(void **state)
+{
+    const struct neph_measurement numbers[] = {
+        {"speed/fog@1/march/evaluations", "fixed", 42.0, NAN, "D"},
+        {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host"}};
+    const struct {
+        int first, count; /* of the numbers that tonight has */
+        double calibration_s;
+        int missing;
+    } cases[] = {{0, 2, 0.1, 0}, {0, 1, NAN, 0}, {0, 1, 0.1, 1}, {1, 1, 0.1, 1}, {0, 0, NAN, 1}};
+    struct neph_history_step step = {"speed fog", "done", "", "192x108", 1.0, 0.1};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &step, numbers, 2, true));
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        step.calibration_s = cases[i].calibration_s;
+        compare(&bench, add_night(&bench, &step, numbers + cases[i].first, cases[i].count, true), 0,
+                &c);
+        assert_int_equal(count_found(&c, NEPH_FOUND_MISSING), cases[i].missing);
+        if (i < 2)
+            assert_true(c.passes);
+        neph_night_comparison_finish(&c);
+    }
+    close_bench(&bench);
+}
+
 /* A change that was meant: it alarms until it is accepted, for its series alone, and then a change
  * back alarms. */
 static void test_acceptances_of_a_series(void **state)
@@ -440,6 +468,7 @@ int main(void)
         scratch_test(test_a_night_without_a_baseline_compares_nothing),
         scratch_test(test_what_is_found_in_a_night),
         scratch_test(test_another_size_and_a_broken_step),
+        scratch_test(test_a_busy_machine_fails_no_night),
         scratch_test(test_acceptances_of_a_series),
         scratch_test(test_nights_that_were_worse_are_set_aside),
     };
