@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FINDINGS_MAX = 8192 };
+enum { FINDINGS_FIRST = 64 };
 
 static const char *const found_words[] = {
     [NEPH_FOUND_STEP] = "step failed",
@@ -67,13 +67,27 @@ static int by_weight(const void *a_, const void *b_)
     return of_a != of_b ? (of_a > of_b ? -1 : 1) : strcmp(a->series, b->series);
 }
 
+/* Room for one more finding; false when memory is short. */
+static bool make_room(struct neph_night_comparison *comparison)
+{
+    if (comparison->finding_count < comparison->finding_room)
+        return true;
+    const int room = comparison->finding_room ? 2 * comparison->finding_room : FINDINGS_FIRST;
+    struct neph_finding *grown = neph_arena_zeroed(&comparison->arena, (size_t)room,
+                                                   sizeof(*grown));
+    if (!grown)
+        return false;
+    for (int i = 0; i < comparison->finding_count; i++)
+        grown[i] = comparison->findings[i];
+    comparison->findings = grown;
+    comparison->finding_room = room;
+    return true;
+}
+
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding)
 {
-    if (!comparison->findings)
-        comparison->findings = neph_arena_zeroed(&comparison->arena, FINDINGS_MAX,
-                                                 sizeof(*comparison->findings));
-    if (!comparison->findings || comparison->finding_count == FINDINGS_MAX)
+    if (!make_room(comparison))
         return;
     comparison->findings[comparison->finding_count++] = *finding;
     qsort(comparison->findings, (size_t)comparison->finding_count, sizeof(*finding), by_weight);

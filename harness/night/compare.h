@@ -54,7 +54,7 @@ struct neph_night_comparison {
     struct neph_arena arena;
     int64_t night, baseline; /* the accepted night of all; 0: there is none */
     struct neph_finding *findings;
-    int finding_count;
+    int finding_count, finding_room;
     struct neph_compared *series;
     int series_count;
     int compared, chances;       /* comparisons made, means over scenes included */
@@ -69,7 +69,8 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
                                     double alpha, struct neph_night_comparison *comparison,
                                     struct neph_diag *diag);
 
-/* Add what somebody else has found, and judge anew whether the night passes. */
+/* Add what somebody else has found, and judge anew whether the night passes. When memory is short,
+ * neph_arena_check() of its arena says so. */
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding);
 

@@ -40,7 +40,7 @@ static const double patience = 20.0, least_limit_s = 600.0;
 static const char done[] = "done";
 
 static const size_t log_limit_bytes = 64 << 20;
-enum { NEVER = 1000, WORDS_MAX = NEPH_STEP_WORDS + 4, VARIABLES_MAX = 1024 };
+enum { NEVER = 1000, WORDS_MAX = NEPH_STEP_WORDS + 5, VARIABLES_MAX = 1024 };
 
 struct work {
     const struct neph_night_params *params;
@@ -70,13 +70,19 @@ static bool is_made_anew(const char *variable)
 }
 
 /* A step sees what the user gave to the night, and files frames by the program that made them. */
-static void list_variables(struct work *work)
+static enum neph_status list_variables(struct work *work, struct neph_diag *diag)
 {
     int count = 0;
     work->variables[count++] = "NEPH_FRAMES_OF_PROGRAM=1";
-    for (char **entry = environ; entry && *entry && count < VARIABLES_MAX - 1; entry++)
-        if (!is_made_anew(*entry))
-            work->variables[count++] = *entry;
+    for (char **entry = environ; entry && *entry; entry++) {
+        if (is_made_anew(*entry))
+            continue;
+        if (count == VARIABLES_MAX - 1)
+            return neph_fail(diag, NEPH_ERR_USAGE, "the environment has more than %d variables",
+                             VARIABLES_MAX - 2);
+        work->variables[count++] = *entry;
+    }
+    return NEPH_OK;
 }
 
 static const char *log_path(struct work *work, const struct neph_night_step *step,
@@ -628,8 +634,8 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     work->longest_s = neph_arena_zeroed(&night->arena, count, sizeof(*work->longest_s));
     work->ran = neph_arena_zeroed(&night->arena, count, sizeof(*work->ran));
     night->outcomes = work->outcomes;
-    list_variables(work);
-    return neph_arena_check(&night->arena, diag);
+    status = list_variables(work, diag);
+    return status ? status : neph_arena_check(&night->arena, diag);
 }
 
 static enum neph_status run(struct work *work, struct neph_diag *diag)
@@ -643,6 +649,8 @@ static enum neph_status run(struct work *work, struct neph_diag *diag)
         status = compare(work, diag);
     if (!status && !work->params->once)
         status = run_some_again(work, diag);
+    if (!status)
+        status = neph_arena_check(&night->comparison.arena, diag);
     if (!status)
         status = end(work, diag);
     neph_progress_end(&work->progress);

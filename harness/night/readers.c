@@ -61,6 +61,7 @@ struct reading {
     const char *host;
     struct neph_arena *arena;
     struct neph_night_numbers *numbers;
+    bool overflows; /* there are more than NUMBERS_MAX */
 };
 
 /* One whose value is no number was not measured. `truth` NULL: there is none. */
@@ -69,7 +70,10 @@ static void add(struct reading *reading, const char *scene, const char *engine, 
                 const char *environment)
 {
     struct neph_night_numbers *numbers = reading->numbers;
-    if (!isfinite(value) || numbers->count == NUMBERS_MAX)
+    if (!isfinite(value))
+        return;
+    reading->overflows = reading->overflows || numbers->count == NUMBERS_MAX;
+    if (reading->overflows)
         return;
     numbers->list[numbers->count++] = (struct neph_measurement){
         .series = neph_arena_format(reading->arena, "%s/%s/%s/%s%s%s",
@@ -360,8 +364,10 @@ enum neph_status neph_night_read(enum neph_night_suite suite, const json_t *docu
         return neph_fail_memory(diag);
     if (!has_list(document, suite))
         return neph_fail(diag, NEPH_ERR_ENGINE, "its JSON has no %s", lists[suite]);
-    struct reading reading = {suite, document, calibration_s, host, arena, numbers};
+    struct reading reading = {suite, document, calibration_s, host, arena, numbers, false};
     read_suite[suite](&reading);
+    if (reading.overflows)
+        return neph_fail(diag, NEPH_ERR_ENGINE, "it has more than %d numbers", NUMBERS_MAX);
     return neph_arena_check(arena, diag);
 }
 

@@ -57,6 +57,12 @@ static void test_plans_that_differ_are_told_apart(void **state)
     const struct neph_night_plan_params without = {
         .tier = "quick", .only = &nothing, .only_count = 1};
     assert_int_equal(neph_night_plan_make(&without, &arena, &none, NULL), NEPH_ERR_USAGE);
+    const char *const settings[] = {"a:b=1",  "a:b=2",  "a:b=3",  "a:b=4",  "a:b=5",  "a:b=6",
+                                    "a:b=7",  "a:b=8",  "a:b=9",  "a:b=10", "a:b=11", "a:b=12",
+                                    "a:b=13", "a:b=14", "a:b=15", "a:b=16"};
+    const struct neph_night_plan_params crowded = {
+        .tier = "quick", .settings = settings, .setting_count = COUNT(settings)};
+    assert_int_equal(neph_night_plan_make(&crowded, &arena, &none, NULL), NEPH_ERR_USAGE);
     const struct neph_night_plan_params tier = {.tier = "slow"};
     assert_int_equal(neph_night_plan_make(&tier, &arena, &none, NULL), NEPH_ERR_USAGE);
     neph_arena_finish(&arena);
