@@ -306,9 +306,12 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
 static void discard(const struct neph_store *store, const char *entry, const char *why)
 {
     struct neph_scratch *bin = NULL;
+    struct neph_diag diag = {.line = 0};
     if (why)
         neph_progress_warn("'%s' is not used and is removed: %s", entry, why);
-    if (neph_scratch_create(store->tmp, work_prefix, &bin, NULL) == NEPH_OK) {
+    if (neph_scratch_create(store->tmp, work_prefix, &bin, &diag)) {
+        neph_progress_warn("'%s' cannot be removed: %s", entry, diag.message);
+    } else {
         char *path = neph_path_join(neph_scratch_path(bin), "entry");
         if (!path || rename(entry, path) != 0)
             neph_progress_warn("'%s' cannot be removed: %s", entry, strerror(errno));
@@ -332,13 +335,15 @@ static enum neph_entry_state discard_if_bad(const struct neph_store *store, cons
     return state;
 }
 
-/* The record's time of change, on whose file system nothing else is written for it. */
+/* The record's time of change, on whose file system nothing else is written for it. Eviction goes
+ * by it, and so do the lists of what a night has used. */
 static void note_use(const char *frame_path)
 {
     char *record = neph_format("%.*sjob.json", (int)(strrchr(frame_path, '/') + 1 - frame_path),
                                frame_path);
-    if (record)
-        utimensat(AT_FDCWD, record, NULL, 0);
+    if (record && utimensat(AT_FDCWD, record, NULL, 0) != 0)
+        neph_progress_warn("that '%s' is used cannot be noted, and eviction takes it for older: %s",
+                           record, strerror(errno));
     free(record);
 }
 
