@@ -144,12 +144,13 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
                                             &gc, diag);
     if (!status && request->shared.json)
         status = neph_cli_print_json(
-            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "frames_before",
+            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "frames_before",
                       (json_int_t)gc.frames_before, "bytes_before", (json_int_t)gc.bytes_before,
                       "frames_removed", (json_int_t)gc.frames_removed, "bytes_removed",
                       (json_int_t)gc.bytes_removed, "bytes_of_baselines",
                       (json_int_t)gc.bytes_of_baselines, "bytes_in_use",
-                      (json_int_t)gc.bytes_in_use, "fits", gc.fits),
+                      (json_int_t)gc.bytes_in_use, "frames_that_stayed",
+                      (json_int_t)gc.frames_that_stayed, "fits", gc.fits),
             diag);
     else if (!status)
         printf("removed %lld of %lld frames, %.1f of %.1f MB; of accepted nights %.1f MB, in use "
@@ -161,7 +162,11 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
         return status;
     neph_fail(diag, NEPH_ERR_GATE, "the limit of %.1f MB cannot be kept: %.1f MB are left",
               1e-6 * limit, 1e-6 * (double)(gc.bytes_before - gc.bytes_removed));
-    neph_hint(diag, "accepted nights and what was used within --spare-hours stay");
+    if (gc.frames_that_stayed > 0)
+        neph_hint(diag, "%lld frames could not be removed; the lines above say why",
+                  (long long)gc.frames_that_stayed);
+    else
+        neph_hint(diag, "accepted nights and what was used within --spare-hours stay");
     return NEPH_ERR_GATE;
 }
 

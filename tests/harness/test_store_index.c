@@ -564,6 +564,24 @@ static void test_gc_takes_the_longest_unused_and_no_baseline(void **state)
     json_decref(frames);
 }
 
+static void test_gc_tells_what_it_could_not_remove(void **state)
+{
+    char tmp[SCRATCH_PATH_MAX], away[SCRATCH_PATH_MAX];
+    struct neph_store *store = open_store(state);
+    must_publish(store, 1, 100);
+    set_age(state, 1, 5);
+    scratch_path(state, tmp, "store/tmp");
+    assert_int_equal(rename(tmp, scratch_path(state, away, "store/away")), 0);
+    struct neph_store_gc gc = collect(store, 0);
+    assert_int_equal(rename(away, tmp), 0);
+    assert_false(gc.fits);
+    assert_int_equal(gc.frames_that_stayed, 1);
+    assert_int_equal(gc.frames_removed + gc.bytes_in_use, 0);
+    gc = collect(store, 0);
+    assert_true(gc.fits && gc.frames_removed == 1 && gc.frames_that_stayed == 0);
+    neph_store_close(store);
+}
+
 /* ---- nights ---------------------------------------------------------------------------------- */
 
 static void test_a_night_that_was_killed_goes_on(void **state)
@@ -711,6 +729,7 @@ int main(void)
         scratch_test(test_a_repair_keeps_a_night_whose_document_is_missing),
         scratch_test(test_a_repair_writes_a_torn_document_from_its_rows),
         scratch_test(test_gc_takes_the_longest_unused_and_no_baseline),
+        scratch_test(test_gc_tells_what_it_could_not_remove),
         scratch_test(test_a_night_that_was_killed_goes_on),
         scratch_test(test_acceptances_are_added_and_never_changed),
         scratch_test(test_numbers_of_torn_documents_are_not_given_again),
