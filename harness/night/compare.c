@@ -328,7 +328,9 @@ static void find_in_pictures(struct work *work)
         if (c->is_picture && c->series.past_count > 0 && c->past[0] > 0.0 &&
             !(c->series.tonight > 0.0))
             find(work, NEPH_FOUND_BLANK, c->name, c->step,
-                 "all its pixels are equal, and in the accepted night they were not");
+                 c->series.tonight < 0.0
+                     ? "it has pixels that are no numbers, and in the accepted night it had none"
+                     : "all its pixels are equal, and in the accepted night they were not");
     }
 }
 

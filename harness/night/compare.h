@@ -18,7 +18,7 @@ enum neph_found {
     NEPH_FOUND_STEP,  /* a step broke, or did not end in time */
     NEPH_FOUND_BITS,  /* the same program gave other numbers when it was run once more */
     NEPH_FOUND_STALE, /* many series of a truth moved: the truth is suspected */
-    NEPH_FOUND_BLANK, /* a picture is empty that was not */
+    NEPH_FOUND_BLANK, /* a picture is empty that was not, or has pixels that are no numbers */
     NEPH_FOUND_MISSING,
     NEPH_FOUND_SIZE,
     NEPH_FOUND_WORSE,

@@ -125,7 +125,8 @@ static const char *size_at(struct reading *reading, const json_t *size)
 
 /* ---- the catalogue --------------------------------------------------------------------------- */
 
-/* Range over mean of all values of R, G and B; NaN when the frame cannot be read. */
+/* Range over mean of all values of R, G and B; NaN when the frame cannot be read. A value that is
+ * not finite makes the sum so. */
 static double contrast_of(const char *path)
 {
     struct neph_image *image = NULL;
@@ -145,7 +146,11 @@ static double contrast_of(const char *path)
         }
     }
     neph_image_destroy(image);
-    return count == 0 ? NAN : sum > 0.0 ? (high - low) / (sum / (double)count) : 0.0;
+    if (count == 0)
+        return NAN;
+    if (!isfinite(sum))
+        return NEPH_NIGHT_BROKEN_PICTURE;
+    return sum > 0.0 ? (high - low) / (sum / (double)count) : 0.0;
 }
 
 static const char *version_of(struct reading *reading, const char *engine)

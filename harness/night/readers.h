@@ -18,8 +18,10 @@
 #include "harness/night/plan.h"
 #include "harness/run/history.h"
 
-/* The kind of a picture: the range of its radiance over the mean; 0 is a blank one. */
+/* The kind of a picture: the range of its radiance over the mean; 0 is a blank one, and
+ * NEPH_NIGHT_BROKEN_PICTURE one with pixels that are no numbers. */
 #define NEPH_NIGHT_PICTURE "picture"
+#define NEPH_NIGHT_BROKEN_PICTURE -1.0
 
 /* Texts are of the arena. */
 struct neph_night_numbers {

@@ -113,22 +113,28 @@ static void read_text(enum neph_night_suite suite, const char *text, double cali
     json_decref(document);
 }
 
-static void test_results_of_the_catalogue(void **state)
+/* Two pixels, the second of which is 3. */
+static void write_picture(const char *path, float first)
 {
-    char path[SCRATCH_PATH_MAX], text[4096];
-    struct neph_arena arena = {NULL};
-    struct neph_night_numbers numbers;
     struct neph_image *image = NULL;
     static const char *const channels[] = {"R", "G", "B"};
     neph_assert_ok(neph_image_create(2, 1, &image, NULL), NULL);
     for (int c = 0; c < 3; c++) {
         float *samples;
         neph_assert_ok(neph_image_add_channel(image, channels[c], &samples, NULL), NULL);
-        samples[0] = 1.0f;
+        samples[0] = first;
         samples[1] = 3.0f;
     }
-    neph_assert_ok(neph_exr_write(scratch_path(state, path, "a.exr"), image, NULL), NULL);
+    neph_assert_ok(neph_exr_write(path, image, NULL), NULL);
     neph_image_destroy(image);
+}
+
+static void test_results_of_the_catalogue(void **state)
+{
+    char path[SCRATCH_PATH_MAX], text[4096];
+    struct neph_arena arena = {NULL};
+    struct neph_night_numbers numbers;
+    write_picture(scratch_path(state, path, "a.exr"), 1.0f);
     snprintf(text, sizeof(text),
              "{\"size_px\": [96, 54], \"engines\": ["
              "{\"name\": \"exact\", \"version\": \"2\", \"device\": \"CPU\"},"
@@ -160,6 +166,10 @@ static void test_results_of_the_catalogue(void **state)
         assert_string_equal(numbers.list[i].environment, "V, D; less; against 2, CPU");
         neph_assert_close(numbers.list[i].standard_error, 0.05 / 1.959964, 1e-9, 0.0);
     }
+    write_picture(path, NAN);
+    read_text(NEPH_NIGHT_CATALOG, text, NAN, &arena, &numbers);
+    neph_assert_close(number_of(&numbers, "catalog/fog@01234567/tracer/contrast"),
+                      NEPH_NIGHT_BROKEN_PICTURE, 0.0, 0.0);
     neph_arena_finish(&arena);
 }
 
