@@ -508,11 +508,11 @@ static enum neph_status list_frames(struct work *work, struct neph_database *ind
 {
     struct tm began = {0};
     struct neph_query *query = NULL;
-    json_t *list = json_array();
     if (!work->night->started_utc ||
         !strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
         return neph_fail(diag, NEPH_ERR_INTERNAL, "a night without a beginning");
     const int64_t start_s = timegm(&began);
+    json_t *list = json_array();
     enum neph_status status = neph_query_begin(index, &query, diag,
                                                "SELECT key FROM jobs ORDER BY key", "");
     while (!status && neph_query_next(query, &status, diag))

@@ -98,6 +98,15 @@ static void print_summary(const struct neph_night *night, const char *tier, FILE
     fputc('\n', out);
 }
 
+/* The text of a stream of memory; NULL when memory is short. */
+static char *close_text(FILE *out, char **text)
+{
+    if (fclose(out) == 0)
+        return *text;
+    free(*text);
+    return NULL;
+}
+
 char *neph_night_summary(const struct neph_night *night, const char *tier)
 {
     char *text = NULL;
@@ -106,7 +115,7 @@ char *neph_night_summary(const struct neph_night *night, const char *tier)
     if (!out)
         return NULL;
     print_summary(night, tier, out);
-    return fclose(out) == 0 ? text : NULL;
+    return close_text(out, &text);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -269,7 +278,7 @@ char *neph_night_junit(const struct neph_night *night)
     if (nothing)
         print_case("nightly", "something is compared", "failure", "nothing was compared", out);
     fputs("</testsuite>\n", out);
-    return fclose(out) == 0 ? text : NULL;
+    return close_text(out, &text);
 }
 
 /* ---- files ----------------------------------------------------------------------------------- */
