@@ -98,7 +98,7 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
     if (status || night->comparison.passes)
         return status;
     return neph_fail(diag, NEPH_ERR_GATE, "the night %s; %s/nightly has all of it",
-                     night->comparison.compared == 0 ? "compared nothing" : "fails", output);
+                     neph_night_verdict(&night->comparison).verb, output);
 }
 
 static enum neph_status run(const struct request *request, const struct neph_night_params *params,

@@ -4,7 +4,6 @@
  */
 #include "harness/cli/cli.h"
 
-#include "base/files.h"
 #include "harness/run/store_keep.h"
 
 #include <math.h>
@@ -179,28 +178,13 @@ static enum neph_status run_export(struct neph_store *store, struct neph_diag *d
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-static enum neph_status open_existing(const char *output, struct neph_store **store,
-                                      struct neph_diag *diag)
-{
-    char *folder = neph_path_join(output, "store");
-    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && !neph_path_is_dir(folder)) {
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no store in '%s'", output);
-        neph_hint(diag, "-o names the folder that was given to the other verbs");
-    }
-    if (!status)
-        status = neph_store_open(folder, store, diag);
-    free(folder);
-    return status;
-}
-
 enum neph_status neph_cli_store(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     struct neph_store *store = NULL;
     neph_cli_parse(&syntax, argc, argv, &request);
     const char *verb = request.shared.operands[0];
-    enum neph_status status = open_existing(request.shared.output, &store, diag);
+    enum neph_status status = neph_cli_open_store(request.shared.output, &store, diag);
     if (!status && strcmp(verb, "check") == 0)
         status = run_check(&request, store, diag);
     else if (!status && strcmp(verb, "gc") == 0)

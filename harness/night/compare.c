@@ -569,6 +569,15 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
     return status;
 }
 
+struct neph_night_verdict neph_night_verdict(const struct neph_night_comparison *comparison)
+{
+    if (comparison->passes)
+        return (struct neph_night_verdict){"pass", "passes"};
+    if (comparison->compared == 0)
+        return (struct neph_night_verdict){"nothing compared", "compared nothing"};
+    return (struct neph_night_verdict){"fail", "fails"};
+}
+
 void neph_night_comparison_finish(struct neph_night_comparison *comparison)
 {
     neph_arena_finish(&comparison->arena);

@@ -69,6 +69,13 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
                                     double alpha, struct neph_night_comparison *comparison,
                                     struct neph_diag *diag);
 
+/* Of a comparison: "pass", "passes" and the like. */
+struct neph_night_verdict {
+    const char *word, *verb;
+};
+
+struct neph_night_verdict neph_night_verdict(const struct neph_night_comparison *comparison);
+
 /* Add what somebody else has found, and judge anew whether the night passes. When memory is short,
  * neph_arena_check() of its arena says so. */
 void neph_night_add_finding(struct neph_night_comparison *comparison,

@@ -542,11 +542,6 @@ static enum neph_status keep_judgements(struct work *work, struct neph_database 
     return status;
 }
 
-static const char *verdict_of(const struct neph_night_comparison *comparison)
-{
-    return comparison->passes ? "pass" : comparison->compared == 0 ? "nothing compared" : "fail";
-}
-
 static enum neph_status end(struct work *work, struct neph_diag *diag)
 {
     struct neph_night *night = work->night;
@@ -559,7 +554,7 @@ static enum neph_status end(struct work *work, struct neph_diag *diag)
         status = list_frames(work, index, &frames, diag);
     if (!status)
         status = neph_history_end(index, neph_store_folder(work->store), night->id,
-                                  verdict_of(&night->comparison), frames, diag);
+                                  neph_night_verdict(&night->comparison).word, frames, diag);
     json_decref(frames);
     neph_database_close(index);
     return status;

@@ -21,13 +21,6 @@ static int count_found(const struct neph_night *night, enum neph_found found)
     return count;
 }
 
-static const char *verdict_of(const struct neph_night *night)
-{
-    return night->comparison.passes          ? "passes"
-           : night->comparison.compared == 0 ? "compared nothing"
-                                             : "fails";
-}
-
 /* What renders a step's numbers again; "" of what is of several. */
 static void print_command(const struct neph_night *night, const char *step, FILE *out)
 {
@@ -91,7 +84,8 @@ static void print_findings(const struct neph_night *night, FILE *out)
 static void print_summary(const struct neph_night *night, const char *tier, FILE *out)
 {
     fprintf(out, "Night %lld (%s%s%s, %s) %s.", (long long)night->id, tier,
-            night->revision[0] ? ", " : "", night->revision, night->host, verdict_of(night));
+            night->revision[0] ? ", " : "", night->revision, night->host,
+            neph_night_verdict(&night->comparison).verb);
     print_counts(night, out);
     print_reasons(night, out);
     print_findings(night, out);

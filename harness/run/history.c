@@ -126,17 +126,6 @@ static enum neph_status read_document(const char *path, enum document kind, json
 
 /* ---- rows of documents ----------------------------------------------------------------------- */
 
-static double real(const json_t *object, const char *name)
-{
-    const json_t *value = json_object_get(object, name);
-    return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
-static const char *text(const json_t *object, const char *name)
-{
-    return neph_json_text(object, name);
-}
-
 static enum neph_status insert_measurement(struct neph_database *index, int64_t night,
                                            const char *step, const struct neph_measurement *m,
                                            const char *judgement, struct neph_diag *diag)
@@ -168,18 +157,19 @@ static enum neph_status insert_lists(struct neph_database *index, int64_t night,
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < json_array_size(steps); i++) {
         const json_t *s = json_array_get(steps, i);
-        const struct neph_history_step step = {text(s, "name"),   text(s, "outcome"),
-                                               text(s, "reason"), text(s, "size"),
-                                               real(s, "wall_s"), real(s, "calibration_s")};
+        const struct neph_history_step step = {
+            neph_json_text(s, "name"),   neph_json_text(s, "outcome"),
+            neph_json_text(s, "reason"), neph_json_text(s, "size"),
+            neph_json_real(s, "wall_s"), neph_json_real(s, "calibration_s")};
         status = insert_step(index, night, &step, diag);
     }
     for (size_t i = 0; !status && i < json_array_size(measurements); i++) {
         const json_t *m = json_array_get(measurements, i);
-        const struct neph_measurement measurement = {text(m, "series"), text(m, "kind"),
-                                                     real(m, "value"), real(m, "standard_error"),
-                                                     text(m, "environment")};
-        status = insert_measurement(index, night, text(m, "step"), &measurement,
-                                    text(m, "judgement"), diag);
+        const struct neph_measurement measurement = {
+            neph_json_text(m, "series"), neph_json_text(m, "kind"), neph_json_real(m, "value"),
+            neph_json_real(m, "standard_error"), neph_json_text(m, "environment")};
+        status = insert_measurement(index, night, neph_json_text(m, "step"), &measurement,
+                                    neph_json_text(m, "judgement"), diag);
     }
     for (size_t i = 0; !status && i < json_array_size(frames); i++)
         status = neph_database_do(index, diag, "INSERT OR IGNORE INTO night_frames VALUES (?, ?)",
@@ -205,9 +195,10 @@ static enum neph_status insert_night(struct neph_database *index, int64_t night,
     enum neph_status status = forget_night(index, night, diag);
     if (!status)
         status = neph_database_do(index, diag, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-                                  "isssssss", night, text(d, "started_utc"), text(d, "ended_utc"),
-                                  text(d, "plan"), text(d, "revision"), text(d, "program"),
-                                  text(d, "host"), text(d, "verdict"));
+                                  "isssssss", night, neph_json_text(d, "started_utc"),
+                                  neph_json_text(d, "ended_utc"), neph_json_text(d, "plan"),
+                                  neph_json_text(d, "revision"), neph_json_text(d, "program"),
+                                  neph_json_text(d, "host"), neph_json_text(d, "verdict"));
     return status ? status : insert_lists(index, night, d, diag);
 }
 
@@ -217,8 +208,9 @@ static enum neph_status insert_acceptance(struct neph_database *index, int64_t n
 {
     return neph_database_do(
         index, diag, "INSERT OR IGNORE INTO acceptances VALUES (?, ?, ?, ?, ?, ?)", "isisss",
-        number, text(d, "series"), (int64_t)json_integer_value(json_object_get(d, "night")),
-        text(d, "who"), text(d, "when_utc"), text(d, "why"));
+        number, neph_json_text(d, "series"),
+        (int64_t)json_integer_value(json_object_get(d, "night")), neph_json_text(d, "who"),
+        neph_json_text(d, "when_utc"), neph_json_text(d, "why"));
 }
 
 /* All of a document's rows or none. */
