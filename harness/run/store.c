@@ -205,11 +205,12 @@ static enum neph_status make_parts(const struct neph_store *store, struct neph_d
 
 /* Under the lock. Frames are found without a database: one that cannot be written is not kept up,
  * and the next run does so. */
-static enum neph_status update_index(const struct neph_store *store, struct neph_diag *diag)
+static enum neph_status update_index(const struct neph_store *store, bool reads,
+                                     struct neph_diag *diag)
 {
     struct neph_database *index = NULL;
     struct neph_diag why = {.line = 0};
-    const enum neph_status status = neph_index_open(store->folder, &index, &why);
+    const enum neph_status status = neph_index_open(store->folder, reads, &index, &why);
     neph_database_close(index);
     if (status == NEPH_ERR_IO) {
         neph_progress_warn("the store's database is not up to date, which changes no frame: %s",
@@ -246,7 +247,7 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
         status = neph_lock_wait(opened->lock, &lock, diag);
     if (!status) {
         sweep(opened);
-        status = update_index(opened, diag);
+        status = update_index(opened, true, diag);
         close(lock);
     }
     if (status)
@@ -262,7 +263,7 @@ void neph_store_close(struct neph_store *store)
     if (!store)
         return;
     if (neph_lock_wait(store->lock, &lock, NULL) == NEPH_OK) {
-        update_index(store, NULL);
+        update_index(store, false, NULL);
         close(lock);
     }
     destroy(store);
@@ -280,7 +281,7 @@ enum neph_status neph_store_index(const struct neph_store *store, struct neph_da
     enum neph_status status = neph_lock_wait(store->lock, &lock, diag);
     if (status)
         return status;
-    status = neph_index_open(store->folder, index, diag);
+    status = neph_index_open(store->folder, false, index, diag);
     close(lock);
     return status;
 }
@@ -294,7 +295,7 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
         return status;
     status = neph_index_renew(store->folder, why, diag);
     if (!status)
-        status = neph_index_open(store->folder, index, diag);
+        status = neph_index_open(store->folder, false, index, diag);
     close(lock);
     return status;
 }
