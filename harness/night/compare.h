@@ -69,7 +69,7 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
                                     double alpha, struct neph_night_comparison *comparison,
                                     struct neph_diag *diag);
 
-/* Of a comparison: "pass", "passes" and the like. */
+/* What a comparison comes to, in words: "pass", "passes" and the like. */
 struct neph_night_verdict {
     const char *word, *verb;
 };
