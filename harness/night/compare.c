@@ -276,19 +276,25 @@ static bool has_successor(const struct work *work, const char *series)
     return false;
 }
 
-/* Numbers of the accepted night whose step was done tonight, too, and which are not there. Of a
- * step that was not calibrated, because the machine was busy, durations are not used. */
+/* Numbers of the accepted night, or of one that was accepted for them alone since, whose step was
+ * done tonight, too, and which are not there. Of a step that was not calibrated, because the
+ * machine was busy, durations are not used. */
 static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
 {
     struct neph_night_comparison *comparison = work->comparison;
     struct neph_query *query = NULL;
     enum neph_status status = neph_query_begin(
         work->index, &query, diag,
-        "SELECT name, step FROM measurements AS m JOIN series ON series.id = m.series WHERE night "
-        "= ? AND step IN (SELECT name FROM steps WHERE night = ? AND outcome = 'done' AND (m.kind "
-        "!= 'timed' OR calibration_s IS NOT NULL)) AND NOT EXISTS (SELECT 1 FROM measurements AS n "
-        "WHERE n.night = ? AND n.series = m.series)",
-        "iii", comparison->baseline, comparison->night, comparison->night);
+        "SELECT name, max(step) FROM measurements AS m JOIN series ON series.id = m.series WHERE "
+        "(m.series, m.night) IN (SELECT series, night FROM measurements WHERE night = ? UNION "
+        "SELECT s.id, a.night FROM acceptances AS a JOIN series AS s ON s.name = a.series WHERE ? "
+        "= 0 AND a.night < ? AND a.id > (SELECT coalesce(max(id), 0) FROM acceptances WHERE series "
+        "= '*' AND night < ? AND night IN (SELECT id FROM nights))) AND step IN (SELECT name FROM "
+        "steps WHERE night = ? AND outcome = 'done' AND (m.kind != 'timed' OR calibration_s IS NOT "
+        "NULL)) AND NOT EXISTS (SELECT 1 FROM measurements AS n WHERE n.night = ? AND n.series = "
+        "m.series) GROUP BY name ORDER BY name",
+        "iiiiii", comparison->baseline, work->against, comparison->night, comparison->night,
+        comparison->night, comparison->night);
     while (!status && neph_query_next(query, &status, diag)) {
         const char *name = neph_arena_text(&comparison->arena, neph_query_text(query, 0));
         if (!has_successor(work, name))
@@ -531,7 +537,7 @@ static enum neph_status compare(struct work *work, struct neph_diag *diag)
         status = judge_numbers(work, diag);
     if (!status)
         status = find_failed_steps(work, diag);
-    if (!status && comparison->baseline > 0)
+    if (!status)
         status = find_missing(work, diag);
     if (status)
         return status;

@@ -447,6 +447,35 @@ static void test_acceptances_of_a_series(void **state)
     close_bench(&bench);
 }
 
+/* A number that was accepted by itself, and gone; until a night without it is accepted. */
+static void test_what_was_accepted_by_itself_is_missed(void **state)
+{
+    const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
+                                                                                   "p99/exact");
+    const struct neph_measurement numbers[] = {{a, "fixed", 0.25, NAN, "D"},
+                                               {b, "fixed", 0.5, NAN, "D"}};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    const int64_t first = add_night(&bench, &fog_step, numbers, 1, true);
+    accept(&bench, "*", first);
+    accept(&bench, b, add_night(&bench, &fog_step, numbers, 2, true));
+    const int64_t without = add_night(&bench, &fog_step, numbers, 1, true);
+    compare(&bench, without, 0, &c);
+    assert_int_equal(c.finding_count, 1);
+    assert_int_equal(c.findings[0].found, NEPH_FOUND_MISSING);
+    assert_string_equal(c.findings[0].series, b);
+    neph_night_comparison_finish(&c);
+    compare(&bench, without, first, &c);
+    assert_int_equal(c.finding_count, 0);
+    neph_night_comparison_finish(&c);
+    accept(&bench, "*", without);
+    compare(&bench, add_night(&bench, &fog_step, numbers, 1, true), 0, &c);
+    assert_int_equal(c.finding_count, 0);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
 /* Nights on which a series was worse are no part of what later ones are compared with. */
 static void test_nights_that_were_worse_are_set_aside(void **state)
 {
@@ -486,6 +515,7 @@ int main(void)
         scratch_test(test_another_size_and_a_broken_step),
         scratch_test(test_a_busy_machine_fails_no_night),
         scratch_test(test_acceptances_of_a_series),
+        scratch_test(test_what_was_accepted_by_itself_is_missed),
         scratch_test(test_nights_that_were_worse_are_set_aside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
