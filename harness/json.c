@@ -51,6 +51,12 @@ const char *neph_json_text(const json_t *object, const char *key)
     return text ? text : "";
 }
 
+double neph_json_real(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
 json_t *neph_json_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();

@@ -43,6 +43,9 @@ enum neph_status neph_json_check(const json_t *json, struct neph_diag *diag);
 /* The text at `key`; "" when there is none. */
 const char *neph_json_text(const json_t *object, const char *key);
 
+/* The number at `key`; NaN when there is none. */
+double neph_json_real(const json_t *object, const char *key);
+
 /* A number, or JSON null of one that is not finite: nothing was measured. */
 json_t *neph_json_number(double value);
 

@@ -4,10 +4,8 @@
  */
 #include "harness/cli/cli.h"
 
-#include "base/files.h"
 #include "base/text.h"
 #include "harness/run/history.h"
-#include "harness/run/store.h"
 
 #include <pwd.h>
 #include <stdio.h>
@@ -129,13 +127,7 @@ enum neph_status neph_cli_baseline(int argc, char **argv, struct neph_diag *diag
     neph_cli_parse(&syntax, argc, argv, &request);
     struct neph_store *store = NULL;
     struct neph_database *index = NULL;
-    char *folder = neph_path_join(request.shared.output, "store");
-    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && !neph_path_is_dir(folder))
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no store in '%s'",
-                           request.shared.output);
-    if (!status)
-        status = neph_store_open(folder, &store, diag);
+    enum neph_status status = neph_cli_open_store(request.shared.output, &store, diag);
     if (!status)
         status = neph_store_index(store, &index, diag);
     if (!status && accepts(&request))
@@ -144,6 +136,5 @@ enum neph_status neph_cli_baseline(int argc, char **argv, struct neph_diag *diag
         status = list(&request, index, diag);
     neph_database_close(index);
     neph_store_close(store);
-    free(folder);
     return status;
 }

@@ -18,6 +18,21 @@ enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag
     return status;
 }
 
+enum neph_status neph_cli_open_store(const char *output, struct neph_store **store,
+                                     struct neph_diag *diag)
+{
+    char *folder = neph_path_join(output, "store");
+    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && !neph_path_is_dir(folder)) {
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no store in '%s'", output);
+        neph_hint(diag, "-o names the folder that was given to the other verbs");
+    }
+    if (!status)
+        status = neph_store_open(folder, store, diag);
+    free(folder);
+    return status;
+}
+
 enum neph_status neph_cli_begin_scratch(const char *output, struct neph_scratch **scratch,
                                         struct neph_diag *diag)
 {

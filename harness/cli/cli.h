@@ -11,6 +11,7 @@
 #include "base/status.h"
 #include "harness/cli/options.h"
 #include "harness/json.h"
+#include "harness/run/store.h"
 
 /* Run a verb on its own arguments (argv[0] is "neph VERB"). */
 typedef enum neph_status neph_verb(int argc, char **argv, struct neph_diag *diag);
@@ -40,6 +41,10 @@ neph_verb neph_cli_doctor;
 
 /* Make the folder of an output if need be, and remove what killed runs left of the next there. */
 enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag);
+
+/* The store in that folder. NEPH_ERR_NOT_FOUND: there is none; else as of neph_store_open(). */
+enum neph_status neph_cli_open_store(const char *output, struct neph_store **store,
+                                     struct neph_diag *diag);
 
 /* A folder for an engine's files inside that folder. End it with neph_cli_end_scratch(). */
 enum neph_status neph_cli_begin_scratch(const char *output, struct neph_scratch **scratch,

@@ -90,13 +90,15 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
         status = neph_cli_print_json(neph_night_json(night, request->tier), diag);
     } else if (!status) {
         char *summary = neph_night_summary(night, request->tier);
-        fputs(summary ? summary : "", stdout);
+        status = summary ? NEPH_OK : neph_fail_memory(diag);
+        if (summary)
+            fputs(summary, stdout);
         free(summary);
     }
     if (status || night->comparison.passes)
         return status;
     return neph_fail(diag, NEPH_ERR_GATE, "the night %s; %s/nightly has all of it",
-                     night->comparison.compared == 0 ? "compared nothing" : "fails", output);
+                     neph_night_verdict(&night->comparison).verb, output);
 }
 
 static enum neph_status run(const struct request *request, const struct neph_night_params *params,

@@ -4,7 +4,6 @@
  */
 #include "harness/cli/cli.h"
 
-#include "base/files.h"
 #include "harness/run/store_keep.h"
 
 #include <math.h>
@@ -144,12 +143,13 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
                                             &gc, diag);
     if (!status && request->shared.json)
         status = neph_cli_print_json(
-            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "frames_before",
+            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "frames_before",
                       (json_int_t)gc.frames_before, "bytes_before", (json_int_t)gc.bytes_before,
                       "frames_removed", (json_int_t)gc.frames_removed, "bytes_removed",
                       (json_int_t)gc.bytes_removed, "bytes_of_baselines",
                       (json_int_t)gc.bytes_of_baselines, "bytes_in_use",
-                      (json_int_t)gc.bytes_in_use, "fits", gc.fits),
+                      (json_int_t)gc.bytes_in_use, "frames_that_stayed",
+                      (json_int_t)gc.frames_that_stayed, "fits", gc.fits),
             diag);
     else if (!status)
         printf("removed %lld of %lld frames, %.1f of %.1f MB; of accepted nights %.1f MB, in use "
@@ -161,7 +161,11 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
         return status;
     neph_fail(diag, NEPH_ERR_GATE, "the limit of %.1f MB cannot be kept: %.1f MB are left",
               1e-6 * limit, 1e-6 * (double)(gc.bytes_before - gc.bytes_removed));
-    neph_hint(diag, "accepted nights and what was used within --spare-hours stay");
+    if (gc.frames_that_stayed > 0)
+        neph_hint(diag, "%lld frames could not be removed; the lines above say why",
+                  (long long)gc.frames_that_stayed);
+    else
+        neph_hint(diag, "accepted nights and what was used within --spare-hours stay");
     return NEPH_ERR_GATE;
 }
 
@@ -174,28 +178,13 @@ static enum neph_status run_export(struct neph_store *store, struct neph_diag *d
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-static enum neph_status open_existing(const char *output, struct neph_store **store,
-                                      struct neph_diag *diag)
-{
-    char *folder = neph_path_join(output, "store");
-    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && !neph_path_is_dir(folder)) {
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no store in '%s'", output);
-        neph_hint(diag, "-o names the folder that was given to the other verbs");
-    }
-    if (!status)
-        status = neph_store_open(folder, store, diag);
-    free(folder);
-    return status;
-}
-
 enum neph_status neph_cli_store(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     struct neph_store *store = NULL;
     neph_cli_parse(&syntax, argc, argv, &request);
     const char *verb = request.shared.operands[0];
-    enum neph_status status = open_existing(request.shared.output, &store, diag);
+    enum neph_status status = neph_cli_open_store(request.shared.output, &store, diag);
     if (!status && strcmp(verb, "check") == 0)
         status = run_check(&request, store, diag);
     else if (!status && strcmp(verb, "gc") == 0)

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FINDINGS_MAX = 8192 };
+enum { FINDINGS_FIRST = 64 };
 
 static const char *const found_words[] = {
     [NEPH_FOUND_STEP] = "step failed",
@@ -67,13 +67,27 @@ static int by_weight(const void *a_, const void *b_)
     return of_a != of_b ? (of_a > of_b ? -1 : 1) : strcmp(a->series, b->series);
 }
 
+/* Room for one more finding; false when memory is short. */
+static bool make_room(struct neph_night_comparison *comparison)
+{
+    if (comparison->finding_count < comparison->finding_room)
+        return true;
+    const int room = comparison->finding_room ? 2 * comparison->finding_room : FINDINGS_FIRST;
+    struct neph_finding *grown = neph_arena_zeroed(&comparison->arena, (size_t)room,
+                                                   sizeof(*grown));
+    if (!grown)
+        return false;
+    for (int i = 0; i < comparison->finding_count; i++)
+        grown[i] = comparison->findings[i];
+    comparison->findings = grown;
+    comparison->finding_room = room;
+    return true;
+}
+
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding)
 {
-    if (!comparison->findings)
-        comparison->findings = neph_arena_zeroed(&comparison->arena, FINDINGS_MAX,
-                                                 sizeof(*comparison->findings));
-    if (!comparison->findings || comparison->finding_count == FINDINGS_MAX)
+    if (!make_room(comparison))
         return;
     comparison->findings[comparison->finding_count++] = *finding;
     qsort(comparison->findings, (size_t)comparison->finding_count, sizeof(*finding), by_weight);
@@ -262,19 +276,25 @@ static bool has_successor(const struct work *work, const char *series)
     return false;
 }
 
-/* Numbers of the accepted night whose step was done tonight, too, and which are not there. */
+/* Numbers of the accepted night, or of one that was accepted for them alone since, whose step was
+ * done tonight, too, and which are not there. Of a step that was not calibrated, because the
+ * machine was busy, durations are not used. */
 static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
 {
     struct neph_night_comparison *comparison = work->comparison;
     struct neph_query *query = NULL;
     enum neph_status status = neph_query_begin(
         work->index, &query, diag,
-        "SELECT name, step FROM measurements AS m JOIN series ON series.id = m.series WHERE night "
-        "= "
-        "? AND step IN (SELECT name FROM steps WHERE night = ? AND outcome = 'done') AND NOT "
-        "EXISTS "
-        "(SELECT 1 FROM measurements AS n WHERE n.night = ? AND n.series = m.series)",
-        "iii", comparison->baseline, comparison->night, comparison->night);
+        "SELECT name, max(step) FROM measurements AS m JOIN series ON series.id = m.series WHERE "
+        "(m.series, m.night) IN (SELECT series, night FROM measurements WHERE night = ? UNION "
+        "SELECT s.id, a.night FROM acceptances AS a JOIN series AS s ON s.name = a.series WHERE ? "
+        "= 0 AND a.night < ? AND a.id > (SELECT coalesce(max(id), 0) FROM acceptances WHERE series "
+        "= '*' AND night < ? AND night IN (SELECT id FROM nights))) AND step IN (SELECT name FROM "
+        "steps WHERE night = ? AND outcome = 'done' AND (m.kind != 'timed' OR calibration_s IS NOT "
+        "NULL)) AND NOT EXISTS (SELECT 1 FROM measurements AS n WHERE n.night = ? AND n.series = "
+        "m.series) GROUP BY name ORDER BY name",
+        "iiiiii", comparison->baseline, work->against, comparison->night, comparison->night,
+        comparison->night, comparison->night);
     while (!status && neph_query_next(query, &status, diag)) {
         const char *name = neph_arena_text(&comparison->arena, neph_query_text(query, 0));
         if (!has_successor(work, name))
@@ -314,7 +334,9 @@ static void find_in_pictures(struct work *work)
         if (c->is_picture && c->series.past_count > 0 && c->past[0] > 0.0 &&
             !(c->series.tonight > 0.0))
             find(work, NEPH_FOUND_BLANK, c->name, c->step,
-                 "all its pixels are equal, and in the accepted night they were not");
+                 c->series.tonight < 0.0
+                     ? "it has pixels that are no numbers, and in the accepted night it had none"
+                     : "all its pixels are equal, and in the accepted night they were not");
     }
 }
 
@@ -515,7 +537,7 @@ static enum neph_status compare(struct work *work, struct neph_diag *diag)
         status = judge_numbers(work, diag);
     if (!status)
         status = find_failed_steps(work, diag);
-    if (!status && comparison->baseline > 0)
+    if (!status)
         status = find_missing(work, diag);
     if (status)
         return status;
@@ -551,6 +573,15 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
     }
     free(work.candidates);
     return status;
+}
+
+struct neph_night_verdict neph_night_verdict(const struct neph_night_comparison *comparison)
+{
+    if (comparison->passes)
+        return (struct neph_night_verdict){"pass", "passes"};
+    if (comparison->compared == 0)
+        return (struct neph_night_verdict){"nothing compared", "compared nothing"};
+    return (struct neph_night_verdict){"fail", "fails"};
 }
 
 void neph_night_comparison_finish(struct neph_night_comparison *comparison)

@@ -18,7 +18,7 @@ enum neph_found {
     NEPH_FOUND_STEP,  /* a step broke, or did not end in time */
     NEPH_FOUND_BITS,  /* the same program gave other numbers when it was run once more */
     NEPH_FOUND_STALE, /* many series of a truth moved: the truth is suspected */
-    NEPH_FOUND_BLANK, /* a picture is empty that was not */
+    NEPH_FOUND_BLANK, /* a picture is empty that was not, or has pixels that are no numbers */
     NEPH_FOUND_MISSING,
     NEPH_FOUND_SIZE,
     NEPH_FOUND_WORSE,
@@ -54,7 +54,7 @@ struct neph_night_comparison {
     struct neph_arena arena;
     int64_t night, baseline; /* the accepted night of all; 0: there is none */
     struct neph_finding *findings;
-    int finding_count;
+    int finding_count, finding_room;
     struct neph_compared *series;
     int series_count;
     int compared, chances;       /* comparisons made, means over scenes included */
@@ -69,7 +69,15 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
                                     double alpha, struct neph_night_comparison *comparison,
                                     struct neph_diag *diag);
 
-/* Add what somebody else has found, and judge anew whether the night passes. */
+/* What a comparison comes to, in words: "pass", "passes" and the like. */
+struct neph_night_verdict {
+    const char *word, *verb;
+};
+
+struct neph_night_verdict neph_night_verdict(const struct neph_night_comparison *comparison);
+
+/* Add what somebody else has found, and judge anew whether the night passes. When memory is short,
+ * neph_arena_check() of its arena says so. */
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding);
 

@@ -132,15 +132,22 @@ static double level(const struct neph_series *series, double value)
     return series->kind == NEPH_SERIES_TIMED ? log(value > 0.0 ? value : NAN) : value;
 }
 
+/* Append what is a number. What was drawn stays as it is while the program does: the same bits
+ * again are no other draw, and would make a series look steadier than it is. */
+static void append(double *values, int *count, double value, enum neph_series_kind kind)
+{
+    const bool again = kind == NEPH_SERIES_DRAWN && *count > 0 && value == values[*count - 1];
+    if (isfinite(value) && !again)
+        values[(*count)++] = value;
+}
+
 /* The first nights, as levels; `count` at most NEPH_JUDGE_WINDOW. */
 static int baseline_values(const struct neph_series *series, double values[NEPH_JUDGE_WINDOW])
 {
     int count = 0;
-    for (int i = 0; i < series->past_count && count < NEPH_JUDGE_WINDOW; i++) {
-        const double value = level(series, series->past[i]);
-        if (isfinite(value) && !(series->set_aside && series->set_aside[i]))
-            values[count++] = value;
-    }
+    for (int i = 0; i < series->past_count && count < NEPH_JUDGE_WINDOW; i++)
+        if (!series->set_aside || !series->set_aside[i])
+            append(values, &count, level(series, series->past[i]), series->kind);
     return count;
 }
 
@@ -149,11 +156,8 @@ static int recent_values(const struct neph_series *series, double values[NEPH_JU
 {
     int count = 0;
     values[count++] = level(series, series->tonight);
-    for (int i = series->past_count - 1; i > 0 && count < NEPH_JUDGE_WEEK; i--) {
-        const double value = level(series, series->past[i]);
-        if (isfinite(value))
-            values[count++] = value;
-    }
+    for (int i = series->past_count - 1; i > 0 && count < NEPH_JUDGE_WEEK; i--)
+        append(values, &count, level(series, series->past[i]), series->kind);
     return count;
 }
 
@@ -349,7 +353,7 @@ static bool belongs(const struct neph_series *series, const struct neph_pool *po
            strcmp(series->engine, pool->engine) == 0 && strcmp(series->metric, pool->metric) == 0;
 }
 
-static void count_into_pools(const struct neph_series *series, struct neph_pool *pools, int *count)
+static void add_pool(const struct neph_series *series, struct neph_pool *pools, int *count)
 {
     int at = 0;
     if (!series->engine || series->is_signed || series->kind == NEPH_SERIES_FIXED)
@@ -359,7 +363,6 @@ static void count_into_pools(const struct neph_series *series, struct neph_pool 
     if (at == *count)
         pools[(*count)++] = (struct neph_pool){
             .engine = series->engine, .metric = series->metric, .kind = series->kind};
-    pools[at].scenes++;
 }
 
 /* How far a member was from its baseline at a night (-1: tonight); NaN: it has no number. */
@@ -371,46 +374,52 @@ static double member_change(const struct neph_series *series, int night)
                                              : (value - before) / fmax(fabs(before), series->unit);
 }
 
-/* The mean over the scenes that have been measured in every night: one that comes and goes would
- * move it. */
+/* The mean over the same scenes in every night: one that comes and goes would move it. NaN when a
+ * scene has no number of that night. */
 static double pool_change(const struct neph_series *series, int count, const struct neph_pool *pool,
-                          const bool *steady, int nights, int night)
+                          const bool *is_in, int night)
 {
     double sum = 0.0;
-    int members = 0;
     for (int i = 0; i < count; i++)
-        if (steady[i] && series[i].past_count == nights && belongs(&series[i], pool)) {
+        if (is_in[i] && belongs(&series[i], pool))
             sum += member_change(&series[i], night);
-            members++;
-        }
-    return members >= 2 ? sum / members : NAN;
+    return pool->scenes >= 2 ? sum / pool->scenes : NAN;
 }
 
-static void mark_steady(const struct neph_series *series, int count, bool *steady)
+/* The nights of the pool, and which scenes are in its mean: those of as many nights, with a number
+ * of tonight and of the accepted night. */
+static int choose_members(const struct neph_series *series, int count, struct neph_pool *pool,
+                          bool *is_in)
 {
-    for (int i = 0; i < count; i++) {
-        steady[i] = series[i].kind != NEPH_SERIES_FIXED && series[i].past_count > 0;
-        for (int night = -1; night < series[i].past_count && steady[i]; night++)
-            steady[i] = isfinite(member_change(&series[i], night));
-    }
-}
-
-/* Its changes are small numbers about 0, for all kinds. The accepted night is 0 by its making and
- * no part of it. */
-static struct trial try_pool(const struct neph_series *series, int count,
-                             const struct neph_pool *pool, const bool *steady)
-{
-    double values[NEPH_JUDGE_WINDOW], recent[NEPH_JUDGE_WEEK] = {0};
-    int nights = 0, value_count = 0, recent_count = 0;
+    int nights = 0;
     for (int i = 0; i < count; i++)
         if (belongs(&series[i], pool) && series[i].past_count > nights)
             nights = series[i].past_count;
+    for (int i = 0; i < count; i++)
+        if (belongs(&series[i], pool)) {
+            is_in[i] = nights > 0 && series[i].past_count == nights &&
+                       isfinite(member_change(&series[i], 0)) &&
+                       isfinite(member_change(&series[i], -1));
+            pool->scenes += is_in[i];
+        }
+    return nights;
+}
+
+/* Its changes are small numbers about 0, for all kinds. The accepted night is 0 by its making and
+ * no part of it. Nights on which a scene has no number are left out. */
+static struct trial try_pool(const struct neph_series *series, int count, struct neph_pool *pool,
+                             bool *is_in)
+{
+    double values[NEPH_JUDGE_WINDOW], recent[NEPH_JUDGE_WEEK] = {0};
+    int value_count = 0, recent_count = 0;
+    const int nights = choose_members(series, count, pool, is_in);
+    const double tonight = pool_change(series, count, pool, is_in, -1);
     for (int night = 1; night < nights && value_count < NEPH_JUDGE_WINDOW; night++)
-        values[value_count++] = pool_change(series, count, pool, steady, nights, night);
-    recent[recent_count++] = pool_change(series, count, pool, steady, nights, -1);
+        append(values, &value_count, pool_change(series, count, pool, is_in, night), pool->kind);
+    append(recent, &recent_count, tonight, pool->kind);
     for (int night = nights - 1; night > 0 && recent_count < NEPH_JUDGE_WEEK; night--)
-        recent[recent_count++] = pool_change(series, count, pool, steady, nights, night);
-    if (value_count < rules[pool->kind].nights || !isfinite(recent[0]))
+        append(recent, &recent_count, pool_change(series, count, pool, is_in, night), pool->kind);
+    if (value_count < rules[pool->kind].nights || !isfinite(tonight))
         return (struct trial){.judged = false, .nights = value_count};
     return try_nights(values, value_count, recent, recent_count, rules[pool->kind].needed);
 }
@@ -496,19 +505,18 @@ static struct neph_judgement judge_pool(const struct trial *trial, enum neph_ser
 struct work {
     struct trial *trials; /* of the series, and then of the pools */
     double *p, *adjusted; /* of those in which chance has a part */
-    bool *steady;
+    bool *is_in;          /* the mean of its pool */
 };
 
 static void try_all(const struct neph_series *series, int count, struct neph_verdicts *verdicts,
                     struct work *work)
 {
     for (int i = 0; i < count; i++)
-        count_into_pools(&series[i], verdicts->pools, &verdicts->pool_count);
-    mark_steady(series, count, work->steady);
+        add_pool(&series[i], verdicts->pools, &verdicts->pool_count);
     for (int i = 0; i < count; i++)
         work->trials[i] = try_series(&series[i]);
     for (int i = 0; i < verdicts->pool_count; i++)
-        work->trials[count + i] = try_pool(series, count, &verdicts->pools[i], work->steady);
+        work->trials[count + i] = try_pool(series, count, &verdicts->pools[i], work->is_in);
     for (int i = 0; i < count + verdicts->pool_count; i++)
         if (work->trials[i].judged && work->trials[i].by_chance)
             work->p[verdicts->chances++] = work->trials[i].p;
@@ -539,11 +547,11 @@ enum neph_status neph_judge(const struct neph_series *series, int count, double 
 {
     const size_t room = 2 * (size_t)count + 1; /* as many pools as series, at most */
     struct work work = {calloc(room, sizeof(*work.trials)), calloc(room, sizeof(*work.p)),
-                        calloc(room, sizeof(*work.adjusted)), calloc(room, sizeof(*work.steady))};
+                        calloc(room, sizeof(*work.adjusted)), calloc(room, sizeof(*work.is_in))};
     *verdicts = (struct neph_verdicts){.series = calloc(room, sizeof(*verdicts->series)),
                                        .pools = calloc(room, sizeof(*verdicts->pools))};
     enum neph_status status = NEPH_OK;
-    if (!work.trials || !work.p || !work.adjusted || !work.steady || !verdicts->series ||
+    if (!work.trials || !work.p || !work.adjusted || !work.is_in || !verdicts->series ||
         !verdicts->pools)
         status = neph_fail_memory(diag);
     if (!status) {
@@ -553,7 +561,7 @@ enum neph_status neph_judge(const struct neph_series *series, int count, double 
     free(work.trials);
     free(work.p);
     free(work.adjusted);
-    free(work.steady);
+    free(work.is_in);
     if (status)
         neph_verdicts_finish(verdicts);
     return status;

@@ -9,7 +9,8 @@
  * fixed    the same bits every night while nothing changes, so that any change is more than chance.
  * drawn    the value comes with a standard error. The same bits are no change; else, until there
  *          are enough nights, a normal test on the errors of both; then as timed, whichever is less
- *          sure.
+ *          sure. Nights that repeat the bits of the night before are none of these: the program
+ *          was the same, and nothing was drawn.
  * timed    a duration over that of a calibration kernel of the same night, compared as logarithms:
  *          Student's t of tonight against the first 30 nights of the baseline, by their mean and
  *          deviation without the outer fifth on either side (K. Yuen, Biometrika 61, 1974; for a
@@ -95,7 +96,7 @@ struct neph_judgement {
 struct neph_pool {
     const char *engine, *metric;
     enum neph_series_kind kind;
-    int scenes;
+    int scenes; /* in the mean: those with a number of tonight and of the accepted night */
     struct neph_judgement judgement; /* baseline 1; tonight is 1 + change */
 };
 

@@ -36,15 +36,21 @@ static const double steadiness = 0.10;
 /* A step that takes longer than this many times what is known of it hangs. */
 static const double patience = 20.0, least_limit_s = 600.0;
 
+/* The outcome of a step that gave its numbers. */
+static const char done[] = "done";
+
 static const size_t log_limit_bytes = 64 << 20;
-enum { NEVER = 1000, WORDS_MAX = NEPH_STEP_WORDS + 4, VARIABLES_MAX = 1024 };
+enum { NEVER = 1000, WORDS_MAX = NEPH_STEP_WORDS + 5, VARIABLES_MAX = 1024 };
 
 struct work {
     const struct neph_night_params *params;
     struct neph_store *store;
     struct neph_night *night;
     struct neph_step_history *history;
-    bool *done;
+    struct neph_night_outcome *outcomes; /* of the plan's steps */
+    double *longest_s;                   /* that it ever took and was done */
+    bool *ran;
+    int ran_count;
     const char *program_path, *folder; /* OUTPUT/nightly */
     const char *variables[VARIABLES_MAX];
     struct neph_progress progress;
@@ -64,23 +70,30 @@ static bool is_made_anew(const char *variable)
 }
 
 /* A step sees what the user gave to the night, and files frames by the program that made them. */
-static void list_variables(struct work *work)
+static enum neph_status list_variables(struct work *work, struct neph_diag *diag)
 {
     int count = 0;
     work->variables[count++] = "NEPH_FRAMES_OF_PROGRAM=1";
-    for (char **entry = environ; entry && *entry && count < VARIABLES_MAX - 1; entry++)
-        if (!is_made_anew(*entry))
-            work->variables[count++] = *entry;
+    for (char **entry = environ; entry && *entry; entry++) {
+        if (is_made_anew(*entry))
+            continue;
+        if (count == VARIABLES_MAX - 1)
+            return neph_fail(diag, NEPH_ERR_USAGE, "the environment has more than %d variables",
+                             VARIABLES_MAX - 2);
+        work->variables[count++] = *entry;
+    }
+    return NEPH_OK;
 }
 
-static const char *log_path(struct work *work, const struct neph_night_step *step)
+static const char *log_path(struct work *work, const struct neph_night_step *step,
+                            const char *ending)
 {
     char name[128];
     size_t i = 0;
     for (; step->name[i] && i < sizeof(name) - 1; i++)
         name[i] = isalnum((unsigned char)step->name[i]) ? step->name[i] : '_';
     name[i] = '\0';
-    return neph_arena_format(&work->night->arena, "%s/logs/%s.log", work->folder, name);
+    return neph_arena_format(&work->night->arena, "%s/logs/%s%s.log", work->folder, name, ending);
 }
 
 /* Where a suite writes its results; NULL: it prints them, with warnings before and after. */
@@ -131,19 +144,28 @@ static enum neph_status run_child(struct work *work, const struct neph_night_ste
     return has_failed_gates ? NEPH_OK : status;
 }
 
+/* With frames from the store it costs less than without, as when it is run once more. */
+static double limit_of(const struct work *work, int index)
+{
+    const struct neph_night_step *step = &work->night->plan.steps[index];
+    const double cost_s = neph_night_step_cost(step, &work->history[index]);
+    return fmax(patience * fmax(cost_s, work->longest_s[index]), least_limit_s);
+}
+
 /* Run a step and read its results, which may not be those of an earlier run. */
-static enum neph_status run_command(struct work *work, const struct neph_night_step *step,
-                                    const char *output, double limit_s, json_t **document,
-                                    double *wall_s, struct neph_diag *diag)
+static enum neph_status run_command(struct work *work, int index, const char *output,
+                                    const char *log, json_t **document, double *wall_s,
+                                    struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->night->arena;
-    const char *file = result_files[step->suite], *log = log_path(work, step);
+    const struct neph_night_step *step = &work->night->plan.steps[index];
+    const char *file = result_files[step->suite];
     const char *path = file ? neph_arena_format(arena, "%s/%s", output, file) : log;
     enum neph_status status = neph_arena_check(arena, diag);
     if (!status && unlink(path) != 0 && errno != ENOENT && errno != ENOTDIR)
         status = neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", path, strerror(errno));
     if (!status)
-        status = run_child(work, step, output, log, limit_s, wall_s, diag);
+        status = run_child(work, step, output, log, limit_of(work, index), wall_s, diag);
     return status ? status : read_results(path, !file, document, diag);
 }
 
@@ -163,11 +185,9 @@ static enum neph_status do_step(struct work *work, int index, struct neph_histor
         .name = step->name, .reason = "", .size = "", .calibration_s = NAN};
     *numbers = (struct neph_night_numbers){.count = 0, .size = ""};
     enum neph_status status = is_timed ? neph_calibrate(&before_s, &why) : NEPH_OK;
-    const double limit_s = fmax(patience * neph_night_step_cost(step, &work->history[index]),
-                                least_limit_s);
     if (!status)
-        status = run_command(work, step, work->params->output, limit_s, &document, &record->wall_s,
-                             &why);
+        status = run_command(work, index, work->params->output, log_path(work, step, ""), &document,
+                             &record->wall_s, &why);
     if (!status && is_timed)
         status = neph_calibrate(&after_s, &why);
     const bool steady = fabs(after_s / before_s - 1.0) <= steadiness;
@@ -182,7 +202,7 @@ static enum neph_status do_step(struct work *work, int index, struct neph_histor
             *diag = why;
         return status;
     }
-    record->outcome = !status ? "done" : status == NEPH_ERR_TIMEOUT ? "timeout" : "failed";
+    record->outcome = !status ? done : status == NEPH_ERR_TIMEOUT ? "timeout" : "failed";
     record->reason = status ? neph_arena_text(arena, why.message) : "";
     if (!status && is_timed && !steady)
         record->reason = neph_arena_format(arena,
@@ -191,6 +211,15 @@ static enum neph_status do_step(struct work *work, int index, struct neph_histor
                                            before_s, after_s);
     record->size = numbers->size;
     return NEPH_OK;
+}
+
+/* It was run, tonight or by a run of this night that was killed. Texts are of the arena. */
+static void note_outcome(struct work *work, int index, const char *outcome, const char *reason)
+{
+    work->outcomes[index] = (struct neph_night_outcome){outcome, reason};
+    work->ran[index] = true;
+    work->ran_count++;
+    work->night->done_count += strcmp(outcome, done) == 0;
 }
 
 static enum neph_status keep_step(struct work *work, const struct neph_history_step *record,
@@ -209,11 +238,10 @@ static enum neph_status run_steps(struct work *work, struct neph_diag *diag)
 {
     struct neph_night *night = work->night;
     enum neph_status status = NEPH_OK;
-    int index;
-    do {
+    while (!status) {
         const double left_s = work->params->budget_s - (neph_wall_s() - work->start_s);
-        index = neph_night_plan_next(&night->plan, work->history, work->done, left_s,
-                                     night->done_count == 0);
+        const int index = neph_night_plan_next(&night->plan, work->history, work->ran, left_s,
+                                               work->ran_count == 0);
         if (index < 0)
             break;
         struct neph_history_step record;
@@ -224,14 +252,82 @@ static enum neph_status run_steps(struct work *work, struct neph_diag *diag)
             status = keep_step(work, &record, &numbers, diag);
         if (status)
             break;
-        work->done[index] = true;
-        night->done_count++;
+        note_outcome(work, index, record.outcome, record.reason);
+        work->longest_s[index] = fmax(work->longest_s[index], record.wall_s);
         neph_progress_step(&work->progress, record.name, record.outcome, record.wall_s);
-    } while (index >= 0);
+    }
     return status;
 }
 
 /* ---- once more ------------------------------------------------------------------------------- */
+
+static void find_otherwise(struct work *work, const char *series,
+                           const struct neph_night_step *step, const char *words, double value)
+{
+    const struct neph_finding finding = {
+        NEPH_FOUND_BITS, series, step->name, words, value, NAN, NAN, NAN, NAN};
+    neph_night_add_finding(&work->night->comparison, &finding);
+}
+
+/* A number of the second run against that of the first. */
+static enum neph_status compare_number(struct work *work, struct neph_database *index,
+                                       const struct neph_night_step *step,
+                                       const struct neph_measurement *m, struct neph_diag *diag)
+{
+    int64_t all = 0, others = 0;
+    enum neph_status status = neph_database_count(
+        index, &all, diag,
+        "SELECT count(*) FROM measurements JOIN series ON series.id = series WHERE night = ? AND "
+        "name = ?",
+        "is", work->night->id, m->series);
+    if (!status)
+        status = neph_database_count(
+            index, &others, diag,
+            "SELECT count(*) FROM measurements JOIN series ON series.id = series WHERE night = ? "
+            "AND name = ? AND environment = ? AND value != ?",
+            "issd", work->night->id, m->series, m->environment, m->value);
+    if (!status && all == 0)
+        find_otherwise(work, m->series, step,
+                       "run once more in an empty folder, the same program gave a number that it "
+                       "had not given",
+                       m->value);
+    if (!status && others > 0)
+        find_otherwise(work, m->series, step,
+                       "run once more in an empty folder, the same program gave another number",
+                       m->value);
+    return status;
+}
+
+static bool has_series(const struct neph_night_numbers *numbers, const char *series)
+{
+    for (int i = 0; i < numbers->count; i++)
+        if (strcmp(numbers->list[i].series, series) == 0)
+            return true;
+    return false;
+}
+
+/* What the first run gave and the second did not. */
+static enum neph_status find_lost(struct work *work, struct neph_database *index,
+                                  const struct neph_night_step *step,
+                                  const struct neph_night_numbers *numbers, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag,
+        "SELECT name FROM measurements JOIN series ON series.id = series WHERE night = ? AND step "
+        "= ?",
+        "is", work->night->id, step->name);
+    while (!status && neph_query_next(query, &status, diag))
+        if (!has_series(numbers, neph_query_text(query, 0)))
+            find_otherwise(
+                work, neph_arena_text(&work->night->comparison.arena, neph_query_text(query, 0)),
+                step,
+                "run once more in an empty folder, the same program did not give this "
+                "number",
+                NAN);
+    neph_query_end(query);
+    return status;
+}
 
 static enum neph_status compare_bits(struct work *work, const struct neph_night_step *step,
                                      const struct neph_night_numbers *numbers,
@@ -239,60 +335,64 @@ static enum neph_status compare_bits(struct work *work, const struct neph_night_
 {
     struct neph_database *index = NULL;
     enum neph_status status = neph_store_index(work->store, &index, diag);
-    for (int i = 0; i < numbers->count && !status; i++) {
-        const struct neph_measurement *m = &numbers->list[i];
-        int64_t others = 0;
-        status = neph_database_count(
-            index, &others, diag,
-            "SELECT count(*) FROM measurements WHERE night = ? AND environment = ? AND value != ? "
-            "AND series = (SELECT id FROM series WHERE name = ?)",
-            "isds", work->night->id, m->environment, m->value, m->series);
-        if (!status && others > 0) {
-            const struct neph_finding finding = {NEPH_FOUND_BITS,
-                                                 m->series,
-                                                 step->name,
-                                                 "run once more in an empty folder, the same "
-                                                 "program gave another number",
-                                                 m->value,
-                                                 NAN,
-                                                 NAN,
-                                                 NAN,
-                                                 NAN};
-            neph_night_add_finding(&work->night->comparison, &finding);
-        }
-    }
+    for (int i = 0; i < numbers->count && !status; i++)
+        status = compare_number(work, index, step, &numbers->list[i], diag);
+    if (!status)
+        status = find_lost(work, index, step, numbers, diag);
     neph_database_close(index);
     return status;
 }
 
+/* In an empty folder; `numbers` are of the arena. */
+static enum neph_status measure_again(struct work *work, int index,
+                                      struct neph_night_numbers *numbers, struct neph_diag *diag)
+{
+    const struct neph_night_step *step = &work->night->plan.steps[index];
+    json_t *document = NULL;
+    double wall_s = 0.0;
+    char *folder = neph_path_join(work->folder, "again");
+    enum neph_status status = folder ? neph_dir_remove(folder, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = run_command(work, index, folder, log_path(work, step, "_again"), &document,
+                             &wall_s, diag);
+    if (!status)
+        status = neph_night_read(step->suite, document, NAN, work->night->host, &work->night->arena,
+                                 numbers, diag);
+    if (folder)
+        neph_dir_remove(folder, NULL);
+    json_decref(document);
+    free(folder);
+    return status;
+}
+
+/* As in do_step(), only what ends the night is an error. */
 static enum neph_status run_again(struct work *work, int index, struct neph_diag *diag)
 {
     const struct neph_night_step *step = &work->night->plan.steps[index];
     struct neph_night_numbers numbers = {.count = 0};
     struct neph_diag why = {.line = 0};
-    json_t *document = NULL;
-    double wall_s = 0.0;
-    char *folder = neph_path_join(work->folder, "again");
-    enum neph_status status = folder ? neph_dir_remove(folder, diag) : neph_fail_memory(diag);
+    const enum neph_status status = measure_again(work, index, &numbers, &why);
     if (!status) {
-        status = run_command(work, step, folder, 0.0, &document, &wall_s, &why);
-        if (!status)
-            status = neph_night_read(step->suite, document, NAN, work->night->host,
-                                     &work->night->arena, &numbers, &why);
-        if (status && status != NEPH_ERR_INTERRUPTED)
-            neph_progress_warn("%s, once more: %s", step->name, why.message);
-        else if (status && diag)
-            *diag = why;
-        status = status == NEPH_ERR_INTERRUPTED ? status : NEPH_OK;
+        work->night->again_count++;
+        return compare_bits(work, step, &numbers, diag);
     }
-    if (!status)
-        status = compare_bits(work, step, &numbers, diag);
-    if (folder)
-        neph_dir_remove(folder, NULL);
-    work->night->again_count++;
-    json_decref(document);
-    free(folder);
-    return status;
+    if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
+        if (diag)
+            *diag = why;
+        return status;
+    }
+    find_otherwise(work, step->name, step,
+                   neph_arena_format(&work->night->comparison.arena,
+                                     "it was done, and run once more in an empty folder it was "
+                                     "not: %s",
+                                     why.message),
+                   NAN);
+    return NEPH_OK;
+}
+
+static bool is_done(const struct work *work, int index)
+{
+    return work->ran[index] && strcmp(work->outcomes[index].outcome, done) == 0;
 }
 
 /* In turn: another part of the plan each night. Durations are measured anew in any case. */
@@ -300,11 +400,14 @@ static enum neph_status run_some_again(struct work *work, struct neph_diag *diag
 {
     const struct neph_night_plan *plan = &work->night->plan;
     const int wanted = (int)ceil(again_share * plan->count);
+    int tried = 0;
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < plan->count && work->night->again_count < wanted && !status; i++) {
+    for (int i = 0; i < plan->count && tried < wanted && !status; i++) {
         const int index = (int)((work->night->id * wanted + i) % plan->count);
-        if (work->done[index] && plan->steps[index].suite != NEPH_NIGHT_SPEED)
-            status = run_again(work, index, diag);
+        if (!is_done(work, index) || plan->steps[index].suite == NEPH_NIGHT_SPEED)
+            continue;
+        tried++;
+        status = run_again(work, index, diag);
     }
     return status;
 }
@@ -342,15 +445,32 @@ static enum neph_status read_cost(struct work *work, struct neph_database *index
     return status;
 }
 
-static enum neph_status read_done(struct work *work, struct neph_database *index, int step,
-                                  struct neph_diag *diag)
+static enum neph_status read_longest(struct work *work, struct neph_database *index, int step,
+                                     struct neph_diag *diag)
 {
-    int64_t done = 0;
-    const enum neph_status status = neph_database_count(
-        index, &done, diag, "SELECT count(*) FROM steps WHERE night = ? AND name = ?", "is",
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag,
+        "SELECT coalesce(max(wall_s), 0.0) FROM steps WHERE name = ? AND outcome = 'done'", "s",
+        work->night->plan.steps[step].name);
+    if (!status && neph_query_next(query, &status, diag))
+        work->longest_s[step] = neph_query_real(query, 0);
+    neph_query_end(query);
+    return status;
+}
+
+static enum neph_status read_outcome(struct work *work, struct neph_database *index, int step,
+                                     struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->night->arena;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag, "SELECT outcome, reason FROM steps WHERE night = ? AND name = ?", "is",
         work->night->id, work->night->plan.steps[step].name);
-    work->done[step] = done > 0;
-    work->night->done_count += done > 0;
+    if (!status && neph_query_next(query, &status, diag))
+        note_outcome(work, step, neph_arena_text(arena, neph_query_text(query, 0)),
+                     neph_arena_text(arena, neph_query_text(query, 1)));
+    neph_query_end(query);
     return status;
 }
 
@@ -363,11 +483,14 @@ static enum neph_status begin(struct work *work, struct neph_diag *diag)
     struct neph_query *query = NULL;
     enum neph_status status = neph_store_index(work->store, &index, diag);
     if (!status)
-        status = neph_history_begin(index, &who, &night->id, &night->resumed, diag);
+        status = neph_history_begin(index, neph_store_folder(work->store), &who, &night->id,
+                                    &night->resumed, diag);
     for (int i = 0; i < night->plan.count && !status; i++) {
         status = read_cost(work, index, i, diag);
         if (!status)
-            status = read_done(work, index, i, diag);
+            status = read_longest(work, index, i, diag);
+        if (!status)
+            status = read_outcome(work, index, i, diag);
     }
     if (!status)
         status = neph_query_begin(index, &query, diag,
@@ -385,11 +508,11 @@ static enum neph_status list_frames(struct work *work, struct neph_database *ind
 {
     struct tm began = {0};
     struct neph_query *query = NULL;
-    json_t *list = json_array();
     if (!work->night->started_utc ||
         !strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
         return neph_fail(diag, NEPH_ERR_INTERNAL, "a night without a beginning");
     const int64_t start_s = timegm(&began);
+    json_t *list = json_array();
     enum neph_status status = neph_query_begin(index, &query, diag,
                                                "SELECT key FROM jobs ORDER BY key", "");
     while (!status && neph_query_next(query, &status, diag))
@@ -419,11 +542,6 @@ static enum neph_status keep_judgements(struct work *work, struct neph_database 
     return status;
 }
 
-static const char *verdict_of(const struct neph_night_comparison *comparison)
-{
-    return comparison->passes ? "pass" : comparison->compared == 0 ? "nothing compared" : "fail";
-}
-
 static enum neph_status end(struct work *work, struct neph_diag *diag)
 {
     struct neph_night *night = work->night;
@@ -436,7 +554,7 @@ static enum neph_status end(struct work *work, struct neph_diag *diag)
         status = list_frames(work, index, &frames, diag);
     if (!status)
         status = neph_history_end(index, neph_store_folder(work->store), night->id,
-                                  verdict_of(&night->comparison), frames, diag);
+                                  neph_night_verdict(&night->comparison).word, frames, diag);
     json_decref(frames);
     neph_database_close(index);
     return status;
@@ -507,10 +625,12 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
         return status;
     const size_t count = (size_t)night->plan.count;
     work->history = neph_arena_zeroed(&night->arena, count, sizeof(*work->history));
-    work->done = neph_arena_zeroed(&night->arena, count, sizeof(*work->done));
-    night->done = work->done;
-    list_variables(work);
-    return neph_arena_check(&night->arena, diag);
+    work->outcomes = neph_arena_zeroed(&night->arena, count, sizeof(*work->outcomes));
+    work->longest_s = neph_arena_zeroed(&night->arena, count, sizeof(*work->longest_s));
+    work->ran = neph_arena_zeroed(&night->arena, count, sizeof(*work->ran));
+    night->outcomes = work->outcomes;
+    status = list_variables(work, diag);
+    return status ? status : neph_arena_check(&night->arena, diag);
 }
 
 static enum neph_status run(struct work *work, struct neph_diag *diag)
@@ -524,6 +644,8 @@ static enum neph_status run(struct work *work, struct neph_diag *diag)
         status = compare(work, diag);
     if (!status && !work->params->once)
         status = run_some_again(work, diag);
+    if (!status)
+        status = neph_arena_check(&night->comparison.arena, diag);
     if (!status)
         status = end(work, diag);
     neph_progress_end(&work->progress);

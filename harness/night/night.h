@@ -26,6 +26,11 @@ struct neph_night_params {
     bool quiet;
 };
 
+/* What became of a step: as in struct neph_history_step; NULL when it was not run. */
+struct neph_night_outcome {
+    const char *outcome, *reason;
+};
+
 /* Start from {0}; free with neph_night_finish(). Texts are of the arena. */
 struct neph_night {
     struct neph_arena arena;
@@ -33,9 +38,10 @@ struct neph_night {
     int64_t id;
     bool resumed;
     const char *revision, *host, *program, *started_utc;
-    const bool *done; /* of the plan's steps */
-    int done_count, again_count;
-    double seconds; /* of this run */
+    const struct neph_night_outcome *outcomes; /* of the plan's steps */
+    int done_count;                            /* steps that gave their numbers */
+    int again_count;                           /* those that gave them once more */
+    double seconds;                            /* of this run */
     struct neph_night_comparison comparison;
 };
 

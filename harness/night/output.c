@@ -21,13 +21,6 @@ static int count_found(const struct neph_night *night, enum neph_found found)
     return count;
 }
 
-static const char *verdict_of(const struct neph_night *night)
-{
-    return night->comparison.passes          ? "passes"
-           : night->comparison.compared == 0 ? "compared nothing"
-                                             : "fails";
-}
-
 /* What renders a step's numbers again; "" of what is of several. */
 static void print_command(const struct neph_night *night, const char *step, FILE *out)
 {
@@ -59,6 +52,16 @@ static void print_counts(const struct neph_night *night, FILE *out)
             night->plan.count, night->again_count, night->seconds / 60.0);
 }
 
+/* A step that is done has a reason when some of its numbers are not used. */
+static void print_reasons(const struct neph_night *night, FILE *out)
+{
+    for (int i = 0; i < night->plan.count; i++) {
+        const struct neph_night_outcome *outcome = &night->outcomes[i];
+        if (outcome->outcome && strcmp(outcome->outcome, "done") == 0 && outcome->reason[0])
+            fprintf(out, " %s: %s.", night->plan.steps[i].name, outcome->reason);
+    }
+}
+
 static void print_findings(const struct neph_night *night, FILE *out)
 {
     const struct neph_night_comparison *c = &night->comparison;
@@ -81,10 +84,21 @@ static void print_findings(const struct neph_night *night, FILE *out)
 static void print_summary(const struct neph_night *night, const char *tier, FILE *out)
 {
     fprintf(out, "Night %lld (%s%s%s, %s) %s.", (long long)night->id, tier,
-            night->revision[0] ? ", " : "", night->revision, night->host, verdict_of(night));
+            night->revision[0] ? ", " : "", night->revision, night->host,
+            neph_night_verdict(&night->comparison).verb);
     print_counts(night, out);
+    print_reasons(night, out);
     print_findings(night, out);
     fputc('\n', out);
+}
+
+/* The text of a stream of memory; NULL when memory is short. */
+static char *close_text(FILE *out, char **text)
+{
+    if (fclose(out) == 0)
+        return *text;
+    free(*text);
+    return NULL;
 }
 
 char *neph_night_summary(const struct neph_night *night, const char *tier)
@@ -95,7 +109,7 @@ char *neph_night_summary(const struct neph_night *night, const char *tier)
     if (!out)
         return NULL;
     print_summary(night, tier, out);
-    return fclose(out) == 0 ? text : NULL;
+    return close_text(out, &text);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -120,16 +134,23 @@ static json_t *series_json(const struct neph_compared *row)
                      row->nights);
 }
 
+static json_t *step_json(const struct neph_night_step *step,
+                         const struct neph_night_outcome *outcome)
+{
+    const char *what = outcome->outcome ? outcome->outcome : "not run";
+    json_t *words = json_array();
+    for (int w = 0; step->words[w]; w++)
+        neph_json_add(&words, json_string(step->words[w]));
+    return json_pack("{s:s, s:b, s:s, s:s, s:o}", "name", step->name, "done",
+                     strcmp(what, "done") == 0, "outcome", what, "reason",
+                     outcome->reason ? outcome->reason : "", "arguments", words);
+}
+
 static json_t *steps_json(const struct neph_night *night)
 {
     json_t *list = json_array();
-    for (int i = 0; i < night->plan.count; i++) {
-        json_t *words = json_array();
-        for (int w = 0; night->plan.steps[i].words[w]; w++)
-            neph_json_add(&words, json_string(night->plan.steps[i].words[w]));
-        neph_json_add(&list, json_pack("{s:s, s:b, s:o}", "name", night->plan.steps[i].name, "done",
-                                       night->done[i], "arguments", words));
-    }
+    for (int i = 0; i < night->plan.count; i++)
+        neph_json_add(&list, step_json(&night->plan.steps[i], &night->outcomes[i]));
     return list;
 }
 
@@ -251,7 +272,7 @@ char *neph_night_junit(const struct neph_night *night)
     if (nothing)
         print_case("nightly", "something is compared", "failure", "nothing was compared", out);
     fputs("</testsuite>\n", out);
-    return fclose(out) == 0 ? text : NULL;
+    return close_text(out, &text);
 }
 
 /* ---- files ----------------------------------------------------------------------------------- */

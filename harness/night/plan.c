@@ -73,6 +73,7 @@ struct making {
     struct neph_arena *arena;
     struct neph_night_plan *plan;
     bool full;
+    bool too_many_words, too_many_steps; /* to be refused, and not left out */
 };
 
 static bool is_wanted(const struct making *making, const char *name)
@@ -86,20 +87,25 @@ static bool is_wanted(const struct making *making, const char *name)
     return making->params->only_count == 0;
 }
 
-static void add_words(struct neph_night_step *step, const char *const *words, int most)
+static void add_words(struct making *making, struct neph_night_step *step, const char *const *words,
+                      int most)
 {
     int count = 0;
     while (step->words[count])
         count++;
-    for (int i = 0; i < most && words[i] && count < NEPH_STEP_WORDS - 1; i++)
-        step->words[count++] = words[i];
+    for (int i = 0; i < most && words[i]; i++) {
+        if (count < NEPH_STEP_WORDS - 1)
+            step->words[count++] = words[i];
+        else
+            making->too_many_words = true;
+    }
 }
 
-static void add_settings(const struct making *making, struct neph_night_step *step)
+static void add_settings(struct making *making, struct neph_night_step *step)
 {
     for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->setting_count; i++) {
         const char *const words[] = {"-s", making->params->settings[i]};
-        add_words(step, words, 2);
+        add_words(making, step, words, 2);
     }
 }
 
@@ -107,7 +113,10 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
 {
     const char *name = neph_arena_format(making->arena, "%s %s", suite_names[suite], of);
     const char *size = suites[suite].size;
-    if (!is_wanted(making, name) || making->plan->count == STEPS_MAX)
+    if (!is_wanted(making, name))
+        return;
+    making->too_many_steps = making->too_many_steps || making->plan->count == STEPS_MAX;
+    if (making->too_many_steps)
         return;
     if (size && making->params->width_px > 0)
         size = neph_arena_format(making->arena, "%dx%d", making->params->width_px,
@@ -118,9 +127,9 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
                                      .guess_s = suites[suite].guess_s,
                                      .guess_series = suites[suite].guess_series};
     const char *const own[] = {neph_arena_text(making->arena, of), size ? "--size" : NULL, size};
-    add_words(step, suites[suite].before, 4);
-    add_words(step, own, 3);
-    add_words(step, suites[suite].after, 16);
+    add_words(making, step, suites[suite].before, 4);
+    add_words(making, step, own, 3);
+    add_words(making, step, suites[suite].after, 16);
     add_settings(making, step);
 }
 
@@ -182,7 +191,7 @@ enum neph_status neph_night_plan_make(const struct neph_night_plan_params *param
 {
     *plan = (struct neph_night_plan){
         .steps = neph_arena_zeroed(arena, STEPS_MAX, sizeof(*plan->steps))};
-    struct making making = {params, arena, plan, strcmp(params->tier, "full") == 0};
+    struct making making = {params, arena, plan, strcmp(params->tier, "full") == 0, false, false};
     if (!plan->steps)
         return neph_fail_memory(diag);
     if (!making.full && strcmp(params->tier, "quick") != 0)
@@ -194,6 +203,13 @@ enum neph_status neph_night_plan_make(const struct neph_night_plan_params *param
                            params->tier);
         neph_hint(diag, "`neph nightly --list` lists them");
     }
+    if (!status && making.too_many_words)
+        status = neph_fail(diag, NEPH_ERR_USAGE,
+                           "with so many settings a step has more than %d words",
+                           NEPH_STEP_WORDS - 1);
+    if (!status && making.too_many_steps)
+        status = neph_fail(diag, NEPH_ERR_USAGE, "tier %s has more than %d steps", params->tier,
+                           STEPS_MAX);
     plan->identity = identity_of(arena, params->tier, plan);
     return status ? status : neph_arena_check(arena, diag);
 }

@@ -48,7 +48,8 @@ struct neph_night_plan {
     const char *identity;
 };
 
-/* Errors: NEPH_ERR_USAGE: no such tier, or no step is left; else as of the scenes' files. */
+/* Errors: NEPH_ERR_USAGE: no such tier, no step is left, or more than there is room for; else as of
+ * the scenes' files. */
 enum neph_status neph_night_plan_make(const struct neph_night_plan_params *params,
                                       struct neph_arena *arena, struct neph_night_plan *plan,
                                       struct neph_diag *diag);

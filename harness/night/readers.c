@@ -4,6 +4,7 @@
 #include "base/exr.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "metrics/significance.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -61,6 +62,7 @@ struct reading {
     const char *host;
     struct neph_arena *arena;
     struct neph_night_numbers *numbers;
+    bool overflows; /* there are more than NUMBERS_MAX */
 };
 
 /* One whose value is no number was not measured. `truth` NULL: there is none. */
@@ -69,7 +71,10 @@ static void add(struct reading *reading, const char *scene, const char *engine, 
                 const char *environment)
 {
     struct neph_night_numbers *numbers = reading->numbers;
-    if (!isfinite(value) || numbers->count == NUMBERS_MAX)
+    if (!isfinite(value))
+        return;
+    reading->overflows = reading->overflows || numbers->count == NUMBERS_MAX;
+    if (reading->overflows)
         return;
     numbers->list[numbers->count++] = (struct neph_measurement){
         .series = neph_arena_format(reading->arena, "%s/%s/%s/%s%s%s",
@@ -79,17 +84,6 @@ static void add(struct reading *reading, const char *scene, const char *engine, 
         .value = value,
         .standard_error = standard_error,
         .environment = environment};
-}
-
-static double real(const json_t *object, const char *name)
-{
-    const json_t *value = json_object_get(object, name);
-    return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
-static const char *text(const json_t *object, const char *name)
-{
-    return neph_json_text(object, name);
 }
 
 static const char *kind_word(enum neph_series_kind kind)
@@ -121,7 +115,8 @@ static const char *size_at(struct reading *reading, const json_t *size)
 
 /* ---- the catalogue --------------------------------------------------------------------------- */
 
-/* Range over mean of all values of R, G and B; NaN when the frame cannot be read. */
+/* Range over mean of all values of R, G and B; NaN when the frame cannot be read. A value that is
+ * not finite makes the sum so. */
 static double contrast_of(const char *path)
 {
     struct neph_image *image = NULL;
@@ -141,7 +136,11 @@ static double contrast_of(const char *path)
         }
     }
     neph_image_destroy(image);
-    return count == 0 ? NAN : sum > 0.0 ? (high - low) / (sum / (double)count) : 0.0;
+    if (count == 0)
+        return NAN;
+    if (!isfinite(sum))
+        return NEPH_NIGHT_BROKEN_PICTURE;
+    return sum > 0.0 ? (high - low) / (sum / (double)count) : 0.0;
 }
 
 static const char *version_of(struct reading *reading, const char *engine)
@@ -149,20 +148,20 @@ static const char *version_of(struct reading *reading, const char *engine)
     size_t i;
     const json_t *row;
     json_array_foreach(json_object_get(reading->document, "engines"), i,
-                       row) if (strcmp(text(row, "name"), engine) ==
+                       row) if (strcmp(neph_json_text(row, "name"), engine) ==
                                 0) return neph_arena_format(reading->arena, "%s, %s",
-                                                            text(row, "version"),
-                                                            text(row, "device"));
+                                                            neph_json_text(row, "version"),
+                                                            neph_json_text(row, "device"));
     return "";
 }
 
 static bool is_followed(const json_t *measurement)
 {
-    if (strcmp(text(measurement, "mask"), "all") != 0)
+    if (strcmp(neph_json_text(measurement, "mask"), "all") != 0)
         return false;
     for (size_t i = 0; i < sizeof(followed) / sizeof(followed[0]); i++)
-        if (strcmp(text(measurement, "quantity"), followed[i].quantity) == 0 &&
-            strcmp(text(measurement, "metric"), followed[i].metric) == 0)
+        if (strcmp(neph_json_text(measurement, "quantity"), followed[i].quantity) == 0 &&
+            strcmp(neph_json_text(measurement, "metric"), followed[i].metric) == 0)
             return true;
     return false;
 }
@@ -173,14 +172,14 @@ static double error_of(const json_t *measurement)
     const json_t *interval = json_object_get(measurement, "interval");
     return json_is_array(interval) ? (json_number_value(json_array_get(interval, 1)) -
                                       json_number_value(json_array_get(interval, 0))) /
-                                         (2.0 * 1.959964)
+                                         (2.0 * neph_normal_critical(0.05))
                                    : NAN;
 }
 
 static void read_frame(struct reading *reading, const char *scene, const char *truth,
                        const json_t *frame)
 {
-    const char *engine = text(frame, "engine"), *note = text(frame, "note");
+    const char *engine = neph_json_text(frame, "engine"), *note = neph_json_text(frame, "note");
     const char *environment = neph_arena_format(
         reading->arena, "%s%s%s", version_of(reading, engine), note[0] ? "; " : "", note);
     const char *held = truth ? neph_arena_format(reading->arena, "%s; against %s", environment,
@@ -189,27 +188,30 @@ static void read_frame(struct reading *reading, const char *scene, const char *t
     size_t i;
     const json_t *m;
     add(reading, scene, engine, "contrast", NULL, NEPH_NIGHT_PICTURE,
-        contrast_of(text(frame, "exr")), NAN, environment);
+        contrast_of(neph_json_text(frame, "exr")), NAN, environment);
     json_array_foreach(json_object_get(frame, "measurements"), i, m) if (is_followed(m))
         add(reading, scene, engine,
-            neph_arena_format(reading->arena, "%s %s", text(m, "quantity"), text(m, "metric")),
-            truth ? truth : "none", kind_of_engine(engine), real(m, "value"), error_of(m), held);
+            neph_arena_format(reading->arena, "%s %s", neph_json_text(m, "quantity"),
+                              neph_json_text(m, "metric")),
+            truth ? truth : "none", kind_of_engine(engine), neph_json_real(m, "value"), error_of(m),
+            held);
 }
 
 static void read_scene(struct reading *reading, const json_t *scene)
 {
-    const char *name = scene_at(reading, text(scene, "name"), text(scene, "hash"));
+    const char *name = scene_at(reading, neph_json_text(scene, "name"),
+                                neph_json_text(scene, "hash"));
     const json_t *truth = json_object_get(scene, "truth"), *item;
     const char *truth_name = json_is_object(truth)
-                                 ? neph_arena_text(reading->arena, text(truth, "engine"))
+                                 ? neph_arena_text(reading->arena, neph_json_text(truth, "engine"))
                                  : NULL;
     size_t i;
     int failed = 0;
     json_array_foreach(json_object_get(scene, "frames"), i,
-                       item) if (strcmp(text(item, "status"), "rendered") == 0)
+                       item) if (strcmp(neph_json_text(item, "status"), "rendered") == 0)
         read_frame(reading, name, truth_name, item);
     json_array_foreach(json_object_get(scene, "gates"), i, item)
-        failed += strcmp(text(item, "verdict"), "fail") == 0;
+        failed += strcmp(neph_json_text(item, "verdict"), "fail") == 0;
     add(reading, name, "all", "gates failed", NULL, kind_word(NEPH_SERIES_FIXED), failed, NAN, "");
 }
 
@@ -230,11 +232,11 @@ static void read_physics(struct reading *reading)
     const json_t *row, *physics = json_object_get(reading->document, "physics");
     json_array_foreach(json_object_get(physics ? physics : reading->document, "rows"), i, row)
     {
-        const double error = real(row, "standard_error");
+        const double error = neph_json_real(row, "standard_error");
         const enum neph_series_kind kind = isfinite(error) ? NEPH_SERIES_DRAWN : NEPH_SERIES_FIXED;
-        add(reading, text(row, "check"), text(row, "participant"), "deviation", "theory",
-            kind_word(kind), real(row, "deviation"), error,
-            version_of(reading, text(row, "engine")));
+        add(reading, neph_json_text(row, "check"), neph_json_text(row, "participant"), "deviation",
+            "theory", kind_word(kind), neph_json_real(row, "deviation"), error,
+            version_of(reading, neph_json_text(row, "engine")));
     }
 }
 
@@ -243,11 +245,12 @@ static void read_physics(struct reading *reading)
 static const char *failure_scene(struct reading *reading, const json_t *row)
 {
     struct neph_scene *scene = NULL;
-    const char *point = text(row, "point");
-    if (neph_data_load_scene(text(row, "scene"), &scene, NULL))
-        return text(row, "scene");
-    const char *name = neph_arena_format(reading->arena, "%s%s%s@%.8s", text(row, "scene"),
-                                         point[0] ? " " : "", point, scene->hash);
+    const char *point = neph_json_text(row, "point");
+    if (neph_data_load_scene(neph_json_text(row, "scene"), &scene, NULL))
+        return neph_json_text(row, "scene");
+    const char *name = neph_arena_format(reading->arena, "%s%s%s@%.8s",
+                                         neph_json_text(row, "scene"), point[0] ? " " : "", point,
+                                         scene->hash);
     neph_scene_destroy(scene);
     return name;
 }
@@ -256,11 +259,13 @@ static void read_failure(struct reading *reading)
 {
     size_t i;
     const json_t *row;
-    const char *device = neph_arena_text(reading->arena, text(reading->document, "device"));
-    json_array_foreach(json_object_get(reading->document, "results"), i, row) add(
-        reading, failure_scene(reading, row), text(row, "column"),
-        neph_arena_format(reading->arena, "%s over %s", text(row, "measure"), text(row, "over")),
-        NULL, kind_word(NEPH_SERIES_FIXED), real(row, "value"), NAN, device);
+    const char *device = neph_arena_text(reading->arena,
+                                         neph_json_text(reading->document, "device"));
+    json_array_foreach(json_object_get(reading->document, "results"), i, row)
+        add(reading, failure_scene(reading, row), neph_json_text(row, "column"),
+            neph_arena_format(reading->arena, "%s over %s", neph_json_text(row, "measure"),
+                              neph_json_text(row, "over")),
+            NULL, kind_word(NEPH_SERIES_FIXED), neph_json_real(row, "value"), NAN, device);
 }
 
 /* ---- sweep ----------------------------------------------------------------------------------- */
@@ -268,23 +273,25 @@ static void read_failure(struct reading *reading)
 static void read_point(struct reading *reading, const char *scene, const json_t *point)
 {
     static const char *const measures[] = {"error", "shortcut", "flicker", "half_life"};
-    const char *engine = neph_arena_format(reading->arena, "%s %s", text(point, "series"),
-                                           text(point, "label"));
-    const char *environment = neph_arena_format(reading->arena, "%s, %s", text(point, "version"),
-                                                text(reading->document, "device"));
-    const char *truth = neph_arena_text(reading->arena, text(reading->document, "truth"));
+    const char *engine = neph_arena_format(reading->arena, "%s %s", neph_json_text(point, "series"),
+                                           neph_json_text(point, "label"));
+    const char *environment = neph_arena_format(reading->arena, "%s, %s",
+                                                neph_json_text(point, "version"),
+                                                neph_json_text(reading->document, "device"));
+    const char *truth = neph_arena_text(reading->arena, neph_json_text(reading->document, "truth"));
     for (size_t i = 0; i < sizeof(measures) / sizeof(measures[0]); i++)
         add(reading, scene, engine, measures[i], i == 0 ? truth : NULL,
-            kind_of_engine(text(point, "engine")),
-            real(json_object_get(point, measures[i]), "value"), NAN, environment);
+            kind_of_engine(neph_json_text(point, "engine")),
+            neph_json_real(json_object_get(point, measures[i]), "value"), NAN, environment);
     add(reading, scene, engine, "evaluations", NULL, kind_word(NEPH_SERIES_FIXED),
-        real(point, "evaluations"), NAN, environment);
+        neph_json_real(point, "evaluations"), NAN, environment);
 }
 
 static void read_sweep(struct reading *reading)
 {
     const json_t *d = reading->document, *point;
-    const char *scene = scene_at(reading, text(d, "scene"), text(d, "scene_hash"));
+    const char *scene = scene_at(reading, neph_json_text(d, "scene"),
+                                 neph_json_text(d, "scene_hash"));
     size_t i;
     reading->numbers->size = neph_arena_format(
         reading->arena, "%lldx%lld", (long long)json_integer_value(json_object_get(d, "width_px")),
@@ -299,32 +306,36 @@ static void read_sweep(struct reading *reading)
 static double time_unit_s(const struct reading *reading, const json_t *row)
 {
     const json_t *ceilings = json_object_get(reading->document, "ceilings");
-    const bool is_cpu = strstr(text(row, "device"), "llvmpipe") != NULL;
-    return is_cpu                             ? reading->calibration_s
-           : isfinite(reading->calibration_s) ? 1e3 / real(ceilings, "buffer_samples_per_s")
-                                              : NAN;
+    const bool is_cpu = strstr(neph_json_text(row, "device"), "llvmpipe") != NULL;
+    return is_cpu ? reading->calibration_s
+           : isfinite(reading->calibration_s)
+               ? 1e3 / neph_json_real(ceilings, "buffer_samples_per_s")
+               : NAN;
 }
 
 static void read_speed(struct reading *reading)
 {
     const json_t *d = reading->document, *row, *pass;
-    const char *scene = scene_at(reading, text(d, "scene"), text(d, "scene_hash"));
+    const char *scene = scene_at(reading, neph_json_text(d, "scene"),
+                                 neph_json_text(d, "scene_hash"));
     size_t i, p;
     reading->numbers->size = size_at(reading, json_object_get(d, "size_px"));
     json_array_foreach(json_object_get(d, "engines"), i, row)
     {
-        const char *versions = neph_arena_format(reading->arena, "%s, %s", text(row, "version"),
-                                                 text(row, "device"));
+        const char *versions = neph_arena_format(reading->arena, "%s, %s",
+                                                 neph_json_text(row, "version"),
+                                                 neph_json_text(row, "device"));
         const char *timed_on = neph_arena_format(reading->arena, "%s; on %s", versions,
                                                  reading->host);
         double evaluations = 0.0;
         json_array_foreach(json_object_get(row, "passes"), p, pass)
-            evaluations += real(pass, "density_evaluations");
-        add(reading, scene, text(row, "engine"), "evaluations", NULL, kind_word(NEPH_SERIES_FIXED),
-            evaluations, NAN, versions);
-        add(reading, scene, text(row, "engine"), "time", NULL, kind_word(NEPH_SERIES_TIMED),
-            real(json_object_get(row, "frame_s"), "median") / time_unit_s(reading, row), NAN,
-            timed_on);
+            evaluations += neph_json_real(pass, "density_evaluations");
+        add(reading, scene, neph_json_text(row, "engine"), "evaluations", NULL,
+            kind_word(NEPH_SERIES_FIXED), evaluations, NAN, versions);
+        add(reading, scene, neph_json_text(row, "engine"), "time", NULL,
+            kind_word(NEPH_SERIES_TIMED),
+            neph_json_real(json_object_get(row, "frame_s"), "median") / time_unit_s(reading, row),
+            NAN, timed_on);
     }
 }
 
@@ -360,8 +371,10 @@ enum neph_status neph_night_read(enum neph_night_suite suite, const json_t *docu
         return neph_fail_memory(diag);
     if (!has_list(document, suite))
         return neph_fail(diag, NEPH_ERR_ENGINE, "its JSON has no %s", lists[suite]);
-    struct reading reading = {suite, document, calibration_s, host, arena, numbers};
+    struct reading reading = {suite, document, calibration_s, host, arena, numbers, false};
     read_suite[suite](&reading);
+    if (reading.overflows)
+        return neph_fail(diag, NEPH_ERR_ENGINE, "it has more than %d numbers", NUMBERS_MAX);
     return neph_arena_check(arena, diag);
 }
 

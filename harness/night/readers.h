@@ -18,8 +18,10 @@
 #include "harness/night/plan.h"
 #include "harness/run/history.h"
 
-/* The kind of a picture: the range of its radiance over the mean; 0 is a blank one. */
+/* The kind of a picture: the range of its radiance over the mean; 0 is a blank one, and
+ * NEPH_NIGHT_BROKEN_PICTURE one with pixels that are no numbers. */
 #define NEPH_NIGHT_PICTURE "picture"
+#define NEPH_NIGHT_BROKEN_PICTURE -1.0
 
 /* Texts are of the arena. */
 struct neph_night_numbers {
@@ -29,7 +31,8 @@ struct neph_night_numbers {
 };
 
 /* `calibration_s` is that of the step; NaN: its durations are not to be used. `host` is the class
- * of this machine. NEPH_ERR_ENGINE: the document is none of the suite. */
+ * of this machine. NEPH_ERR_ENGINE: the document is none of the suite, or has more than
+ * 4096 numbers. */
 enum neph_status neph_night_read(enum neph_night_suite suite, const json_t *document,
                                  double calibration_s, const char *host, struct neph_arena *arena,
                                  struct neph_night_numbers *numbers, struct neph_diag *diag);

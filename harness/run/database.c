@@ -164,11 +164,6 @@ enum neph_status neph_database_count(struct neph_database *database, int64_t *co
     return status;
 }
 
-int64_t neph_database_last_row(const struct neph_database *database)
-{
-    return sqlite3_last_insert_rowid(database->handle);
-}
-
 /* ---- transactions ---------------------------------------------------------------------------- */
 
 /* For several statements, and such as give rows that nobody asks for. */

@@ -37,9 +37,6 @@ enum neph_status neph_database_check(struct neph_database *database, bool thorou
 enum neph_status neph_database_do(struct neph_database *database, struct neph_diag *diag,
                                   const char *statement, const char *types, ...);
 
-/* The row number that the last INSERT has made. */
-int64_t neph_database_last_row(const struct neph_database *database);
-
 /* All that is done from _begin to _commit is done whole or not at all; _rollback after a failure.
  * They do not nest. */
 enum neph_status neph_database_begin(struct neph_database *database, struct neph_diag *diag);

@@ -60,6 +60,52 @@ static enum neph_status write_document(const char *store_folder, enum document k
     return status;
 }
 
+/* A number is taken by its document, also by one that is torn and so has no rows. */
+static enum neph_status is_taken(const char *store_folder, enum document kind, int64_t number,
+                                 bool *taken, struct neph_diag *diag)
+{
+    char *path = document_path(store_folder, kind, number);
+    const enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
+    *taken = path && neph_path_exists(path);
+    free(path);
+    return status;
+}
+
+/* The first number from `*number` on that no document has. */
+static enum neph_status next_number(const char *store_folder, enum document kind, int64_t *number,
+                                    struct neph_diag *diag)
+{
+    bool taken = true;
+    enum neph_status status = is_taken(store_folder, kind, *number, &taken, diag);
+    while (!status && taken)
+        status = is_taken(store_folder, kind, ++*number, &taken, diag);
+    return status;
+}
+
+/* What is there is never written over. */
+static enum neph_status write_new_document(const char *store_folder, enum document kind,
+                                           int64_t number, const json_t *document,
+                                           struct neph_diag *diag)
+{
+    bool taken = false;
+    const enum neph_status status = is_taken(store_folder, kind, number, &taken, diag);
+    if (!status && taken)
+        return neph_fail(diag, NEPH_ERR_IO, "'%s/history/%s%06lld.json' is there already",
+                         store_folder, documents[kind].prefix, (long long)number);
+    return status ? status : write_document(store_folder, kind, number, document, diag);
+}
+
+/* What its rows cannot be without. */
+static bool is_whole(const json_t *document, enum document kind)
+{
+    size_t i;
+    const json_t *step;
+    bool whole = strcmp(neph_json_text(document, "format"), documents[kind].format) == 0;
+    json_array_foreach(json_object_get(document, "steps"), i, step)
+        whole = whole && json_is_number(json_object_get(step, "wall_s"));
+    return whole;
+}
+
 static enum neph_status read_document(const char *path, enum document kind, json_t **document,
                                       struct neph_diag *diag)
 {
@@ -70,26 +116,15 @@ static enum neph_status read_document(const char *path, enum document kind, json
         return status;
     json_t *read = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
     free(text);
-    if (strcmp(neph_json_text(read, "format"), documents[kind].format) != 0) {
+    if (!is_whole(read, kind)) {
         json_decref(read);
-        return neph_fail(diag, NEPH_ERR_INPUT, "it is no %s", documents[kind].format);
+        return neph_fail(diag, NEPH_ERR_INPUT, "it is no whole %s", documents[kind].format);
     }
     *document = read;
     return NEPH_OK;
 }
 
 /* ---- rows of documents ----------------------------------------------------------------------- */
-
-static double real(const json_t *object, const char *name)
-{
-    const json_t *value = json_object_get(object, name);
-    return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
-static const char *text(const json_t *object, const char *name)
-{
-    return neph_json_text(object, name);
-}
 
 static enum neph_status insert_measurement(struct neph_database *index, int64_t night,
                                            const char *step, const struct neph_measurement *m,
@@ -122,18 +157,19 @@ static enum neph_status insert_lists(struct neph_database *index, int64_t night,
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < json_array_size(steps); i++) {
         const json_t *s = json_array_get(steps, i);
-        const struct neph_history_step step = {text(s, "name"),   text(s, "outcome"),
-                                               text(s, "reason"), text(s, "size"),
-                                               real(s, "wall_s"), real(s, "calibration_s")};
+        const struct neph_history_step step = {
+            neph_json_text(s, "name"),   neph_json_text(s, "outcome"),
+            neph_json_text(s, "reason"), neph_json_text(s, "size"),
+            neph_json_real(s, "wall_s"), neph_json_real(s, "calibration_s")};
         status = insert_step(index, night, &step, diag);
     }
     for (size_t i = 0; !status && i < json_array_size(measurements); i++) {
         const json_t *m = json_array_get(measurements, i);
-        const struct neph_measurement measurement = {text(m, "series"), text(m, "kind"),
-                                                     real(m, "value"), real(m, "standard_error"),
-                                                     text(m, "environment")};
-        status = insert_measurement(index, night, text(m, "step"), &measurement,
-                                    text(m, "judgement"), diag);
+        const struct neph_measurement measurement = {
+            neph_json_text(m, "series"), neph_json_text(m, "kind"), neph_json_real(m, "value"),
+            neph_json_real(m, "standard_error"), neph_json_text(m, "environment")};
+        status = insert_measurement(index, night, neph_json_text(m, "step"), &measurement,
+                                    neph_json_text(m, "judgement"), diag);
     }
     for (size_t i = 0; !status && i < json_array_size(frames); i++)
         status = neph_database_do(index, diag, "INSERT OR IGNORE INTO night_frames VALUES (?, ?)",
@@ -159,19 +195,22 @@ static enum neph_status insert_night(struct neph_database *index, int64_t night,
     enum neph_status status = forget_night(index, night, diag);
     if (!status)
         status = neph_database_do(index, diag, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-                                  "isssssss", night, text(d, "started_utc"), text(d, "ended_utc"),
-                                  text(d, "plan"), text(d, "revision"), text(d, "program"),
-                                  text(d, "host"), text(d, "verdict"));
+                                  "isssssss", night, neph_json_text(d, "started_utc"),
+                                  neph_json_text(d, "ended_utc"), neph_json_text(d, "plan"),
+                                  neph_json_text(d, "revision"), neph_json_text(d, "program"),
+                                  neph_json_text(d, "host"), neph_json_text(d, "verdict"));
     return status ? status : insert_lists(index, night, d, diag);
 }
 
+/* Whoever opens the store while it is accepted may have found its document first. */
 static enum neph_status insert_acceptance(struct neph_database *index, int64_t number,
                                           const json_t *d, struct neph_diag *diag)
 {
-    return neph_database_do(index, diag, "INSERT INTO acceptances VALUES (?, ?, ?, ?, ?, ?)",
-                            "isisss", number, text(d, "series"),
-                            (int64_t)json_integer_value(json_object_get(d, "night")),
-                            text(d, "who"), text(d, "when_utc"), text(d, "why"));
+    return neph_database_do(
+        index, diag, "INSERT OR IGNORE INTO acceptances VALUES (?, ?, ?, ?, ?, ?)", "isisss",
+        number, neph_json_text(d, "series"),
+        (int64_t)json_integer_value(json_object_get(d, "night")), neph_json_text(d, "who"),
+        neph_json_text(d, "when_utc"), neph_json_text(d, "why"));
 }
 
 /* All of a document's rows or none. */
@@ -267,33 +306,48 @@ static enum neph_status forget_unfinished(struct neph_database *index, int64_t b
     return status;
 }
 
-static enum neph_status find_or_insert_night(struct neph_database *index,
-                                             const struct neph_history_night *night, int64_t *id,
-                                             bool *resumed, struct neph_diag *diag)
+/* One of its own: acceptances know nights that have no rows. */
+static enum neph_status insert_new_night(struct neph_database *index, const char *store_folder,
+                                         const struct neph_history_night *night, int64_t *id,
+                                         struct neph_diag *diag)
 {
     char now[32];
     neph_utc_now(now);
+    enum neph_status status = neph_database_count(
+        index, id, diag,
+        "SELECT coalesce(max(id), 0) + 1 FROM (SELECT id FROM nights UNION SELECT night FROM "
+        "acceptances)",
+        "");
+    if (!status)
+        status = next_number(store_folder, NIGHT, id, diag);
+    return status ? status
+                  : neph_database_do(index, diag,
+                                     "INSERT INTO nights VALUES (?, ?, '', ?, ?, ?, ?, '')",
+                                     "isssss", *id, now, night->plan, night->revision,
+                                     night->program, night->host);
+}
+
+static enum neph_status find_or_insert_night(struct neph_database *index, const char *store_folder,
+                                             const struct neph_history_night *night, int64_t *id,
+                                             bool *resumed, struct neph_diag *diag)
+{
+    bool taken = false;
     *id = 0;
     enum neph_status status = neph_database_count(
         index, id, diag,
         "SELECT id FROM nights WHERE ended_utc = '' AND plan = ? AND revision = ? AND program = ? "
         "AND host = ? ORDER BY id DESC",
         "ssss", night->plan, night->revision, night->program, night->host);
+    if (!status && *id > 0)
+        status = is_taken(store_folder, NIGHT, *id, &taken, diag);
+    *id = taken ? 0 : *id; /* it could not end */
     *resumed = *id > 0;
     if (!status)
         status = forget_unfinished(index, *id, diag);
-    if (status || *resumed)
-        return status;
-    status = neph_database_do(index, diag,
-                              "INSERT INTO nights VALUES ((SELECT coalesce(max(id), 0) + 1 FROM "
-                              "nights), ?, '', ?, ?, ?, ?, '')",
-                              "sssss", now, night->plan, night->revision, night->program,
-                              night->host);
-    *id = neph_database_last_row(index);
-    return status;
+    return status || *resumed ? status : insert_new_night(index, store_folder, night, id, diag);
 }
 
-enum neph_status neph_history_begin(struct neph_database *index,
+enum neph_status neph_history_begin(struct neph_database *index, const char *store_folder,
                                     const struct neph_history_night *night, int64_t *id,
                                     bool *resumed, struct neph_diag *diag)
 {
@@ -301,7 +355,7 @@ enum neph_status neph_history_begin(struct neph_database *index,
     bool is_old = false;
     enum neph_status status = neph_database_begin(index, diag);
     if (!status)
-        status = find_or_insert_night(index, night, &found, &is_old, diag);
+        status = find_or_insert_night(index, store_folder, night, &found, &is_old, diag);
     if (status) {
         neph_database_rollback(index);
         return status;
@@ -472,7 +526,7 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
     if (!status)
         status = neph_json_put(document, "frames", json_copy((json_t *)frames), diag);
     if (!status)
-        status = write_document(store_folder, NIGHT, night, document, diag);
+        status = write_new_document(store_folder, NIGHT, night, document, diag);
     if (!status)
         status = insert_document(index, NIGHT, night, document, diag);
     json_decref(document);
@@ -501,61 +555,124 @@ static enum neph_status check_acceptable(struct neph_database *index, const char
     return status;
 }
 
+/* Number, document and rows while nobody else writes: of two at once, each has its own. */
+static enum neph_status number_acceptance(struct neph_database *index, const char *store_folder,
+                                          json_t *document, struct neph_diag *diag)
+{
+    int64_t number = 0;
+    enum neph_status status = neph_database_count(
+        index, &number, diag, "SELECT coalesce(max(id), 0) + 1 FROM acceptances", "");
+    if (!status)
+        status = next_number(store_folder, ACCEPTANCE, &number, diag);
+    if (!status)
+        status = neph_json_put(document, "acceptance", json_integer(number), diag);
+    if (!status)
+        status = write_new_document(store_folder, ACCEPTANCE, number, document, diag);
+    return status ? status : insert_acceptance(index, number, document, diag);
+}
+
 enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag)
 {
-    int64_t number = 0;
     char now[32];
     neph_utc_now(now);
     enum neph_status status = check_acceptable(index, series, night, diag);
+    if (status)
+        return status;
+    json_t *document = json_pack(
+        "{s:s, s:n, s:s, s:I, s:s, s:s, s:s}", "format", documents[ACCEPTANCE].format, "acceptance",
+        "series", series, "night", (json_int_t)night, "who", who, "when_utc", now, "why", why);
+    status = neph_json_check(document, diag);
     if (!status)
-        status = neph_database_count(index, &number, diag,
-                                     "SELECT coalesce(max(id), 0) + 1 FROM acceptances", "");
-    json_t *document = status
-                           ? NULL
-                           : json_pack("{s:s, s:I, s:s, s:I, s:s, s:s, s:s}", "format",
-                                       documents[ACCEPTANCE].format, "acceptance",
-                                       (json_int_t)number, "series", series, "night",
-                                       (json_int_t)night, "who", who, "when_utc", now, "why", why);
-    if (!status)
-        status = neph_json_check(document, diag);
-    if (!status)
-        status = write_document(store_folder, ACCEPTANCE, number, document, diag);
-    if (!status)
-        status = insert_document(index, ACCEPTANCE, number, document, diag);
+        status = neph_database_begin(index, diag);
+    if (!status) {
+        status = number_acceptance(index, store_folder, document, diag);
+        if (!status)
+            status = neph_database_commit(index, diag);
+        else
+            neph_database_rollback(index);
+    }
     json_decref(document);
     return status;
 }
 
 /* ---- a closer look --------------------------------------------------------------------------- */
 
+/* `*torn`: the document is there and says nothing. One that is missing or cannot be read is an
+ * error: the rows are then all that is left of the night. */
+static enum neph_status compare_night(struct neph_database *index, const char *path, int64_t night,
+                                      json_t **rows, bool *torn, struct neph_diag *diag)
+{
+    json_t *document = NULL;
+    *torn = false;
+    enum neph_status status = neph_history_document(index, night, rows, diag);
+    if (status)
+        return status;
+    status = read_document(path, NIGHT, &document, diag);
+    *torn = status == NEPH_ERR_INPUT;
+    if (status && !*torn)
+        neph_hint(diag, "bring it back from a copy of the store; what it said is still in the "
+                        "database, and `neph store export` prints it");
+    if (*torn || (!status && !json_equal(*rows, document)))
+        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
+                           (long long)night, path);
+    json_decref(document);
+    return status;
+}
+
 static enum neph_status check_night(struct neph_database *index, const char *store_folder,
                                     int64_t night, struct neph_diag *diag)
 {
-    json_t *rows = NULL, *document = NULL;
+    json_t *rows = NULL;
+    bool torn;
     char *path = document_path(store_folder, NIGHT, night);
-    enum neph_status status = path ? neph_history_document(index, night, &rows, diag)
-                                   : neph_fail_memory(diag);
-    if (!status && read_document(path, NIGHT, &document, diag))
-        status = NEPH_ERR_INPUT;
-    if (!status && !json_equal(rows, document))
-        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
-                           (long long)night, path);
+    const enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
+                                         : neph_fail_memory(diag);
     json_decref(rows);
-    json_decref(document);
     free(path);
+    return status;
+}
+
+/* A document that disagrees is right. So is the lack of rows that cannot be read. */
+static enum neph_status mend_night(struct neph_database *index, const char *store_folder,
+                                   int64_t night, struct neph_diag *diag)
+{
+    json_t *rows = NULL;
+    bool torn = false;
+    char *path = document_path(store_folder, NIGHT, night);
+    enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
+                                   : neph_fail_memory(diag);
+    if (torn)
+        status = write_document(store_folder, NIGHT, night, rows, diag);
+    json_decref(rows);
+    free(path);
+    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
+}
+
+static enum neph_status visit_nights(struct neph_database *index, const char *store_folder,
+                                     enum neph_status (*visit)(struct neph_database *, const char *,
+                                                               int64_t, struct neph_diag *),
+                                     struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
+    while (!status && neph_query_next(query, &status, diag))
+        status = visit(index, store_folder, neph_query_integer(query, 0), diag);
+    neph_query_end(query);
     return status;
 }
 
 enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
                                     struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
-    while (!status && neph_query_next(query, &status, diag))
-        status = check_night(index, store_folder, neph_query_integer(query, 0), diag);
-    neph_query_end(query);
-    return status;
+    return visit_nights(index, store_folder, check_night, diag);
+}
+
+enum neph_status neph_history_mend(struct neph_database *index, const char *store_folder,
+                                   struct neph_diag *diag)
+{
+    const enum neph_status status = visit_nights(index, store_folder, mend_night, diag);
+    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
 }

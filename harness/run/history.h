@@ -47,13 +47,21 @@ enum neph_status neph_history_refresh(struct neph_database *index, const char *s
                                       struct neph_diag *diag);
 
 /* Whether the rows of each finished night say what its document says: NEPH_ERR_INPUT names the
- * first that does not. */
+ * first that does not. NEPH_ERR_NOT_FOUND: a document is missing; NEPH_ERR_IO: it cannot be
+ * read. */
 enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
                                     struct neph_diag *diag);
 
+/* To be called before a database is made again, so that no night is lost: documents that are torn
+ * are written anew from their rows, where these can be read. Errors as of neph_history_check(), but
+ * never NEPH_ERR_INPUT: the database must then stay as it is. */
+enum neph_status neph_history_mend(struct neph_database *index, const char *store_folder,
+                                   struct neph_diag *diag);
+
 /* Begin a night, or go on with the last when it did not end and is the same in all four; `*resumed`
- * tells. Other nights that did not end are forgotten. */
-enum neph_status neph_history_begin(struct neph_database *index,
+ * tells. Other nights that did not end are forgotten. A new one has a number that no night, no
+ * document, not even a torn one, and no acceptance has. */
+enum neph_status neph_history_begin(struct neph_database *index, const char *store_folder,
                                     const struct neph_history_night *night, int64_t *id,
                                     bool *resumed, struct neph_diag *diag);
 
@@ -68,7 +76,7 @@ enum neph_status neph_history_judge(struct neph_database *index, int64_t night, 
                                     const char *judgement, struct neph_diag *diag);
 
 /* A night is over: its document, and then its rows. `frames` are the keys of the frames that it
- * used, an array of texts. */
+ * used, an array of texts. NEPH_ERR_IO also when a document of its number is there. */
 enum neph_status neph_history_end(struct neph_database *index, const char *store_folder,
                                   int64_t night, const char *verdict, const json_t *frames,
                                   struct neph_diag *diag);

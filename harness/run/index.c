@@ -256,14 +256,14 @@ static enum neph_status set_aside(const char *path, const char *folder, const ch
 }
 
 /* Open, look whether it is whole, bring it up to date. */
-static enum neph_status open_whole(const char *path, const char *store_folder,
+static enum neph_status open_whole(const char *path, const char *store_folder, bool reads,
                                    struct neph_database **index, struct neph_diag *diag)
 {
     struct neph_database *opened = NULL;
     char *frames = neph_path_join(store_folder, "frames");
     enum neph_status status = frames ? neph_database_open(path, steps, &opened, diag)
                                      : neph_fail_memory(diag);
-    if (!status)
+    if (!status && reads)
         status = neph_database_check(opened, false, diag);
     if (!status)
         status = refresh(opened, frames, diag);
@@ -294,7 +294,7 @@ static bool is_damage(enum neph_status status)
     return status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL;
 }
 
-enum neph_status neph_index_open(const char *store_folder, struct neph_database **index,
+enum neph_status neph_index_open(const char *store_folder, bool reads, struct neph_database **index,
                                  struct neph_diag *diag)
 {
     char *folder = neph_path_join(store_folder, "index"),
@@ -303,13 +303,13 @@ enum neph_status neph_index_open(const char *store_folder, struct neph_database 
     struct neph_diag why = {.line = 0};
     enum neph_status status = path ? neph_dir_create(folder, &why) : neph_fail_memory(&why);
     if (!status)
-        status = open_whole(path, store_folder, index, &why);
+        status = open_whole(path, store_folder, reads, index, &why);
     if (!status && is_new)
         tell_takeover(*index, store_folder);
     if (is_damage(status)) {
         status = set_aside(path, folder, why.message, &why);
         if (!status)
-            status = open_whole(path, store_folder, index, &why);
+            status = open_whole(path, store_folder, reads, index, &why);
     }
     if (status && diag)
         *diag = why;

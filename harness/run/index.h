@@ -15,14 +15,16 @@
 #include "harness/run/database.h"
 
 /* Open the database of a store, whose lock the caller holds, and bring it up to date with its
- * frames and documents. A damaged one is set aside as STORE/index/damaged-..., with a line on
- * stderr. Free with neph_database_close(), and before any fork(): SQLite's locks do not live in two
- * processes. Errors as of database.h, but never NEPH_ERR_INPUT. */
-enum neph_status neph_index_open(const char *store_folder, struct neph_database **index,
+ * frames and documents. `reads`: all of it is read first (neph_database_check), which takes time;
+ * else damage shows when its rows are asked for. A damaged one is set aside as
+ * STORE/index/damaged-..., with a line on stderr. Free with neph_database_close(), and before any
+ * fork(): SQLite's locks do not live in two processes. Errors as of database.h, but never
+ * NEPH_ERR_INPUT. */
+enum neph_status neph_index_open(const char *store_folder, bool reads, struct neph_database **index,
                                  struct neph_diag *diag);
 
 /* Look closely: the form of the database, and each finished night against its document. `*whole`
- * tells, and `why` what is wrong. */
+ * tells, and `why` what is wrong. Errors as of neph_history_check(). */
 enum neph_status neph_index_check(struct neph_database *index, const char *store_folder,
                                   bool *whole, struct neph_diag *why, struct neph_diag *diag);
 

@@ -205,11 +205,12 @@ static enum neph_status make_parts(const struct neph_store *store, struct neph_d
 
 /* Under the lock. Frames are found without a database: one that cannot be written is not kept up,
  * and the next run does so. */
-static enum neph_status update_index(const struct neph_store *store, struct neph_diag *diag)
+static enum neph_status update_index(const struct neph_store *store, bool reads,
+                                     struct neph_diag *diag)
 {
     struct neph_database *index = NULL;
     struct neph_diag why = {.line = 0};
-    const enum neph_status status = neph_index_open(store->folder, &index, &why);
+    const enum neph_status status = neph_index_open(store->folder, reads, &index, &why);
     neph_database_close(index);
     if (status == NEPH_ERR_IO) {
         neph_progress_warn("the store's database is not up to date, which changes no frame: %s",
@@ -246,7 +247,7 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
         status = neph_lock_wait(opened->lock, &lock, diag);
     if (!status) {
         sweep(opened);
-        status = update_index(opened, diag);
+        status = update_index(opened, true, diag);
         close(lock);
     }
     if (status)
@@ -262,7 +263,7 @@ void neph_store_close(struct neph_store *store)
     if (!store)
         return;
     if (neph_lock_wait(store->lock, &lock, NULL) == NEPH_OK) {
-        update_index(store, NULL);
+        update_index(store, false, NULL);
         close(lock);
     }
     destroy(store);
@@ -280,7 +281,7 @@ enum neph_status neph_store_index(const struct neph_store *store, struct neph_da
     enum neph_status status = neph_lock_wait(store->lock, &lock, diag);
     if (status)
         return status;
-    status = neph_index_open(store->folder, index, diag);
+    status = neph_index_open(store->folder, false, index, diag);
     close(lock);
     return status;
 }
@@ -294,7 +295,7 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
         return status;
     status = neph_index_renew(store->folder, why, diag);
     if (!status)
-        status = neph_index_open(store->folder, index, diag);
+        status = neph_index_open(store->folder, false, index, diag);
     close(lock);
     return status;
 }
@@ -306,9 +307,12 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
 static void discard(const struct neph_store *store, const char *entry, const char *why)
 {
     struct neph_scratch *bin = NULL;
+    struct neph_diag diag = {.line = 0};
     if (why)
         neph_progress_warn("'%s' is not used and is removed: %s", entry, why);
-    if (neph_scratch_create(store->tmp, work_prefix, &bin, NULL) == NEPH_OK) {
+    if (neph_scratch_create(store->tmp, work_prefix, &bin, &diag)) {
+        neph_progress_warn("'%s' cannot be removed: %s", entry, diag.message);
+    } else {
         char *path = neph_path_join(neph_scratch_path(bin), "entry");
         if (!path || rename(entry, path) != 0)
             neph_progress_warn("'%s' cannot be removed: %s", entry, strerror(errno));
@@ -332,13 +336,15 @@ static enum neph_entry_state discard_if_bad(const struct neph_store *store, cons
     return state;
 }
 
-/* The record's time of change, on whose file system nothing else is written for it. */
+/* The record's time of change, on whose file system nothing else is written for it. Eviction goes
+ * by it, and so do the lists of what a night has used. */
 static void note_use(const char *frame_path)
 {
     char *record = neph_format("%.*sjob.json", (int)(strrchr(frame_path, '/') + 1 - frame_path),
                                frame_path);
-    if (record)
-        utimensat(AT_FDCWD, record, NULL, 0);
+    if (record && utimensat(AT_FDCWD, record, NULL, 0) != 0)
+        neph_progress_warn("that '%s' is used cannot be noted, and eviction takes it for older: %s",
+                           record, strerror(errno));
     free(record);
 }
 

@@ -137,7 +137,9 @@ static enum neph_status check_index(struct check *check, struct neph_diag *diag)
     if (status || whole)
         return status;
     struct neph_store_fault fault = {.key = "", .why = why.message};
-    if (check->repairs) {
+    if (check->repairs)
+        status = neph_history_mend(check->index, neph_store_folder(check->store), diag);
+    if (check->repairs && !status) {
         neph_database_close(check->index);
         check->index = NULL;
         status = neph_store_renew_index(check->store, why.message, &check->index, diag);
@@ -220,6 +222,20 @@ static enum neph_status list_candidates(struct neph_store *store, struct neph_da
     return NEPH_OK;
 }
 
+/* Somebody may have used it since it was listed. */
+static void collect(struct neph_store *store, const struct candidate *c, int64_t before_s,
+                    struct neph_store_gc *result)
+{
+    if (neph_store_remove(store, c->key, before_s, NULL)) {
+        result->frames_removed++;
+        result->bytes_removed += c->bytes;
+    } else if (neph_store_used_s(store, c->key) > before_s) {
+        result->bytes_in_use += c->bytes;
+    } else {
+        result->frames_that_stayed++;
+    }
+}
+
 enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, double spare_s,
                                struct neph_store_gc *result, struct neph_diag *diag)
 {
@@ -235,11 +251,8 @@ enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, do
     for (int i = 0; !status && i < count; i++) {
         if (list[i].used_s > before_s)
             result->bytes_in_use += list[i].bytes;
-        else if (result->bytes_before - result->bytes_removed > limit_bytes &&
-                 neph_store_remove(store, list[i].key, before_s, NULL)) {
-            result->frames_removed++;
-            result->bytes_removed += list[i].bytes;
-        }
+        else if (result->bytes_before - result->bytes_removed > limit_bytes)
+            collect(store, &list[i], before_s, result);
     }
     result->fits = result->bytes_before - result->bytes_removed <= limit_bytes;
     free(list);

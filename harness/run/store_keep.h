@@ -21,12 +21,14 @@ typedef void neph_store_tell(const struct neph_store_fault *fault, void *context
 struct neph_store_sums {
     int64_t frames, bytes; /* entries of frames/, and what is in them */
     int64_t nights, accepted;
-    int64_t bad, bad_bytes;
+    int64_t bad;
 };
 
 /* Read all frames and hold them against their records, and the database against the frames and the
  * documents of the nights. `repairs` removes frames that are bad, which the next run that wants
- * them renders anew, and makes the database again where it is not whole. */
+ * them renders anew, and makes the database again where it is not whole, after a document that is
+ * torn was written anew from it. NEPH_ERR_NOT_FOUND, or NEPH_ERR_IO: a night's document is missing,
+ * or cannot be read; nothing is made again then, as that night would be lost. */
 enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_store_tell *tell,
                                   void *context, struct neph_store_sums *sums,
                                   struct neph_diag *diag);
@@ -34,6 +36,7 @@ enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_s
 struct neph_store_gc {
     int64_t frames_before, bytes_before, frames_removed, bytes_removed;
     int64_t bytes_of_baselines, bytes_in_use; /* which were not touched */
+    int64_t frames_that_stayed;               /* were to be removed, and could not be */
     bool fits;                                /* what is left is within the limit */
 };
 

@@ -86,6 +86,29 @@ static void test_a_drawn_series_by_its_errors(void **state)
     }
 }
 
+/* Eleven nights of one program are one draw, of which nobody knows the noise: another program's
+ * draw is no change yet. Nor is it after a week of the same bits, when others are known. */
+static void test_repeated_bits_are_one_draw(void **state)
+{
+    (void)state;
+    uint64_t random = 5;
+    double past[40];
+    for (int i = 0; i < 11; i++)
+        past[i] = 1.0;
+    struct neph_series series = drawn(past, NULL, 1.02, NAN);
+    series.past_count = 11;
+    assert_int_equal(judge_one(&series).judged, NEPH_JUDGED_NOT);
+    for (int i = 0; i < 33; i++)
+        past[i] = 1.0 + 0.01 * neph_test_uniform(&random, -1.7, 1.7);
+    series.past_count = 33;
+    series.tonight = 1.025;
+    const struct neph_judgement first = judge_one(&series);
+    for (int i = 33; i < 40; i++)
+        past[i] = 1.025;
+    series.past_count = 40;
+    neph_assert_close(judge_one(&series).p, first.p, 0.0, 0.0);
+}
+
 /* Holm: the same deviation among fifty that have none needs fifty times the p-value. */
 static void test_all_chances_share_one_alpha(void **state)
 {
@@ -188,6 +211,34 @@ static void test_an_engine_over_all_scenes(void **state)
     neph_verdicts_finish(&verdicts);
 }
 
+/* A scene without a duration of one night, as when the machine was busy, stays in the mean; one
+ * without a number of the accepted night, or of other nights, is not and is not counted. */
+static void test_one_busy_night_switches_no_mean_off(void **state)
+{
+    (void)state;
+    enum { SCENES = 6, NIGHTS = 40 };
+    static double past[SCENES][NIGHTS];
+    struct neph_series series[SCENES];
+    struct neph_verdicts verdicts;
+    uint64_t random = 3;
+    for (int i = 0; i < SCENES; i++) {
+        fill(past[i], NIGHTS, 1.0 + i, 0.02, &random);
+        past[i][20] = NAN;
+        past[i][NIGHTS - 1] = past[i][NIGHTS - 2] = 1.3 * (1.0 + i);
+        series[i] = timed(past[i], NIGHTS, 1.3 * (1.0 + i));
+        series[i].engine = "march";
+        series[i].metric = "time";
+    }
+    past[1][25] = past[4][0] = NAN;
+    series[5].past_count = NIGHTS - 1;
+    neph_assert_ok(neph_judge(series, SCENES, alpha, &verdicts, NULL), NULL);
+    assert_int_equal(verdicts.pool_count, 1);
+    assert_int_equal(verdicts.pools[0].scenes, SCENES - 2);
+    assert_int_equal(verdicts.pools[0].judgement.judged, NEPH_JUDGED_WORSE);
+    assert_int_equal(verdicts.pools[0].judgement.nights, 30);
+    neph_verdicts_finish(&verdicts);
+}
+
 /* A truth that has moved takes all engines with it; an engine that has, itself alone. */
 static void test_a_stale_truth(void **state)
 {
@@ -236,10 +287,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fixed_series),
         cmocka_unit_test(test_a_drawn_series_by_its_errors),
+        cmocka_unit_test(test_repeated_bits_are_one_draw),
         cmocka_unit_test(test_all_chances_share_one_alpha),
         cmocka_unit_test(test_durations),
         cmocka_unit_test(test_the_floor_is_what_can_be_seen),
         cmocka_unit_test(test_an_engine_over_all_scenes),
+        cmocka_unit_test(test_one_busy_night_switches_no_mean_off),
         cmocka_unit_test(test_a_stale_truth),
         cmocka_unit_test(test_words),
     };

@@ -57,6 +57,12 @@ static void test_plans_that_differ_are_told_apart(void **state)
     const struct neph_night_plan_params without = {
         .tier = "quick", .only = &nothing, .only_count = 1};
     assert_int_equal(neph_night_plan_make(&without, &arena, &none, NULL), NEPH_ERR_USAGE);
+    const char *const settings[] = {"a:b=1",  "a:b=2",  "a:b=3",  "a:b=4",  "a:b=5",  "a:b=6",
+                                    "a:b=7",  "a:b=8",  "a:b=9",  "a:b=10", "a:b=11", "a:b=12",
+                                    "a:b=13", "a:b=14", "a:b=15", "a:b=16"};
+    const struct neph_night_plan_params crowded = {
+        .tier = "quick", .settings = settings, .setting_count = COUNT(settings)};
+    assert_int_equal(neph_night_plan_make(&crowded, &arena, &none, NULL), NEPH_ERR_USAGE);
     const struct neph_night_plan_params tier = {.tier = "slow"};
     assert_int_equal(neph_night_plan_make(&tier, &arena, &none, NULL), NEPH_ERR_USAGE);
     neph_arena_finish(&arena);
@@ -107,22 +113,28 @@ static void read_text(enum neph_night_suite suite, const char *text, double cali
     json_decref(document);
 }
 
-static void test_results_of_the_catalogue(void **state)
+/* Two pixels, the second of which is 3. */
+static void write_picture(const char *path, float first)
 {
-    char path[SCRATCH_PATH_MAX], text[4096];
-    struct neph_arena arena = {NULL};
-    struct neph_night_numbers numbers;
     struct neph_image *image = NULL;
     static const char *const channels[] = {"R", "G", "B"};
     neph_assert_ok(neph_image_create(2, 1, &image, NULL), NULL);
     for (int c = 0; c < 3; c++) {
         float *samples;
         neph_assert_ok(neph_image_add_channel(image, channels[c], &samples, NULL), NULL);
-        samples[0] = 1.0f;
+        samples[0] = first;
         samples[1] = 3.0f;
     }
-    neph_assert_ok(neph_exr_write(scratch_path(state, path, "a.exr"), image, NULL), NULL);
+    neph_assert_ok(neph_exr_write(path, image, NULL), NULL);
     neph_image_destroy(image);
+}
+
+static void test_results_of_the_catalogue(void **state)
+{
+    char path[SCRATCH_PATH_MAX], text[4096];
+    struct neph_arena arena = {NULL};
+    struct neph_night_numbers numbers;
+    write_picture(scratch_path(state, path, "a.exr"), 1.0f);
     snprintf(text, sizeof(text),
              "{\"size_px\": [96, 54], \"engines\": ["
              "{\"name\": \"exact\", \"version\": \"2\", \"device\": \"CPU\"},"
@@ -152,8 +164,12 @@ static void test_results_of_the_catalogue(void **state)
             continue;
         assert_string_equal(numbers.list[i].kind, "drawn");
         assert_string_equal(numbers.list[i].environment, "V, D; less; against 2, CPU");
-        neph_assert_close(numbers.list[i].standard_error, 0.05 / 1.959964, 1e-9, 0.0);
+        neph_assert_close(numbers.list[i].standard_error, 0.05 / 1.95996398454, 1e-9, 0.0);
     }
+    write_picture(path, NAN);
+    read_text(NEPH_NIGHT_CATALOG, text, NAN, &arena, &numbers);
+    neph_assert_close(number_of(&numbers, "catalog/fog@01234567/tracer/contrast"),
+                      NEPH_NIGHT_BROKEN_PICTURE, 0.0, 0.0);
     neph_arena_finish(&arena);
 }
 
@@ -237,7 +253,9 @@ static int64_t add_night(struct bench *bench, const struct neph_history_step *st
     int64_t night = 0;
     bool resumed;
     json_t *none = json_array();
-    neph_assert_ok(neph_history_begin(bench->index, &who, &night, &resumed, &diag), &diag);
+    neph_assert_ok(neph_history_begin(bench->index, neph_store_folder(bench->store), &who, &night,
+                                      &resumed, &diag),
+                   &diag);
     neph_assert_ok(neph_history_add(bench->index, night, step, numbers, count, &diag), &diag);
     if (is_over)
         neph_assert_ok(neph_history_end(bench->index, neph_store_folder(bench->store), night,
@@ -371,6 +389,34 @@ static void test_another_size_and_a_broken_step(void **state)
     close_bench(&bench);
 }
 
+/* Durations of a step that could not be calibrated are not missing; what else it lacks is. */
+static void test_a_busy_machine_fails_no_night(void **state)
+{
+    const struct neph_measurement numbers[] = {
+        {"speed/fog@1/march/evaluations", "fixed", 42.0, NAN, "D"},
+        {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host"}};
+    const struct {
+        int first, count; /* of the numbers that tonight has */
+        double calibration_s;
+        int missing;
+    } cases[] = {{0, 2, 0.1, 0}, {0, 1, NAN, 0}, {0, 1, 0.1, 1}, {1, 1, 0.1, 1}, {0, 0, NAN, 1}};
+    struct neph_history_step step = {"speed fog", "done", "", "192x108", 1.0, 0.1};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &step, numbers, 2, true));
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        step.calibration_s = cases[i].calibration_s;
+        compare(&bench, add_night(&bench, &step, numbers + cases[i].first, cases[i].count, true), 0,
+                &c);
+        assert_int_equal(count_found(&c, NEPH_FOUND_MISSING), cases[i].missing);
+        if (i < 2)
+            assert_true(c.passes);
+        neph_night_comparison_finish(&c);
+    }
+    close_bench(&bench);
+}
+
 /* A change that was meant: it alarms until it is accepted, for its series alone, and then a change
  * back alarms. */
 static void test_acceptances_of_a_series(void **state)
@@ -397,6 +443,35 @@ static void test_acceptances_of_a_series(void **state)
     neph_night_comparison_finish(&c);
     compare(&bench, add_night(&bench, &fog_step, old, 2, true), 0, &c);
     assert_int_equal(count_found(&c, NEPH_FOUND_BETTER), 2);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+/* A number that was accepted by itself, and gone; until a night without it is accepted. */
+static void test_what_was_accepted_by_itself_is_missed(void **state)
+{
+    const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
+                                                                                   "p99/exact");
+    const struct neph_measurement numbers[] = {{a, "fixed", 0.25, NAN, "D"},
+                                               {b, "fixed", 0.5, NAN, "D"}};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    const int64_t first = add_night(&bench, &fog_step, numbers, 1, true);
+    accept(&bench, "*", first);
+    accept(&bench, b, add_night(&bench, &fog_step, numbers, 2, true));
+    const int64_t without = add_night(&bench, &fog_step, numbers, 1, true);
+    compare(&bench, without, 0, &c);
+    assert_int_equal(c.finding_count, 1);
+    assert_int_equal(c.findings[0].found, NEPH_FOUND_MISSING);
+    assert_string_equal(c.findings[0].series, b);
+    neph_night_comparison_finish(&c);
+    compare(&bench, without, first, &c);
+    assert_int_equal(c.finding_count, 0);
+    neph_night_comparison_finish(&c);
+    accept(&bench, "*", without);
+    compare(&bench, add_night(&bench, &fog_step, numbers, 1, true), 0, &c);
+    assert_int_equal(c.finding_count, 0);
     neph_night_comparison_finish(&c);
     close_bench(&bench);
 }
@@ -438,7 +513,9 @@ int main(void)
         scratch_test(test_a_night_without_a_baseline_compares_nothing),
         scratch_test(test_what_is_found_in_a_night),
         scratch_test(test_another_size_and_a_broken_step),
+        scratch_test(test_a_busy_machine_fails_no_night),
         scratch_test(test_acceptances_of_a_series),
+        scratch_test(test_what_was_accepted_by_itself_is_missed),
         scratch_test(test_nights_that_were_worse_are_set_aside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

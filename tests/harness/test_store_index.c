@@ -114,7 +114,8 @@ static int64_t make_night(struct neph_store *store, const char *revision, double
         {"fog/march/radiance/rel_rmse/all", "fixed", value, NAN, "device"},
         {"fog/march/transmittance/max_abs/all", "fixed", NAN, NAN, "device"}};
     neph_assert_ok(neph_store_index(store, &index, &diag), &diag);
-    neph_assert_ok(neph_history_begin(index, &who, &night, &resumed, &diag), &diag);
+    neph_assert_ok(
+        neph_history_begin(index, neph_store_folder(store), &who, &night, &resumed, &diag), &diag);
     assert_false(resumed);
     neph_assert_ok(neph_history_add(index, night, &step, numbers, 2, &diag), &diag);
     neph_assert_ok(neph_history_end(index, neph_store_folder(store), night, "pass", frames, &diag),
@@ -442,6 +443,70 @@ static void test_check_holds_nights_against_their_documents(void **state)
     neph_store_close(store);
 }
 
+static void count_any_fault(const struct neph_store_fault *fault, void *context)
+{
+    int *removed = context;
+    *removed += fault->removed;
+}
+
+/* Two nights, the second accepted and with a frame, and its document no longer what it was. */
+static json_t *spoil_a_document(void **state, struct neph_store *store, const char *text)
+{
+    char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX];
+    json_t *none = json_array(), *frames = json_pack("[s]", "0000");
+    make_night(store, "a", 0.25, none);
+    accept(store, "*", make_night(store, "b", 0.5, frames), NEPH_OK);
+    scratch_path(state, folder, "store/history");
+    if (text)
+        write_text(folder, "night-000002.json", text);
+    else
+        assert_int_equal(unlink(scratch_path(state, path, "store/history/night-000002.json")), 0);
+    json_decref(none);
+    json_decref(frames);
+    return export_of(store);
+}
+
+/* Made again, the database would be without it, and eviction would take a baseline's frames. */
+static void test_a_repair_keeps_a_night_whose_document_is_missing(void **state)
+{
+    struct neph_store_sums sums;
+    struct neph_diag diag = {0};
+    int removed = 0;
+    struct neph_store *store = open_store(state);
+    json_t *before = spoil_a_document(state, store, NULL);
+    assert_int_equal(neph_store_check(store, true, count_any_fault, &removed, &sums, &diag),
+                     NEPH_ERR_NOT_FOUND);
+    assert_non_null(strstr(diag.message, "night-000002.json"));
+    json_t *after = export_of(store);
+    assert_true(json_equal(before, after));
+    assert_int_equal(removed, 0);
+    json_decref(before);
+    json_decref(after);
+    neph_store_close(store);
+}
+
+static void test_a_repair_writes_a_torn_document_from_its_rows(void **state)
+{
+    struct neph_store_sums sums;
+    int removed = 0;
+    struct neph_store *store = open_store(state);
+    json_t *before = spoil_a_document(state, store, "{\"torn");
+    for (int repairs = 0; repairs < 2; repairs++) {
+        neph_assert_ok(neph_store_check(store, repairs, count_any_fault, &removed, &sums, NULL),
+                       NULL);
+        assert_int_equal(sums.bad, 1);
+        assert_int_equal(sums.nights, 2);
+        assert_int_equal(removed, repairs);
+    }
+    neph_assert_ok(neph_store_check(store, true, count_any_fault, &removed, &sums, NULL), NULL);
+    assert_int_equal(sums.bad, 0);
+    json_t *after = export_of(store);
+    assert_true(json_equal(before, after));
+    json_decref(before);
+    json_decref(after);
+    neph_store_close(store);
+}
+
 static void set_age(void **state, int number, int hours)
 {
     char path[SCRATCH_PATH_MAX], name[128], key[NEPH_HASH_HEX_SIZE];
@@ -499,6 +564,24 @@ static void test_gc_takes_the_longest_unused_and_no_baseline(void **state)
     json_decref(frames);
 }
 
+static void test_gc_tells_what_it_could_not_remove(void **state)
+{
+    char tmp[SCRATCH_PATH_MAX], away[SCRATCH_PATH_MAX];
+    struct neph_store *store = open_store(state);
+    must_publish(store, 1, 100);
+    set_age(state, 1, 5);
+    scratch_path(state, tmp, "store/tmp");
+    assert_int_equal(rename(tmp, scratch_path(state, away, "store/away")), 0);
+    struct neph_store_gc gc = collect(store, 0);
+    assert_int_equal(rename(away, tmp), 0);
+    assert_false(gc.fits);
+    assert_int_equal(gc.frames_that_stayed, 1);
+    assert_int_equal(gc.frames_removed + gc.bytes_in_use, 0);
+    gc = collect(store, 0);
+    assert_true(gc.fits && gc.frames_removed == 1 && gc.frames_that_stayed == 0);
+    neph_store_close(store);
+}
+
 /* ---- nights ---------------------------------------------------------------------------------- */
 
 static void test_a_night_that_was_killed_goes_on(void **state)
@@ -512,14 +595,17 @@ static void test_a_night_that_was_killed_goes_on(void **state)
     int64_t first = 0, second = 0, count = 0;
     bool resumed = true;
     neph_assert_ok(neph_store_index(store, &index, NULL), NULL);
-    neph_assert_ok(neph_history_begin(index, &who, &first, &resumed, NULL), NULL);
+    neph_assert_ok(
+        neph_history_begin(index, neph_store_folder(store), &who, &first, &resumed, NULL), NULL);
     assert_false(resumed);
     neph_assert_ok(neph_history_add(index, first, &step, &number, 1, NULL), NULL);
     neph_database_close(index); /* and no end */
     neph_assert_ok(neph_store_index(store, &index, NULL), NULL);
-    neph_assert_ok(neph_history_begin(index, &who, &second, &resumed, NULL), NULL);
+    neph_assert_ok(
+        neph_history_begin(index, neph_store_folder(store), &who, &second, &resumed, NULL), NULL);
     assert_true(resumed && first == second);
-    neph_assert_ok(neph_history_begin(index, &other, &second, &resumed, NULL), NULL);
+    neph_assert_ok(
+        neph_history_begin(index, neph_store_folder(store), &other, &second, &resumed, NULL), NULL);
     assert_false(resumed);
     neph_assert_ok(
         neph_database_count(index, &count, NULL, "SELECT count(*) FROM measurements", ""), NULL);
@@ -550,6 +636,84 @@ static void test_acceptances_are_added_and_never_changed(void **state)
     json_decref(none);
 }
 
+/* What remains of one that is torn is not written over, and no later night has its number, by which
+ * an old acceptance would make it a baseline. */
+static void test_numbers_of_torn_documents_are_not_given_again(void **state)
+{
+    char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX], *text = NULL;
+    size_t size;
+    struct neph_store *store = open_store(state);
+    json_t *none = json_array();
+    make_night(store, "a", 0.25, none);
+    accept(store, "*", make_night(store, "b", 0.5, none), NEPH_OK);
+    accept(store, "*", 1, NEPH_OK);
+    neph_store_close(store);
+    scratch_path(state, folder, "store/history");
+    write_text(folder, "night-000002.json", "{\"torn");
+    write_text(folder, "accept-000002.json", "{\"torn, too");
+    remove_index(state);
+    store = open_store(state);
+    assert_int_equal(make_night(store, "c", 0.75, none), 3);
+    accept(store, "*", 3, NEPH_OK);
+    assert_int_equal(count_rows(store, "acceptances"), 2);
+    static const char *const torn[][2] = {{"store/history/night-000002.json", "{\"torn"},
+                                          {"store/history/accept-000002.json", "{\"torn, too"}};
+    for (size_t i = 0; i < COUNT(torn); i++) {
+        neph_assert_ok(
+            neph_file_read(scratch_path(state, path, torn[i][0]), 1000, &text, &size, NULL), NULL);
+        assert_string_equal(text, torn[i][1]);
+        free(text);
+    }
+    assert_true(neph_path_exists(scratch_path(state, path, "store/history/accept-000003.json")));
+    neph_store_close(store);
+    json_decref(none);
+}
+
+/* Its rows would be refused, for which the good database would be set aside at each opening. */
+static void test_a_step_without_a_time_leaves_its_night_out(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_store *store = open_store(state);
+    json_t *none = json_array();
+    make_night(store, "a", 0.25, none);
+    write_text(
+        scratch_path(state, path, "store/history"), "night-000002.json",
+        "{\"format\": \"neph-night-1\", \"ended_utc\": \"2026\", \"steps\": [{\"name\": \"a\"}]}");
+    neph_store_close(store);
+    store = open_store(state);
+    assert_int_equal(count_rows(store, "nights"), 1);
+    neph_store_close(store);
+    assert_int_equal(count_in(state, "store/index"), 1); /* none was set aside */
+    json_decref(none);
+}
+
+/* Each has a number and a document. */
+static void test_acceptances_at_the_same_time_are_all_kept(void **state)
+{
+    enum { RUNS = 4, EACH = 5 };
+    pid_t pids[RUNS];
+    struct neph_store *store = open_store(state);
+    json_t *none = json_array();
+    make_night(store, "a", 0.25, none);
+    for (int run = 0; run < RUNS; run++) {
+        pids[run] = fork();
+        if (pids[run] != 0)
+            continue;
+        for (int i = 0; i < EACH; i++)
+            accept(store, "*", 1, NEPH_OK);
+        _exit(0);
+    }
+    for (int run = 0; run < RUNS; run++) {
+        int how = 1;
+        waitpid(pids[run], &how, 0);
+        assert_int_equal(how, 0);
+    }
+    assert_int_equal(count_rows(store, "acceptances"), RUNS * EACH);
+    neph_store_close(store);
+    assert_int_equal(count_in(state, "store/index"), 1); /* none was set aside */
+    json_decref(none);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -562,9 +726,15 @@ int main(void)
         scratch_test(test_runs_at_the_same_time_lose_nothing),
         scratch_test(test_check_finds_a_changed_frame_and_repairs),
         scratch_test(test_check_holds_nights_against_their_documents),
+        scratch_test(test_a_repair_keeps_a_night_whose_document_is_missing),
+        scratch_test(test_a_repair_writes_a_torn_document_from_its_rows),
         scratch_test(test_gc_takes_the_longest_unused_and_no_baseline),
+        scratch_test(test_gc_tells_what_it_could_not_remove),
         scratch_test(test_a_night_that_was_killed_goes_on),
         scratch_test(test_acceptances_are_added_and_never_changed),
+        scratch_test(test_numbers_of_torn_documents_are_not_given_again),
+        scratch_test(test_a_step_without_a_time_leaves_its_night_out),
+        scratch_test(test_acceptances_at_the_same_time_are_all_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
