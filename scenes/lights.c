@@ -2,6 +2,15 @@
 #include "scenes/lights.h"
 
 const char neph_lights_reason[] = "lights (only the sun)";
+const char neph_wide_spot_reason[] = "a light whose cone is wider than 90 degrees from its axis";
+
+bool neph_scene_has_wide_spot(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->light_count; i++)
+        if (scene->lights[i].is_spot && scene->lights[i].outer_cosine < 0.0)
+            return true;
+    return false;
+}
 
 double neph_light_falloff(const struct neph_light *light, struct neph_vec3 direction)
 {

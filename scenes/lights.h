@@ -23,6 +23,10 @@ struct neph_lit {
 
 struct neph_lit neph_light_at(const struct neph_light *light, struct neph_vec3 point_m);
 
+/* Whether a spot shines behind itself: witnesses have no such cones. */
+bool neph_scene_has_wide_spot(const struct neph_scene *scene);
+extern const char neph_wide_spot_reason[];
+
 /* For messages of engines that know no lights. */
 extern const char neph_lights_reason[];
 
