@@ -32,7 +32,7 @@ const struct neph_light *neph_lamp_pick(const struct neph_scene *scene, struct n
                                         double *probability, struct neph_random *random);
 
 /* The part of directions that are drawn by neph_lamp_direction_draw(). */
-#define NEPH_LAMP_DIRECTIONS (1.0 / 16)
+#define NEPH_LAMP_DIRECTIONS (1.0 / 8)
 
 /* A direction by 1 / sin of its angle from a light, all lights being alike, and the density of
  * any [1/sr]. */

@@ -9,7 +9,7 @@
 #include "tracer.glsl"
 
 // The part of directions that are drawn towards lamps.
-const float LAMP_DIRECTIONS = 1.0 / 16.0;
+const float LAMP_DIRECTIONS = 1.0 / 8.0;
 
 // A ray that passes a lamp nearer than this part of its distance passes it this far off.
 const float LAMP_NEAREST = 1e-6;
