@@ -34,7 +34,7 @@ struct work {
     struct neph_batch batch;
 };
 
-/* ---- sizes ------------------------------------------------------------------------------------ */
+/* ---- sizes ----------------------------------------------------------------------------------- */
 
 static int enlarged(int side_px, double percent)
 {
@@ -58,7 +58,7 @@ static struct size last_size(const struct neph_settings *settings, struct size s
     return size;
 }
 
-/* ---- what the shaders are told ---------------------------------------------------------------- */
+/* ---- what the shaders are told --------------------------------------------------------------- */
 
 static void put_matrix(float rows[9], struct neph_matrix3 matrix)
 {
@@ -100,7 +100,7 @@ static void fill_view(const struct work *work, struct size to, struct neph_gpu_p
     fill_colours(&params->settings, view);
 }
 
-/* ---- a stage ---------------------------------------------------------------------------------- */
+/* ---- a stage --------------------------------------------------------------------------------- */
 
 static enum neph_status dispatch(struct work *work, const struct neph_kernel *kernel,
                                  struct neph_dispatch *whole, size_t thread_count,
@@ -173,7 +173,7 @@ static enum neph_status run_stages(struct work *work, struct neph_post_stats *st
                                       "picture chain", diag);
 }
 
-/* ---- in and out ------------------------------------------------------------------------------- */
+/* ---- in and out ------------------------------------------------------------------------------ */
 
 static enum neph_status put_in(struct work *work, float *const rgb[3], struct neph_diag *diag)
 {
@@ -205,6 +205,25 @@ static enum neph_status take_out(struct work *work, struct neph_image *image,
     for (size_t i = 0; i < count && !status; i++)
         for (int c = 0; c < 3; c++)
             rgb[c][i] = texels[channels * i + (size_t)c];
+    return status;
+}
+
+/* Depth and masks, which metrics look at; in another size they would be of other pixels. */
+static enum neph_status copy_others(const struct neph_image *from, struct neph_image *to,
+                                    struct neph_diag *diag)
+{
+    const bool fits = from->width_px == to->width_px && from->height_px == to->height_px;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < from->channel_count && fits && !status; i++) {
+        const struct neph_channel *channel = &from->channels[i];
+        float *samples;
+        if (strcmp(channel->name, "Z") != 0 && strncmp(channel->name, "mask.", 5) != 0 &&
+            strncmp(channel->name, "motion.", 7) != 0)
+            continue;
+        status = neph_image_add_channel(to, channel->name, &samples, diag);
+        if (!status)
+            memcpy(samples, channel->samples, neph_image_pixel_count(from) * sizeof(*samples));
+    }
     return status;
 }
 
@@ -270,6 +289,8 @@ enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_pos
         status = run_stages(&work, &own_stats, diag);
     if (!status)
         status = copy_attributes(frame, image, diag);
+    if (!status)
+        status = copy_others(frame, image, diag);
     if (!status)
         status = take_out(&work, image, diag);
     finish(&work);

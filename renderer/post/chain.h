@@ -50,9 +50,9 @@ struct neph_post_stats {
     double gpu_s[NEPH_POST_STAGES_MAX]; /* by stage; 0: off, NaN: the device has no clock */
 };
 
-/* The channels R G B of `frame`, through the chain. `*made` is a new image with R G B and the
- * frame's attributes, free it with neph_image_destroy(): what the last stage wrote, as it is
- * encoded. `stats`: NULL is fine.
+/* The channels R G B of `frame`, through the chain. `*made` is a new image with R G B, what the
+ * last stage wrote, as it is encoded, the frame's attributes and, if it has its size, its depth,
+ * motion and masks; free it with neph_image_destroy(). `stats`: NULL is fine.
  * NEPH_ERR_INPUT: the frame has no R G B; the picture would be too large. NEPH_ERR_UNSUPPORTED:
  * larger than the device allows. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_post_params *params,

@@ -10,7 +10,8 @@ struct neph_film {
     double slope, toe, shoulder, black_clip, white_clip;
 };
 
-/* log10 of where the straight part begins and ends, and its offset: y = slope (log10 x + offset). */
+/* log10 of where the straight part begins and ends, and its offset: there y = slope (log10 x +
+ * straight_match). */
 struct neph_film_joints {
     double toe_match, straight_match, shoulder_match;
 };

@@ -48,7 +48,10 @@ bool own_pixel(out ivec2 pixel)
     return pixel.y < to_size().y;
 }
 
-void put(ivec2 pixel, vec3 colour) { to_texels[pixel.y * to_size().x + pixel.x] = vec4(colour, 1.0); }
+void put(ivec2 pixel, vec3 colour)
+{
+    to_texels[pixel.y * to_size().x + pixel.x] = vec4(colour, 1.0);
+}
 
 // The picture goes on beyond its edges as it ends there.
 vec3 fetch(ivec2 texel)

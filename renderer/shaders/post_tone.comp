@@ -47,7 +47,8 @@ void main()
     if (!own_pixel(pixel))
         return;
     // Curves have products of several; the largest half is far beyond any white.
-    vec3 exposed = min(fetch(pixel) * (exp2(setting(POST_EXPOSURE_EV)) * vignette(pixel)), BRIGHTEST);
+    float exposure = exp2(setting(POST_EXPOSURE_EV)) * vignette(pixel);
+    vec3 exposed = min(exposure * fetch(pixel), BRIGHTEST);
     vec3 colour = choice(POST_LUT) != 0 ? looked_up(exposed) : developed(exposed);
     float noise = uniform_from(pcg4d(uvec4(pixel, view.frame, view.seed)).xyz).x;
     colour += setting(POST_GRAIN) / 255.0 * (noise - 0.5);

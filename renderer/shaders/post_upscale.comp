@@ -12,9 +12,10 @@
 //   gaussian      6x6 texels with variance 1/2, less their Laplacian (unsharp mask)
 //   smoothstep    bilinear, at places drawn to the texels' centres
 //
-// The gaussian's Laplacian does not sum to 0 over so few texels: by itself it makes a constant up to
-// 0.4 % brighter. What lies between four texels is their bilinear sample, in float32: a texture unit's weights have
-// 8 bits. Filters with negative weights may overshoot; what is below 0 becomes 0.
+// The gaussian's Laplacian does not sum to 0 over so few texels: it changes a constant by up to
+// 0.25 % (softness 0.3). What lies between four texels is their bilinear sample, in float32: a
+// texture unit's weights have 8 bits. Filters with negative weights may overshoot; what is below 0
+// becomes 0.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -35,9 +36,12 @@ float luma(vec3 c) { return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b; }
 vec3 directional(vec2 place)
 {
     const float UNSHARP = 0.25, LEAST = 6e-8, REACH = 0.125;
-    vec3 upper_left = bilinear(place + vec2(-0.5, -0.5)), upper_right = bilinear(place + vec2(0.5, -0.5));
-    vec3 lower_left = bilinear(place + vec2(-0.5, 0.5)), lower_right = bilinear(place + vec2(0.5, 0.5));
-    float rising = luma(lower_left) - luma(upper_right), falling = luma(lower_right) - luma(upper_left);
+    vec3 upper_left = bilinear(place + vec2(-0.5, -0.5));
+    vec3 upper_right = bilinear(place + vec2(0.5, -0.5));
+    vec3 lower_left = bilinear(place + vec2(-0.5, 0.5));
+    vec3 lower_right = bilinear(place + vec2(0.5, 0.5));
+    float rising = luma(lower_left) - luma(upper_right);
+    float falling = luma(lower_right) - luma(upper_left);
     vec2 along = vec2(rising + falling, rising - falling);
     along *= REACH * inversesqrt(dot(along, along) + LEAST);
     vec3 mean = 0.25 * (upper_left + upper_right + lower_left + lower_right);
@@ -93,7 +97,8 @@ vec3 lanczos_13(vec2 place)
     float columns[5], rows[5], column, row;
     lanczos_weights(place.x - centre.x, columns, column);
     lanczos_weights(place.y - centre.y, rows, row);
-    float xs[5] = float[5](-2.0, -1.0, column, 2.0, 3.0), ys[5] = float[5](-2.0, -1.0, row, 2.0, 3.0);
+    float xs[5] = float[5](-2.0, -1.0, column, 2.0, 3.0);
+    float ys[5] = float[5](-2.0, -1.0, row, 2.0, 3.0);
     vec3 sum = vec3(0.0);
     float total = 0.0;
     [[unroll]] for (int i = 0; i < 25; i++) {

@@ -56,7 +56,8 @@ float saturation_of(vec3 ap0)
 // Luminance with a part of the chroma.
 float luminance_with_chroma(vec3 c)
 {
-    float chroma = c.b * (c.b - c.g) + c.g * (c.g - c.r) + c.r * (c.r - c.b); // >= 0 but for rounding
+    float chroma = c.b * (c.b - c.g) + c.g * (c.g - c.r) + c.r * (c.r - c.b);
+    // It is >= 0 but for rounding.
     return (c.r + c.g + c.b + 1.75 * sqrt(max(chroma, 0.0))) / 3.0;
 }
 
@@ -109,14 +110,12 @@ float film_of(float x)
         return -black;
     float place = log2(x) * 0.30102999566; // log10
     float straight = slope * (place + view.straight_match);
-    float toe = place < view.toe_match
-                    ? toe_scale * logistic(-2.0 * slope / toe_scale * (place - view.toe_match)) - black
-                    : straight;
-    float shoulder = place > view.shoulder_match
-                         ? 1.0 + white -
-                               shoulder_scale * logistic(2.0 * slope / shoulder_scale *
-                                                         (place - view.shoulder_match))
-                         : straight;
+    float toe = straight, shoulder = straight;
+    if (place < view.toe_match)
+        toe = toe_scale * logistic(-2.0 * slope / toe_scale * (place - view.toe_match)) - black;
+    if (place > view.shoulder_match)
+        shoulder = 1.0 + white - shoulder_scale * logistic(2.0 * slope / shoulder_scale *
+                                                           (place - view.shoulder_match));
     float way = clamp((place - view.toe_match) / (view.shoulder_match - view.toe_match), 0.0, 1.0);
     way = view.shoulder_match < view.toe_match ? 1.0 - way : way;
     return mix(toe, shoulder, way * way * (3.0 - 2.0 * way));

@@ -11,7 +11,7 @@
 
 #include <float.h>
 
-/* ---- the formulas once more, in double --------------------------------------------------------- */
+/* ---- the formulas once more, in double ------------------------------------------------------- */
 
 struct rgb {
     double c[3];
@@ -150,7 +150,7 @@ static struct rgb mapped(int map, struct rgb x)
     }
 }
 
-/* ---- running the chain ------------------------------------------------------------------------- */
+/* ---- running the chain ----------------------------------------------------------------------- */
 
 static struct neph_settings settings_of(const char *text)
 {
@@ -186,7 +186,7 @@ static void run(struct neph_vulkan *vulkan, const char *settings, const struct n
     assert_true(neph_image_rgb(*made, NULL, rgb));
 }
 
-/* ---- published values -------------------------------------------------------------------------- */
+/* ---- published values ------------------------------------------------------------------------ */
 
 static void test_glow_and_red_are_those_of_aces(void **state)
 {
@@ -250,7 +250,7 @@ static void test_matrices_are_those_of_aces(void **state)
     }
 }
 
-/* Of light as bright as that of Y = 1; the matrix is W3C's (CSS Color 4). */
+/* Rec.709 of light with Y = 1; the matrix is W3C's (CSS Color 4). */
 static struct rgb light_of(double temperature_k)
 {
     const struct neph_chromaticity seen = neph_white_of(temperature_k);
@@ -273,7 +273,7 @@ static void test_white_balance_makes_its_light_white(void **state)
     neph_assert_close(neph_white_of(NEPH_WHITE_K).y, 0.3290, 0.0, 1.2e-4);
 }
 
-/* ---- the shader -------------------------------------------------------------------------------- */
+/* ---- the shader ------------------------------------------------------------------------------ */
 
 enum { width = 61, height = 37, count = width * height };
 
@@ -417,7 +417,7 @@ static void test_grain_is_uniform_noise_of_its_range(void **state)
         sum += step / count;
         squares += step * step / count;
     }
-    /* Of 2257 uniform numbers: 5 standard errors. */
+    /* 5 standard errors of so many uniform numbers. */
     neph_assert_close(sum, 0.0, 0.0, 5.0 * sqrt(1.0 / 12.0 / count));
     neph_assert_close(squares, 1.0 / 12.0, 0.0, 5.0 * sqrt(1.0 / 180.0 / count));
     neph_image_destroy(made);

@@ -54,7 +54,7 @@ static void fill(float *rgb[3], int count, uint64_t seed)
             rgb[c][i] = (float)neph_test_uniform(&seed, 0.0, 1.0);
 }
 
-/* ---- kernels ----------------------------------------------------------------------------------- */
+/* ---- kernels --------------------------------------------------------------------------------- */
 
 static double lanczos3(double x)
 {
@@ -159,7 +159,7 @@ static void test_the_gaussian_is_its_formula(void **state)
     neph_image_destroy(image);
 }
 
-/* ---- what all owe ------------------------------------------------------------------------------ */
+/* ---- what all owe ---------------------------------------------------------------------------- */
 
 static void test_a_constant_stays_what_it_is(void **state)
 {
