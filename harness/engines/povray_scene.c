@@ -545,8 +545,10 @@ static int intervals_of(const struct writer *writer, bool plain)
     if (kind == NEPH_POVRAY_SURFACE || kind == NEPH_POVRAY_EMISSION ||
         kind == NEPH_POVRAY_TRANSMITTANCE)
         intervals *= 4;
-    if (intervals > NEPH_POVRAY_INTERVALS_MAX)
-        intervals = NEPH_POVRAY_INTERVALS_MAX;
+    /* A spot cuts the ray at its cone, and each piece gets an interval at least. */
+    const int most = NEPH_POVRAY_INTERVALS_MAX - 4 * writer->world->scene->light_count;
+    if (intervals > most)
+        intervals = most;
     if (plain && has_density(writer) && intervals > 1)
         intervals--;
     return intervals;

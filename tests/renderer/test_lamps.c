@@ -86,6 +86,7 @@ static void test_the_march_comes_to_the_exact_transport(void **state)
 
 static void test_marched_depths_to_lamps(void **state)
 {
+    neph_test_waits_for_the_night();
     struct test_scene test;
     lamp_stage(&test);
     const struct neph_march_params params = march_params(128, NEPH_MARCH_MARCHED);
@@ -95,6 +96,7 @@ static void test_marched_depths_to_lamps(void **state)
 
 static void test_sun_and_lamps_add(void **state)
 {
+    neph_test_waits_for_the_night();
     struct test_scene test;
     lamp_stage(&test);
     test.scene.sun.present = true;
@@ -155,7 +157,7 @@ static struct sum sum_of(const struct neph_image *frame, int channel)
  * bound would not be. */
 static void test_the_tracer_is_the_exact_transport(void **state)
 {
-    for (int with_sun = 0; with_sun < 2; with_sun++) {
+    for (int with_sun = neph_test_by_day(1, 0); with_sun < 2; with_sun++) {
         struct test_scene test;
         lamp_stage(&test)->scene.sun.present = with_sun;
         const struct exact exact = exact_of(&test.scene);
@@ -189,16 +191,23 @@ static void is_the_oracle(struct neph_vulkan *vulkan, const struct test_scene *t
     neph_image_destroy(truth);
 }
 
-/* All orders, with light from solids, sun and sky among them. */
 static void test_of_all_orders_it_is_the_oracle(void **state)
 {
     struct test_scene test;
     lamp_stage(&test)->scene.scattering = NEPH_SCATTERING_MULTIPLE;
     is_the_oracle(*state, &test, neph_test_by_day(64, 1024));
+}
+
+/* Light from sun and sky among it. */
+static void test_beside_sun_and_sky_it_is_the_oracle(void **state)
+{
+    neph_test_waits_for_the_night();
+    struct test_scene test;
+    lamp_stage(&test)->scene.scattering = NEPH_SCATTERING_MULTIPLE;
     test.scene.sun.present = true;
     test.scene.environment_light = true;
     test.scene.background_w_per_m2_sr = make_grey(0.1);
-    is_the_oracle(*state, &test, neph_test_by_day(32, 512));
+    is_the_oracle(*state, &test, 512);
 }
 
 int main(void)
@@ -210,6 +219,7 @@ int main(void)
         cmocka_unit_test(test_what_knows_no_lamps_says_so),
         cmocka_unit_test(test_the_tracer_is_the_exact_transport),
         cmocka_unit_test(test_of_all_orders_it_is_the_oracle),
+        cmocka_unit_test(test_beside_sun_and_sky_it_is_the_oracle),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }
