@@ -133,7 +133,17 @@
 // What moves beside the camera and the air.
 #define RT_SOLID_MOTION 108
 #define RT_ORIGIN_SHIFT 109
-#define RT_SETTING_COUNT 110
+// Near froxels.
+#define RT_FROXEL_VOLUME 110
+#define RT_FROXEL_COLUMNS 111
+#define RT_FROXEL_ROWS 112
+#define RT_FROXEL_SLICES 113
+#define RT_FROXEL_NEAR_M 114
+#define RT_FROXEL_END_M 115
+#define RT_FROXEL_JITTER 116
+#define RT_FROXEL_HISTORY 117
+#define RT_FROXEL_HOLD 118
+#define RT_SETTING_COUNT 119
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -300,7 +310,10 @@
 #define RT_CHANGE 20      // quarter resolution; R: of the medium, below 0: unknown; G: behind it
 // RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move
 #define RT_MOVED 21
-#define RT_TARGET_COUNT 22
+// Froxels (froxels.glsl). RGB: light that is scattered per metre, A: extinction [1/m]; of the sums
+// in-scattered radiance and transmittance
+#define RT_FROXELS 22
+#define RT_TARGET_COUNT 23
 
 // Groups of solids that move, each as one.
 #define RT_MOVERS_MAX 16
@@ -309,6 +322,11 @@
 #define RT_FULL 1
 #define RT_HALF 2
 #define RT_QUARTER 4
+// Of a target: columns of froxels wide, and three times rows times slices high. Of a pass: a thread
+// for each froxel, or for each column of them.
+#define RT_FROXEL 5
+#define RT_FROXEL_COLUMN 6
+#define RT_FROXEL_SECTIONS 3
 
 #define RT_FIXED (-1) // no setting chooses the format
 
@@ -336,6 +354,7 @@
     {RT_HALF, RT_FIXED, RT_RG16F, RT_RG16F},                /* RT_KEPT_RAY */ \
     {RT_FULL, RT_FIXED, RT_R16F, RT_R16F},                  /* RT_KEPT_BEHIND */ \
     {RT_QUARTER, RT_FIXED, RT_RG16F, RT_RG16F},             /* RT_CHANGE */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */
+    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */ \
+    {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},          /* RT_FROXELS */
 
 #endif

@@ -35,12 +35,17 @@ bool twin_is_sound(const float value[4]);
 /* The most of RT_CHANGE in 3x3 tiles: of the medium, 1 where that is unknown, and behind it. */
 void twin_change_around(const struct twin *twin, int tile_x, int tile_y, double change[2]);
 
+/* Depth of an edge of the froxels' slices [m]. */
+double twin_froxel_edge_m(const struct twin *twin, int edge);
+
 /* One for each shader, in the order of the pipeline. */
 void twin_min_max(const struct twin *twin);
 void twin_tile_index(const struct twin *twin);
 void twin_gradient(const struct twin *twin);
 void twin_reconstruct(const struct twin *twin);
 void twin_upscale(const struct twin *twin);
+void twin_froxel_sum(const struct twin *twin);
+void twin_froxel_apply(const struct twin *twin);
 void twin_compose(const struct twin *twin);
 void twin_taa(const struct twin *twin);
 
