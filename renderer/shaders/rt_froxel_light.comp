@@ -3,7 +3,8 @@
 //
 // Light that the media scatter towards the camera in each froxel, per metre, and their extinction:
 // sun with the shadows of solids and media, lamps. A froxel is looked at in one place, that of the
-// picture's jitter within it, and mixed with what the same place of the world was in the picture
+// picture's jitter within it (but for what its ray has in closed form: optical depth, and 1/d^2 of
+// lamps), and mixed with what the same place of the world was in the picture
 // before. Where the surface that its place of the picture shows lies within the slice, it looks
 // before that: behind is another room.
 #extension GL_GOOGLE_include_directive : require
@@ -29,20 +30,49 @@ ivec3 own_froxel(uint index)
 
 vec2 froxel_px(vec2 place) { return place / vec2(froxel_count.xy) * vec2(view_size()); }
 
-// Scattered per metre at the point of the mixture; lamps as the mean over a stretch of the ray.
-vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, float start_m, float end_m)
+// What a froxel has of its ray, and the part of that within the media's hull, where it is looked at.
+struct Reach {
+    float start_m, length_m;
+    Stretch inside;
+};
+
+// Its mean extinction: by the closed form where there is one, so that edges of media count.
+float mean_extinction_per_m(Mixture mixture, ViewRay ray, Reach reach)
+{
+    float marched_per_m = mixture.marched_per_m.x;
+    if (TRANSMITTANCE == MARCHED)
+        return marched_per_m;
+    vec3 start_m = view_point_m(ray, reach.start_m);
+    return marched_per_m +
+           exact_optical_depth(start_m, ray.direction, reach.length_m).x / reach.length_m;
+}
+
+// Scattered per metre, of the mixture at the froxel's point: what, constant along the reach, sends
+// on as much as all of it does.
+vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach, float extinction_per_m)
 {
     vec3 light = vec3(0.0);
     if (own(frame.scatters) != 0)
-        light = source_function(mixture, point_m) * mixture.extinction_per_m;
-    for (uint i = 0; LAMPS && i < own(frame.lamp_count); i++) {
-        Lamp lamp = frame.lamps[i];
-        LampPass pass = lamp_pass(lamp.position_m, ray);
-        if (own(frame.scatters_lamps) != 0)
-            light += lamp_scattered_per_m(lamp, pass, ray, start_m - pass.foot_m,
-                                          end_m - pass.foot_m);
+        light = source_function(mixture, point_m) * extinction_per_m;
+    if (LAMPS && own(frame.scatters_lamps) != 0) {
+        vec3 depth = vec3(extinction_per_m * reach.length_m);
+        light += lamps_light(mixture, ray, reach.inside.t0_m,
+                             reach.inside.t1_m - reach.inside.t0_m, depth) /
+                 froxel_reach_m(extinction_per_m, reach.length_m);
     }
     return light;
+}
+
+Reach reach_of(int slice, ViewRay ray, vec2 place_px)
+{
+    float slope = 1.0 / dot(ray.direction, frame.camera_forward);
+    float low_m = froxel_edge_m(slice), high_m = froxel_edge_m(slice + 1);
+    float surface_m = fetch_full(RT_STEADY_DEPTH, ivec2(place_px)).x;
+    if (choice(RT_FROXEL_HOLD) != 0 && surface_m > low_m && surface_m < high_m)
+        high_m = surface_m;
+    Stretch hull = scene_stretch(ray.origin_m, ray.direction, high_m * slope);
+    return Reach(low_m * slope, (high_m - low_m) * slope,
+                 Stretch(max(low_m * slope, hull.t0_m), min(high_m * slope, hull.t1_m)));
 }
 
 vec4 light_of(ivec3 froxel)
@@ -50,16 +80,15 @@ vec4 light_of(ivec3 froxel)
     vec3 place = vec3(froxel) + froxel_jitter();
     vec2 place_px = froxel_px(place.xy);
     ViewRay ray = camera_ray_at(frame_camera(), place_px);
-    float slope = 1.0 / dot(ray.direction, frame.camera_forward);
-    float low_m = froxel_edge_m(froxel.z), high_m = froxel_edge_m(froxel.z + 1);
-    float surface_m = fetch_full(RT_STEADY_DEPTH, ivec2(place_px)).x;
-    if (choice(RT_FROXEL_HOLD) != 0 && surface_m > low_m && surface_m < high_m)
-        high_m = surface_m;
+    Reach reach = reach_of(froxel.z, ray, place_px);
+    if (reach.inside.t1_m <= reach.inside.t0_m)
+        return vec4(0.0);
     look_along(ray);
-    vec3 point_m = view_point_m(ray, mix(low_m, high_m, place.z - float(froxel.z)) * slope);
+    vec3 point_m = view_point_m(ray, mix(reach.inside.t0_m, reach.inside.t1_m,
+                                         place.z - float(froxel.z)));
     Mixture mixture = mixture_at(point_m);
-    return vec4(scattered_per_m(mixture, ray, point_m, low_m * slope, high_m * slope),
-                mixture.extinction_per_m.x);
+    float extinction_per_m = mean_extinction_per_m(mixture, ray, reach);
+    return vec4(scattered_per_m(mixture, ray, point_m, reach, extinction_per_m), extinction_per_m);
 }
 
 vec4 mix_at(int section, vec3 place)
