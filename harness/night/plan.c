@@ -4,6 +4,7 @@
 #include "harness/data.h"
 #include "harness/physics/checks.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -66,6 +67,14 @@ const char *neph_night_suite_name(enum neph_night_suite suite)
     return suite_names[suite];
 }
 
+void neph_night_step_log(const struct neph_night_step *step, char name[NEPH_STEP_LOG_SIZE])
+{
+    size_t i = 0;
+    for (; step->name[i] && i < NEPH_STEP_LOG_SIZE - 1; i++)
+        name[i] = isalnum((unsigned char)step->name[i]) ? step->name[i] : '_';
+    name[i] = '\0';
+}
+
 /* ---- steps ----------------------------------------------------------------------------------- */
 
 struct making {
@@ -103,6 +112,10 @@ static void add_words(struct making *making, struct neph_night_step *step, const
 
 static void add_settings(struct making *making, struct neph_night_step *step)
 {
+    for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->engine_count; i++) {
+        const char *const words[] = {"-e", making->params->engines[i]};
+        add_words(making, step, words, 2);
+    }
     for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->setting_count; i++) {
         const char *const words[] = {"-s", making->params->settings[i]};
         add_words(making, step, words, 2);

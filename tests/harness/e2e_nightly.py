@@ -130,6 +130,21 @@ class Nightly(unittest.TestCase):
         suite = xml.etree.ElementTree.parse(self.folder / "nightly/junit.xml").getroot()
         failed = [case.get("name") for case in suite if case.find("failure") is not None]
         self.assertIn(worst["series"], failed)
+        self.assert_the_page_shows(worst["series"])
+
+    def assert_the_page_shows(self, series):
+        """With both pictures, its course and the command; e2e_night_page.py looks at it."""
+        page = self.folder / "nightly/report"
+        data = json.loads((page / "data.json").read_text())
+        shown = data["findings"][0]
+        self.assertEqual((data["state"], shown["series"]), ("finished", series))
+        self.assertIn("-s march:steps=56", shown["command"])
+        self.assertEqual([point["night"] for point in shown["trend"]], [1, 2])
+        self.assertGreater(shown["shown"]["difference"]["changed"], 0.5)
+        names = [shown["shown"][side]["picture"] for side in ("accepted", "tonight", "difference")]
+        self.assertEqual(len(set(names)), 3)
+        for name in names:
+            self.assertTrue((page / name).read_bytes().startswith(b"\x89PNG"), name)
 
     @night.of_the_night
     def test_a_change_that_was_meant_is_accepted(self):

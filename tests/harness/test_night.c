@@ -297,8 +297,8 @@ static void test_a_night_without_a_baseline_compares_nothing(void **state)
 {
     struct bench bench;
     struct neph_night_comparison c;
-    const struct neph_measurement number = {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN,
-                                            "D"};
+    const struct neph_measurement number = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
     open_bench(state, &bench);
     const int64_t first = add_night(&bench, &fog_step, &number, 1, true);
     const int64_t night = add_night(&bench, &fog_step, &number, 1, false);
@@ -321,22 +321,22 @@ static void test_a_night_without_a_baseline_compares_nothing(void **state)
 static void test_what_is_found_in_a_night(void **state)
 {
     const struct neph_measurement before[] = {
-        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D"},
-        {FOG("1", "radiance rel_bias/exact"), "fixed", -0.1, NAN, "D"},
-        {FOG("1", "radiance p99/exact"), "fixed", 0.5, NAN, "D"},
-        {FOG("1", "transmittance max_abs/exact"), "fixed", 0.01, NAN, "D"},
-        {FOG("1", "contrast"), "picture", 3.0, NAN, "D"},
-        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B"},
-        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.5, 0.1, "Blender 3.4"},
-        {"catalog/sea@1/march/radiance p99/exact", "fixed", 0.5, NAN, "D"}};
+        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""},
+        {FOG("1", "radiance rel_bias/exact"), "fixed", -0.1, NAN, "D", ""},
+        {FOG("1", "radiance p99/exact"), "fixed", 0.5, NAN, "D", ""},
+        {FOG("1", "transmittance max_abs/exact"), "fixed", 0.01, NAN, "D", ""},
+        {FOG("1", "contrast"), "picture", 3.0, NAN, "D", ""},
+        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B", ""},
+        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.5, 0.1, "Blender 3.4", ""},
+        {"catalog/sea@1/march/radiance p99/exact", "fixed", 0.5, NAN, "D", ""}};
     const struct neph_measurement tonight[] = {
-        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.26, NAN, "D"},
-        {FOG("1", "radiance rel_bias/exact"), "fixed", 0.05, NAN, "D"},
-        {FOG("1", "radiance p99/exact"), "fixed", 0.5001, NAN, "D"},
-        {FOG("1", "contrast"), "picture", 0.0, NAN, "D"},
-        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B"},
-        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.9, 0.1, "Blender 3.6"},
-        {"catalog/sea@2/march/radiance p99/exact", "fixed", 0.7, NAN, "D"}};
+        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.26, NAN, "D", ""},
+        {FOG("1", "radiance rel_bias/exact"), "fixed", 0.05, NAN, "D", ""},
+        {FOG("1", "radiance p99/exact"), "fixed", 0.5001, NAN, "D", ""},
+        {FOG("1", "contrast"), "picture", 0.0, NAN, "D", ""},
+        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B", ""},
+        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.9, 0.1, "Blender 3.6", ""},
+        {"catalog/sea@2/march/radiance p99/exact", "fixed", 0.7, NAN, "D", ""}};
     static const struct {
         enum neph_found found;
         const char *series; /* its end */
@@ -366,8 +366,8 @@ static void test_what_is_found_in_a_night(void **state)
 
 static void test_another_size_and_a_broken_step(void **state)
 {
-    const struct neph_measurement number = {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN,
-                                            "D"};
+    const struct neph_measurement number = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
     struct neph_history_step step = fog_step;
     struct bench bench;
     struct neph_night_comparison c;
@@ -393,8 +393,8 @@ static void test_another_size_and_a_broken_step(void **state)
 static void test_a_busy_machine_fails_no_night(void **state)
 {
     const struct neph_measurement numbers[] = {
-        {"speed/fog@1/march/evaluations", "fixed", 42.0, NAN, "D"},
-        {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host"}};
+        {"speed/fog@1/march/evaluations", "fixed", 42.0, NAN, "D", ""},
+        {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host", ""}};
     const struct {
         int first, count; /* of the numbers that tonight has */
         double calibration_s;
@@ -423,10 +423,10 @@ static void test_acceptances_of_a_series(void **state)
 {
     const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
                                                                                    "p99/exact");
-    const struct neph_measurement old[] = {{a, "fixed", 0.25, NAN, "D"},
-                                           {b, "fixed", 0.5, NAN, "D"}},
-                                  new[] = {{a, "fixed", 0.30, NAN, "D"},
-                                           {b, "fixed", 0.6, NAN, "D"}};
+    const struct neph_measurement old[] = {{a, "fixed", 0.25, NAN, "D", ""},
+                                           {b, "fixed", 0.5, NAN, "D", ""}},
+                                  new[] = {{a, "fixed", 0.30, NAN, "D", ""},
+                                           {b, "fixed", 0.6, NAN, "D", ""}};
     struct bench bench;
     struct neph_night_comparison c;
     open_bench(state, &bench);
@@ -452,8 +452,8 @@ static void test_what_was_accepted_by_itself_is_missed(void **state)
 {
     const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
                                                                                    "p99/exact");
-    const struct neph_measurement numbers[] = {{a, "fixed", 0.25, NAN, "D"},
-                                               {b, "fixed", 0.5, NAN, "D"}};
+    const struct neph_measurement numbers[] = {{a, "fixed", 0.25, NAN, "D", ""},
+                                               {b, "fixed", 0.5, NAN, "D", ""}};
     struct bench bench;
     struct neph_night_comparison c;
     open_bench(state, &bench);
@@ -481,7 +481,8 @@ static void test_nights_that_were_worse_are_set_aside(void **state)
 {
     struct bench bench;
     struct neph_night_comparison c;
-    struct neph_measurement number = {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host"};
+    struct neph_measurement number = {
+        "speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host", ""};
     open_bench(state, &bench);
     for (int i = 0; i < 30; i++) {
         const bool is_slow = i >= 10;
