@@ -49,10 +49,10 @@ async function open(browser, folder, where, options) {
 function survey() {
   const text = (element) => element.innerText.replace(/\s+/g, " ").trim();
   const values = (element) => [...element.querySelectorAll("data")].map((one) => Number(one.value));
-  const verdictEnd = document.querySelector(".verdict").getBoundingClientRect().bottom;
+  const saidEnd = document.querySelector(".verdict .said").getBoundingClientRect().bottom;
   for (const details of document.querySelectorAll("details")) details.open = true;
   return {
-    width: document.documentElement.scrollWidth, room: window.innerWidth, verdictEnd,
+    width: document.documentElement.scrollWidth, room: window.innerWidth, saidEnd,
     verdict: text(document.querySelector(".verdict")),
     text: document.querySelector("main").innerText,
     foreign: document.querySelectorAll("main img:not(.pixels), main script, main iframe").length,
@@ -88,6 +88,8 @@ function checkFinding(finding, seen) {
     && group.of === of.join("/"));
   if (own.length !== 1) return find(`${where}: it stands in ${own.length} places`);
   const [group] = own;
+  if (!seen.verdict.includes(of.length > 1 ? `${finding.engine} in ${finding.scene.split("@")[0]}`
+    : single(finding.series))) find(`${where}: the verdict does not list it`);
   if (!group.title.includes(finding.found) || (of.length > 1 && !group.title.includes(
     `${finding.engine} in ${finding.scene.split("@")[0]}`))) find(`${where}: it is not named`);
   for (const key of ["tonight", "baseline"])
@@ -133,7 +135,7 @@ function checkContent(data, seen) {
 
 function checkWindow(where, seen, height) {
   if (seen.width > seen.room) find(`${where}: ${seen.width} px wide in a window of ${seen.room}`);
-  if (seen.verdictEnd > height) find(`${where}: the verdict is below the first screen`);
+  if (seen.saidEnd > height) find(`${where}: the verdict is below the first screen`);
   for (const text of seen.clipped) find(`${where}: wider than its place: ${text}`);
   for (const text of seen.holes) find(`${where}: ${text}`);
   for (const image of seen.pictures) {

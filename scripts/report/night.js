@@ -32,7 +32,7 @@
     picture: "range of radiance over its mean",
   };
   const FAILED = ["failed", "timeout"];
-  const SHOWN = 8; // groups of findings before the rest is folded away
+  const LISTED = 16, SHOWN = 8; // groups of findings, in the verdict and at length; others fold
 
   // ------------------------------------------------------------------------------------- elements
 
@@ -135,6 +135,24 @@
       `another environment, ${night.young} with too few nights, ${night.not_run} not run.`];
   }
 
+  /** A line for each group, to be seen at a glance. */
+  function newsItem(group, n) {
+    const [first] = group;
+    return el("li", null, word(first.found), " ",
+      el("a", { href: `#finding-${n + 1}` }, titleOf(group)),
+      first.change !== null && [`: ${first.kind !== "mean" && first.metric ? `${first.metric} ` : ""}`,
+        el("b", null, changeText(first))],
+      group.length > 1 && `, and ${plural(group.length - 1, "number", "numbers")} more`);
+  }
+
+  function news() {
+    const items = groups().map(newsItem);
+    if (night.state !== "finished" || items.length === 0) return null;
+    return [el("ul", null, items.slice(0, LISTED)),
+      items.length > LISTED && el("details", null,
+        el("summary", null, `${items.length - LISTED} more`), el("ul", null, items.slice(LISTED)))];
+  }
+
   function verdict() {
     const running = night.state !== "finished";
     const [said, kind] = running ? ["Running", "open"]
@@ -142,7 +160,8 @@
     return el("div", { class: `verdict ${kind}` },
       el("p", { class: "word" }, said),
       el("div", { class: "said" }, el("p", null, el("b", null, sentence())),
-        !running && el("p", { class: "small" }, counts())));
+        !running && el("p", { class: "small" }, counts())),
+      news());
   }
 
   function head() {
@@ -438,6 +457,13 @@
       element.style.setProperty("--scale", Math.max(1, Math.floor((room * dots) / width)) / dots);
   }
 
+  /** What a link leads to may be folded away. */
+  function unfold(href) {
+    if (!href?.startsWith("#")) return;
+    const details = document.getElementById(href.slice(1))?.closest("details");
+    if (details) details.open = true;
+  }
+
   function foot() {
     return el("footer", null,
       night.page.left_out > 0 && el("p", null, "The limit of the page is reached: ",
@@ -465,6 +491,7 @@
     append(main, [head(), changes(), help(), scenes(), steps(), foot()]);
     fitPictures(main);
     window.addEventListener("resize", () => fitPictures(main));
+    main.addEventListener("click", ({ target }) => unfold(target.getAttribute?.("href")));
     document.documentElement.dataset.ready = "yes";
   }
 })();
