@@ -21,7 +21,7 @@ struct request {
     const char *tier, *revision;
     struct neph_cli_words only, engines;
     double minutes;
-    int against;
+    int against, seed;
     bool lists, once;
 };
 
@@ -36,6 +36,8 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, revision)},
     {"against", 0, "N", "Compare with night N (default: the last that was accepted)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, against), .minimum = 1, .maximum = 1e9},
+    {"seed", 0, "N", "The N-th seed of engines that draw paths, in the catalogue (default: 1)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {"once", 0, NULL, "Run no step a second time", NEPH_CLI_FLAG,
      .at = offsetof(struct request, once)},
     {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
@@ -141,6 +143,7 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
     struct neph_night_params params = {.plan = {.tier = request.tier,
                                                 .only = request.only.list,
                                                 .only_count = request.only.count,
+                                                .seed = request.seed > 0 ? request.seed : 1,
                                                 .engines = request.engines.list,
                                                 .engine_count = request.engines.count,
                                                 .settings = shared->settings.list,

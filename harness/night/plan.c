@@ -112,6 +112,11 @@ static void add_words(struct making *making, struct neph_night_step *step, const
 
 static void add_settings(struct making *making, struct neph_night_step *step)
 {
+    if (step->suite == NEPH_NIGHT_CATALOG && making->params->seed > 1) {
+        const char *const words[] = {"--seed",
+                                     neph_arena_format(making->arena, "%d", making->params->seed)};
+        add_words(making, step, words, 2);
+    }
     for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->engine_count; i++) {
         const char *const words[] = {"-e", making->params->engines[i]};
         add_words(making, step, words, 2);

@@ -40,6 +40,7 @@ struct neph_night_plan_params {
     int engine_count;
     const char *const *settings; /* "ENGINE:KEY=VALUE", for the scenes of the catalogue */
     int setting_count;
+    int seed;                /* of the catalogue, `neph validate --seed`; 0: 1 */
     int width_px, height_px; /* of the catalogue and of sweeps; 0: of the plan */
 };
 

@@ -99,9 +99,7 @@ static const char *kind_word(enum neph_series_kind kind)
 static const char *kind_of_engine(const char *name)
 {
     const struct neph_engine *engine = neph_engine_find(name);
-    const bool is_drawn = engine && (engine->rung == NEPH_RUNG_TRACER ||
-                                     (engine->rung == NEPH_RUNG_WITNESS && engine->stochastic));
-    return kind_word(is_drawn ? NEPH_SERIES_DRAWN : NEPH_SERIES_FIXED);
+    return kind_word(engine && neph_engine_draws(engine) ? NEPH_SERIES_DRAWN : NEPH_SERIES_FIXED);
 }
 
 static const char *scene_at(struct reading *reading, const char *name, const char *hash)

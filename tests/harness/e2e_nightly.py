@@ -147,6 +147,30 @@ class Nightly(unittest.TestCase):
             self.assertTrue((page / name).read_bytes().startswith(b"\x89PNG"), name)
 
     @night.of_the_night
+    def test_other_seeds_are_no_alarm_and_a_fresh_store_gives_the_same(self):
+        slab = ["nightly", "--only", "catalog height_fog_down", "--only",
+                "catalog scattering_slab_above", "--size", "32x18", "-q", "--once"]
+        self.neph(*slab, code=1, env=LONELY)
+        first = self.values()
+        self.setUp()
+        self.neph(*slab, code=1, env=LONELY)
+        self.assertEqual(self.values(), first)  # tracers, too: the seed is the same
+        self.accept()
+        for seed in (2, 3, 4):
+            self.neph(*slab, "--seed", seed, env=LONELY)
+            self.assertEqual(self.data()["findings"], [])
+            self.assertEqual(self.data()["compared"], len(first) - self.count("contrast"))
+            other = {name for name, value in self.values().items() if value != first[name]}
+            self.assertTrue(other)
+            self.assertEqual({name.split("/")[2] for name in other}, {"tracer"})
+
+    def values(self):
+        return {row["series"]: row["tonight"] for row in self.data()["series"]}
+
+    def count(self, metric):
+        return sum(name.split("/")[3] == metric for name in self.values())
+
+    @night.of_the_night
     def test_a_change_that_was_meant_is_accepted(self):
         self.neph(*FOG, code=1, env=LONELY)
         self.accept()
