@@ -58,7 +58,7 @@ static const struct {
   full_steps[] = {
       {NEPH_NIGHT_SWEEP, "cloud_below"},
       {NEPH_NIGHT_SWEEP, "fence_backlit"},
-      {NEPH_NIGHT_SPEED, "cloud_below"},
+      {NEPH_NIGHT_SPEED, "grid_cloud_single"},
       {NEPH_NIGHT_SPEED, "fence_backlit"},
 };
 

@@ -35,6 +35,16 @@ struct fuzz_file {
     char path[256];
 };
 
+/* Whether inputs are being looked for, and not those of the corpus tried once more. */
+static inline bool fuzz_is_searching(void)
+{
+#ifdef NEPH_FUZZ
+    return true;
+#else
+    return false;
+#endif
+}
+
 static inline void fuzz_require(bool holds, const char *what)
 {
     if (holds)

@@ -34,12 +34,13 @@ static void have_store(void)
 
 static void forget_rows(void)
 {
-    static const char *const tables[] = {"measurements", "steps", "night_frames", "nights",
-                                         "acceptances", "series"};
+    static const char *const tables[] = {"measurements", "steps",       "night_frames",
+                                         "nights",       "acceptances", "series"};
     for (size_t i = 0; i < sizeof(tables) / sizeof(tables[0]); i++) {
         char text[64];
         snprintf(text, sizeof(text), "DELETE FROM %s", tables[i]);
-        fuzz_require(neph_database_do(kept.index, NULL, text, "") == NEPH_OK, "rows can be removed");
+        fuzz_require(neph_database_do(kept.index, NULL, text, "") == NEPH_OK,
+                     "rows can be removed");
     }
 }
 
