@@ -6,6 +6,8 @@
 #include "tests/base/scratch.h"
 
 #include "base/exr.h"
+#include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/night/compare.h"
 #include "harness/night/readers.h"
 #include "harness/run/history.h"
@@ -41,6 +43,56 @@ static void test_the_full_tier_goes_on_with_the_series_of_the_quick_one(void **s
     for (int i = 0; i < full.count; i++)
         for (int k = 0; k < i; k++)
             assert_string_not_equal(full.steps[i].name, full.steps[k].name);
+    neph_arena_finish(&arena);
+}
+
+/* `neph benchmark` refuses a scene that one of its engines cannot render. */
+static void test_what_is_timed_can_be_rendered(void **state)
+{
+    (void)state;
+    static const char *const timed[] = {"march", "realtime"};
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan plan;
+    char reason[512];
+    int count = 0;
+    make_plan(&arena, "full", NULL, &plan);
+    for (int i = 0; i < plan.count; i++) {
+        struct neph_scene *scene = NULL;
+        struct neph_diag diag = {0};
+        if (plan.steps[i].suite != NEPH_NIGHT_SPEED)
+            continue;
+        neph_assert_ok(neph_data_load_scene(plan.steps[i].words[1], &scene, &diag), &diag);
+        for (size_t e = 0; e < COUNT(timed); e++, count++) {
+            const struct neph_engine *engine = neph_engine_find(timed[e]);
+            const struct neph_settings settings = neph_settings_default(engine);
+            assert_true(engine->can_render(scene, &settings, reason, sizeof(reason)));
+        }
+        neph_scene_destroy(scene);
+    }
+    assert_true(count >= 6);
+    neph_arena_finish(&arena);
+}
+
+/* Engines and seeds that are asked for are those of the catalogue alone. */
+static void test_what_is_asked_for_goes_to_the_catalogue(void **state)
+{
+    (void)state;
+    const char *const engines[] = {"command"};
+    const struct neph_night_plan_params params = {
+        .tier = "quick", .engines = engines, .engine_count = 1, .seed = 3};
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan plan;
+    neph_assert_ok(neph_night_plan_make(&params, &arena, &plan, NULL), NULL);
+    for (int i = 0; i < plan.count; i++) {
+        bool has_engine = false, has_seed = false;
+        for (int w = 1; plan.steps[i].words[w]; w++) {
+            const char *before = plan.steps[i].words[w - 1], *word = plan.steps[i].words[w];
+            has_engine |= strcmp(before, "-e") == 0 && strcmp(word, "command") == 0;
+            has_seed |= strcmp(before, "--seed") == 0 && strcmp(word, "3") == 0;
+        }
+        assert_int_equal(has_engine, plan.steps[i].suite == NEPH_NIGHT_CATALOG);
+        assert_int_equal(has_seed, plan.steps[i].suite == NEPH_NIGHT_CATALOG);
+    }
     neph_arena_finish(&arena);
 }
 
@@ -506,6 +558,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_full_tier_goes_on_with_the_series_of_the_quick_one),
+        cmocka_unit_test(test_what_is_timed_can_be_rendered),
+        cmocka_unit_test(test_what_is_asked_for_goes_to_the_catalogue),
         cmocka_unit_test(test_plans_that_differ_are_told_apart),
         cmocka_unit_test(test_what_tells_most_a_second_comes_first),
         scratch_test(test_results_of_the_catalogue),
