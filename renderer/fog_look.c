@@ -78,8 +78,7 @@ struct neph_gpu_fog_look neph_gpu_fog_look_from(const struct neph_scene *scene,
                                                 struct neph_vec3 camera_m)
 {
     const struct neph_rgb own = look->inscattering_w_per_m2_sr, dim = look->sky_light,
-                          sky = scene->background_w_per_m2_sr,
-                          sun = look->directional_w_per_m2_sr;
+                          sky = scene->background_w_per_m2_sr, sun = look->directional_w_per_m2_sr;
     struct neph_gpu_fog_look gpu = {
         .max_opacity = (float)look->max_opacity,
         .directional_exponent = (float)look->directional_exponent,

@@ -5,11 +5,14 @@
  */
 #include "scenes/fog_look.h"
 
+#include "scenes/emission.h"
 #include "scenes/hash_text.h"
 #include "scenes/load.h"
 #include "scenes/media.h"
 
 #include <stdio.h>
+
+#define EXPONENT_MAX 64 /* of directional_exponent, as Unreal's */
 
 #define LOOK(member) offsetof(struct neph_fog_look, member)
 
@@ -54,8 +57,7 @@ static const struct neph_fog_control_row rows[NEPH_FOG_CONTROL_COUNT] = {
                               "falls on it, max_opacity does not dim it",
                               LOOK(directional_w_per_m2_sr), 3, 0.0},
     [NEPH_FOG_DIRECTIONAL_START] = {"directional_start", "directional_start_m",
-                                    "Directional Inscattering Start Distance",
-                                    "inScatteringStart",
+                                    "Directional Inscattering Start Distance", "inScatteringStart",
                                     "that glow begins later than the fog, with a kink",
                                     LOOK(directional_start_m), 1, 0.0},
 };
@@ -90,10 +92,41 @@ struct neph_fog_look neph_fog_look_only(const struct neph_fog_look *look, unsign
 
 const struct neph_medium *neph_fog_look_medium(const struct neph_scene *scene)
 {
-    int m = 0;
-    while (scene->media[m].kind != NEPH_MEDIUM_HEIGHT_FOG)
-        m++;
-    return &scene->media[m];
+    for (int m = 0; m < scene->medium_count; m++)
+        if (scene->media[m].kind == NEPH_MEDIUM_HEIGHT_FOG)
+            return &scene->media[m];
+    return NULL;
+}
+
+/* albedo times the sun's irradiance times a phase function. */
+static struct neph_rgb scattered_once(const struct neph_scene *scene, struct neph_rgb albedo,
+                                      double per_sr)
+{
+    const struct neph_rgb sun = scene->sun.irradiance_w_per_m2;
+    if (!scene->sun.present || scene->scattering == NEPH_SCATTERING_NONE)
+        return (struct neph_rgb){0.0, 0.0, 0.0};
+    return (struct neph_rgb){albedo.r * sun.r * per_sr, albedo.g * sun.g * per_sr,
+                             albedo.b * sun.b * per_sr};
+}
+
+struct neph_fog_look neph_fog_look_of_physics(const struct neph_scene *scene,
+                                              const struct neph_medium *fog)
+{
+    const struct neph_fog_look none = {.present = true, .directional_exponent = 4.0};
+    struct neph_fog_look look = neph_fog_look_only(&none, 0);
+    const double g = fog->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN ? fog->phase.g : 0.0;
+    const struct neph_rgb glow = neph_medium_glow(fog);
+    look.inscattering_w_per_m2_sr = glow;
+    if (g > 0.5) {
+        look.directional_exponent = fmin((2.0 * g - 1.0) / (1.0 - g), EXPONENT_MAX);
+        look.directional_w_per_m2_sr = scattered_once(
+            scene, fog->albedo, (look.directional_exponent + 1.0) / (2.0 * M_PI));
+        return look;
+    }
+    const struct neph_rgb even = scattered_once(scene, fog->albedo, 0.25 / M_PI);
+    look.inscattering_w_per_m2_sr = (struct neph_rgb){glow.r + even.r, glow.g + even.g,
+                                                      glow.b + even.b};
+    return look;
 }
 
 static bool has_ends(const struct neph_bounds *bounds)
@@ -152,7 +185,7 @@ static const struct neph_field fields[] = {
     {"directional_w_per_m2_sr", NEPH_THREE, LOOK(directional_w_per_m2_sr), "W/m2/sr", 0, 1e9,
      .note = "Directional Inscattering Color: added where one looks into the sun",
      .standard = "[0, 0, 0]"},
-    {"directional_exponent", NEPH_NUMBER, LOOK(directional_exponent), "", 0, 64,
+    {"directional_exponent", NEPH_NUMBER, LOOK(directional_exponent), "", 0, EXPONENT_MAX,
      .note = "of the cosine between view and sun", .standard = "4"},
     {"directional_start_m", NEPH_NUMBER, LOOK(directional_start_m), "m", 0, NEPH_FAR_M,
      .note = "that glow begins so far behind the start of the fog", .standard = "0"},

@@ -14,6 +14,7 @@
 #include <stddef.h>
 
 struct neph_scene;
+struct neph_medium;
 
 /* Whose formula. */
 enum neph_fog_model {
@@ -78,7 +79,14 @@ struct neph_fog_look neph_fog_look_only(const struct neph_fog_look *look, unsign
 bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
                          size_t reason_size);
 
-/* The scene's height fog; it must have one. */
+/* What of physics has a place in a look, of a height fog under a scene's sun: the radiance of its
+ * thin parts, emission and sunlight scattered once and lost nowhere else. Where the mean cosine g is
+ * above 1/2 that sunlight is a lobe cos^e with the same, e = (2 g - 1) / (1 - g), of no more energy;
+ * else it is even. All controls else are off. */
+struct neph_fog_look neph_fog_look_of_physics(const struct neph_scene *scene,
+                                              const struct neph_medium *fog);
+
+/* The first height fog of a scene; NULL when it has none. */
 const struct neph_medium *neph_fog_look_medium(const struct neph_scene *scene);
 
 /* "unreal", "filament"; ends with NULL. */

@@ -82,9 +82,8 @@ static double lost(double depth, double log_base)
 
 /* The depth, and what it does to light; `begun` is the part of it that glows. */
 static struct neph_fog_look_light light_of(const struct neph_scene *scene,
-                                           const struct neph_fog_look *look,
-                                           const struct way *way, double depth, double begun,
-                                           double log_base)
+                                           const struct neph_fog_look *look, const struct way *way,
+                                           double depth, double begun, double log_base)
 {
     const struct neph_rgb sky = scene->background_w_per_m2_sr, dim = look->sky_light,
                           own = look->inscattering_w_per_m2_sr, sun = look->directional_w_per_m2_sr;
@@ -124,8 +123,8 @@ static struct neph_fog_look_light unreal(const struct neph_scene *scene,
         const double at_start_per_m = neph_unreal_density_per_m(&layer,
                                                                 way->y_m + start_m * way->k_y);
         if (at_start_per_m > 0.0)
-            depth += at_start_per_m * unreal_mean_length_m(layer.falloff_per_m * way->k_y,
-                                                           length_m);
+            depth += at_start_per_m *
+                     unreal_mean_length_m(layer.falloff_per_m * way->k_y, length_m);
     }
     return light_of(scene, look, way, fmin(depth, opaque),
                     part_behind(look->directional_start_m, length_m), ln2);

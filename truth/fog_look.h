@@ -49,7 +49,7 @@ double neph_fog_lobe(double cosine, double exponent);
 
 struct neph_fog_look_light {
     double transmittance;
-    double opacity; /* 1 - transmittance, to its own last digit */
+    double opacity;         /* 1 - transmittance, to its own last digit */
     struct neph_rgb volume; /* added by the fog [W m^-2 sr^-1] */
 };
 

@@ -89,8 +89,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_scene 
 }
 
 static enum neph_status render_on(struct neph_vulkan *vulkan, const struct neph_shot *shot,
-                                  struct neph_image **frame, double *gpu_s,
-                                  struct neph_diag *diag)
+                                  struct neph_image **frame, double *gpu_s, struct neph_diag *diag)
 {
     const double *values = shot->settings.values;
     const struct neph_fog_look_params params = {

@@ -60,8 +60,8 @@ static void put_vec3(float out[3], struct neph_vec3 v)
 static struct probe probe_of(const struct question *question)
 {
     struct probe probe = {
-        .look = neph_gpu_fog_look_from(&question->scene, &question->scene.fog_look,
-                                       question->model, question->eye_m),
+        .look = neph_gpu_fog_look_from(&question->scene, &question->scene.fog_look, question->model,
+                                       question->eye_m),
         .length_m = isinf(question->length_m) ? NEPH_GPU_FAR_M : (float)question->length_m,
     };
     put_vec3(probe.direction, question->direction);
@@ -241,7 +241,8 @@ static struct question hard(double density, double falloff, double eye_y_m, stru
     struct question question = {.direction = way, .length_m = length_m};
     question.scene = make_sunny(make_height_fog(0.0, 0.0), (struct neph_vec3){0, 0, 1});
     question.scene.media[0].layers[0] = neph_fog_layer_from_unreal(&ui);
-    question.scene.fog_look = (struct neph_fog_look){.present = true, .inscattering_w_per_m2_sr = white,
+    question.scene.fog_look = (struct neph_fog_look){.present = true,
+                                                     .inscattering_w_per_m2_sr = white,
                                                      .directional_w_per_m2_sr = white,
                                                      .max_opacity = 1.0,
                                                      .observer_height_max_m = 1e6};
@@ -254,7 +255,8 @@ static struct question hard(double density, double falloff, double eye_y_m, stru
 static void test_the_points_where_engines_fail(void **state)
 {
     struct neph_vulkan *vulkan = *state;
-    const struct neph_vec3 up = {0, 1, 0}, down = {0, -1, 0}, level = {1, 0, 0}, sunward = {0, 0, 1};
+    const struct neph_vec3 up = {0, 1, 0}, down = {0, -1, 0}, level = {1, 0, 0},
+                           sunward = {0, 0, 1};
     struct question questions[2 * 14] = {
         hard(0.1, 0.2, 2, level, 0.0),      hard(10, 20, -1000, up, 0.0),
         hard(10, 20, -1000, level, 1.0),    hard(10, 7, -1000, down, 1e6),
@@ -288,10 +290,8 @@ static struct neph_image *picture(struct neph_vulkan *vulkan, const struct neph_
     struct neph_diag diag = {0};
     struct neph_image *image = NULL;
     double gpu_s;
-    const struct neph_fog_look_params params = {.width_px = 40,
-                                                .height_px = 24,
-                                                .look = scene->fog_look,
-                                                .sun_is_clear = sun_is_clear};
+    const struct neph_fog_look_params params = {
+        .width_px = 40, .height_px = 24, .look = scene->fog_look, .sun_is_clear = sun_is_clear};
     neph_assert_ok(neph_fog_look_frame(vulkan, scene, &params, &image, &gpu_s, &diag), &diag);
     return image;
 }

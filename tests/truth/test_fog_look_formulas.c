@@ -22,9 +22,8 @@ struct view {
 
 static struct neph_fog_look plain_look(void)
 {
-    const struct neph_fog_look all_off = {.present = true,
-                                          .inscattering_w_per_m2_sr = {0.5, 0.6, 0.7},
-                                          .directional_exponent = 4.0};
+    const struct neph_fog_look all_off = {
+        .present = true, .inscattering_w_per_m2_sr = {0.5, 0.6, 0.7}, .directional_exponent = 4.0};
     return neph_fog_look_only(&all_off, 0);
 }
 
@@ -204,8 +203,8 @@ static void test_unreal_is_what_its_listing_says(void **state)
         scene.fog_look = some_look(&seed);
         struct view view = some_view(&seed);
         if (trial % 5 == 0) /* through the series */
-            view.direction = neph_vec3_normalize((struct neph_vec3){
-                view.direction.x, 1e-5 * view.direction.y, view.direction.z});
+            view.direction = neph_vec3_normalize(
+                (struct neph_vec3){view.direction.x, 1e-5 * view.direction.y, view.direction.z});
         check_against(as_unreal, NEPH_FOG_UNREAL, &scene, &view, &worst);
     }
     printf("Unreal's listing: off by %.1e at most\n", worst);
@@ -224,8 +223,8 @@ static void test_filament_is_what_its_shader_says(void **state)
         scene.fog_look = some_look(&seed);
         struct view view = some_view(&seed);
         if (trial % 5 == 0)
-            view.direction = neph_vec3_normalize((struct neph_vec3){
-                view.direction.x, 1e-5 * view.direction.y, view.direction.z});
+            view.direction = neph_vec3_normalize(
+                (struct neph_vec3){view.direction.x, 1e-5 * view.direction.y, view.direction.z});
         check_against(as_filament, NEPH_FOG_FILAMENT, &scene, &view, &worst);
     }
     printf("Filament's shader: off by %.1e at most\n", worst);
@@ -258,8 +257,8 @@ static void test_density_is_unreals(void **state)
 static void test_mean_is_ln2_times_the_mean(void **state)
 {
     (void)state;
-    const double exponents[] = {-120, -30, -3, -0.2, -0.011, -0.01, -1e-3, 0,
-                                1e-3, 0.01, 0.011, 0.2, 3,    30,    120};
+    const double exponents[] = {-120, -30,  -3,    -0.2, -0.011, -0.01, -1e-3, 0,
+                                1e-3, 0.01, 0.011, 0.2,  3,      30,    120};
     for (size_t i = 0; i < sizeof(exponents) / sizeof(exponents[0]); i++) {
         const double f = exponents[i];
         const int steps = 20000;
@@ -338,9 +337,8 @@ static void test_without_controls_it_is_physics(void **state)
         view.length_m = trial % 3 ? view.length_m : INFINITY;
         const double rise = scene.media[0].layers[0].falloff_per_m * fabs(view.direction.y) *
                             view.length_m;
-        const double depth = neph_scene_optical_depth(&scene, view.eye_m, view.direction, 0.0,
-                                                      view.length_m)
-                                 .r;
+        const double depth =
+            neph_scene_optical_depth(&scene, view.eye_m, view.direction, 0.0, view.length_m).r;
         for (int model = 0; model < NEPH_FOG_MODEL_COUNT; model++) {
             const struct neph_fog_look_light fog = seen(&scene, (enum neph_fog_model)model, &view);
             const double level = rise < 0.02 ? 1.1 * seams[model] * depth : 0.0;
