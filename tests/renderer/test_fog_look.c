@@ -250,14 +250,14 @@ static struct question hard(double density, double falloff, double eye_y_m, stru
     return question;
 }
 
-/* The receiver at the camera, 2^127 d above all floats, falloff 0, density 0, straight up and down,
- * a glow of cos^0 at its edge: no bad value, and the twin's. */
+/* The receiver at the camera, 2^127 d above all floats and not, falloff 0, density 0, straight up and
+ * down, a glow of cos^0 at its edge: no bad value, and the twin's. */
 static void test_the_points_where_engines_fail(void **state)
 {
     struct neph_vulkan *vulkan = *state;
     const struct neph_vec3 up = {0, 1, 0}, down = {0, -1, 0}, level = {1, 0, 0},
                            sunward = {0, 0, 1};
-    struct question questions[2 * 14] = {
+    struct question questions[2 * 15] = {
         hard(0.1, 0.2, 2, level, 0.0),      hard(10, 20, -1000, up, 0.0),
         hard(10, 20, -1000, level, 1.0),    hard(10, 7, -1000, down, 1e6),
         hard(4, 2, -1000, up, INFINITY),    hard(0.1, 0, 5, up, INFINITY),
@@ -265,6 +265,7 @@ static void test_the_points_where_engines_fail(void **state)
         hard(0, 0, 5, sunward, 0.0),        hard(0.1, 0.2, 1e5, down, 1e5),
         hard(0.1, 0.2, 5, level, INFINITY), hard(0.1, 0.2, 5, sunward, INFINITY),
         hard(1e-30, 9, 5, down, 2000.0),    hard(0.1, 0.2, 5, level, 1e-30),
+        hard(1e-37, 2, -1000, up, 1.0),
     };
     const int count = (int)(sizeof(questions) / sizeof(questions[0]));
     for (int i = 0; i < count / 2; i++) {
@@ -278,6 +279,7 @@ static void test_the_points_where_engines_fail(void **state)
         neph_assert_close(answers[i].volume[0], twin.volume.r, 1e-5, 1e-7);
     }
     assert_true(answers[0].through == 1.0f && answers[1].through == 1.0f);
+    assert_true(answers[14].through > 0.1f && answers[14].through < 0.9f); /* at 2^127 d */
     assert_true(answers[7].through == 1.0f && answers[7].volume[0] == 0.0f);
     free(answers);
 }
