@@ -2,6 +2,7 @@
 #include "renderer/fog_look.h"
 
 #include "renderer/gpu_scene.h"
+#include "scenes/fog_translation.h"
 
 #include <math.h>
 

@@ -2,8 +2,8 @@
  *
  * The look of height fog in game engines: what Unreal Engine and Filament let an artist set beside
  * the layers of the fog themselves. None of it is physics, and of all engines `fog_look` alone
- * looks at it; the layers are those of the scene's height fog. The formulas are in
- * truth/fog_look.h.
+ * looks at it; the layers are those of the scene's height fog. What physics has for it is in
+ * scenes/fog_translation.h, the formulas are in truth/fog_look.h.
  */
 #ifndef NEPH_SCENES_FOG_LOOK_H
 #define NEPH_SCENES_FOG_LOOK_H
@@ -13,15 +13,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct neph_scene;
-struct neph_medium;
-
 /* Whose formula. */
 enum neph_fog_model {
     NEPH_FOG_UNREAL,
     NEPH_FOG_FILAMENT,
     NEPH_FOG_MODEL_COUNT,
 };
+
+#define NEPH_FOG_EXPONENT_MAX 64 /* of a look's cosine; Unreal's, too */
+#define NEPH_FOG_NO_OBSERVER_M 1e6
 
 /* As written in a scene file; every control at its `off` is none. */
 struct neph_fog_look {
@@ -73,21 +73,6 @@ bool neph_fog_control_is_on(const struct neph_fog_look *look, enum neph_fog_cont
 
 /* A look with all controls off that are not in `controls`, a bit each. */
 struct neph_fog_look neph_fog_look_only(const struct neph_fog_look *look, unsigned controls);
-
-/* False, with the reason in words, when a scene has no look, or a fog that the model does not
- * know: there is one height fog, grey and without bounds, and for Filament of one layer. */
-bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
-                         size_t reason_size);
-
-/* What of physics has a place in a look, of a height fog under a scene's sun: the radiance of its
- * thin parts, emission and sunlight scattered once and lost nowhere else. Where the mean cosine g is
- * above 1/2 that sunlight is a lobe cos^e with the same, e = (2 g - 1) / (1 - g), of no more energy;
- * else it is even. All controls else are off. */
-struct neph_fog_look neph_fog_look_of_physics(const struct neph_scene *scene,
-                                              const struct neph_medium *fog);
-
-/* The first height fog of a scene; NULL when it has none. */
-const struct neph_medium *neph_fog_look_medium(const struct neph_scene *scene);
 
 /* "unreal", "filament"; ends with NULL. */
 extern const char *const neph_fog_model_words[];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "truth/fog_look.h"
 
+#include "scenes/fog_translation.h"
 #include "scenes/media.h"
 
 /* No depth is infinite: times 0 it would be no number. */

@@ -53,7 +53,7 @@ struct neph_fog_look_light {
     struct neph_rgb volume; /* added by the fog [W m^-2 sr^-1] */
 };
 
-/* Of fog along a ray to something at a distance, which may be infinite, or 0: then there is none.
+/* Along a ray to something at a distance, which may be infinite, or 0: then there is no fog.
  * `look` in place of the scene's own; the scene is one that neph_fog_look_is_of() is content with,
  * or has lost its media. */
 struct neph_fog_look_light neph_fog_look_ray(const struct neph_scene *scene,

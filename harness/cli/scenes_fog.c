@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/cli/scenes_fog.h"
 
+#include "scenes/fog_translation.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@
 
 enum { CELL_SIZE = 80 };
 
-/* ---- what physics has and a look has not ------------------------------------------------------ */
+/* ---- what physics has and a look has not ----------------------------------------------------- */
 
 static bool has_ends(const struct neph_medium *fog)
 {
@@ -46,7 +47,7 @@ static const char *lost_in_looks(const struct neph_scene *scene, const struct ne
     return NULL;
 }
 
-/* ---- for people -------------------------------------------------------------------------------- */
+/* ---- for people ------------------------------------------------------------------------------ */
 
 static void print_row(const char *name, const char *physical, const char *unreal,
                       const char *filament)
@@ -144,7 +145,7 @@ void neph_cli_print_fog(const struct neph_scene *scene)
         printf("    %s\n", lost_in_looks(scene, fog, i));
 }
 
-/* ---- for programs ------------------------------------------------------------------------------ */
+/* ---- for programs ---------------------------------------------------------------------------- */
 
 static json_t *values_json(const double *values, int count)
 {

@@ -10,6 +10,7 @@
 #include "harness/engines/own_cost.h"
 #include "renderer/fog_look.h"
 #include "renderer/reach.h"
+#include "scenes/fog_translation.h"
 
 #include <math.h>
 

@@ -117,7 +117,7 @@ FogLookLight fog_look_light(FogLook look, float cosine, float depth, float begun
                         look.inscattering * opacity + look.directional * glow);
 }
 
-// Of the fog between the camera and something at a distance; there is none before what is at the
+// The fog between the camera and something at a distance; there is none before what is at the
 // camera, where the engines' rsqrt(0) is infinite.
 FogLookLight fog_look_along(FogLook look, vec3 direction, float length_m, vec3 light_direction)
 {

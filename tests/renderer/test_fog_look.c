@@ -43,7 +43,7 @@ struct question {
 
 enum { QUESTIONS_MAX = 4000 };
 
-/* ---- asking ----------------------------------------------------------------------------------- */
+/* ---- asking ---------------------------------------------------------------------------------- */
 
 static struct neph_vec3 rounded(struct neph_vec3 v)
 {
@@ -125,7 +125,7 @@ static struct neph_fog_look_light twin_of(const struct question *question)
                              question->eye_m, question->direction, question->length_m);
 }
 
-/* ---- questions ---------------------------------------------------------------------------------- */
+/* ---- questions ------------------------------------------------------------------------------- */
 
 static float some_float(uint64_t *seed, double low, double high)
 {
@@ -175,7 +175,7 @@ static struct question some_question(uint64_t *seed, int trial)
     return question;
 }
 
-/* ---- the shader against the twin ---------------------------------------------------------------- */
+/* ---- the shader against the twin ------------------------------------------------------------- */
 
 /* A millionth of a unit of radiance is nothing beside it. */
 static void check_answer(const struct question *question, const struct answer *answer,
@@ -232,7 +232,7 @@ static void test_the_shader_is_the_formula(void **state)
     free(questions);
 }
 
-/* ---- where the engines' code is no number -------------------------------------------------------- */
+/* ---- where the engines' code is no number ---------------------------------------------------- */
 
 static struct question hard(double density, double falloff, double eye_y_m, struct neph_vec3 way,
                             double length_m)
@@ -250,8 +250,8 @@ static struct question hard(double density, double falloff, double eye_y_m, stru
     return question;
 }
 
-/* The receiver at the camera, 2^127 d above all floats and not, falloff 0, density 0, straight up and
- * down, a glow of cos^0 at its edge: no bad value, and the twin's. */
+/* The receiver at the camera, 2^127 d above all floats and not, falloff 0, density 0, straight up
+ * and down, a glow of cos^0 at its edge: no bad value, and the twin's. */
 static void test_the_points_where_engines_fail(void **state)
 {
     struct neph_vulkan *vulkan = *state;
@@ -284,7 +284,7 @@ static void test_the_points_where_engines_fail(void **state)
     free(answers);
 }
 
-/* ---- pictures ------------------------------------------------------------------------------------ */
+/* ---- pictures -------------------------------------------------------------------------------- */
 
 static struct neph_image *picture(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                   bool sun_is_clear)

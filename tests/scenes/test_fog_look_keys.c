@@ -7,6 +7,7 @@
 
 #include "base/files.h"
 #include "base/text.h"
+#include "scenes/fog_translation.h"
 
 static const char head[] =
     "name: probe\ntitle: a probe\nphysics: none\nscattering: single\n"

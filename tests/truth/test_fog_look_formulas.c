@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The look of height fog against the formulas that engines publish, written here once more as they
- * have them (B1 to B8 of our list), against quadrature where they stand for an integral, and at
+ * have them, against quadrature where they stand for an integral, and at
  * the points where their code divides by 0 or overflows. 1e-6 is what was asked for; what is
  * reached is printed.
  */
@@ -85,7 +85,7 @@ static struct neph_fog_look some_look(uint64_t *seed)
     return neph_fog_look_only(&full, (unsigned)neph_test_random(seed) & NEPH_FOG_CONTROLS_ALL);
 }
 
-/* ---- the engines' formulas, in their own units and order -------------------------------------- */
+/* ---- the engines' formulas, in their own units and order ------------------------------------- */
 
 struct engine_fog {
     double transmittance;
@@ -187,7 +187,6 @@ static void check_against(engine_function *engine, enum neph_fog_model model,
     }
 }
 
-/* B1 to B7 */
 static void test_unreal_is_what_its_listing_says(void **state)
 {
     (void)state;
@@ -210,7 +209,6 @@ static void test_unreal_is_what_its_listing_says(void **state)
     printf("Unreal's listing: off by %.1e at most\n", worst);
 }
 
-/* B8 */
 static void test_filament_is_what_its_shader_says(void **state)
 {
     (void)state;
@@ -230,9 +228,9 @@ static void test_filament_is_what_its_shader_says(void **state)
     printf("Filament's shader: off by %.1e at most\n", worst);
 }
 
-/* ---- part by part ----------------------------------------------------------------------------- */
+/* ---- part by part ---------------------------------------------------------------------------- */
 
-/* B1: d 2^(-f (y - h)), in Unreal's centimetres and thousandths; B2: the exponent ends at -127. */
+/* d 2^(-f (y - h)), in Unreal's centimetres and thousandths; the exponent ends at -127. */
 static void test_density_is_unreals(void **state)
 {
     (void)state;
@@ -252,7 +250,7 @@ static void test_density_is_unreals(void **state)
     neph_assert_close(neph_unreal_density_per_m(&deep, -1000.0), 3.0 * 0x1p127, 0.0, 0.0);
 }
 
-/* B3: L is ln 2 times the mean of 2^-(F t), by Simpson's rule, and near 0 within the cubic that its
+/* L is ln 2 times the mean of 2^-(F t), by Simpson's rule, and near 0 within the cubic that its
  * series leaves out, whose size at the seam is the jump there. */
 static void test_mean_is_ln2_times_the_mean(void **state)
 {
@@ -274,7 +272,7 @@ static void test_mean_is_ln2_times_the_mean(void **state)
     neph_assert_close(neph_unreal_mean(-1000.0), neph_unreal_mean(-127.0), 0.0, 0.0);
 }
 
-/* B4: what begins later is what a camera further on sees, and what lies nearer sees nothing. */
+/* What begins later is what a camera further on sees, and what lies nearer sees nothing. */
 static void test_a_start_is_a_camera_further_on(void **state)
 {
     (void)state;
@@ -297,7 +295,7 @@ static void test_a_start_is_a_camera_further_on(void **state)
     }
 }
 
-/* B5, B6 and B7: the least that comes through; the glow that it does not dim; the pop. */
+/* The least that comes through; the glow that it does not dim; the pop. */
 static void test_limits(void **state)
 {
     (void)state;
@@ -318,7 +316,7 @@ static void test_limits(void **state)
     assert_true(cut.transmittance == 1.0 && cut.opacity == 0.0 && cut.volume.r == 0.0);
 }
 
-/* ---- physics ----------------------------------------------------------------------------------- */
+/* ---- physics --------------------------------------------------------------------------------- */
 
 /* With all controls off the transmittance is the medium's, but for the series of level rays; and a
  * fog that only glows is as bright as engine exact has it. */
@@ -370,7 +368,7 @@ static void test_sky_light_is_a_furnace(void **state)
     }
 }
 
-/* ---- where the engines' code is no number ------------------------------------------------------- */
+/* ---- where the engines' code is no number ---------------------------------------------------- */
 
 static void assert_finite(const struct neph_fog_look_light *fog)
 {
@@ -438,7 +436,7 @@ static void test_there_is_no_glow_away_from_the_sun(void **state)
     neph_assert_close(neph_fog_lobe(0.5, 3.0), 0.125, 1e-15, 0.0);
 }
 
-/* ---- controls ------------------------------------------------------------------------------------ */
+/* ---- controls -------------------------------------------------------------------------------- */
 
 static void test_controls_are_switched_one_by_one(void **state)
 {
