@@ -193,7 +193,7 @@ static void measure_lobe(const struct neph_scene *scene, struct neph_fog_row *ro
 
 /* ---- jumps ----------------------------------------------------------------------------------- */
 
-enum { INTERVALS = 200, JUMP_DIRECTIONS = 24 };
+enum { INTERVALS = 100, JUMP_SPHERE = 12 };
 
 typedef double value_function(const struct neph_fog_look_light *light);
 
@@ -238,44 +238,81 @@ static double jump_within(const struct course *course, double near_m, double far
     return fabs(after - before);
 }
 
-static double largest_jump(const struct course *course, double *at_m)
+/* Where a series gives way to the closed form along a ray. */
+static double seam_m(const struct course *course, const struct neph_fog_layer *layer)
 {
-    const double first_m = 0.01, step = pow(1e7, 1.0 / INTERVALS); /* up to 100 km */
-    double largest = 0.0;
-    for (int i = 0; i < INTERVALS; i++) {
-        double jump_m;
-        const double jump = jump_within(course, first_m * pow(step, i), first_m * pow(step, i + 1),
-                                        &jump_m);
-        if (jump > largest) {
-            largest = jump;
-            *at_m = jump_m;
-        }
-    }
-    return largest;
+    const bool is_unreal = course->row->model == NEPH_FOG_UNREAL;
+    const struct neph_fog_look *look = &course->row->look;
+    const double level = is_unreal ? NEPH_FOG_UNREAL_LEVEL * M_LN2 : NEPH_FOG_FILAMENT_LEVEL;
+    const double start_m = is_unreal ? fmax(look->start_distance_m, look->volumetric_fog_distance_m)
+                                     : 0.0;
+    return start_m + level / (layer->falloff_per_m * fabs(course->direction.y));
 }
 
-/* Into the picture and around: towards the sun, too, where there is a glow. */
+struct jump {
+    double size, at_m;
+};
+
+static void take_larger(struct jump *jump, double size, double at_m)
+{
+    if (size > jump->size)
+        *jump = (struct jump){size, at_m};
+}
+
+/* Steps that stand out of what is smooth are found by halving, those of the series where they must
+ * be: they are smaller than what happens around them. */
+static void find_jump(const struct course *course, struct jump *jump)
+{
+    const double first_m = 0.01, step = pow(1e7, 1.0 / INTERVALS); /* up to 100 km */
+    for (int i = 0; i < INTERVALS; i++) {
+        double at_m;
+        const double size = jump_within(course, first_m * pow(step, i), first_m * pow(step, i + 1),
+                                        &at_m);
+        take_larger(jump, size, at_m);
+    }
+    const struct neph_medium *fog = neph_fog_look_medium(course->scene);
+    for (int l = 0; l < fog->layer_count; l++) {
+        const double at_m = seam_m(course, &fog->layers[l]), near = 1e-12;
+        if (isfinite(at_m))
+            take_larger(
+                jump,
+                fabs(value_at(course, at_m * (1.0 + near)) - value_at(course, at_m * (1.0 - near))),
+                at_m);
+    }
+}
+
+/* Around the camera, nearly level ahead of it, ahead, and into the sun. */
+static struct neph_vec3 jump_direction(const struct neph_scene *scene, int index)
+{
+    static const double rises[] = {1e-4, -1e-4, 1e-3, -1e-3, 1e-2, -1e-2};
+    enum { RISES = sizeof(rises) / sizeof(rises[0]) };
+    struct neph_vec3 ahead = neph_scene_camera(scene, 0.0).forward;
+    if (index < JUMP_SPHERE)
+        return direction_over_sphere(index, JUMP_SPHERE);
+    if (index == JUMP_SPHERE + RISES)
+        return ahead;
+    if (index > JUMP_SPHERE + RISES)
+        return scene->sun.present ? scene->sun.direction : ahead;
+    ahead.y = rises[index - JUMP_SPHERE] * hypot(ahead.x, ahead.z);
+    return neph_vec3_normalize(ahead);
+}
+
 static void measure_jumps(const struct neph_fog_study *study, struct neph_fog_row *row)
 {
     const struct neph_scene *scene = study->params->scene;
-    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
-    for (int i = 0; i < JUMP_DIRECTIONS; i++) {
-        struct neph_vec3 direction = direction_over_sphere(i, JUMP_DIRECTIONS - 2);
-        if (i >= JUMP_DIRECTIONS - 2)
-            direction = i % 2 && scene->sun.present ? scene->sun.direction : camera.forward;
-        struct course course = {scene, row, camera.position_m, direction, transmittance_of};
-        double at_m, jump = largest_jump(&course, &at_m);
-        if (jump > row->transmittance_jump) {
-            row->transmittance_jump = jump;
-            row->transmittance_jump_m = at_m;
-        }
+    struct course course = {scene, row, .origin_m = neph_scene_camera(scene, 0.0).position_m};
+    struct jump transmittance = {0.0, 0.0}, light = {0.0, 0.0};
+    for (int i = 0; i < JUMP_SPHERE + 8; i++) {
+        course.direction = jump_direction(scene, i);
+        course.value = transmittance_of;
+        find_jump(&course, &transmittance);
         course.value = light_of;
-        jump = largest_jump(&course, &at_m);
-        if (jump > row->light_jump) {
-            row->light_jump = jump;
-            row->light_jump_m = at_m;
-        }
+        find_jump(&course, &light);
     }
+    row->transmittance_jump = transmittance.size;
+    row->transmittance_jump_m = transmittance.at_m;
+    row->light_jump = light.size;
+    row->light_jump_m = light.at_m;
 }
 
 /* ---- rows ------------------------------------------------------------------------------------ */
@@ -347,6 +384,7 @@ static void measure(const struct work *work)
         measure_picture(work, row);
         measure_sphere(work, none, row);
         measure_lobe(study->params->scene, row);
+        row->transmittance_jump = row->light_jump = NAN;
         if (!row->near_by_physics)
             measure_jumps(study, row);
     }

@@ -10,7 +10,7 @@
 #include "scenes/scene.h"
 
 enum {
-    /* Of each model: all off, each control, its near fog by physics, all on, physics' own looks. */
+    /* By model: all off, each control, its near fog by physics, all on, physics' own looks. */
     NEPH_FOG_ROWS_MAX = NEPH_FOG_MODEL_COUNT * (NEPH_FOG_CONTROL_COUNT + 5),
     NEPH_FOG_ROW_NAME_SIZE = 64,
 };
@@ -37,7 +37,8 @@ struct neph_fog_row {
     double fog_light, all_light, fog_light_alone, all_light_alone;
 
     /* The largest step over distance along rays from the camera: of transmittance, and of the
-     * light of the fog [W m^-2 sr^-1], and where they are [m]. Below 1e-12: none. */
+     * light of the fog [W m^-2 sr^-1], and where they are [m]. Below 1e-9: none.
+     * NaN: nobody looked. */
     double transmittance_jump, transmittance_jump_m, light_jump, light_jump_m;
 
     /* The glow's lobe over the sphere, per irradiance that the fog scatters of the sun's. 1: as

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 /* Steps below it are roundings. */
-static const double least_jump = 1e-12;
+static const double least_jump = 1e-9;
 
 #define AT(member) offsetof(struct neph_fog_row, member)
 
@@ -46,7 +46,9 @@ static void print_percent(double part, FILE *out)
 
 static void print_jump(double jump, double at_m, FILE *out)
 {
-    if (jump < least_jump)
+    if (isnan(jump))
+        fprintf(out, " |");
+    else if (jump < least_jump)
         fprintf(out, " - |");
     else
         fprintf(out, " %.2g at %.4g m |", jump, at_m);
