@@ -90,6 +90,8 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                         1;
     if (params->lighting == NEPH_MARCH_SLAB)
         sunlight *= 2; /* and away from the sun */
+    /* Each light is looked for as the sun is, from each part of a step. */
+    sunlight *= 1 + NEPH_GPU_LAMP_PARTS * (uint64_t)scene->light_count;
     *per_step = 1 + 2 * media + exact + sunlight + 3 * empties;
     *per_dispatch = solids + 3 * media + exact + sunlight + 1;
 }

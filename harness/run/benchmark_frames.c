@@ -156,7 +156,7 @@ static bool march_alone_evaluates(struct neph_benchmark_frames_engine *engine)
     const struct neph_shot *shot = &engine->job.shot;
     const int cache = neph_option_find(engine->job.engine->options, "sun_cache");
     const bool lights = pass_named(engine, "scene") && shot->scene->solid_count > 0 &&
-                        shot->scene->sun.present;
+                        (shot->scene->sun.present || shot->scene->light_count > 0);
     const bool fills = cache >= 0 && shot->settings.values[cache] != 0.0 &&
                        neph_scene_moves(shot->scene);
     return !lights && !fills;

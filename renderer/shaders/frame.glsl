@@ -16,6 +16,16 @@ struct Lattice {
     uvec3 size;
 };
 
+// A light of scenes/lights.h. One that is no spot has cosines below all others.
+struct Lamp {
+    vec3 position_m;
+    float inner_cosine;
+    vec3 axis; // unit, from the light
+    float outer_cosine;
+    vec3 intensity; // W/sr
+    float padding;
+};
+
 layout(std140, binding = 0) uniform Frame {
     vec3 camera_right;
     float half_width; // of the picture; tangents of a perspective camera's angles, else metres
@@ -43,6 +53,9 @@ layout(std140, binding = 0) uniform Frame {
     Lattice skip_lattice; // cells that may be empty (shortcuts.glsl)
     Lattice light_lattice; // cells of diffused light (diffusion.glsl)
     Medium media[MEDIA_MAX];
+    uint lamp_count;
+    uint scatters_lamps; // 0 or 1: some medium scatters light of lamps that the scene wants to see
+    Lamp lamps[NEPH_GPU_LAMPS_MAX];
 } frame;
 
 // Upper bounds of the extinction (of extinction_color 1) per cell, x fastest [1/m].
