@@ -202,7 +202,7 @@ static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, u
     struct neph_march_scene march = {.gpu = {.frame = NULL}};
     struct neph_buffer readback = {.size_bytes = 0};
     struct neph_diag diag = {0};
-    struct neph_sun_cache_cost fill = {.dispatches = 0};
+    struct neph_sun_fill_cost fill = {.dispatches = 0};
     double gpu_s = 0.0;
     struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
     params.light.rounds = 96;
