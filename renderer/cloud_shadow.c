@@ -168,9 +168,9 @@ static enum neph_status plan(struct neph_vulkan *vulkan, const struct neph_scene
                                                        sizeof(cloud_shadow_spirv), NEPH_SUN_MAP};
     struct neph_march_cut cut;
     const uint64_t layers = (uint64_t)shadow->map.layers;
-    const enum neph_status status =
-        neph_march_cut_make_whole(vulkan, scene, gpu, params, NEPH_GPU_SHADOW_SAMPLES + 1,
-                                  layers + 1, texel_count(&shadow->map), &cut, diag);
+    const enum neph_status status = neph_march_cut_make_whole(
+        vulkan, scene, gpu, params, NEPH_GPU_SHADOW_SAMPLES + 1, layers + 1,
+        texel_count(&shadow->map), &cut, diag);
     return status ? status
                   : neph_sun_fill_create(vulkan, &shader, params, shadow->map.frames, &cut,
                                          &shadow->fill, diag);

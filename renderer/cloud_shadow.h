@@ -26,7 +26,7 @@ struct neph_shadow_space {
     struct neph_vec3 side[2]; /* unit vectors of the plane */
     struct neph_vec3 across[2], along;
     struct neph_vec3 origin_m;
-    double start_m;           /* no cloud lies farther from the sun */
+    double start_m;            /* no cloud lies farther from the sun */
     struct neph_shadow_level { /* texel i along a side lies at low_m + i texel_m */
         double texel_m[2], low_m[2];
     } levels[NEPH_SHADOW_LEVELS_MAX]; /* each within the next; those not asked for are zeros */

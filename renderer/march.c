@@ -190,7 +190,7 @@ struct neph_march {
     struct neph_in_flight flight;
     double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES]; /* what dispatches of the frames in flight take */
     struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* before them */
-    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];              /* paths of traced light before them */
+    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];             /* paths of traced light before them */
 };
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
@@ -407,7 +407,8 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
     work->stats.rays = march->cut.ray_count;
     uint64_t evaluations, closed_forms;
     neph_sun_fill_counts(work->cost.fill, &evaluations, &closed_forms);
-    work->stats.gpu_s = *work->gpu_s + neph_sun_fill_gpu_s(work->cost.fill) + *work->cost.light_gpu_s;
+    work->stats.gpu_s = *work->gpu_s + neph_sun_fill_gpu_s(work->cost.fill) +
+                        *work->cost.light_gpu_s;
     work->stats.density_evaluations += evaluations;
     work->stats.closed_forms += closed_forms;
     work->stats.dispatches += work->cost.fill->dispatches;

@@ -49,9 +49,9 @@ enum neph_shadow_plane {
 
 /* A shadow map of clouds, for struct neph_shortcuts alone. */
 struct neph_shadow_map {
-    int texels;      /* along each side: NEPH_SHADOW_TEXELS_MIN.._MAX */
-    int layers;      /* depths in a texel, 1..NEPH_SHADOW_LAYERS_MAX; 1: linear from front to back */
-    int levels;      /* maps, each four times as wide as the one before: 1..NEPH_SHADOW_LEVELS_MAX */
+    int texels; /* along each side: NEPH_SHADOW_TEXELS_MIN.._MAX */
+    int layers; /* depths in a texel, 1..NEPH_SHADOW_LAYERS_MAX; 1: linear from front to back */
+    int levels; /* maps, each four times as wide as the one before: 1..NEPH_SHADOW_LEVELS_MAX */
     double extent_m; /* side of the widest, around the camera; 0: all clouds */
     enum neph_shadow_plane plane;
     int frames; /* pictures that it takes to fill it anew: 0..NEPH_SUN_CACHE_FRAMES_MAX */

@@ -83,8 +83,8 @@ static enum neph_status find_light(const struct neph_scene *from, double frame,
         return status;
     neph_skip_cells_bind(&scene->skip_cells, &bound); /* which paths have majorants in place of */
     return neph_diffused_light_solve(&scene->diffused_light, from, frame, &scene->gpu, &bound,
-                                     moment->continues, scene->sun_cache.fill.stale_parts > 0, gpu_s,
-                                     diag);
+                                     moment->continues, scene->sun_cache.fill.stale_parts > 0,
+                                     gpu_s, diag);
 }
 
 enum neph_status neph_march_scene_show(const struct neph_scene *from,

@@ -192,8 +192,8 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                                  .layers = (int)values[OPTION_CLOUD_SHADOW_LAYERS],
                                  .levels = (int)values[OPTION_CLOUD_SHADOW_LEVELS],
                                  .extent_m = values[OPTION_CLOUD_SHADOW_EXTENT],
-                                 .plane = (enum neph_shadow_plane)(int)
-                                     values[OPTION_CLOUD_SHADOW_PLANE]}},
+                                 .plane = (enum neph_shadow_plane)(
+                                     int)values[OPTION_CLOUD_SHADOW_PLANE]}},
     };
     if (sequence->lighting == NEPH_MARCH_TRACED)
         params.light = light_of(shot);

@@ -39,6 +39,8 @@ Stretch shapes_on(vec3 origin_m)
     Stretch found = Stretch(hull.t1_m, hull.t0_m);
     for (uint i = 0; i < NEPH_GPU_SHADOW_SAMPLES; i++) {
         vec3 middle_m = origin_m + step_point_m(steps, i, 0.5) * to_sun();
+        if (SKIPS && shapes_are_empty(middle_m))
+            continue;
         density_evaluations++;
         if (sampled_extinctions_per_m(SHAPE_KINDS, middle_m) == vec3(0.0))
             continue;
