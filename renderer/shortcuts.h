@@ -12,7 +12,9 @@
 
 /* Words of the choices. */
 extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_grid_samplings[],
-    *const neph_texel_formats[], *const neph_cloud_shadows[], *const neph_shadow_planes[];
+                                                                     *const neph_texel_formats[];
+extern const char *const neph_lights_ahead[], *const neph_cloud_shadows[];
+extern const char *const neph_shadow_planes[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -62,7 +64,8 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
 #define NEPH_OPTION_CLOUD_SHADOW                                                                   \
     {                                                                                              \
         "cloud_shadow", NEPH_OPTION_CHOICE, 0, 0, 0, neph_cloud_shadows,                           \
-            "map: sunlight on solids, and on fog where no cloud is, has come through a shadow map " \
+            "map: sunlight on solids, and on fog where no cloud is, has come through a shadow "    \
+            "map "                                                                                 \
             "of the clouds, in place of a ray for each point"                                      \
     }
 #define NEPH_OPTION_CLOUD_SHADOW_TEXELS                                                            \
@@ -116,18 +119,28 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
             "lighting=traced: standard deviation of the blur in texels; 0: none"                   \
     }
 
+#define NEPH_OPTION_LIGHT_AHEAD                                                                    \
+    {                                                                                              \
+        "light_ahead", NEPH_OPTION_CHOICE, 0, 0, 0, neph_lights_ahead,                             \
+            "lighting=traced: diffusion: paths under way count what light that diffuses says "     \
+            "they "                                                                                \
+            "will bring home, and take it back as they do; after a cut, light that has come "      \
+            "through much is there at once"                                                        \
+    }
+
 /* Nor is diffused light. */
 #define NEPH_OPTION_DIFFUSION_CELLS                                                                \
     {                                                                                              \
         "diffusion_cells", NEPH_OPTION_INTEGER, 64, NEPH_DIFFUSION_CELLS_MIN,                      \
             NEPH_DIFFUSION_CELLS_MAX, NULL,                                                        \
-            "lighting=diffused: cells along the longest side of all clouds' bounds; a column of "  \
-            "fog has eight times as many"                                                          \
+            "lighting=diffused, light_ahead=diffusion: cells along the longest side of all "       \
+            "clouds' bounds; a column of fog has eight times as many"                              \
     }
 #define NEPH_OPTION_DIFFUSION_CYCLES(value)                                                        \
     {                                                                                              \
         "diffusion_cycles", NEPH_OPTION_INTEGER, value, 1, NEPH_DIFFUSION_CYCLES_MAX, NULL,        \
-            "lighting=diffused: multigrid cycles in a picture, until light is at rest"             \
+            "lighting=diffused: multigrid cycles in a picture, until light is at rest; "           \
+            "light_ahead=diffusion: in the first, 16 at least"                                     \
     }
 
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the
