@@ -64,9 +64,8 @@ extern const char *const neph_shadow_planes[];
 #define NEPH_OPTION_CLOUD_SHADOW                                                                   \
     {                                                                                              \
         "cloud_shadow", NEPH_OPTION_CHOICE, 0, 0, 0, neph_cloud_shadows,                           \
-            "map: sunlight on solids, and on fog where no cloud is, has come through a shadow "    \
-            "map "                                                                                 \
-            "of the clouds, in place of a ray for each point"                                      \
+            "map: sunlight on solids, and on fog where no cloud is, has come through a shadow map" \
+            " of the clouds, in place of a ray for each point"                                     \
     }
 #define NEPH_OPTION_CLOUD_SHADOW_TEXELS                                                            \
     {                                                                                              \
