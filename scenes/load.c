@@ -152,6 +152,9 @@ static const struct neph_field scene_fields[] = {
      .record = &neph_solid_record, .standard = "none"},
     {"media", NEPH_ENTRIES, SCENE(media), .most = NEPH_SCENE_MEDIA_MAX,
      .count_at = SCENE(medium_count), .record = &neph_medium_record, .standard = "none"},
+    {"fog_look", NEPH_RECORD, SCENE(fog_look),
+     .note = "what game engines add to a height fog, see Looks of fog",
+     .record = &neph_fog_look_record, .standard = "none"},
     {0},
 };
 
@@ -180,6 +183,8 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
         status = neph_check_motion(reader, scene);
     if (!status)
         status = neph_check_injections(reader, scene);
+    if (!status)
+        status = neph_check_fog_look(reader, scene);
     return status ? status : neph_scene_hash(scene, reader->diag);
 }
 

@@ -32,6 +32,16 @@ extern const struct neph_record neph_injection_record;
 enum neph_status neph_check_injections(const struct neph_reader *reader,
                                        const struct neph_scene *scene);
 
+/* Into a struct neph_fog_look. */
+extern const struct neph_record neph_fog_look_record;
+
+/* What of it needs the finished scene: a height fog. */
+enum neph_status neph_check_fog_look(const struct neph_reader *reader,
+                                     const struct neph_scene *scene);
+
+/* Its part of a scene's hash. */
+void neph_fog_look_hash(const struct neph_fog_look *look, FILE *text);
+
 /* Write the numbers of a point of the sweep into the file. */
 enum neph_status neph_failing_put_point(struct neph_document *document,
                                         const struct neph_failing *failing, int point,

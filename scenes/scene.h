@@ -13,6 +13,7 @@
 #include "base/status.h"
 #include "base/vec3.h"
 #include "scenes/failing.h"
+#include "scenes/fog_look.h"
 #include "scenes/injection.h"
 
 #include <stdbool.h>
@@ -297,6 +298,7 @@ struct neph_scene {
     struct neph_mover *movers; /* owned; of some of the solids */
     int medium_count;
     struct neph_medium media[NEPH_SCENE_MEDIA_MAX];
+    struct neph_fog_look fog_look; /* of the height fog among them; physics does not look at it */
 
     double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
     int gate_count;

@@ -6,6 +6,7 @@
  * what it came to.
  */
 #include "scenes/hash_text.h"
+#include "scenes/load.h"
 #include "scenes/media.h"
 
 #include <stdio.h>
@@ -133,6 +134,7 @@ enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *dia
         put_solid(text, &scene->solids[i]);
     for (int i = 0; i < scene->medium_count; i++)
         neph_medium_hash(&scene->media[i], text);
+    neph_fog_look_hash(&scene->fog_look, text);
     put_octaves(text, &scene->octaves);
     neph_put_number(text, "bake_resolution", scene->bake_resolution);
     int failed = ferror(text);

@@ -19,15 +19,19 @@ static uint32_t whole(const struct neph_gpu_view *view, int setting)
     return (uint32_t)view->settings[setting];
 }
 
+static uint32_t froxel_columns(const struct neph_gpu_view *view, int axis)
+{
+    return divide_up((int)view->size_px[axis], (int)view->settings[RT_FROXEL_PX]);
+}
+
 /* One, for nobody, where there are none. */
 static struct neph_gpu_target froxels_of(const struct neph_gpu_view *view, uint32_t format)
 {
     const bool any = view->settings[RT_FROXEL_VOLUME] != 0.0f;
     return (struct neph_gpu_target){
         .format = format,
-        .width = any ? whole(view, RT_FROXEL_COLUMNS) : 1,
-        .height = any ? RT_FROXEL_SECTIONS * whole(view, RT_FROXEL_ROWS) *
-                            whole(view, RT_FROXEL_SLICES)
+        .width = any ? froxel_columns(view, 0) : 1,
+        .height = any ? RT_FROXEL_SECTIONS * froxel_columns(view, 1) * whole(view, RT_FROXEL_SLICES)
                       : 1,
     };
 }
@@ -87,7 +91,7 @@ struct neph_rt_rectangle neph_rt_view_texels(const struct neph_gpu_view *view, i
 
 uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution)
 {
-    const uint64_t columns = (uint64_t)whole(view, RT_FROXEL_COLUMNS) * whole(view, RT_FROXEL_ROWS);
+    const uint64_t columns = (uint64_t)froxel_columns(view, 0) * froxel_columns(view, 1);
     if (resolution == RT_FROXEL_COLUMN)
         return columns;
     if (resolution == RT_FROXEL)

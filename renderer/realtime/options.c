@@ -375,13 +375,24 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_ORIGIN_SHIFT] = CHOICE("origin_shift", 1, switches,
                                "history follows where the world's origin is moved (inject.origin); "
                                "off: as if the camera had gone so far"),
+    [RT_LIGHT_AHEAD] = NEPH_OPTION_LIGHT_AHEAD,
+
+    [RT_CLOUD_SHADOW] = NEPH_OPTION_CLOUD_SHADOW,
+    [RT_CLOUD_SHADOW_TEXELS] = NEPH_OPTION_CLOUD_SHADOW_TEXELS,
+    [RT_CLOUD_SHADOW_LAYERS] = NEPH_OPTION_CLOUD_SHADOW_LAYERS,
+    [RT_CLOUD_SHADOW_LEVELS] = NEPH_OPTION_CLOUD_SHADOW_LEVELS,
+    [RT_CLOUD_SHADOW_EXTENT_M] = NEPH_OPTION_CLOUD_SHADOW_EXTENT,
+    [RT_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE,
+    [RT_CLOUD_SHADOW_FRAMES] = WHOLE("cloud_shadow_frames", 1, 1, NEPH_SUN_CACHE_FRAMES_MAX,
+                                     "pictures that it takes to fill that map anew when sun or "
+                                     "clouds have moved, a part of it in each; 1: all of it"),
 
     [RT_FROXEL_VOLUME] = CHOICE(
         "froxels", 0, switches,
         "media near the camera in froxels, a volume of columns, rows and slices of the view; the "
         "march begins at its end. Counts with split=four; knows lighting single and octaves"),
-    [RT_FROXEL_COLUMNS] = WHOLE("froxel_columns", 160, 1, 512, "froxels across the picture"),
-    [RT_FROXEL_ROWS] = WHOLE("froxel_rows", 90, 1, 512, "froxels down the picture"),
+    [RT_FROXEL_PX] = WHOLE("froxel_px", 12, 1, 256,
+                           "pixels along a side of a froxel: 12 makes 160x90 columns of 1920x1080"),
     [RT_FROXEL_SLICES] = WHOLE("froxel_slices", 64, 1, 256, "froxels along the depth"),
     [RT_FROXEL_NEAR_M] = REAL("froxel_near_m", 4, 0.01, 1e4,
                               "depth up to which slices are about even; they grow with depth from "

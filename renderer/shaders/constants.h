@@ -62,6 +62,10 @@
 #define NEPH_HALVES_READ 1u
 #define NEPH_HALVES_WRITTEN 2u
 
+// Maps of the shadow of clouds, one within the other (cloud_shadow.glsl).
+#define NEPH_GPU_SHADOW_LEVELS_MAX 4
+#define NEPH_GPU_SHADOW_SAMPLES 16 // by which a texel's ray finds where clouds begin and end
+
 // Stretches of a view ray's way through a voxel grid (tracer_way.glsl).
 #define NEPH_GPU_WAY_STRETCHES 32
 

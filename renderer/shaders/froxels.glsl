@@ -12,8 +12,8 @@
 #ifndef NEPH_FROXELS_GLSL
 #define NEPH_FROXELS_GLSL
 
-ivec3 froxel_count = ivec3(settings[RT_FROXEL_COLUMNS], settings[RT_FROXEL_ROWS],
-                           settings[RT_FROXEL_SLICES]);
+int froxel_px = int(settings[RT_FROXEL_PX]);
+ivec3 froxel_count = ivec3((size_px + froxel_px - 1) / froxel_px, settings[RT_FROXEL_SLICES]);
 
 const int FROXEL_SUMS = 2; // the section; 0 and 1: light of even and odd pictures
 

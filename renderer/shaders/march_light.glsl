@@ -20,6 +20,7 @@
 #ifndef NEPH_MARCH_LIGHT_GLSL
 #define NEPH_MARCH_LIGHT_GLSL
 
+#include "cloud_shadow.glsl"
 #include "grid_texture.glsl"
 #include "sun_cache.glsl"
 #include "traced_light.glsl"
@@ -139,9 +140,24 @@ vec3 sun_optical_depth_of(uint kinds, vec3 point_m)
     return optical_depth;
 }
 
+// Whether the point where mixture_at() was last is in a shape: what a shadow map tells is coarse
+// there.
+bool is_in_shape = true;
+
+// Outside of shapes: fogs as ever, shapes from the shadow map as far as it reaches.
+vec3 mapped_or_own_sun_depth(vec3 point_m)
+{
+    vec3 depth;
+    if (!MAPS_SHADOW || !find_mapped_sun_depth(point_m, depth))
+        return sun_optical_depth(point_m);
+    return has_fog() ? depth + sun_optical_depth_of(KINDS & FOG_KINDS, point_m) : depth;
+}
+
 // What a sample of a medium sees: fogs as ever, shapes from the cache where there is one.
 vec3 sample_sun_depth(vec3 point_m)
 {
+    if (MAPS_SHADOW && !is_in_shape)
+        return mapped_or_own_sun_depth(point_m);
     if (!CACHES_SUN)
         return sun_optical_depth(point_m);
     return sun_optical_depth_of(KINDS & FOG_KINDS, point_m) + cached_sun_depth(point_m);
@@ -152,7 +168,7 @@ vec3 sunlight(vec3 point_m, uint on_solid)
 {
     if (!sees_sun(point_m, on_solid))
         return vec3(0.0);
-    return frame.sun_irradiance * fraction_through(sun_optical_depth(point_m));
+    return frame.sun_irradiance * fraction_through(mapped_or_own_sun_depth(point_m));
 }
 
 // What the media are at a point, all of them together.
@@ -187,11 +203,14 @@ Mixture mixture_at(vec3 point_m)
     if (!only_fogs || has_fog())
         density_evaluations++;
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    is_in_shape = !MAPS_SHADOW;
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
         float density_per_m =
             only_fogs && !is_fog(m) ? 0.0 : sampled_extinction_per_m(m, point_m);
         vec3 extinction_per_m = grey(frame.media[m].extinction_color) * density_per_m;
         vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
+        if (MAPS_SHADOW && !is_fog(m) && density_per_m > 0.0)
+            is_in_shape = true;
         mixture.extinction_per_m += extinction_per_m;
         if (is_among(VIEW_MARCHED, m))
             mixture.marched_per_m += extinction_per_m;

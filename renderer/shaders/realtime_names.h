@@ -133,17 +133,26 @@
 // What moves beside the camera and the air.
 #define RT_SOLID_MOTION 108
 #define RT_ORIGIN_SHIFT 109
+// Traced light, once more.
+#define RT_LIGHT_AHEAD 110
+// The shadow map of clouds.
+#define RT_CLOUD_SHADOW 111
+#define RT_CLOUD_SHADOW_TEXELS 112
+#define RT_CLOUD_SHADOW_LAYERS 113
+#define RT_CLOUD_SHADOW_LEVELS 114
+#define RT_CLOUD_SHADOW_EXTENT_M 115
+#define RT_CLOUD_SHADOW_PLANE 116
+#define RT_CLOUD_SHADOW_FRAMES 117
 // Near froxels.
-#define RT_FROXEL_VOLUME 110
-#define RT_FROXEL_COLUMNS 111
-#define RT_FROXEL_ROWS 112
-#define RT_FROXEL_SLICES 113
-#define RT_FROXEL_NEAR_M 114
-#define RT_FROXEL_END_M 115
-#define RT_FROXEL_JITTER 116
-#define RT_FROXEL_HISTORY 117
-#define RT_FROXEL_HOLD 118
-#define RT_SETTING_COUNT 119
+#define RT_FROXEL_VOLUME 118
+#define RT_FROXEL_PX 119
+#define RT_FROXEL_SLICES 120
+#define RT_FROXEL_NEAR_M 121
+#define RT_FROXEL_END_M 122
+#define RT_FROXEL_JITTER 123
+#define RT_FROXEL_HISTORY 124
+#define RT_FROXEL_HOLD 125
+#define RT_SETTING_COUNT 126
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -153,12 +162,12 @@
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
-#define RT_CHOICE_CONSTANT_COUNT 16
-#define RT_SOLIDS_CONSTANT 24
+#define RT_CHOICE_CONSTANT_COUNT 20
+#define RT_SOLIDS_CONSTANT 28
 #define RT_SOLIDS_UNKNOWN 33 // and from there on: looked at one by one
-#define RT_HALVES_CONSTANT 25
-#define RT_ON_GPU_CONSTANT 26
-#define RT_CONSTANT_COUNT 27
+#define RT_HALVES_CONSTANT 29
+#define RT_ON_GPU_CONSTANT 30
+#define RT_CONSTANT_COUNT 31
 
 // Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
 // three of them.

@@ -29,7 +29,7 @@ void main()
     float slope = 1.0 / dot(view_line_at(view_now, place_px).direction, view_now.forward);
     int slice = clamp(int(froxel_place(seen_m)), 0, froxel_count.z - 1);
     float length_m = max(seen_m - froxel_edge_m(slice), 0.0) * slope;
-    vec2 place = place_px / vec2(view_size()) * vec2(froxel_count.xy) - 0.5;
+    vec2 place = place_px / float(froxel_px) - 0.5;
     vec2 low = floor(place), part = place - low;
     vec4 before = vec4(0.0);
     for (int i = 0; i < 4; i++) {

@@ -28,8 +28,6 @@ ivec3 own_froxel(uint index)
     return ivec3(place.x, place.y - slice * froxel_count.y, slice);
 }
 
-vec2 froxel_px(vec2 place) { return place / vec2(froxel_count.xy) * vec2(view_size()); }
-
 // What a froxel has of its ray, and the part of that within the media's hull, where it is looked at.
 struct Reach {
     float start_m, length_m;
@@ -78,7 +76,7 @@ Reach reach_of(int slice, ViewRay ray, vec2 place_px)
 vec4 light_of(ivec3 froxel)
 {
     vec3 place = vec3(froxel) + froxel_jitter();
-    vec2 place_px = froxel_px(place.xy);
+    vec2 place_px = place.xy * float(froxel_px);
     ViewRay ray = camera_ray_at(frame_camera(), place_px);
     Reach reach = reach_of(froxel.z, ray, place_px);
     if (reach.inside.t1_m <= reach.inside.t0_m)
@@ -107,12 +105,12 @@ vec4 mix_at(int section, vec3 place)
 bool light_before(ivec3 froxel, out vec4 light)
 {
     vec3 middle = vec3(froxel) + 0.5;
-    ViewRay ray = camera_ray_at(frame_camera(), froxel_px(middle.xy));
+    ViewRay ray = camera_ray_at(frame_camera(), middle.xy * float(froxel_px));
     float depth_m = 0.5 * (froxel_edge_m(froxel.z) + froxel_edge_m(froxel.z + 1));
     vec3 point_m = view_point_m(ray, depth_m / dot(ray.direction, frame.camera_forward));
     vec3 seen = project(view_before, point_m - wind_m());
     light = vec4(0.0);
-    vec3 place = vec3(seen.xy / vec2(view_size()) * vec2(froxel_count.xy), 0.0);
+    vec3 place = vec3(seen.xy / float(froxel_px), 0.0);
     if (!(seen.z > 0.0) || seen.z > froxel_end_m() || any(lessThan(place.xy, vec2(0.0))) ||
         any(greaterThan(place.xy, vec2(froxel_count.xy))))
         return false;

@@ -15,7 +15,7 @@ void main()
     ivec2 column;
     if (!own_element(froxel_count.xy, column))
         return;
-    vec2 place_px = (vec2(column) + 0.5) / vec2(froxel_count.xy) * vec2(view_size());
+    vec2 place_px = (vec2(column) + 0.5) * float(froxel_px);
     float slope = 1.0 / dot(view_line_at(view_now, place_px).direction, view_now.forward);
     vec4 sum = vec4(0.0, 0.0, 0.0, 1.0);
     for (int slice = 0; slice < froxel_count.z; slice++) {

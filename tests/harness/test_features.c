@@ -95,6 +95,13 @@ static void two_phases(struct stage *stage)
     henyey_greenstein(stage);
 }
 
+/* The others render the fog, and look at nothing else of it. */
+static void look(struct stage *stage)
+{
+    medium_of(stage)->bounds = everywhere;
+    stage->test.scene.fog_look = (struct neph_fog_look){.present = true, .max_opacity = 1.0};
+}
+
 static void emission(struct stage *stage)
 {
     medium_of(stage)->emission_w_per_m2_sr = white;
@@ -184,6 +191,7 @@ static const struct feature {
     {"`homogeneous`", KIND(HOMOGENEOUS), ANY_LIGHT, NULL},
     {"`height_fog`", KIND(HEIGHT_FOG), ANY_LIGHT, NULL},
     {"`height_fog` without bounds", KIND(HEIGHT_FOG), ANY_LIGHT, endless},
+    {"`fog_look`, or physics in its place", KIND(HEIGHT_FOG), ANY_LIGHT, look},
     {"`gaussian`", KIND(GAUSSIAN), ANY_LIGHT, NULL},
     {"`shell`", KIND(SHELL), ANY_LIGHT, NULL},
     {"`grid`, `volume`, `voxels`", KIND(GRID), ANY_LIGHT, NULL},

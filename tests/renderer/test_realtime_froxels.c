@@ -47,7 +47,7 @@ static void test_passes_are_their_twins(void **state)
 {
     for (uint64_t k = 0; k < 3; k++) {
         const struct neph_settings settings = test_settings(
-            "froxels=on froxel_columns=9 froxel_rows=6 froxel_slices=13 froxel_end_m=20 "
+            "froxels=on froxel_px=4 froxel_slices=13 froxel_end_m=20 "
             "color_format=float");
         struct test_passes test;
         uint64_t seed = 20261125 + k;
@@ -80,7 +80,7 @@ static void test_passes_are_their_twins(void **state)
 
 /* As exact as the pipeline can be apart from froxels: one for each pixel, no history, no dither. */
 #define PLAIN                                                                                      \
-    "froxels=on froxel_columns=32 froxel_rows=18 froxel_jitter=off froxel_history=0 taa=off "      \
+    "froxels=on froxel_px=1 froxel_jitter=off froxel_history=0 taa=off "                           \
     "color_format=float depth_format=float ray_dither_amount=0 upscale_amount_px=0 steps=64 "
 
 static struct neph_image *picture_of(struct neph_vulkan *vulkan, const struct neph_scene *scene,
@@ -322,9 +322,9 @@ static double leak(struct neph_vulkan *vulkan, const char *assignments)
 
 static void test_no_light_leaks_through_a_wall(void **state)
 {
-    const char *const kept = "froxels=on froxel_columns=16 froxel_rows=9 froxel_end_m=24 taa=off "
+    const char *const kept = "froxels=on froxel_px=2 froxel_end_m=24 taa=off "
                              "froxel_slices=32 color_format=float";
-    const char *const leaking = "froxels=on froxel_columns=16 froxel_rows=9 froxel_end_m=24 "
+    const char *const leaking = "froxels=on froxel_px=2 froxel_end_m=24 "
                                 "taa=off froxel_slices=32 color_format=float froxel_hold=off";
     const double held = leak(*state, kept), let = leak(*state, leaking);
     print_message("through a wall: %.1e of the light, %.1e with froxel_hold=off\n", held, let);

@@ -7,16 +7,22 @@
 #include <math.h>
 
 struct volume {
-    int columns, rows, slices;
+    int px, columns, rows, slices;
     double near_m, end_m;
 };
 
 static struct volume volume_of(const struct twin *twin)
 {
     const float *settings = twin->view->settings;
-    return (struct volume){(int)settings[RT_FROXEL_COLUMNS], (int)settings[RT_FROXEL_ROWS],
-                           (int)settings[RT_FROXEL_SLICES], (double)settings[RT_FROXEL_NEAR_M],
-                           (double)settings[RT_FROXEL_END_M]};
+    const int px = (int)settings[RT_FROXEL_PX];
+    return (struct volume){
+        .px = px,
+        .columns = ((int)twin->view->size_px[0] + px - 1) / px,
+        .rows = ((int)twin->view->size_px[1] + px - 1) / px,
+        .slices = (int)settings[RT_FROXEL_SLICES],
+        .near_m = (double)settings[RT_FROXEL_NEAR_M],
+        .end_m = (double)settings[RT_FROXEL_END_M],
+    };
 }
 
 double twin_froxel_edge_m(const struct twin *twin, int edge)
@@ -73,8 +79,7 @@ void twin_froxel_sum(const struct twin *twin)
     const struct neph_gpu_target *shape = &twin->view->targets[RT_FROXELS];
     for (int row = 0; row < v.rows; row++)
         for (int column = 0; column < v.columns; column++) {
-            const double slope = slope_at(twin, (column + 0.5) * twin->view->size_px[0] / v.columns,
-                                          (row + 0.5) * twin->view->size_px[1] / v.rows);
+            const double slope = slope_at(twin, (column + 0.5) * v.px, (row + 0.5) * v.px);
             double sum[4] = {0.0, 0.0, 0.0, 1.0}, froxel[4];
             for (int slice = 0; slice < v.slices; slice++) {
                 fetch(twin, (int)(twin->view->frame & 1u), column, row, slice, froxel);
@@ -115,8 +120,8 @@ static void apply_to(const struct twin *twin, int x, int y)
     const int slice = slice_of(twin, seen_m);
     const double length_m = fmax(seen_m - twin_froxel_edge_m(twin, slice), 0.0) *
                             slope_at(twin, x_px, y_px);
-    const double u = x_px * v.columns / view->size_px[0] - 0.5;
-    const double w = y_px * v.rows / view->size_px[1] - 0.5;
+    const double u = x_px / v.px - 0.5;
+    const double w = y_px / v.px - 0.5;
     double before[4] = {0.0};
     for (int i = 0; i < 4; i++) {
         const double wx = i & 1 ? u - floor(u) : 1.0 - (u - floor(u));
