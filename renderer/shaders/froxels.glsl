@@ -51,7 +51,7 @@ vec4 fetch_froxel(int section, ivec3 froxel)
     return fetch(RT_FROXELS, froxel_texel(section, clamp(froxel, ivec3(0), froxel_count - 1)));
 }
 
-// What a depth of a homogeneous stretch lets through, and what it sends on per light per metre [m].
+// What a homogeneous stretch lets through, and what it sends on per light per metre [m].
 float froxel_through(float extinction_per_m, float length_m)
 {
     return transmittance(extinction_per_m * length_m);
@@ -62,8 +62,8 @@ float froxel_reach_m(float extinction_per_m, float length_m)
     return length_m * phi(extinction_per_m * length_m);
 }
 
-// Light and transmittance of a stretch [z0, z1] of eye depth in one froxel, which is homogeneous:
-// L (1 - e^(-sigma dt)) / sigma. `slope` is the way per depth of the column's rays.
+// Light and transmittance of a length of one froxel, which is homogeneous:
+// L (1 - e^(-sigma dt)) / sigma.
 vec4 froxel_stretch(vec4 froxel, float length_m)
 {
     return vec4(froxel.rgb * froxel_reach_m(froxel.a, length_m),

@@ -97,8 +97,8 @@ static struct neph_image *picture_of(struct neph_vulkan *vulkan, const struct ne
     struct neph_diag diag = {0};
     neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
     neph_realtime_observe(realtime, observer, context);
-    for (int frame = 0; frame < frames; frame++) {
-        const struct neph_realtime_frame picture = {scene, 0, NULL};
+    for (int frame = 0; frame < frames; frame++) { /* held after the scene's last */
+        const struct neph_realtime_frame picture = {scene, frame, NULL};
         neph_image_destroy(image);
         image = NULL;
         neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
@@ -146,9 +146,10 @@ struct error {
     double bias, rms; /* of what the media send, over its mean */
 };
 
+/* The last picture of a camera that moves, if it does. */
 static struct error error_of(const struct test_scene *test, const struct neph_image *image)
 {
-    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 1e6);
     float *volume[3];
     assert_true(neph_image_rgb(image, "volume", volume));
     double sum = 0.0, expected_sum = 0.0, squares = 0.0;
@@ -372,6 +373,34 @@ static void test_jitter_and_history(void **state)
     neph_image_destroy(image);
 }
 
+/* Past lamps at 0.6 m a picture, and turning: what a place of the world was is looked up where it was
+ * seen, so history costs little; looked up in place it would be lamps away. */
+static void test_history_follows_the_world(void **state)
+{
+    neph_test_waits_for_the_night();
+    struct test_scene test;
+    scene_lamps(&test);
+    struct neph_camera_key keys[2] = {test.key, test.key};
+    keys[1].frame = 8.0;
+    keys[1].position_m.x += 2.4;
+    keys[1].position_m.z -= 1.2;
+    test.scene.camera_keys = keys;
+    test.scene.camera_key_count = 2;
+    test.scene.frame_count = 9;
+    struct error errors[2];
+    for (int i = 0; i < 2; i++) {
+        char settings[400];
+        snprintf(settings, sizeof(settings),
+                 PLAIN "froxel_slices=64 froxel_end_m=24 froxel_history=%g", i ? 0.8 : 0.0);
+        struct neph_image *image = picture_of(*state, &test.scene, settings, 9, NULL, NULL);
+        errors[i] = error_of(&test, image);
+        print_message("moving, history %g: bias %+.1e, rms %.1e\n", i ? 0.8 : 0.0, errors[i].bias,
+                      errors[i].rms);
+        neph_image_destroy(image);
+    }
+    assert_true(errors[1].rms < errors[0].rms + 0.1);
+}
+
 /* What froxels do not know is refused. */
 static void test_refusals(void **state)
 {
@@ -395,6 +424,7 @@ int main(void)
         cmocka_unit_test(test_no_light_leaks_through_a_wall),
         cmocka_unit_test(test_the_seam_is_not_seen),
         cmocka_unit_test(test_jitter_and_history),
+        cmocka_unit_test(test_history_follows_the_world),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
