@@ -188,7 +188,7 @@ static enum neph_status set_names(struct work *work, const struct neph_finding *
     return status;
 }
 
-/* Of a mean the step of the scene that it is shown by. */
+/* A mean has the step of the scene that it is shown by. */
 static const char *step_of(const struct work *work, const struct neph_finding *f)
 {
     const struct neph_night_comparison *c = &work->night->comparison;

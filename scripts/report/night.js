@@ -129,8 +129,8 @@
 
   function counts() {
     const found = unique(night.findings.map((finding) => finding.found));
-    return [`${plural(night.compared, "comparison", "comparisons")}, ${night.chances} with chance ` +
-      "in them", found.map((name) => `; ${night.findings.filter((finding) =>
+    return [`${plural(night.compared, "comparison", "comparisons")}, ${night.chances} with ` +
+      "chance in them", found.map((name) => `; ${night.findings.filter((finding) =>
       finding.found === name).length} ${name}`), `; ${night.new} new, ${night.elsewhere} of ` +
       `another environment, ${night.young} with too few nights, ${night.not_run} not run.`];
   }
@@ -140,7 +140,7 @@
     const [first] = group;
     return el("li", null, word(first.found), " ",
       el("a", { href: `#finding-${n + 1}` }, titleOf(group)),
-      first.change !== null && [`: ${first.kind !== "mean" && first.metric ? `${first.metric} ` : ""}`,
+      first.change !== null && [": ", first.kind !== "mean" && first.metric && `${first.metric} `,
         el("b", null, changeText(first))],
       group.length > 1 && `, and ${plural(group.length - 1, "number", "numbers")} more`);
   }
@@ -193,7 +193,8 @@
     if (finding.range) values.push(finding.range.low, finding.range.high);
     const [low, high] = [Math.min(...values), Math.max(...values)];
     const [first, last] = [Math.min(...nights), Math.max(...nights)];
-    const x = (n) => PLOT.left + (PLOT.width - PLOT.left - PLOT.right) * (n - first) / (last - first);
+    const room = PLOT.width - PLOT.left - PLOT.right;
+    const x = (n) => PLOT.left + room * (n - first) / (last - first);
     const y = (value) => PLOT.top + (PLOT.height - PLOT.top - PLOT.bottom) *
       (high > low ? (high - value) / (high - low) : 0.5);
     const line = points.map((point, n) =>
@@ -266,13 +267,15 @@
           `${percent(difference.changed, false)} of the pixels`], size)), size);
     return [made, difference?.scale > 0 && differenceScale(difference.scale),
       difference?.scale === 0 && el("p", { class: "small" }, "No pixel of this picture changed: " +
-        (found === "moved" ? "the number follows another picture." : "the number is not of it alone.")),
+        (found === "moved" ? "the number follows another picture."
+          : "the number is not of it alone.")),
       accepted && !tonight && el("p", { class: "small" }, "Tonight has no such picture.")];
   }
 
   function rangeText(finding) {
     if (finding.interval)
-      return [`95 % interval${finding.kind === "fixed" ? " over the pixels" : ""} `, number(finding.interval[0]), " to ", number(finding.interval[1])];
+      return [`95 % interval${finding.kind === "fixed" ? " over the pixels" : ""} `,
+        number(finding.interval[0]), " to ", number(finding.interval[1])];
     if (finding.range)
       return [`without a change 95 % of nights lie in `, number(finding.range.low), " to ",
         number(finding.range.high), ` (${finding.range.nights} nights)`];
@@ -304,7 +307,8 @@
   }
 
   /** What a shell takes for one word. */
-  const quoted = (text) => (/^[\w./:=@+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+  const quoted = (text) => (/^[\w./:=@+-]+$/.test(text) ? text
+    : `'${text.replaceAll("'", "'\\''")}'`);
 
   function commands([first], shown) {
     const look = shown?.accepted?.exr && shown?.tonight?.exr
