@@ -60,25 +60,23 @@ struct work {
 
 static bool is_made_anew(const char *variable)
 {
-    static const char *const names[] = {
-        "PATH=", "LANG=", "HOME=", "TMPDIR=", "NEPH_FRAMES_OF_PROGRAM="};
+    static const char *const names[] = {"PATH=", "LANG=", "HOME=", "TMPDIR="};
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++)
         if (strncmp(variable, names[i], strlen(names[i])) == 0)
             return true;
     return false;
 }
 
-/* A step sees what the user gave to the night, and files frames by the program that made them. */
+/* A step sees what the user gave to the night. */
 static enum neph_status list_variables(struct work *work, struct neph_diag *diag)
 {
     int count = 0;
-    work->variables[count++] = "NEPH_FRAMES_OF_PROGRAM=1";
     for (char **entry = environ; entry && *entry; entry++) {
         if (is_made_anew(*entry))
             continue;
         if (count == VARIABLES_MAX - 1)
             return neph_fail(diag, NEPH_ERR_USAGE, "the environment has more than %d variables",
-                             VARIABLES_MAX - 2);
+                             VARIABLES_MAX - 1);
         work->variables[count++] = *entry;
     }
     return NEPH_OK;
