@@ -108,6 +108,7 @@
 
   // ----------------------------------------------------------------------------------------- head
 
+  const STATES = { running: "Running", interrupted: "Interrupted" };
   const VERDICTS = { pass: ["Pass", "pass"], fail: ["Fail", "fail"],
     "nothing compared": ["No verdict", "open"] };
 
@@ -115,7 +116,8 @@
     const bad = groups().filter(([first]) => fails(first.found));
     if (night.state !== "finished")
       return `${night.steps.filter((step) => step.outcome !== "not run").length} of ` +
-        `${plural(night.steps.length, "step", "steps")} are over; what changed is said at the end.`;
+        `${plural(night.steps.length, "step", "steps")} are over; what changed is said at the end` +
+        `${night.state === "interrupted" ? ": the same command goes on" : ""}.`;
     if (night.compared === 0)
       return "Nothing was compared: accept a night, and the next is held against it.";
     if (bad.length === 0)
@@ -155,7 +157,7 @@
 
   function verdict() {
     const running = night.state !== "finished";
-    const [said, kind] = running ? ["Running", "open"]
+    const [said, kind] = running ? [STATES[night.state] ?? night.state, "open"]
       : VERDICTS[night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail"];
     return el("div", { class: `verdict ${kind}` },
       el("p", { class: "word" }, said),
@@ -362,6 +364,8 @@
         entry("Numbers", unique(night.findings.map((finding) => finding.kind).filter((kind) =>
           KINDS[kind])).map((kind) => `${kind}: ${KINDS[kind]}. `),
         "“Seen from”: the least change that the number could have shown tonight."),
+        entry("Every number", "Point at a number of the tables below: it tells all its digits, ",
+          "what was accepted, and from which change on it would have been seen tonight."),
         entry("Was it meant?", el("code", null, "neph baseline accept --why TEXT"), " makes this ",
           "night what the next is held against; nothing is overwritten.")));
   }
@@ -382,8 +386,12 @@
 
   function numberCell(row) {
     if (!row) return el("td", { class: "num soft" }, "·");
-    return el("td", { class: `num ${JUDGED[row.judged] ?? ""}`, title: row.why || null },
-      row.tonight !== null && number(row.tonight, 3),
+    return el("td", { class: `num ${JUDGED[row.judged] ?? ""}` },
+      row.tonight !== null && el("data", { value: row.tonight, "data-value": row.tonight,
+        title: [String(row.tonight), row.why, row.baseline !== null
+          && `accepted ${row.baseline}`, row.floor !== null
+          && `a change is seen from ${percent(row.floor, false)} on`].filter((text) => text)
+          .join("; ") }, written(row.tonight, 3)),
       ["worse", "better", "moved"].includes(row.judged)
         && el("small", null, `${row.judged}, ${percent(row.change)}`),
       row.judged === "not judged" && el("small", null, "not judged"));

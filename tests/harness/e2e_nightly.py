@@ -50,8 +50,23 @@ class Nightly(unittest.TestCase):
                                text=True, timeout=60)
         self.assertEqual(again.returncode, 69, again.stderr)  # one at a time
         self.assertIn("another night is at work", again.stderr)
+        page = json.loads((self.folder / "nightly/report/data.json").read_text())
+        self.assertEqual((page["state"], [step["outcome"] for step in page["steps"]].count("done")),
+                         ("running", 1))
         child.send_signal(signal.SIGKILL)
         child.wait()
+
+    @night.of_the_night
+    def test_an_interrupted_night_says_so(self):
+        child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)], stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.DEVNULL)
+        logs = self.folder / "nightly/logs"
+        while child.poll() is None and len(list(logs.glob("*.log"))) < 2:
+            time.sleep(0.01)
+        child.send_signal(signal.SIGINT)
+        self.assertEqual(child.wait(timeout=120), 130)
+        page = json.loads((self.folder / "nightly/report/data.json").read_text())
+        self.assertEqual(page["state"], "interrupted")
 
     def test_a_killed_night_goes_on_is_accepted_and_the_next_is_compared(self):
         self.kill_a_night()
