@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import signal
+import sqlite3
 import subprocess
 import tempfile
 import time
@@ -109,6 +110,27 @@ class Nightly(unittest.TestCase):
         self.neph("store", "gc", "--limit", "0", "--spare-hours", "0", code=1)  # it is a baseline
         self.assertEqual(keys, {job["key"] for job in
                                 json.loads(self.neph("store", "export").stdout)["jobs"]})
+
+        self.assert_a_database_of_before_is_taken_over()
+
+    def assert_a_database_of_before_is_taken_over(self):
+        """From before numbers knew their pictures."""
+        def numbers():
+            document = json.loads(self.neph("store", "export").stdout)
+            return [[(m["series"], m["value"]) for m in row["measurements"]]
+                    for row in document["nights"]]
+        before = numbers()
+        database = sqlite3.connect(self.folder / "store/index/neph.sqlite")
+        database.execute("ALTER TABLE measurements DROP COLUMN frame")
+        database.execute("PRAGMA user_version = 1")
+        database.commit()
+        database.close()
+        self.assertEqual(numbers(), before)
+        database = sqlite3.connect(self.folder / "store/index/neph.sqlite")
+        self.assertEqual(database.execute("PRAGMA user_version").fetchone(), (2,))
+        self.assertEqual(database.execute("SELECT DISTINCT frame FROM measurements").fetchall(),
+                         [("",)])
+        database.close()
 
     def kill_what_works_in(self, folder):
         """Whether there was anything."""
