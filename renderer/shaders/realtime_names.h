@@ -135,7 +135,8 @@
 #define RT_ORIGIN_SHIFT 109
 // Traced light, once more.
 #define RT_LIGHT_AHEAD 110
-#define RT_SETTING_COUNT 111
+#define RT_LIGHT_SIMILAR 111
+#define RT_SETTING_COUNT 112
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
