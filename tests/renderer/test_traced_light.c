@@ -257,7 +257,8 @@ static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, u
     }
 }
 
-/* What it should hold: the tracer's light of higher orders over the opacity, of its pixels. */
+/* What it should hold: the tracer's light over the opacity, of its pixels, but for what of the sun
+ * was scattered once. (Where there is no sun, what was scattered once is the sky's.) */
 static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene, uint64_t seed,
                       struct texel texels[TEXELS])
 {
@@ -277,7 +278,7 @@ static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene
         texels[t].weight = 0.0;
     for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++) {
         const int t = p % WIDTH_PX / TEXEL_PX + WIDE * (p / WIDTH_PX / TEXEL_PX);
-        light[t] += (double)all[p] - (double)first[p];
+        light[t] += (double)all[p] - (scene->sun.present ? (double)first[p] : 0.0);
         texels[t].weight += 1.0 - (double)through[p];
     }
     for (int t = 0; t < TEXELS; t++)
@@ -343,6 +344,32 @@ static void test_texels_are_what_the_tracer_finds(void **state)
     check_texels(held, wanted);
     print_message("looking ahead:\n");
     check_texels(ahead, wanted);
+}
+
+/* A sky that lights media, or a bright ground in the sun: by the tracer, as above. (Both at once are
+ * refused: nothing brings the sky's light to what is seen of the ground.) */
+static void test_sky_and_ground(void **state)
+{
+    for (int ground = neph_test_by_day(1, 0); ground < 2; ground++) {
+        struct test_scene test;
+        struct texel held[RUNS][TEXELS], wanted[RUNS][TEXELS];
+        dense_blob(&test);
+        if (ground) {
+            test_add_box(&test, (struct neph_vec3){-40.0, -9.0, -60.0},
+                         (struct neph_vec3){40.0, -8.0, 40.0});
+            test.solids[0].albedo = make_grey(0.9);
+        } else {
+            test.scene.background_w_per_m2_sr = make_grey(0.3);
+            test.scene.environment_light = true;
+            test.scene.sun.present = false;
+        }
+        for (uint32_t r = 0; r < RUNS; r++) {
+            cached(*state, &test.scene, 11 + r, false, held[r]);
+            projected(*state, &test.scene, 31 + r, wanted[r]);
+        }
+        print_message("%s:\n", ground ? "a bright ground" : "a sky");
+        check_texels(held, wanted);
+    }
 }
 
 /* --- what is ahead ---------------------------------------------------------------------------- */
@@ -601,6 +628,7 @@ int main(void)
         cmocka_unit_test(test_slabs_are_those_of_adding_and_doubling),
         cmocka_unit_test(test_white_furnaces),
         cmocka_unit_test(test_texels_are_what_the_tracer_finds),
+        cmocka_unit_test(test_sky_and_ground),
         cmocka_unit_test(test_what_is_ahead_is_taken_back),
         cmocka_unit_test(test_orders_that_had_no_time),
         cmocka_unit_test(test_similar_media),
