@@ -337,6 +337,7 @@ static void test_no_light_leaks_through_a_wall(void **state)
  * that every texel has been marched. */
 static void test_the_seam_is_not_seen(void **state)
 {
+    neph_test_waits_for_the_night();
     struct test_scene test;
     scene_fog(&test);
     test.scene.solid_count = 0;
