@@ -21,6 +21,7 @@
     of(march_diffused) \
     of(march_similarity) \
     of(march_slab) \
+    of(sky) \
     of(realtime) \
     of(cycles) \
     of(povray) \
