@@ -137,9 +137,8 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     enum neph_status status = neph_sky_create(shot->scene, &params, &sky, diag);
     if (!status)
         status = neph_image_create(shot->width_px, shot->height_px, &image, diag);
-    struct job job = {.shot = shot,
-                      .sky = sky,
-                      .camera = neph_scene_camera(shot->scene, shot->frame)};
+    struct job job = {
+        .shot = shot, .sky = sky, .camera = neph_scene_camera(shot->scene, shot->frame)};
     if (!status)
         status = add_layers(image, &job, diag);
     if (!status)

@@ -13,9 +13,9 @@
 enum { NEPH_SKY_DEGREE_MAX = 8 };
 
 struct neph_sky_layer {
-    bool is_tent;        /* else exponential */
-    double middle_m;     /* of a tent: the altitude of its peak */
-    double scale_m;      /* scale height, or half the width of a tent */
+    bool is_tent;                                    /* else exponential */
+    double middle_m;                                 /* of a tent: the altitude of its peak */
+    double scale_m;                                  /* scale height, or half the width of a tent */
     double extinction_per_m[3], scattering_per_m[3]; /* where the density is 1 */
     struct neph_phase phase;
     double legendre[NEPH_SKY_DEGREE_MAX + 1]; /* of the phase function: 1, mean cosine, ... */

@@ -18,7 +18,7 @@ static double deepest_root(void)
 }
 
 double neph_sky_node_altitude_m(const struct neph_sky_air *air, const struct neph_sky_field *field,
-                              int node)
+                                int node)
 {
     const double part = node / (field->altitudes - 1.0);
     return air->top_m * part * part;

@@ -90,10 +90,9 @@ static void gather_row(int row, void *context)
            (size_t)made->suns * (size_t)count * sizeof(*made->moments));
     for (int i = 0; i < made->suns; i++) {
         const double sun_cosine = neph_sky_node_sun_cosine(made, i);
-        const struct node node = {altitude_m, sun_cosine,
-                                  sqrt(fmax(0.0, 1.0 - sun_cosine * sun_cosine)),
-                                  &made->moments[(row * made->suns + i) * count],
-                                  row == 0 ? made->ground[i] : NULL};
+        const struct node node = {
+            altitude_m, sun_cosine, sqrt(fmax(0.0, 1.0 - sun_cosine * sun_cosine)),
+            &made->moments[(row * made->suns + i) * count], row == 0 ? made->ground[i] : NULL};
         if (node.ground)
             memset(node.ground, 0, sizeof(*made->ground));
         gather_cap(pass, &node, horizon, 1.0, pass->params->above);
@@ -163,9 +162,9 @@ static enum neph_status close_series(struct pass *pass, struct neph_sky_field *f
 }
 
 enum neph_status neph_sky_solve(const struct neph_sky_air *air,
-                                       const struct neph_sky_sun_table *sun,
-                                       const struct neph_sky_solve_params *params,
-                                       struct neph_sky_field *field, struct neph_diag *diag)
+                                const struct neph_sky_sun_table *sun,
+                                const struct neph_sky_solve_params *params,
+                                struct neph_sky_field *field, struct neph_diag *diag)
 {
     struct pass pass = {air, params, {.sun = sun, .media_scatter = true}, NULL};
     enum neph_status status = create_as(params, params->closure ? 0 : params->degree, field, diag);

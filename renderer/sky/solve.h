@@ -12,7 +12,7 @@ enum { NEPH_SKY_DIRECTIONS_MAX = 64 }; /* of each kind */
 
 struct neph_sky_solve_params {
     int altitudes, suns, degree; /* of the field */
-    int orders;   /* passes: orders of scattering that the field has, 1 or more */
+    int orders;                  /* passes: orders of scattering that the field has, 1 or more */
     bool closure; /* isotropic, with Hillaire's series in place of orders; the degree is then 0 */
     int above, below, around; /* directions of a node: above its horizon, below it, and about the
                                  vertical over half a turn */
