@@ -175,6 +175,7 @@ const struct neph_engine neph_engine_sky = {
     .name = "sky",
     .summary = "an atmosphere around a ball: light of the sun, and of all orders from small tables",
     .rung = NEPH_RUNG_MODEL,
+    .is_narrow = true,
     .typical_s = 2.0,
     .options = options,
     .version = 1,

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The sun's elevation comes back from a cosine. */
 bool neph_sky_is_held(const struct neph_sky_cell *cell)
 {
     return cell->sun_deg >= NEPH_SKY_LOWEST_SUN_DEG;
@@ -24,6 +23,10 @@ static void print_gap(const struct neph_sky_cell *cell, const struct neph_sky_ga
     fprintf(out, "| %g | %g |", cell->sun_deg, cell->altitude_m / 1000.0);
     if (gap->because[0]) {
         fprintf(out, " - | - | - | - | - | - | cannot: %s |\n", gap->because);
+        return;
+    }
+    if (isnan(gap->mean)) {
+        fprintf(out, " - | - | - | - | - | - | no light |\n");
         return;
     }
     fprintf(out, " %.2f | %.1f | %+.0f, %.0f | %.1f | %+.2f | %.2f | %s |\n", 100.0 * gap->mean,
@@ -90,10 +93,12 @@ static json_t *gap_json(const struct neph_sky_gap *gap)
 {
     if (gap->because[0])
         return json_pack("{s:s}", "cannot", gap->because);
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:b}", "mean", gap->mean, "worst",
-                     gap->worst, "bias", gap->bias, "worst_elevation_deg", gap->worst_elevation_deg,
-                     "worst_azimuth_deg", gap->worst_azimuth_deg, "worst_noise", gap->worst_noise,
-                     "render_s", gap->render_s, "good", neph_sky_is_good(gap));
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "mean", neph_json_number(gap->mean), "worst",
+        neph_json_number(gap->worst), "bias", neph_json_number(gap->bias), "worst_elevation_deg",
+        neph_json_number(gap->worst_elevation_deg), "worst_azimuth_deg",
+        neph_json_number(gap->worst_azimuth_deg), "worst_noise", neph_json_number(gap->worst_noise),
+        "render_s", neph_json_number(gap->render_s), "good", neph_sky_is_good(gap));
 }
 
 json_t *neph_sky_study_json(const struct neph_sky_study *study)
@@ -104,10 +109,11 @@ json_t *neph_sky_study_json(const struct neph_sky_study *study)
         json_t *models = json_object();
         for (int m = 0; m < study->params->model_count; m++)
             neph_json_set(&models, study->params->models[m], gap_json(&cell->gaps[m]));
-        neph_json_add(&cells, json_pack("{s:f, s:f, s:i, s:f, s:b, s:o}", "sun_deg", cell->sun_deg,
-                                        "altitude_m", cell->altitude_m, "directions",
-                                        cell->direction_count, "noise", cell->noise, "held",
-                                        neph_sky_is_held(cell), "models", models));
+        neph_json_add(&cells,
+                      json_pack("{s:f, s:f, s:i, s:o, s:b, s:o}", "sun_deg", cell->sun_deg,
+                                "altitude_m", cell->altitude_m, "directions", cell->direction_count,
+                                "noise", neph_json_number(cell->noise), "held",
+                                neph_sky_is_held(cell), "models", models));
     }
     return json_pack("{s:s, s:s, s:s, s:o}", "scene", study->params->scene->name, "truth",
                      study->params->truth, "device", study->device, "cells", cells);
