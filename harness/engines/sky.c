@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `sky`: an atmosphere around a ball from tables, as real-time renderers have it, in double
- * precision on the CPU.
+ * Engine `sky`: an atmosphere around a ball from tables, as real-time renderers have it; on the
+ * CPU in double precision, or on a Vulkan device in float32.
  */
 #include "harness/engines/engines.h"
 
 #include "base/threads.h"
 #include "harness/engines/own_cost.h"
-#include "renderer/sky/sky.h"
+#include "harness/engines/vulkan_device.h"
+#include "renderer/sky/device.h"
 
 #include <math.h>
 #include <stdio.h>
 
 enum {
+    OPTION_ON,
     OPTION_MULTIPLE,
     OPTION_STEPS,
     OPTION_DEGREE,
@@ -27,9 +29,14 @@ enum {
     OPTION_SUN_COSINES,
 };
 
+static const char *const machines[] = {"cpu", "device", NULL};
 static const char *const closures[] = {"orders", "closure", NULL};
 
 static const struct neph_option options[] = {
+    [OPTION_ON] =
+        {"on", NEPH_OPTION_CHOICE, 0, 0, 0, machines,
+         "in double precision on the CPU, or in float32 on the device of the other Vulkan "
+         "engines"},
     [OPTION_MULTIPLE] = {"multiple", NEPH_OPTION_CHOICE, 0, 0, 0, closures,
                          "light scattered more than once: order by order as moments over "
                          "directions, or Hillaire's closure, two orders and a geometric series, "
@@ -127,14 +134,13 @@ static enum neph_status add_layers(struct neph_image *frame, struct job *job,
     return status;
 }
 
-static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
-                               struct neph_cost *cost, struct neph_diag *diag)
+static enum neph_status render_on_cpu(const struct neph_shot *shot,
+                                      const struct neph_sky_params *params,
+                                      struct neph_image **frame, struct neph_diag *diag)
 {
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    const struct neph_sky_params params = params_of(&shot->settings);
     struct neph_sky *sky = NULL;
     struct neph_image *image = NULL;
-    enum neph_status status = neph_sky_create(shot->scene, &params, &sky, diag);
+    enum neph_status status = neph_sky_create(shot->scene, params, &sky, diag);
     if (!status)
         status = neph_image_create(shot->width_px, shot->height_px, &image, diag);
     struct job job = {
@@ -144,13 +150,59 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     if (!status)
         status = neph_parallel_rows(shot->height_px, render_row, &job, diag);
     neph_sky_destroy(sky);
+    if (status)
+        neph_image_destroy(image);
+    else
+        *frame = image;
+    return status;
+}
+
+static enum neph_status label(struct neph_image *frame, const struct neph_sky_stats *stats,
+                              struct neph_diag *diag)
+{
+    const enum neph_status status = neph_image_set_attribute(frame, "neph.stats.sky_tables_ms",
+                                                             diag, "%.4f", 1e3 * stats->tables_s);
+    return status ? status
+                  : neph_image_set_attribute(frame, "neph.stats.sky_picture_ms", diag, "%.4f",
+                                             1e3 * stats->picture_s);
+}
+
+static enum neph_status render_on_device(const struct neph_shot *shot,
+                                         const struct neph_sky_params *params,
+                                         struct neph_image **frame, double *gpu_s,
+                                         struct neph_diag *diag)
+{
+    struct neph_vulkan *vulkan = NULL;
+    struct neph_image *image = NULL;
+    struct neph_sky_stats stats;
+    enum neph_status status = neph_vulkan_open(&vulkan, diag);
+    if (!status)
+        status = neph_sky_device_render(vulkan, shot->scene, params, shot->frame, shot->width_px,
+                                        shot->height_px, &image, &stats, diag);
+    if (!status)
+        status = label(image, &stats, diag);
+    neph_vulkan_destroy(vulkan);
     if (status) {
         neph_image_destroy(image);
         return status;
     }
-    *cost = neph_own_cost(start, NAN);
+    *gpu_s = stats.tables_s + stats.picture_s;
     *frame = image;
     return NEPH_OK;
+}
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    const struct neph_stopwatch start = neph_stopwatch_start();
+    const struct neph_sky_params params = params_of(&shot->settings);
+    double gpu_s = NAN;
+    const enum neph_status status = shot->settings.values[OPTION_ON] != 0.0
+                                        ? render_on_device(shot, &params, frame, &gpu_s, diag)
+                                        : render_on_cpu(shot, &params, frame, diag);
+    if (!status)
+        *cost = neph_own_cost(start, gpu_s);
+    return status;
 }
 
 /* ---- the table ------------------------------------------------------------------------------- */
@@ -159,16 +211,24 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
                        char *reason, size_t reason_size)
 {
     struct neph_sky_air air;
-    (void)settings;
-    return neph_sky_air_of(scene, &air, reason, reason_size);
+    if (!settings || settings->values[OPTION_ON] == 0.0)
+        return neph_sky_air_of(scene, &air, reason, reason_size);
+    const struct neph_sky_params params = params_of(settings);
+    return neph_sky_device_can(scene, &params, reason, reason_size);
 }
 
+/* The device counts, where there is one: its frames are its own. */
 static void probe(struct neph_engine_info *info)
 {
+    struct neph_engine_info vulkan;
+    neph_vulkan_probe(&vulkan);
     *info = (struct neph_engine_info){.available = true};
     snprintf(info->version, sizeof(info->version), "sky tables, revision %u",
              (unsigned)neph_engine_sky.version);
-    snprintf(info->device, sizeof(info->device), "CPU, double precision");
+    if (vulkan.available)
+        snprintf(info->device, sizeof(info->device), "CPU; %.*s", 120, vulkan.device);
+    else
+        snprintf(info->device, sizeof(info->device), "CPU");
 }
 
 const struct neph_engine neph_engine_sky = {

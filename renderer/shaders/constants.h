@@ -59,6 +59,10 @@
 #define NEPH_HALVES_READ 1u
 #define NEPH_HALVES_WRITTEN 2u
 
+// The sky: the highest degree of its moments, and how many there are up to it.
+#define NEPH_GPU_SKY_DEGREE_MAX 8
+#define NEPH_GPU_SKY_MOMENTS_MAX 45
+
 // Stretches of a view ray's way through a voxel grid (tracer_way.glsl).
 #define NEPH_GPU_WAY_STRETCHES 32
 

@@ -7,10 +7,11 @@
 #ifndef NEPH_RENDERER_SKY_AIR_H
 #define NEPH_RENDERER_SKY_AIR_H
 
+#include "renderer/shaders/constants.h"
 #include "scenes/scene.h"
 
 /* Of spherical harmonics, the highest degree of the light that is scattered more than once. */
-enum { NEPH_SKY_DEGREE_MAX = 8 };
+enum { NEPH_SKY_DEGREE_MAX = NEPH_GPU_SKY_DEGREE_MAX };
 
 struct neph_sky_layer {
     bool is_tent;                                    /* else exponential */

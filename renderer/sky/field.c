@@ -12,7 +12,7 @@
  * so far below the horizon. */
 static const double deepest_sun_deg = -20.0;
 
-static double deepest_root(void)
+double neph_sky_deepest_root(void)
 {
     return -sqrt(-deepest_sun_deg / 90.0);
 }
@@ -26,7 +26,7 @@ double neph_sky_node_altitude_m(const struct neph_sky_air *air, const struct nep
 
 double neph_sky_node_sun_cosine(const struct neph_sky_field *field, int node)
 {
-    const double low = deepest_root();
+    const double low = neph_sky_deepest_root();
     const double root = low + (1.0 - low) * node / (field->suns - 1.0);
     return sin(root * fabs(root) * M_PI / 2.0);
 }
@@ -42,7 +42,8 @@ static double among_suns(const struct neph_sky_field *field, double sun_cosine, 
 {
     const double part = asin(fmin(1.0, fmax(-1.0, sun_cosine))) / (M_PI / 2.0);
     const double root = copysign(sqrt(fabs(part)), part);
-    return among((root - deepest_root()) / (1.0 - deepest_root()), field->suns, low);
+    return among((root - neph_sky_deepest_root()) / (1.0 - neph_sky_deepest_root()), field->suns,
+                 low);
 }
 
 void neph_sky_field_at(const struct neph_sky_air *air, const struct neph_sky_field *field,

@@ -28,6 +28,9 @@ enum neph_status neph_sky_field_create(int altitudes, int suns, int degree,
 /* A zero one is fine. */
 void neph_sky_field_destroy(struct neph_sky_field *field);
 
+/* Where the axis of suns begins: the root of the elevation over a right angle, with its sign. */
+double neph_sky_deepest_root(void);
+
 /* Where a node is. */
 double neph_sky_node_altitude_m(const struct neph_sky_air *air, const struct neph_sky_field *field,
                                 int node);

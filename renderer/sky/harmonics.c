@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* sqrt((2 l + 1) / (4 pi) (l - m)! / (l + m)!), and sqrt 2 more for cos(m phi). */
-static double norm_of(int l, int m)
+double neph_sky_norm(int l, int m)
 {
     double ratio = (2.0 * l + 1.0) / (4.0 * M_PI) * (m > 0 ? 2.0 : 1.0);
     for (int k = l - m + 1; k <= l + m; k++)
@@ -20,7 +20,7 @@ void neph_sky_harmonics(int degree, double x, double z, double values[NEPH_SKY_M
     for (int m = 0; m <= degree; m++) {
         double legendre = start, lower = 0.0;
         for (int l = m; l <= degree; l++) {
-            values[l * (l + 1) / 2 + m] = norm_of(l, m) * legendre * wave;
+            values[l * (l + 1) / 2 + m] = neph_sky_norm(l, m) * legendre * wave;
             const double next = ((2.0 * l + 1.0) * z * legendre - (l + m) * lower) / (l + 1.0 - m);
             lower = legendre;
             legendre = next;

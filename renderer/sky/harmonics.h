@@ -18,6 +18,9 @@ static inline int neph_sky_moments(int degree)
     return (degree + 1) * (degree + 2) / 2;
 }
 
+/* What makes that of degree l and order m orthonormal: a factor of the Legendre function. */
+double neph_sky_norm(int l, int m);
+
 /* Values in the direction (x, y, z), unit, y^2 following from x and z. */
 void neph_sky_harmonics(int degree, double x, double z, double values[NEPH_SKY_MOMENTS_MAX]);
 

@@ -8,9 +8,9 @@
 
 /* --- directions ------------------------------------------------------------------------------- */
 
-/* Nodes and weights of Gauss-Legendre on [-1, 1], by Newton's method from Tricomi's guess. */
-static void gauss(int count, double nodes[NEPH_SKY_DIRECTIONS_MAX],
-                  double weights[NEPH_SKY_DIRECTIONS_MAX])
+/* By Newton's method from Tricomi's guess. */
+void neph_sky_gauss(int count, double nodes[NEPH_SKY_DIRECTIONS_MAX],
+                    double weights[NEPH_SKY_DIRECTIONS_MAX])
 {
     for (int i = 0; i < count; i++) {
         double x = cos(M_PI * (i + 0.75) / (count + 0.5)), slope = 1.0;
@@ -72,7 +72,7 @@ static void gather_cap(const struct pass *pass, const struct node *node, double 
                        int count)
 {
     double nodes[NEPH_SKY_DIRECTIONS_MAX], weights[NEPH_SKY_DIRECTIONS_MAX];
-    gauss(count, nodes, weights);
+    neph_sky_gauss(count, nodes, weights);
     for (int i = 0; i < count; i++)
         gather_ring(pass, node, 0.5 * (low + high) + 0.5 * (high - low) * nodes[i],
                     M_PI * (high - low) * weights[i]);

@@ -19,6 +19,10 @@ struct neph_sky_solve_params {
     int steps;                /* along each */
 };
 
+/* Nodes and weights of Gauss-Legendre on [-1, 1]. */
+void neph_sky_gauss(int count, double nodes[NEPH_SKY_DIRECTIONS_MAX],
+                    double weights[NEPH_SKY_DIRECTIONS_MAX]);
+
 /* Free the field with neph_sky_field_destroy(), also after an error. */
 enum neph_status neph_sky_solve(const struct neph_sky_air *air,
                                 const struct neph_sky_sun_table *sun,
