@@ -5,7 +5,7 @@
  */
 #include "tests/renderer/renderer_test.h"
 
-#include "renderer/sky/sky.h"
+#include "renderer/sky/device.h"
 #include "scenes/media.h"
 #include "scenes/skyward.h"
 #include "truth/oracle.h"
@@ -325,6 +325,85 @@ static void test_all_orders_of_the_earth(void **state)
     neph_scene_destroy(earth);
 }
 
+/* --- on a device ------------------------------------------------------------------------------ */
+
+/* In float32 heights along a ray are good to 1e-7 of its length, and light to that over a scale
+ * height: 4e-5 of the darkest place of a picture, measured 3e-6. */
+static void test_device_is_the_twin(void **state)
+{
+    struct neph_vulkan *vulkan = *state;
+    enum { WIDTH = 9, HEIGHT = 7 };
+    static const struct {
+        double sun_deg, altitude_m;
+        enum neph_scattering scattering;
+        int degree;
+    } cases[] = {{30.0, 2.0, NEPH_SCATTERING_NONE, 2},
+                 {3.0, 10e3, NEPH_SCATTERING_SINGLE, 2},
+                 {10.0, 2.0, NEPH_SCATTERING_MULTIPLE, 3},
+                 {-1.0, 400e3, NEPH_SCATTERING_MULTIPLE, 2}};
+    struct neph_sky_params params = usual;
+    params.sun_altitudes = 16;
+    params.sun_cosines = 64;
+    params.field.altitudes = 6;
+    params.field.suns = 16;
+    params.field.orders = 3;
+    struct neph_scene *earth = load_earth();
+    for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
+        struct neph_scene *scene = look(earth, cases[n].sun_deg, cases[n].altitude_m,
+                                        cases[n].scattering);
+        struct neph_image *image = NULL;
+        struct neph_sky_stats stats;
+        struct neph_diag diag = {0};
+        params.field.degree = cases[n].degree;
+        neph_assert_ok(neph_sky_device_render(vulkan, scene, &params, 0.0, WIDTH, HEIGHT, &image,
+                                              &stats, &diag),
+                       &diag);
+        float *rgb[3], *volume[3], *through[3], *depth = neph_image_channel(image, "Z");
+        assert_true(neph_image_rgb(image, NULL, rgb) && neph_image_rgb(image, "volume", volume) &&
+                    neph_image_rgb(image, "transmittance", through) && depth);
+        struct neph_sky *sky = make_sky(scene, &params);
+        const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+        double worst = 0.0;
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                              i / WIDTH);
+            const struct neph_sky_light light = neph_sky_see(sky, ray.origin_m, ray.direction);
+            assert_true(isinf(light.length_m) == isinf((double)depth[i]));
+            for (int c = 0; c < 3; c++) {
+                const double floor = 1e-7;
+                worst = fmax(worst, fabs((double)rgb[c][i] - light.radiance[c]) /
+                                        (light.radiance[c] + floor));
+                worst = fmax(worst, fabs((double)volume[c][i] - light.volume[c]) /
+                                        (light.volume[c] + floor));
+                worst = fmax(worst, fabs((double)through[c][i] - light.transmittance[c]));
+            }
+        }
+        print_message("on a device, sun at %g degrees: off by %.2g\n", cases[n].sun_deg, worst);
+        assert_true(worst < 4e-5);
+        neph_sky_destroy(sky);
+        neph_image_destroy(image);
+        neph_scene_destroy(scene);
+    }
+    neph_scene_destroy(earth);
+}
+
+static void test_device_says_what_it_cannot(void **state)
+{
+    (void)state;
+    char reason[200];
+    struct neph_scene *earth = load_earth();
+    struct neph_sky_params params = usual;
+    assert_true(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    params.field.closure = true;
+    assert_false(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "closure"));
+    params = usual;
+    params.steps = 4000;
+    assert_false(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "steps"));
+    neph_scene_destroy(earth);
+}
+
 /* --- refusals --------------------------------------------------------------------------------- */
 
 static void refuses(const struct neph_scene *scene, const char *words)
@@ -376,7 +455,9 @@ int main(void)
         cmocka_unit_test(test_one_order_is_exact_in_the_limit),
         cmocka_unit_test(test_all_orders_in_a_slab),
         cmocka_unit_test(test_all_orders_of_the_earth),
+        cmocka_unit_test(test_device_is_the_twin),
+        cmocka_unit_test(test_device_says_what_it_cannot),
         cmocka_unit_test(test_says_what_it_cannot),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }
