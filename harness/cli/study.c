@@ -22,6 +22,8 @@ static const struct {
      "how far lighting models are from all orders of scattering, and where"},
     {"sky", neph_cli_study_sky,
      "how far models of a planet's atmosphere are from all orders of scattering, and where"},
+    {"fog", neph_cli_study_fog,
+     "what the controls of a fog's look give, take and break, each alone, against exact"},
 };
 enum { KIND_COUNT = sizeof(kinds) / sizeof(kinds[0]) };
 
@@ -35,7 +37,8 @@ static void print_help(FILE *out)
                  "Examples:\n"
                  "  neph study steps march fence_backlit\n"
                  "  neph study flicker --suite test --markdown study.md\n"
-                 "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85\n");
+                 "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85\n"
+                 "  neph study fog fog_look_evening\n");
 }
 
 static enum neph_status refuse_kind(const char *word, struct neph_diag *diag)

@@ -61,6 +61,8 @@ static const char *obstacle_of(const struct neph_scene *scene)
         return "solids other than one ball that is the ground";
     if (!is_black(scene->background_w_per_m2_sr))
         return "a background behind the atmosphere";
+    if (scene->light_count > 0)
+        return "lights other than the sun";
     for (int i = 0; i < scene->medium_count; i++) {
         const char *obstacle = obstacle_of_medium(&scene->media[i], &scene->solids[0]);
         if (!obstacle && is_cut(&scene->media[i]))

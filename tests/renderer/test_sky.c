@@ -432,6 +432,9 @@ static void test_says_what_it_cannot(void **state)
     scene.background_w_per_m2_sr.g = 0.1;
     refuses(&scene, "background");
     scene = *earth;
+    scene.light_count = 1;
+    refuses(&scene, "lights other than the sun");
+    scene = *earth;
     scene.media[2].tent.radius_m += 10.0;
     refuses(&scene, "all around the ball");
     scene = *earth;
