@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Light along a ray through the atmosphere: to the ground or out into space. The steps of a part of
+ * the ray that rises are even in the square root of the climb, so that they are short where the air
+ * is dense, whether the ray is level or straight; a part that falls is the same backwards. In each
+ * step the light of its middle is scattered all along it (energy-conserving).
+ */
+#ifndef NEPH_RENDERER_SKY_WALK_H
+#define NEPH_RENDERER_SKY_WALK_H
+
+#include "renderer/sky/field.h"
+#include "renderer/sky/sun_table.h"
+
+/* What is scattered. */
+struct neph_sky_sources {
+    const struct neph_sky_sun_table *sun;
+    const struct neph_sky_field *field; /* NULL: light is scattered once */
+    bool media_scatter;                 /* sunlight */
+    bool isotropic;                     /* as if every phase function were */
+    bool alight; /* radiance 1 from everywhere in place of sun, field and ground */
+};
+
+struct neph_sky_ray {
+    double altitude_m, cosine; /* of its start, to the vertical there */
+    double sun_cosine;         /* of the sun to that vertical */
+    double toward_sun;         /* cosine between ray and sun */
+};
+
+struct neph_sky_light {
+    double radiance[3], volume[3]; /* all, and that of media; of a sun of irradiance 1 */
+    double transmittance[3];
+    double length_m; /* to the ground; +inf: there is none */
+};
+
+struct neph_sky_light neph_sky_walk(const struct neph_sky_air *air,
+                                    const struct neph_sky_sources *sources,
+                                    const struct neph_sky_ray *ray, int steps);
+
+#endif
