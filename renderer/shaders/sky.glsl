@@ -239,6 +239,14 @@ void sky_add_ground(SkyRay ray, bool has_field, inout SkyLight light)
     light.radiance += light.transmittance * air.ground_albedo / PI * irradiance;
 }
 
+// To the ground; FAR_M: the ray meets none.
+float sky_length_m(SkyRay ray)
+{
+    float rise_m = (air.radius_m + ray.altitude_m) * ray.cosine;
+    float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
+    return rise_m < 0.0 && slant_m2 >= 0.0 ? above_m2 / (sqrt(slant_m2) - rise_m) : FAR_M;
+}
+
 // Of a sun of irradiance 1. `scatters`: media scatter its light; `has_field`: and all that was
 // scattered before.
 SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
@@ -247,10 +255,10 @@ SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
     float r_m = air.radius_m + ray.altitude_m, rise_m = r_m * ray.cosine;
     float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
     float high_m = min(ray.altitude_m, air.top_m), low_m = ray.altitude_m;
-    bool grounded = rise_m < 0.0 && slant_m2 >= 0.0, turns = rise_m < 0.0 && !grounded;
+    light.length_m = sky_length_m(ray);
+    bool grounded = light.length_m < FAR_M, turns = rise_m < 0.0 && !grounded;
     SkyLeg leg = SkyLeg(false, low_m, 0.0, rise_m, 0.0);
     if (grounded) {
-        light.length_m = above_m2 / (sqrt(slant_m2) - rise_m);
         leg = SkyLeg(true, 0.0, high_m, sqrt(slant_m2), light.length_m);
     } else if (turns) {
         low_m -= rise_m * rise_m / (r_m + sqrt((r_m - rise_m) * (r_m + rise_m)));

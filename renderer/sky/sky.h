@@ -7,11 +7,13 @@
 #define NEPH_RENDERER_SKY_SKY_H
 
 #include "renderer/sky/solve.h"
+#include "renderer/sky/view_table.h"
 
 struct neph_sky_params {
     int steps;                      /* along a view ray */
     int sun_altitudes, sun_cosines; /* nodes of the table of transmittance to the sun */
     struct neph_sky_solve_params field;
+    struct neph_sky_view_params view;
 };
 
 struct neph_sky;
@@ -23,6 +25,11 @@ enum neph_status neph_sky_create(const struct neph_scene *scene,
 
 /* NULL is fine. */
 void neph_sky_destroy(struct neph_sky *sky);
+
+/* Make the table of views of a place, from which neph_sky_see() then takes what rays from there
+ * see; nothing where the parameters have none. */
+enum neph_status neph_sky_stand(struct neph_sky *sky, struct neph_vec3 eye_m,
+                                struct neph_diag *diag);
 
 /* Along a ray of the scene, in its orders of scattering and under its sun; the direction is unit.
  */

@@ -78,6 +78,12 @@ struct place {
     double altitude_m, cosine, sun_cosine; /* of the ray and the sun to the vertical */
 };
 
+void neph_sky_find_phases(const struct neph_sky_air *air, struct neph_sky_ray *ray)
+{
+    for (int i = 0; i < air->layer_count; i++)
+        ray->phases[i] = neph_phase_per_sr(&air->layers[i].phase, ray->toward_sun);
+}
+
 /* Radiance scattered into the ray per length, by sunlight. */
 static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
                         const struct neph_sky_ray *ray, const struct place *place,
@@ -85,13 +91,9 @@ static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_so
 {
     double sun[3];
     neph_sky_sun_transmittance(air, sources->sun, place->altitude_m, place->sun_cosine, sun);
-    for (int i = 0; i < air->layer_count; i++) {
-        const double phase = sources->isotropic
-                                 ? 0.25 / M_PI
-                                 : neph_phase_per_sr(&air->layers[i].phase, ray->toward_sun);
+    for (int i = 0; i < air->layer_count; i++)
         for (int c = 0; c < 3; c++)
-            source[c] += mix->scattering_per_m[i][c] * phase * sun[c];
-    }
+            source[c] += mix->scattering_per_m[i][c] * ray->phases[i] * sun[c];
 }
 
 /* Of the moment of degree l a phase function scatters so much back as such a moment. */
@@ -181,6 +183,11 @@ static void add_ground(const struct neph_sky_air *air, const struct neph_sky_sou
     for (int c = 0; c < 3; c++)
         light->radiance[c] += light->transmittance[c] * air->ground_albedo[c] / M_PI *
                               (fmax(0.0, sun_cosine) * sun[c] + sky[c]);
+}
+
+double neph_sky_length_m(const struct neph_sky_air *air, const struct neph_sky_ray *ray)
+{
+    return path_of(air, ray).length_m;
 }
 
 struct neph_sky_light neph_sky_walk(const struct neph_sky_air *air,
