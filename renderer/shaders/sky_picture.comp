@@ -31,7 +31,7 @@ float among_azimuths(SkyRay ray, out uint low)
 {
     float across2 = (1.0 - ray.cosine * ray.cosine) * (1.0 - ray.sun_cosine * ray.sun_cosine);
     float x = (ray.toward_sun - ray.cosine * ray.sun_cosine) / sqrt(max(across2, 1e-12));
-    return sky_among(sqrt(acos(clamp(x, -1.0, 1.0)) / PI), view.azimuths, low);
+    return sky_among(sqrt(sky_acos(x) / PI), view.azimuths, low);
 }
 
 void add_node(SkyRay ray, uint node, float weight, inout SkyLight light)
@@ -50,7 +50,7 @@ SkyLight look_up(SkyRay ray)
     SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(0.0), sky_length_m(ray));
     bool is_below = light.length_m < FAR_M;
     float horizon = horizon_rad();
-    float off_rad = abs(asin(clamp(ray.cosine, -1.0, 1.0)) - horizon);
+    float off_rad = abs(sky_asin(ray.cosine) - horizon);
     uint i, j;
     float x = among_azimuths(ray, i);
     float y = sky_among(sqrt(max(0.0, off_rad - HORIZON_GAP_RAD) / range_rad(horizon, is_below)),

@@ -36,7 +36,7 @@ uint slice_count() { return air.layer_count + SLICES; }
 
 float horizon_rad()
 {
-    return -asin(sqrt(sky_growth_m2(view.altitude_m)) / (air.radius_m + view.altitude_m));
+    return -sky_asin(sqrt(sky_growth_m2(view.altitude_m)) / (air.radius_m + view.altitude_m));
 }
 
 float range_rad(float horizon, bool is_below)
