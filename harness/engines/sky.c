@@ -255,6 +255,7 @@ const struct neph_engine neph_engine_sky = {
     .name = "sky",
     .summary = "an atmosphere around a ball: light of the sun, and of all orders from small tables",
     .rung = NEPH_RUNG_MODEL,
+    .bias = "solids throw no shadow into the air, and hide the sky from nothing",
     .is_narrow = true,
     .typical_s = 2.0,
     .options = options,

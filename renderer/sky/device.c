@@ -105,6 +105,8 @@ static const char *obstacle_of(const struct neph_scene *scene, const struct neph
     const uint64_t steps = (uint64_t)(params->steps > params->field.steps ? params->steps
                                                                           : params->field.steps);
     const uint64_t sum = direction_count(&params->field) * (NEPH_SKY_DEGREE_MAX + 3);
+    if (scene->solid_count > 1)
+        return "solids beside the ground, on a device";
     if (scene->orthographic_height_m > 0.0)
         return "an orthographic camera, on a device";
     if (params->field.closure && scene->scattering == NEPH_SCATTERING_MULTIPLE)

@@ -2,11 +2,13 @@
 #include "renderer/sky/sky.h"
 
 #include "scenes/radial.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 struct neph_sky {
+    const struct neph_scene *scene; /* borrowed */
     struct neph_sky_air air;
     struct neph_sky_sun_table sun;
     struct neph_sky_field field;
@@ -39,6 +41,7 @@ enum neph_status neph_sky_create(const struct neph_scene *scene,
     struct neph_sky *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
+    made->scene = scene;
     made->steps = params->steps;
     made->view = params->view;
     made->sun_direction = scene->sun.direction;
@@ -91,6 +94,51 @@ enum neph_status neph_sky_stand(struct neph_sky *sky, struct neph_vec3 eye_m,
         neph_vec3_dot(sky->sun_direction, vertical_at(sky, eye_m)), &sky->views, diag);
 }
 
+static bool is_ground(const struct neph_sky *sky, const struct neph_hit *hit)
+{
+    return hit->solid == &sky->scene->solids[0];
+}
+
+/* What a solid reflects, through the air before it: of the sun, where no solid hides it, and of the
+ * sky and the ground around, which it does not hide from itself. */
+static void add_solid(const struct neph_sky *sky, const struct neph_hit *hit,
+                      struct neph_vec3 point_m, struct neph_sky_light *light)
+{
+    const struct neph_vec3 sun = sky->sun_direction, up = vertical_at(sky, point_m);
+    const double sun_cosine = neph_vec3_dot(sun, up);
+    const struct neph_vec3 over = neph_vec3_along(sun, up, -sun_cosine);
+    const double across = neph_vec3_length(over); /* 0: the sun is straight above, all are alike */
+    const struct neph_vec3 ahead = neph_vec3_scale(over, 1.0 / fmax(across, 1e-12));
+    const struct neph_vec3 normal = {neph_vec3_dot(hit->normal, ahead), 0.0,
+                                     neph_vec3_dot(hit->normal, up)};
+    const double albedo[3] = {hit->solid->albedo.r, hit->solid->albedo.g, hit->solid->albedo.b};
+    double irradiance[3];
+    neph_sky_irradiance(&sky->air, &sky->sources, altitude_of(sky, point_m), sun_cosine, normal,
+                        neph_scene_sees_sun(sky->scene, neph_hit_outside_m(hit, point_m)),
+                        irradiance);
+    for (int c = 0; c < 3; c++)
+        light->radiance[c] += light->transmittance[c] * albedo[c] / M_PI * irradiance[c];
+}
+
+/* The table of views knows of no solids, and of no shadows of theirs. */
+static struct neph_sky_light see_past_solids(const struct neph_sky *sky, struct neph_sky_ray *ray,
+                                             struct neph_vec3 origin_m, struct neph_vec3 direction)
+{
+    const struct neph_hit hit = neph_scene_hit(sky->scene, origin_m, direction);
+    const struct neph_vec3 point_m = neph_vec3_along(origin_m, direction, hit.t_m);
+    if (!hit.solid)
+        return sky->views.nodes ? neph_sky_view(&sky->air, &sky->views, ray)
+                                : neph_sky_walk(&sky->air, &sky->sources, ray, sky->steps);
+    if (is_ground(sky, &hit))
+        ray->shaded = !neph_scene_sees_sun(sky->scene, neph_hit_outside_m(&hit, point_m));
+    else
+        ray->stop_m = hit.t_m;
+    struct neph_sky_light light = neph_sky_walk(&sky->air, &sky->sources, ray, sky->steps);
+    if (!is_ground(sky, &hit))
+        add_solid(sky, &hit, point_m, &light);
+    return light;
+}
+
 struct neph_sky_light neph_sky_see(const struct neph_sky *sky, struct neph_vec3 origin_m,
                                    struct neph_vec3 direction)
 {
@@ -99,10 +147,14 @@ struct neph_sky_light neph_sky_see(const struct neph_sky *sky, struct neph_vec3 
                                .cosine = neph_vec3_dot(direction, up),
                                .sun_cosine = neph_vec3_dot(sky->sun_direction, up),
                                .toward_sun = neph_vec3_dot(direction, sky->sun_direction)};
+    struct neph_sky_light light;
     neph_sky_find_phases(&sky->air, &ray);
-    struct neph_sky_light light = sky->views.nodes
-                                      ? neph_sky_view(&sky->air, &sky->views, &ray)
-                                      : neph_sky_walk(&sky->air, &sky->sources, &ray, sky->steps);
+    if (sky->scene->solid_count > 1)
+        light = see_past_solids(sky, &ray, origin_m, direction);
+    else if (sky->views.nodes)
+        light = neph_sky_view(&sky->air, &sky->views, &ray);
+    else
+        light = neph_sky_walk(&sky->air, &sky->sources, &ray, sky->steps);
     for (int c = 0; c < 3; c++) {
         light.radiance[c] *= sky->irradiance[c];
         light.volume[c] *= sky->irradiance[c];

@@ -18,7 +18,7 @@ struct neph_sky_params {
 
 struct neph_sky;
 
-/* Free with _destroy. NEPH_ERR_UNSUPPORTED: neph_sky_air_of() says no. */
+/* The scene must outlive it. Free with _destroy. NEPH_ERR_UNSUPPORTED: neph_sky_air_of() says no. */
 enum neph_status neph_sky_create(const struct neph_scene *scene,
                                  const struct neph_sky_params *params, struct neph_sky **sky,
                                  struct neph_diag *diag);
@@ -32,7 +32,9 @@ enum neph_status neph_sky_stand(struct neph_sky *sky, struct neph_vec3 eye_m,
                                 struct neph_diag *diag);
 
 /* Along a ray of the scene, in its orders of scattering and under its sun; the direction is unit.
- */
+ * Solids beside the ground hide what is behind them and the sun from each other and from the
+ * ground, and are lit by the sky around; that they shadow the air and hide the sky from each other
+ * is left out. */
 struct neph_sky_light neph_sky_see(const struct neph_sky *sky, struct neph_vec3 origin_m,
                                    struct neph_vec3 direction);
 
