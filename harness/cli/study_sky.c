@@ -22,7 +22,9 @@ static const struct neph_cli_option options[] = {
     {"models", 0, "A,B", "Models to hold against the truth; ENGINE+KEY=VALUE changes one",
      NEPH_CLI_WORD, .at = offsetof(struct request, models),
      .otherwise = "sky,sky+multiple=closure"},
-    {"truth", 0, "ENGINE", "tracer, oracle, or exact for light that is scattered once",
+    {"truth", 0, "ENGINE",
+     "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for what its "
+     "tables leave, without noise",
      NEPH_CLI_WORD, .at = offsetof(struct request, truth), .otherwise = "tracer"},
     {"suns", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_WORD,
      .at = offsetof(struct request, suns), .otherwise = "90,60,30,15,10,5,2,0,-1,-2"},
@@ -60,7 +62,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph study sky --markdown sky.md\n"
         "  neph study sky --suns 10,5 --truth oracle --samples 1024\n"
-        "  neph study sky --models sky,sky+degree=0,sky+altitudes=12+suns=32",
+        "  neph study sky --models sky+degree=0,sky+view=table --truth sky+degree=4+steps=96",
 };
 
 static enum neph_status read_list(const char *text, const char *what,

@@ -17,6 +17,9 @@ enum {
     OPTION_ON,
     OPTION_MULTIPLE,
     OPTION_STEPS,
+    OPTION_VIEW,
+    OPTION_VIEW_ELEVATIONS,
+    OPTION_VIEW_AZIMUTHS,
     OPTION_DEGREE,
     OPTION_ORDERS,
     OPTION_ALTITUDES,
@@ -29,6 +32,7 @@ enum {
     OPTION_SUN_COSINES,
 };
 
+static const char *const views[] = {"walk", "table", NULL};
 static const char *const machines[] = {"cpu", "device", NULL};
 static const char *const closures[] = {"orders", "closure", NULL};
 
@@ -42,6 +46,13 @@ static const struct neph_option options[] = {
                          "directions, or Hillaire's closure, two orders and a geometric series, "
                          "all isotropic"},
     [OPTION_STEPS] = {"steps", NEPH_OPTION_INTEGER, 48, 2, 4096, NULL, "along a view ray"},
+    [OPTION_VIEW] = {"view", NEPH_OPTION_CHOICE, 0, 0, 0, views,
+                     "each view ray is walked, or looked up in a table of all views from the "
+                     "camera"},
+    [OPTION_VIEW_ELEVATIONS] = {"view_elevations", NEPH_OPTION_INTEGER, 48, 2, 1024, NULL,
+                                "nodes of that table above the horizon, and as many below it"},
+    [OPTION_VIEW_AZIMUTHS] = {"view_azimuths", NEPH_OPTION_INTEGER, 48, 2, 1024, NULL,
+                              "and from the sun over half a turn"},
     [OPTION_DEGREE] = {"degree", NEPH_OPTION_INTEGER, 2, 0, NEPH_SKY_DEGREE_MAX, NULL,
                        "of the moments, with multiple=orders: air needs 2, haze more"},
     [OPTION_ORDERS] = {"orders", NEPH_OPTION_INTEGER, 8, 1, 64, NULL,
@@ -72,6 +83,8 @@ static struct neph_sky_params params_of(const struct neph_settings *settings)
         .steps = (int)v[OPTION_STEPS],
         .sun_altitudes = (int)v[OPTION_SUN_ALTITUDES],
         .sun_cosines = (int)v[OPTION_SUN_COSINES],
+        .view = {v[OPTION_VIEW] != 0.0, (int)v[OPTION_VIEW_ELEVATIONS],
+                 (int)v[OPTION_VIEW_AZIMUTHS]},
         .field = {.altitudes = (int)v[OPTION_ALTITUDES],
                   .suns = (int)v[OPTION_SUNS],
                   .degree = (int)v[OPTION_DEGREE],
@@ -146,6 +159,8 @@ static enum neph_status render_on_cpu(const struct neph_shot *shot,
     struct job job = {
         .shot = shot, .sky = sky, .camera = neph_scene_camera(shot->scene, shot->frame)};
     if (!status)
+        status = neph_sky_stand(sky, job.camera.position_m, diag);
+    if (!status)
         status = add_layers(image, &job, diag);
     if (!status)
         status = neph_parallel_rows(shot->height_px, render_row, &job, diag);
@@ -160,11 +175,16 @@ static enum neph_status render_on_cpu(const struct neph_shot *shot,
 static enum neph_status label(struct neph_image *frame, const struct neph_sky_stats *stats,
                               struct neph_diag *diag)
 {
-    const enum neph_status status = neph_image_set_attribute(frame, "neph.stats.sky_tables_ms",
-                                                             diag, "%.4f", 1e3 * stats->tables_s);
-    return status ? status
-                  : neph_image_set_attribute(frame, "neph.stats.sky_picture_ms", diag, "%.4f",
-                                             1e3 * stats->picture_s);
+    const struct {
+        const char *name;
+        double seconds;
+    } rows[] = {{"neph.stats.sky_tables_ms", stats->tables_s},
+                {"neph.stats.sky_view_ms", stats->view_s},
+                {"neph.stats.sky_picture_ms", stats->picture_s}};
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]) && !status; i++)
+        status = neph_image_set_attribute(frame, rows[i].name, diag, "%.4f", 1e3 * rows[i].seconds);
+    return status;
 }
 
 static enum neph_status render_on_device(const struct neph_shot *shot,
@@ -186,7 +206,7 @@ static enum neph_status render_on_device(const struct neph_shot *shot,
         neph_image_destroy(image);
         return status;
     }
-    *gpu_s = stats.tables_s + stats.picture_s;
+    *gpu_s = stats.tables_s + stats.view_s + stats.picture_s;
     *frame = image;
     return NEPH_OK;
 }
@@ -235,6 +255,7 @@ const struct neph_engine neph_engine_sky = {
     .name = "sky",
     .summary = "an atmosphere around a ball: light of the sun, and of all orders from small tables",
     .rung = NEPH_RUNG_MODEL,
+    .bias = "solids throw no shadow into the air, and hide the sky from nothing",
     .is_narrow = true,
     .typical_s = 2.0,
     .options = options,

@@ -24,8 +24,7 @@ struct work {
     struct neph_sky_study *study;
     struct neph_store *store;
     struct neph_progress progress;
-    const struct neph_engine *truth;
-    struct neph_engine_info truth_info;
+    struct neph_light_model truth; /* of any rung */
     struct neph_light_model models[NEPH_LIGHT_MODELS_MAX];
 };
 
@@ -66,18 +65,16 @@ static enum neph_status take_picture(const struct work *work, const struct neph_
     return status;
 }
 
+/* A truth without chance is its own second. */
 static enum neph_status trace(const struct work *work, struct sight *sight,
                               struct neph_sky_cell *cell, struct neph_diag *diag)
 {
-    char samples[48];
-    struct neph_settings settings = neph_settings_default(work->truth);
+    const struct neph_light_model *truth = &work->truth;
     enum neph_status status = NEPH_OK;
-    snprintf(samples, sizeof(samples), "samples=%d", work->params->samples);
-    if (neph_engine_samples(work->truth) >= 0)
-        status = neph_settings_set(work->truth, &settings, samples, diag);
     for (int i = 0; i < 2 * VIEWS && !status; i++)
-        status = take_picture(work, work->truth, &work->truth_info, &settings, sight->scenes[i / 2],
-                              i % 2 + 1, &sight->truths[i / 2][i % 2], &cell->truth_s, diag);
+        status = take_picture(work, truth->engine, &truth->info, &truth->settings,
+                              sight->scenes[i / 2], truth->engine->stochastic ? i % 2 + 1 : 1,
+                              &sight->truths[i / 2][i % 2], &cell->truth_s, diag);
     return status;
 }
 
@@ -255,16 +252,38 @@ static enum neph_status describe(struct work *work, int model, struct neph_diag 
     return NEPH_OK;
 }
 
+static enum neph_status parse_truth(struct work *work, struct neph_diag *diag)
+{
+    char samples[48], *copy = strdup(work->params->truth), *rest = copy;
+    struct neph_light_model *truth = &work->truth;
+    enum neph_status status = copy ? NEPH_OK : neph_fail_memory(diag);
+    const char *name = copy ? strsep(&rest, "+") : "";
+    truth->engine = neph_engine_find(name);
+    const bool is_truth = truth->engine && (truth->engine->rung <= NEPH_RUNG_TRACER || rest);
+    if (!status && !is_truth)
+        status = neph_fail(diag, NEPH_ERR_USAGE,
+                           "'%s' is no truth: exact, oracle and tracer are, or a model with finer "
+                           "settings",
+                           work->params->truth);
+    if (!status)
+        truth->settings = neph_settings_default(truth->engine);
+    snprintf(samples, sizeof(samples), "samples=%d", work->params->samples);
+    if (!status && neph_engine_samples(truth->engine) >= 0)
+        status = neph_settings_set(truth->engine, &truth->settings, samples, diag);
+    while (rest && !status)
+        status = neph_settings_set(truth->engine, &truth->settings, strsep(&rest, "+"), diag);
+    free(copy);
+    return status;
+}
+
 static enum neph_status prepare(struct work *work, struct neph_diag *diag)
 {
     const struct neph_sky_study_params *params = work->params;
-    work->truth = neph_engine_find(params->truth);
-    if (!work->truth || work->truth->rung > NEPH_RUNG_TRACER)
-        return neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no truth: exact, oracle or tracer are",
-                         params->truth);
-    neph_engine_probe(work->truth, &work->truth_info);
-    snprintf(work->study->device, sizeof(work->study->device), "%s", work->truth_info.device);
-    enum neph_status status = NEPH_OK;
+    enum neph_status status = parse_truth(work, diag);
+    if (status)
+        return status;
+    neph_engine_probe(work->truth.engine, &work->truth.info);
+    snprintf(work->study->device, sizeof(work->study->device), "%s", work->truth.info.device);
     for (int model = 0; model < params->model_count && !status; model++) {
         status = neph_light_model_parse(params->models[model], params->steps, &work->models[model],
                                         diag);

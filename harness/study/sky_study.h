@@ -26,7 +26,8 @@ struct neph_sky_study_params {
     const struct neph_scene *scene;
     const char *const *models; /* of neph_light_model_parse() */
     int model_count;           /* 1 .. NEPH_LIGHT_MODELS_MAX */
-    const char *truth;         /* an engine's name: tracer, oracle, exact */
+    const char *truth; /* tracer, oracle, exact; or a model with finer settings, for what its
+                          tables leave, without noise: ENGINE+KEY=VALUE+... */
     double suns_deg[NEPH_SKY_LIST_MAX], altitudes_m[NEPH_SKY_LIST_MAX];
     int sun_count, altitude_count;
     int width_px, height_px; /* of a picture */

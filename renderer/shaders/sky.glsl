@@ -39,6 +39,28 @@ layout(std430, binding = 0) readonly buffer Air {
 vec3 sky_sun_node(uint index);
 vec3 sky_field_node(uint index);
 
+// Drivers may be off by 1e-4 in asin and acos. The series of asin where it is short, to 2e-7, and
+// asin x = pi / 2 - 2 asin(sqrt((1 - x) / 2)) where it is not.
+float sky_short_asin(float x)
+{
+    float s = x * x;
+    return x * (1.0 + s * (1.0 / 6.0 + s * (3.0 / 40.0 + s * (15.0 / 336.0 + s * (105.0 / 3456.0 +
+           s * (945.0 / 42240.0 + s * (10395.0 / 599040.0 + s * (135135.0 / 9676800.0))))))));
+}
+
+float sky_acos(float x)
+{
+    float a = min(abs(x), 1.0);
+    float angle = a > 0.5 ? 2.0 * sky_short_asin(sqrt(0.5 * (1.0 - a)))
+                          : 0.5 * PI - sky_short_asin(a);
+    return x < 0.0 ? PI - angle : angle;
+}
+
+float sky_asin(float x)
+{
+    return abs(x) > 0.5 ? 0.5 * PI - sky_acos(x) : sky_short_asin(x);
+}
+
 // --- places in tables ---------------------------------------------------------------------------
 
 // r^2 - radius^2, without its cancellation.
@@ -81,7 +103,7 @@ uint sky_moments() { return (air.degree + 1u) * (air.degree + 2u) / 2u; }
 
 float sky_among_suns(float sun_cosine, out uint low)
 {
-    float part = asin(clamp(sun_cosine, -1.0, 1.0)) * (2.0 / PI);
+    float part = sky_asin(sun_cosine) * (2.0 / PI);
     float root = sqrt(abs(part)) * (part < 0.0 ? -1.0 : 1.0);
     return sky_among((root - air.deepest_root) / (1.0 - air.deepest_root), air.suns, low);
 }
@@ -239,6 +261,14 @@ void sky_add_ground(SkyRay ray, bool has_field, inout SkyLight light)
     light.radiance += light.transmittance * air.ground_albedo / PI * irradiance;
 }
 
+// To the ground; FAR_M: the ray meets none.
+float sky_length_m(SkyRay ray)
+{
+    float rise_m = (air.radius_m + ray.altitude_m) * ray.cosine;
+    float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
+    return rise_m < 0.0 && slant_m2 >= 0.0 ? above_m2 / (sqrt(slant_m2) - rise_m) : FAR_M;
+}
+
 // Of a sun of irradiance 1. `scatters`: media scatter its light; `has_field`: and all that was
 // scattered before.
 SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
@@ -247,10 +277,10 @@ SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
     float r_m = air.radius_m + ray.altitude_m, rise_m = r_m * ray.cosine;
     float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
     float high_m = min(ray.altitude_m, air.top_m), low_m = ray.altitude_m;
-    bool grounded = rise_m < 0.0 && slant_m2 >= 0.0, turns = rise_m < 0.0 && !grounded;
+    light.length_m = sky_length_m(ray);
+    bool grounded = light.length_m < FAR_M, turns = rise_m < 0.0 && !grounded;
     SkyLeg leg = SkyLeg(false, low_m, 0.0, rise_m, 0.0);
     if (grounded) {
-        light.length_m = above_m2 / (sqrt(slant_m2) - rise_m);
         leg = SkyLeg(true, 0.0, high_m, sqrt(slant_m2), light.length_m);
     } else if (turns) {
         low_m -= rise_m * rise_m / (r_m + sqrt((r_m - rise_m) * (r_m + rise_m)));

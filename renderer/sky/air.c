@@ -56,9 +56,8 @@ static const char *obstacle_of(const struct neph_scene *scene)
 {
     if (scene->medium_count == 0)
         return "a scene without an atmosphere";
-    if (scene->solid_count != 1 || scene->solids[0].kind != NEPH_SOLID_SPHERE ||
-        scene->mover_count > 0)
-        return "solids other than one ball that is the ground";
+    if (scene->solid_count == 0 || scene->solids[0].kind != NEPH_SOLID_SPHERE)
+        return "a first solid that is no ball, the ground";
     if (!is_black(scene->background_w_per_m2_sr))
         return "a background behind the atmosphere";
     if (scene->light_count > 0)

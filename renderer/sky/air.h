@@ -38,7 +38,8 @@ struct neph_sky_mix {
 };
 
 /* The atmosphere of a scene; false, with the reason in words, where it has none or is more than
- * that: other media or solids, bounds that cut it, light from elsewhere than the sun. */
+ * that: other media, a first solid that is not the ground, bounds that cut it, light from elsewhere
+ * than the sun. */
 bool neph_sky_air_of(const struct neph_scene *scene, struct neph_sky_air *air, char *reason,
                      size_t reason_size);
 

@@ -20,6 +20,9 @@ static const uint32_t gather_spirv[] = {
 static const uint32_t sum_spirv[] = {
 #include "shaders/sky_sum.comp.inc"
 };
+static const uint32_t view_spirv[] = {
+#include "shaders/sky_view.comp.inc"
+};
 static const uint32_t picture_spirv[] = {
 #include "shaders/sky_picture.comp.inc"
 };
@@ -27,7 +30,7 @@ static const uint32_t picture_spirv[] = {
 enum { local_size = 64, PART_PIXELS = 1 << 20 };
 
 /* Kernels, in the order in which they run. */
-enum kernel { SUN, GATHER, SUM, PICTURE, KERNELS };
+enum kernel { SUN, GATHER, SUM, VIEW, PICTURE, KERNELS };
 
 static const struct {
     const char *name;
@@ -40,7 +43,8 @@ static const struct {
     [GATHER] = {"sky_gather", gather_spirv, sizeof(gather_spirv), 5,
                 sizeof(struct neph_gpu_sky_pass)},
     [SUM] = {"sky_sum", sum_spirv, sizeof(sum_spirv), 5, sizeof(struct neph_gpu_sky_pass)},
-    [PICTURE] = {"sky_picture", picture_spirv, sizeof(picture_spirv), 5,
+    [VIEW] = {"sky_view", view_spirv, sizeof(view_spirv), 6, 0},
+    [PICTURE] = {"sky_picture", picture_spirv, sizeof(picture_spirv), 6,
                  sizeof(struct neph_gpu_sky_part)},
 };
 
@@ -50,7 +54,7 @@ struct work {
     const struct neph_sky_params *params;
     struct neph_sky_air sky_air;
     const struct neph_kernel *kernels[KERNELS];
-    struct neph_buffer air, sun, field, caps, arrivals, view, pixels, readback;
+    struct neph_buffer air, sun, field, caps, arrivals, view, views, pixels, readback;
     int width_px, height_px;
     struct neph_sky_stats stats;
 };
@@ -71,6 +75,12 @@ static size_t field_size(const struct work *work)
 {
     return node_count(work) * (size_t)neph_sky_moments(work->params->field.degree) +
            (size_t)work->params->field.suns;
+}
+
+static size_t view_count(const struct work *work)
+{
+    const struct neph_sky_view_params *view = &work->params->view;
+    return view->is_table ? 2 * (size_t)view->elevations * (size_t)view->azimuths : 0;
 }
 
 static size_t part_pixels(const struct work *work)
@@ -95,6 +105,8 @@ static const char *obstacle_of(const struct neph_scene *scene, const struct neph
     const uint64_t steps = (uint64_t)(params->steps > params->field.steps ? params->steps
                                                                           : params->field.steps);
     const uint64_t sum = direction_count(&params->field) * (NEPH_SKY_DEGREE_MAX + 3);
+    if (scene->solid_count > 1)
+        return "solids beside the ground, on a device";
     if (scene->orthographic_height_m > 0.0)
         return "an orthographic camera, on a device";
     if (params->field.closure && scene->scattering == NEPH_SCATTERING_MULTIPLE)
@@ -173,6 +185,7 @@ static void write_caps(const struct neph_sky_solve_params *field, float (*caps)[
 static struct neph_gpu_sky_view view_of(const struct work *work, double frame)
 {
     const struct neph_scene *scene = work->scene;
+    const struct neph_sky_view_params *params = &work->params->view;
     const struct neph_camera camera = neph_scene_camera(scene, frame);
     const struct neph_vec3 center_m = work->sky_air.center_m;
     const double half_height = neph_camera_half_height(&camera);
@@ -187,6 +200,8 @@ static struct neph_gpu_sky_view view_of(const struct work *work, double frame)
         .steps = (uint32_t)work->params->steps,
         .scatters = scene->scattering != NEPH_SCATTERING_NONE,
         .has_field = scene->scattering == NEPH_SCATTERING_MULTIPLE,
+        .elevations = params->is_table ? (uint32_t)params->elevations : 0u,
+        .azimuths = (uint32_t)params->azimuths,
     };
     neph_gpu_direction(view.right, camera.right);
     neph_gpu_direction(view.up, camera.up);
@@ -221,6 +236,8 @@ static enum neph_status create_buffers(struct work *work, struct neph_diag *diag
         {&work->arrivals, "sky arrivals", NEPH_BUFFER_DEVICE,
          node_count(work) * directions * texel},
         {&work->view, "sky view", NEPH_BUFFER_UPLOAD, sizeof(struct neph_gpu_sky_view)},
+        {&work->views, "sky views", NEPH_BUFFER_DEVICE,
+         (1 + view_count(work) * (size_t)(work->sky_air.layer_count + NEPH_SKY_SLICES)) * texel},
         {&work->pixels, "sky pixels", NEPH_BUFFER_DEVICE,
          part_pixels(work) * sizeof(struct neph_gpu_sky_pixel)},
         {&work->readback, "sky readback", NEPH_BUFFER_READBACK,
@@ -249,9 +266,9 @@ static enum neph_status get_kernels(struct work *work, struct neph_diag *diag)
 
 static void destroy_buffers(struct work *work)
 {
-    struct neph_buffer *const buffers[] = {&work->air,      &work->sun,     &work->field,
-                                           &work->caps,     &work->view,    &work->pixels,
-                                           &work->arrivals, &work->readback};
+    struct neph_buffer *const buffers[] = {&work->air,      &work->sun,      &work->field,
+                                           &work->caps,     &work->view,     &work->pixels,
+                                           &work->arrivals, &work->readback, &work->views};
     for (size_t i = 0; i < sizeof(buffers) / sizeof(buffers[0]); i++)
         neph_buffer_destroy(work->vulkan, buffers[i]);
 }
@@ -263,10 +280,10 @@ static enum neph_status run(struct work *work, enum kernel kernel, size_t thread
                             double *sum_s, struct neph_diag *diag)
 {
     double gpu_s = 0.0;
-    const bool shows = kernel == PICTURE;
+    const bool shows = kernel == VIEW || kernel == PICTURE;
     const struct neph_dispatch dispatch = {
         .buffers = {&work->air, &work->sun, &work->field, shows ? &work->view : &work->caps,
-                    shows ? &work->pixels : &work->arrivals},
+                    shows ? &work->pixels : &work->arrivals, &work->views},
         .push = push,
         .group_count = (uint32_t)((threads + local_size - 1) / local_size),
     };
@@ -339,6 +356,9 @@ static enum neph_status show(struct work *work, struct neph_image *image, struct
     struct layers layers;
     const size_t pixels = (size_t)work->width_px * (size_t)work->height_px;
     enum neph_status status = add_layers(image, &layers, diag);
+    if (!status && view_count(work) > 0)
+        status = run(work, VIEW, view_count(work) * (size_t)(work->sky_air.layer_count + 1), NULL,
+                     &work->stats.view_s, diag);
     for (size_t first = 0; first < pixels && !status; first += PART_PIXELS) {
         const size_t left = pixels - first, count = left < PART_PIXELS ? left : PART_PIXELS;
         const struct neph_gpu_sky_part part = {(uint32_t)first, (uint32_t)count};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The sky on a Vulkan device: the tables of renderer/sky/ made by kernels, and pictures from them,
- * in float32. The tables are made in 1 + 2 `orders` dispatches, a picture in one for each million
- * pixels.
+ * in float32. The tables of the air are made in 1 + 2 `orders` dispatches, that of views in one, a
+ * picture in one for each million pixels.
  */
 #ifndef NEPH_RENDERER_SKY_DEVICE_H
 #define NEPH_RENDERER_SKY_DEVICE_H
@@ -12,7 +12,9 @@
 #include "renderer/vulkan.h"
 
 struct neph_sky_stats {
-    double tables_s, picture_s; /* device time; NaN: it has no clock */
+    /* Device time; NaN: it has no clock. Of the tables of the air, made once; of the table of
+     * views, where there is one, and of the picture. */
+    double tables_s, view_s, picture_s;
 };
 
 /* False, with the reason in words: what neph_sky_air_of() refuses, an orthographic camera, the

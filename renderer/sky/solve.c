@@ -35,6 +35,7 @@ struct pass {
     const struct neph_sky_air *air;
     const struct neph_sky_solve_params *params;
     struct neph_sky_sources sources;
+    bool isotropic; /* as if every phase function were */
     struct neph_sky_field *made;
 };
 
@@ -42,6 +43,13 @@ struct node {
     double altitude_m, sun_cosine, sun_sine;
     double (*moments)[3], *ground; /* ground: NULL above it */
 };
+
+static void find_phases(const struct pass *pass, struct neph_sky_ray *ray)
+{
+    neph_sky_find_phases(pass->air, ray);
+    for (int i = 0; i < pass->air->layer_count && pass->isotropic; i++)
+        ray->phases[i] = 0.25 / M_PI;
+}
 
 /* Light from all azimuths at one cosine, of so much solid angle. */
 static void gather_ring(const struct pass *pass, const struct node *node, double cosine,
@@ -51,8 +59,11 @@ static void gather_ring(const struct pass *pass, const struct node *node, double
     const double sine = sqrt(fmax(0.0, 1.0 - cosine * cosine));
     for (int j = 0; j < around; j++) {
         const double x = sine * cos(M_PI * (j + 0.5) / around);
-        const struct neph_sky_ray ray = {node->altitude_m, cosine, node->sun_cosine,
-                                         x * node->sun_sine + cosine * node->sun_cosine};
+        struct neph_sky_ray ray = {.altitude_m = node->altitude_m,
+                                   .cosine = cosine,
+                                   .sun_cosine = node->sun_cosine,
+                                   .toward_sun = x * node->sun_sine + cosine * node->sun_cosine};
+        find_phases(pass, &ray);
         const struct neph_sky_light light = neph_sky_walk(pass->air, &pass->sources, &ray,
                                                           pass->params->steps);
         double values[NEPH_SKY_MOMENTS_MAX];
@@ -143,7 +154,7 @@ static enum neph_status close_series(struct pass *pass, struct neph_sky_field *f
 {
     struct neph_sky_field back;
     enum neph_status status = create_as(pass->params, 0, &back, diag);
-    pass->sources.isotropic = true;
+    pass->isotropic = true;
     if (!status)
         status = run_pass(pass, NULL, field, diag);
     pass->sources.alight = true;
@@ -152,7 +163,7 @@ static enum neph_status close_series(struct pass *pass, struct neph_sky_field *f
     for (int i = 0; i < field->altitudes * field->suns && !status; i++)
         for (int c = 0; c < 3; c++)
             field->moments[i][c] /= 1.0 - back.moments[i][c] / sqrt(4.0 * M_PI);
-    pass->sources.isotropic = pass->sources.alight = false;
+    pass->isotropic = pass->sources.alight = false;
     if (!status)
         status = run_pass(pass, field, &back, diag);
     if (!status)
@@ -166,7 +177,8 @@ enum neph_status neph_sky_solve(const struct neph_sky_air *air,
                                 const struct neph_sky_solve_params *params,
                                 struct neph_sky_field *field, struct neph_diag *diag)
 {
-    struct pass pass = {air, params, {.sun = sun, .media_scatter = true}, NULL};
+    struct pass pass = {
+        .air = air, .params = params, .sources = {.sun = sun, .media_scatter = true}};
     enum neph_status status = create_as(params, params->closure ? 0 : params->degree, field, diag);
     if (status)
         return status;

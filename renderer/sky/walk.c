@@ -33,17 +33,15 @@ static void add_leg(struct path *path, const struct neph_sky_air *air, struct le
         path->legs[path->leg_count++] = leg;
 }
 
-static struct path path_of(const struct neph_sky_air *air, const struct neph_sky_ray *ray)
+/* Of a ray that falls from the start: to the ground, or past its lowest point. */
+static struct path falling_path(const struct neph_sky_air *air, const struct neph_sky_ray *ray,
+                                double rise_m)
 {
-    const double r_m = air->radius_m + ray->altitude_m, rise_m = r_m * ray->cosine;
-    const double high_m = fmin(ray->altitude_m, air->top_m);
-    struct path path = {.length_m = INFINITY};
-    if (rise_m >= 0.0) {
-        add_leg(&path, air, (struct leg){.low_m = ray->altitude_m, .rise_m = rise_m}, air->top_m);
-        return path;
-    }
+    const double r_m = air->radius_m + ray->altitude_m;
     const double above_m2 = ray->altitude_m * (2.0 * air->radius_m + ray->altitude_m);
     const double slant_m2 = rise_m * rise_m - above_m2; /* of the ground, where it is hit */
+    const double high_m = fmin(ray->altitude_m, air->top_m);
+    struct path path = {.length_m = INFINITY};
     if (slant_m2 >= 0.0) {
         path.grounded = true;
         path.length_m = above_m2 / (sqrt(slant_m2) - rise_m);
@@ -64,6 +62,45 @@ static struct path path_of(const struct neph_sky_air *air, const struct neph_sky
     return path;
 }
 
+/* End a path where something is: in its fall, whose lower end that is then, or in its rise. */
+static void stop_path(struct path *path, const struct neph_sky_air *air,
+                      const struct neph_sky_ray *ray, double rise_m)
+{
+    const double r_m = air->radius_m + ray->altitude_m;
+    const double growth_m2 = ray->stop_m * (2.0 * rise_m + ray->stop_m);
+    const double altitude_m = ray->altitude_m + growth_m2 / (r_m + sqrt(r_m * r_m + growth_m2));
+    const double high_m = fmin(ray->altitude_m, air->top_m);
+    path->grounded = false;
+    path->length_m = ray->stop_m;
+    if (rise_m < 0.0 && rise_m + ray->stop_m <= 0.0) {
+        path->leg_count = 0;
+        if (altitude_m < air->top_m)
+            add_leg(path, air,
+                    (struct leg){.falls = true,
+                                 .low_m = altitude_m,
+                                 .rise_m = -(rise_m + ray->stop_m),
+                                 .low_t_m = ray->stop_m},
+                    high_m);
+        return;
+    }
+    struct leg *rise = &path->legs[path->leg_count - 1];
+    if (path->leg_count > 0)
+        rise->climb_m = fmax(0.0, fmin(altitude_m, air->top_m) - rise->low_m);
+}
+
+static struct path path_of(const struct neph_sky_air *air, const struct neph_sky_ray *ray)
+{
+    const double rise_m = (air->radius_m + ray->altitude_m) * ray->cosine;
+    struct path path = {.length_m = INFINITY};
+    if (rise_m < 0.0)
+        path = falling_path(air, ray, rise_m);
+    else
+        add_leg(&path, air, (struct leg){.low_m = ray->altitude_m, .rise_m = rise_m}, air->top_m);
+    if (ray->stop_m > 0.0)
+        stop_path(&path, air, ray, rise_m);
+    return path;
+}
+
 /* Distance from the lower end of a leg to where it has climbed. */
 static double distance_m(const struct leg *leg, double climb_m)
 {
@@ -78,6 +115,12 @@ struct place {
     double altitude_m, cosine, sun_cosine; /* of the ray and the sun to the vertical */
 };
 
+void neph_sky_find_phases(const struct neph_sky_air *air, struct neph_sky_ray *ray)
+{
+    for (int i = 0; i < air->layer_count; i++)
+        ray->phases[i] = neph_phase_per_sr(&air->layers[i].phase, ray->toward_sun);
+}
+
 /* Radiance scattered into the ray per length, by sunlight. */
 static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
                         const struct neph_sky_ray *ray, const struct place *place,
@@ -85,13 +128,9 @@ static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_so
 {
     double sun[3];
     neph_sky_sun_transmittance(air, sources->sun, place->altitude_m, place->sun_cosine, sun);
-    for (int i = 0; i < air->layer_count; i++) {
-        const double phase = sources->isotropic
-                                 ? 0.25 / M_PI
-                                 : neph_phase_per_sr(&air->layers[i].phase, ray->toward_sun);
+    for (int i = 0; i < air->layer_count; i++)
         for (int c = 0; c < 3; c++)
-            source[c] += mix->scattering_per_m[i][c] * phase * sun[c];
-    }
+            source[c] += mix->scattering_per_m[i][c] * ray->phases[i] * sun[c];
 }
 
 /* Of the moment of degree l a phase function scatters so much back as such a moment. */
@@ -175,12 +214,41 @@ static void add_ground(const struct neph_sky_air *air, const struct neph_sky_sou
     double sun[3], sky[3] = {0, 0, 0};
     const double sun_m = (air->radius_m + ray->altitude_m) * ray->sun_cosine;
     const double sun_cosine = (sun_m + light->length_m * ray->toward_sun) / air->radius_m;
+    const double lit = ray->shaded ? 0.0 : fmax(0.0, sun_cosine);
     neph_sky_sun_transmittance(air, sources->sun, 0.0, sun_cosine, sun);
     if (sources->field)
         neph_sky_field_ground(sources->field, sun_cosine, sky);
     for (int c = 0; c < 3; c++)
         light->radiance[c] += light->transmittance[c] * air->ground_albedo[c] / M_PI *
-                              (fmax(0.0, sun_cosine) * sun[c] + sky[c]);
+                              (lit * sun[c] + sky[c]);
+}
+
+/* Of the cosine's harmonics: pi, 2 pi / 3, pi / 4, 0, -pi / 24. What follows is below 1 %. */
+void neph_sky_irradiance(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
+                         double altitude_m, double sun_cosine, struct neph_vec3 normal,
+                         bool sees_sun, double irradiance[3])
+{
+    static const double cosine_parts[5] = {M_PI, 2.0 * M_PI / 3.0, M_PI / 4.0, 0.0, -M_PI / 24.0};
+    const double sun_sine = sqrt(fmax(0.0, 1.0 - sun_cosine * sun_cosine));
+    const double lit = sees_sun ? fmax(0.0, normal.x * sun_sine + normal.z * sun_cosine) : 0.0;
+    double moments[NEPH_SKY_MOMENTS_MAX][3], values[NEPH_SKY_MOMENTS_MAX], sky[3] = {0, 0, 0};
+    neph_sky_sun_transmittance(air, sources->sun, altitude_m, sun_cosine, irradiance);
+    if (sources->field) {
+        const int degree = sources->field->degree < 4 ? sources->field->degree : 4;
+        neph_sky_field_at(air, sources->field, altitude_m, sun_cosine, moments);
+        neph_sky_harmonics(degree, normal.x, normal.z, values);
+        for (int l = 0; l <= degree; l++)
+            for (int k = neph_sky_moments(l - 1); k < neph_sky_moments(l); k++)
+                for (int c = 0; c < 3; c++)
+                    sky[c] += cosine_parts[l] * moments[k][c] * values[k];
+    }
+    for (int c = 0; c < 3; c++)
+        irradiance[c] = lit * irradiance[c] + fmax(0.0, sky[c]);
+}
+
+double neph_sky_length_m(const struct neph_sky_air *air, const struct neph_sky_ray *ray)
+{
+    return path_of(air, ray).length_m;
 }
 
 struct neph_sky_light neph_sky_walk(const struct neph_sky_air *air,

@@ -8,6 +8,7 @@
 #include "renderer/sky/device.h"
 #include "scenes/media.h"
 #include "scenes/skyward.h"
+#include "scenes/solids.h"
 #include "truth/oracle.h"
 #include "truth/slab.h"
 #include "truth/transport.h"
@@ -325,6 +326,189 @@ static void test_all_orders_of_the_earth(void **state)
     neph_scene_destroy(earth);
 }
 
+/* --- solids ----------------------------------------------------------------------------------- */
+
+/* Boxes and a ball from 50 m to 40 km away, one in the shadow of another. */
+static struct neph_scene *with_solids(const struct neph_scene *earth, struct neph_solid solids[5],
+                                      enum neph_scattering scattering)
+{
+    struct neph_scene *scene = look(earth, 35.0, 300.0, scattering);
+    solids[0] = earth->solids[0];
+    solids[1] = make_box(-60.0, -1.0, -200.0, -20.0, 310.0, -170.0);
+    solids[2] = make_box(-30.0, -1.0, -160.0, -20.0, 330.0, -140.0);
+    solids[3] = make_box(-30e3, -500.0, -41e3, 30e3, 9e3, -40e3);
+    solids[4] = make_sphere(1500.0, 900.0, -5e3, 400.0);
+    for (int i = 1; i < 5; i++)
+        solids[i].albedo = (struct neph_rgb){0.5, 0.3, 0.2};
+    scene->solids = solids;
+    scene->solid_count = 5;
+    scene->sun.direction = neph_vec3_normalize((struct neph_vec3){-0.1, 0.5, 0.8});
+    return scene;
+}
+
+/* Without scattering all is known but the sky's table: as the exact light is. With one order the
+ * air before a far solid is known, too, but for the shadow of the ball, through which few look. */
+static void test_solids_behind_air(void **state)
+{
+    (void)state;
+    enum { WIDTH = 36, HEIGHT = 24 };
+    static const struct {
+        enum neph_scattering scattering;
+        double from_m, limit;
+    } cases[] = {{NEPH_SCATTERING_NONE, 0.0, 2e-3}, {NEPH_SCATTERING_SINGLE, 3e3, 0.05}};
+    struct neph_scene *earth = load_earth();
+    for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
+        struct neph_solid solids[5];
+        struct neph_scene *scene = with_solids(earth, solids, cases[n].scattering);
+        struct neph_sky *sky = make_sky(scene, &usual);
+        const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+        int hits = 0, close = 0;
+        double worst = 0.0;
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                              i / WIDTH);
+            const struct neph_hit hit = neph_scene_hit(scene, ray.origin_m, ray.direction);
+            if (!hit.solid || hit.solid == &solids[0] || hit.t_m < cases[n].from_m)
+                continue;
+            const struct neph_ray_light exact = neph_transport_ray(scene, ray.origin_m,
+                                                                   ray.direction);
+            const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+            const double *light = &exact.radiance.r, *through = &exact.transmittance.r;
+            double off = 0.0;
+            hits++;
+            neph_assert_close(seen.length_m, hit.t_m, 1e-12, 0.0);
+            for (int c = 0; c < 3; c++) {
+                assert_true(fabs(seen.transmittance[c] - through[c]) < 1e-3);
+                off = fmax(off, fabs(seen.radiance[c] - light[c]) / fmax(light[c], 1e-3));
+            }
+            close += off < 1e-3;
+            worst = fmax(worst, off);
+        }
+        print_message("%d pixels with solids: off by %.2g\n", hits, worst);
+        assert_true(hits > 30 && close >= 0.8 * hits && worst < cases[n].limit);
+        neph_sky_destroy(sky);
+        neph_scene_destroy(scene);
+    }
+    neph_scene_destroy(earth);
+}
+
+/* Irradiance of a level surface at the ground by its moments is what was summed for the ground; to
+ * what degrees above 4 have, and the few directions that are summed: 4 %. */
+static void test_moments_light_surfaces(void **state)
+{
+    (void)state;
+    struct neph_sky_air air;
+    struct neph_diag diag = {0};
+    char reason[200];
+    struct neph_scene *earth = load_earth();
+    assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
+    struct neph_sky_sun_table sun;
+    struct neph_sky_field field;
+    struct neph_sky_solve_params params = usual.field;
+    params.orders = 2;
+    params.degree = 4;
+    neph_assert_ok(neph_sky_sun_table_create(&air, 32, 64, &sun, &diag), &diag);
+    neph_assert_ok(neph_sky_solve(&air, &sun, &params, &field, &diag), &diag);
+    const struct neph_sky_sources sources = {.sun = &sun, .field = &field, .media_scatter = true};
+    static const double suns_deg[] = {60.0, 20.0, 5.0, -2.0};
+    for (size_t i = 0; i < sizeof(suns_deg) / sizeof(suns_deg[0]); i++) {
+        const double cosine = sin(suns_deg[i] * NEPH_RAD_PER_DEG);
+        double by_moments[3], summed[3];
+        neph_sky_irradiance(&air, &sources, 0.0, cosine, (struct neph_vec3){0, 0, 1}, false,
+                            by_moments);
+        neph_sky_field_ground(&field, cosine, summed);
+        for (int c = 0; c < 3; c++)
+            neph_assert_close(by_moments[c], summed[c], 0.06, 0.0);
+    }
+    neph_sky_field_destroy(&field);
+    neph_sky_sun_table_destroy(&sun);
+    neph_scene_destroy(earth);
+}
+
+/* --- a table of views ------------------------------------------------------------------------- */
+
+/* Linear between nodes that are half as far apart: a quarter of the error. The sun in the picture,
+ * and the horizon. */
+static void test_view_table_is_the_walk_in_the_limit(void **state)
+{
+    (void)state;
+    enum { WIDTH = 13, HEIGHT = 11, TABLES = 2 };
+    struct neph_scene *earth = load_earth();
+    struct neph_scene *scene = look(earth, 14.0, 1000.0, NEPH_SCATTERING_MULTIPLE);
+    struct neph_sky_params params = usual;
+    params.steps = 16;
+    params.field.orders = 2;
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    double worst[TABLES] = {0.0, 0.0};
+    struct neph_sky *walk = make_sky(scene, &params);
+    for (int n = 0; n < TABLES; n++) {
+        struct neph_diag diag = {0};
+        params.view = (struct neph_sky_view_params){true, n ? 47 : 24, n ? 39 : 20};
+        struct neph_sky *table = make_sky(scene, &params);
+        neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                              i / WIDTH);
+            const struct neph_sky_light a = neph_sky_see(walk, ray.origin_m, ray.direction);
+            const struct neph_sky_light b = neph_sky_see(table, ray.origin_m, ray.direction);
+            assert_true(a.length_m == b.length_m);
+            for (int c = 0; c < 3; c++) {
+                worst[n] = fmax(worst[n], fabs(b.radiance[c] / a.radiance[c] - 1.0));
+                worst[n] = fmax(worst[n], fabs(b.volume[c] / a.volume[c] - 1.0));
+                worst[n] = fmax(worst[n], fabs(b.transmittance[c] - a.transmittance[c]));
+            }
+        }
+        neph_sky_destroy(table);
+    }
+    print_message("table of views: off by %.2g, with twice the nodes by %.2g\n", worst[0],
+                  worst[1]);
+    assert_true(worst[0] < 0.03 && worst[1] < 0.3 * worst[0]);
+    neph_sky_destroy(walk);
+    neph_scene_destroy(scene);
+    neph_scene_destroy(earth);
+}
+
+/* --- layers ----------------------------------------------------------------------------------- */
+
+/* What a medium is cut into, and in which order its parts come, is no matter: sums of the same
+ * numbers, to their rounding, which is that of the floats of the table of transmittance. */
+static void test_splitting_a_medium_changes_nothing(void **state)
+{
+    (void)state;
+    struct neph_scene *earth = load_earth();
+    struct neph_scene *whole = look(earth, 8.0, 2000.0, NEPH_SCATTERING_MULTIPLE);
+    struct neph_scene split = *whole;
+    split.medium_count = 5; /* air 0.3, haze, ozone, air 0.5, air 0.2; then in another order */
+    split.media[3] = split.media[4] = split.media[0];
+    split.media[0].extinction_per_m *= 0.3;
+    split.media[3].extinction_per_m *= 0.5;
+    split.media[4].extinction_per_m *= 0.2;
+    struct neph_scene mixed = split;
+    for (int i = 0; i < 5; i++)
+        mixed.media[i] = split.media[(2 * i + 1) % 5];
+    struct neph_sky_params params = usual;
+    params.field.orders = 2;
+    struct neph_sky *skies[3] = {make_sky(whole, &params), make_sky(&split, &params),
+                                 make_sky(&mixed, &params)};
+    uint64_t seed = 77;
+    for (int n = 0; n < 40; n++) {
+        const struct neph_vec3 eye_m = {0.0, pow(10.0, neph_test_uniform(&seed, 0.0, 5.0)), 0.0};
+        const struct neph_vec3 direction = random_direction(&seed);
+        const struct neph_sky_light one = neph_sky_see(skies[0], eye_m, direction);
+        for (int other = 1; other < 3; other++) {
+            const struct neph_sky_light light = neph_sky_see(skies[other], eye_m, direction);
+            for (int c = 0; c < 3; c++) {
+                neph_assert_close(light.radiance[c], one.radiance[c], 1e-6, 0.0);
+                neph_assert_close(light.transmittance[c], one.transmittance[c], 1e-11, 0.0);
+            }
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        neph_sky_destroy(skies[i]);
+    neph_scene_destroy(whole);
+    neph_scene_destroy(earth);
+}
+
 /* --- on a device ------------------------------------------------------------------------------ */
 
 /* In float32 heights along a ray are good to 1e-7 of its length, and light to that over a scale
@@ -337,10 +521,12 @@ static void test_device_is_the_twin(void **state)
         double sun_deg, altitude_m;
         enum neph_scattering scattering;
         int degree;
-    } cases[] = {{30.0, 2.0, NEPH_SCATTERING_NONE, 2},
-                 {3.0, 10e3, NEPH_SCATTERING_SINGLE, 2},
-                 {10.0, 2.0, NEPH_SCATTERING_MULTIPLE, 3},
-                 {-1.0, 400e3, NEPH_SCATTERING_MULTIPLE, 2}};
+        bool is_table;
+    } cases[] = {{30.0, 2.0, NEPH_SCATTERING_NONE, 2, false},
+                 {3.0, 10e3, NEPH_SCATTERING_SINGLE, 2, false},
+                 {12.0, 10e3, NEPH_SCATTERING_MULTIPLE, 2, true},
+                 {10.0, 2.0, NEPH_SCATTERING_MULTIPLE, 3, false},
+                 {-1.0, 400e3, NEPH_SCATTERING_MULTIPLE, 2, false}};
     struct neph_sky_params params = usual;
     params.sun_altitudes = 16;
     params.sun_cosines = 64;
@@ -355,6 +541,7 @@ static void test_device_is_the_twin(void **state)
         struct neph_sky_stats stats;
         struct neph_diag diag = {0};
         params.field.degree = cases[n].degree;
+        params.view = (struct neph_sky_view_params){cases[n].is_table, 12, 10};
         neph_assert_ok(neph_sky_device_render(vulkan, scene, &params, 0.0, WIDTH, HEIGHT, &image,
                                               &stats, &diag),
                        &diag);
@@ -364,6 +551,7 @@ static void test_device_is_the_twin(void **state)
         struct neph_sky *sky = make_sky(scene, &params);
         const struct neph_camera camera = neph_scene_camera(scene, 0.0);
         double worst = 0.0;
+        neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
             const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
                                                               i / WIDTH);
@@ -401,6 +589,11 @@ static void test_device_says_what_it_cannot(void **state)
     params.steps = 4000;
     assert_false(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "steps"));
+    struct neph_scene more = *earth;
+    more.solid_count = 2;
+    params = usual;
+    assert_false(neph_sky_device_can(&more, &params, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "solids"));
     neph_scene_destroy(earth);
 }
 
@@ -427,7 +620,7 @@ static void test_says_what_it_cannot(void **state)
     refuses(&scene, "without an atmosphere");
     scene = *earth;
     scene.solid_count = 0;
-    refuses(&scene, "one ball that is the ground");
+    refuses(&scene, "no ball, the ground");
     scene = *earth;
     scene.background_w_per_m2_sr.g = 0.1;
     refuses(&scene, "background");
@@ -458,6 +651,10 @@ int main(void)
         cmocka_unit_test(test_one_order_is_exact_in_the_limit),
         cmocka_unit_test(test_all_orders_in_a_slab),
         cmocka_unit_test(test_all_orders_of_the_earth),
+        cmocka_unit_test(test_solids_behind_air),
+        cmocka_unit_test(test_moments_light_surfaces),
+        cmocka_unit_test(test_view_table_is_the_walk_in_the_limit),
+        cmocka_unit_test(test_splitting_a_medium_changes_nothing),
         cmocka_unit_test(test_device_is_the_twin),
         cmocka_unit_test(test_device_says_what_it_cannot),
         cmocka_unit_test(test_says_what_it_cannot),
