@@ -13,7 +13,7 @@
 static const char *const all_presets[] = {"off",  "seed",  "fixed", "ue",
                                           "c52e", "unity", "ours",  NULL};
 static const char *const quick_presets[] = {"seed", "fixed", "ours", NULL};
-static const char *const witnesses[] = {"march", "cycles", "povray", NULL};
+static const char *const witnesses[] = {"march", "fog_look", "cycles", "povray", NULL};
 
 /* Every scenario has it, whatever its file says. */
 static const struct neph_failing_limit no_bad_values = {
