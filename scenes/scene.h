@@ -20,6 +20,7 @@
 #include <stdio.h>
 
 #define NEPH_SCENE_MEDIA_MAX 8
+#define NEPH_SCENE_LIGHTS_MAX 16
 #define NEPH_SCENE_SOLIDS_MAX 1024 /* after fences are expanded into their bars */
 #define NEPH_SCENE_KEYS_MAX 1024
 #define NEPH_FOG_LAYERS_MAX 2
@@ -142,10 +143,20 @@ struct neph_sun {
     struct neph_rgb irradiance_w_per_m2; /* on a plane across the direction */
 };
 
+/* A point that shines, all around or into a cone: scenes/lights.h says how brightly. */
+struct neph_light {
+    struct neph_vec3 position_m;
+    struct neph_rgb intensity_w_per_sr; /* of a spot: within its inner angle */
+    bool is_spot;
+    struct neph_vec3 axis; /* unit, from the light */
+    /* Of the angles from the axis up to which it shines in full, and from which on not at all. */
+    double inner_cosine, outer_cosine; /* inner > outer */
+};
+
 /* What light does. The same switch means the same thing in all engines. */
 enum neph_scattering {
-    NEPH_SCATTERING_NONE,     /* media only attenuate; solids are lit by the attenuated sun */
-    NEPH_SCATTERING_SINGLE,   /* plus sunlight scattered exactly once by a medium */
+    NEPH_SCATTERING_NONE,   /* media only attenuate; solids are lit by attenuated sun and lights */
+    NEPH_SCATTERING_SINGLE, /* plus light of these scattered exactly once by a medium */
     NEPH_SCATTERING_MULTIPLE, /* everything: all orders, surface bounces included */
 };
 
@@ -267,11 +278,13 @@ struct neph_scene {
     int frame_scale_count;
     struct neph_frame_scale *frame_scales; /* owned; ascending frames */
 
-    struct neph_sun sun;                    /* of frame 0 */
-    int sun_key_count;                      /* 0: the sun stands still; else >= 2 */
-    struct neph_sun_key *sun_keys;          /* owned */
-    int wind_key_count;                     /* 0: no wind */
-    struct neph_wind_key *wind_keys;        /* owned */
+    struct neph_sun sun;             /* of frame 0 */
+    int sun_key_count;               /* 0: the sun stands still; else >= 2 */
+    struct neph_sun_key *sun_keys;   /* owned */
+    int wind_key_count;              /* 0: no wind */
+    struct neph_wind_key *wind_keys; /* owned */
+    int light_count;
+    struct neph_light lights[NEPH_SCENE_LIGHTS_MAX];
     struct neph_rgb background_w_per_m2_sr; /* uniform radiance of the sky */
     bool environment_light; /* the background lights media and solids; else it is only seen */
     enum neph_scattering scattering;

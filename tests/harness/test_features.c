@@ -156,6 +156,13 @@ static void moving_solid(struct stage *stage)
     stage->test.scene.frame_count = 11;
 }
 
+static void lights(struct stage *stage)
+{
+    stage->test.scene.light_count = 1;
+    stage->test.scene.lights[0] = (struct neph_light){.position_m = {0.0, 3.0, -4.0},
+                                                      .intensity_w_per_sr = {1.0, 1.0, 1.0}};
+}
+
 static void wind(struct stage *stage)
 {
     stage->wind_keys[0].velocity_m_per_s = (struct neph_vec3){1, 0, 0};
@@ -200,6 +207,7 @@ static const struct feature {
     {"`emission_w_per_m2_sr`, seen", ANY_KIND, LIGHT(NONE) | LIGHT(SINGLE), emission},
     {"`emission_w_per_m2_sr`, scattered", ANY_KIND, LIGHT(MULTIPLE), emission},
     {"`environment_light`", ANY_KIND, ANY_LIGHT, environment},
+    {"`lights`", ANY_KIND, ANY_LIGHT, lights},
     {"`solids`", ANY_KIND, ANY_LIGHT, solids},
     {"`orthographic_height_m`", ANY_KIND, ANY_LIGHT, orthographic},
     {"`camera.keys`", ANY_KIND, ANY_LIGHT, moving_camera},
