@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import signal
+import sqlite3
 import subprocess
 import tempfile
 import time
@@ -50,8 +51,23 @@ class Nightly(unittest.TestCase):
                                text=True, timeout=60)
         self.assertEqual(again.returncode, 69, again.stderr)  # one at a time
         self.assertIn("another night is at work", again.stderr)
+        page = json.loads((self.folder / "nightly/report/data.json").read_text())
+        self.assertEqual((page["state"], [step["outcome"] for step in page["steps"]].count("done")),
+                         ("running", 1))
         child.send_signal(signal.SIGKILL)
         child.wait()
+
+    @night.of_the_night
+    def test_an_interrupted_night_says_so(self):
+        child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)], stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.DEVNULL)
+        logs = self.folder / "nightly/logs"
+        while child.poll() is None and len(list(logs.glob("*.log"))) < 2:
+            time.sleep(0.01)
+        child.send_signal(signal.SIGINT)
+        self.assertEqual(child.wait(timeout=120), 130)
+        page = json.loads((self.folder / "nightly/report/data.json").read_text())
+        self.assertEqual(page["state"], "interrupted")
 
     def test_a_killed_night_goes_on_is_accepted_and_the_next_is_compared(self):
         self.kill_a_night()
@@ -95,6 +111,27 @@ class Nightly(unittest.TestCase):
         self.assertEqual(keys, {job["key"] for job in
                                 json.loads(self.neph("store", "export").stdout)["jobs"]})
 
+        self.assert_a_database_of_before_is_taken_over()
+
+    def assert_a_database_of_before_is_taken_over(self):
+        """From before numbers knew their pictures."""
+        def numbers():
+            document = json.loads(self.neph("store", "export").stdout)
+            return [[(m["series"], m["value"]) for m in row["measurements"]]
+                    for row in document["nights"]]
+        before = numbers()
+        database = sqlite3.connect(self.folder / "store/index/neph.sqlite")
+        database.execute("ALTER TABLE measurements DROP COLUMN frame")
+        database.execute("PRAGMA user_version = 1")
+        database.commit()
+        database.close()
+        self.assertEqual(numbers(), before)
+        database = sqlite3.connect(self.folder / "store/index/neph.sqlite")
+        self.assertEqual(database.execute("PRAGMA user_version").fetchone(), (2,))
+        self.assertEqual(database.execute("SELECT DISTINCT frame FROM measurements").fetchall(),
+                         [("",)])
+        database.close()
+
     def kill_what_works_in(self, folder):
         """Whether there was anything."""
         for process in pathlib.Path("/proc").glob("[0-9]*"):
@@ -130,6 +167,45 @@ class Nightly(unittest.TestCase):
         suite = xml.etree.ElementTree.parse(self.folder / "nightly/junit.xml").getroot()
         failed = [case.get("name") for case in suite if case.find("failure") is not None]
         self.assertIn(worst["series"], failed)
+        self.assert_the_page_shows(worst["series"])
+
+    def assert_the_page_shows(self, series):
+        """With both pictures, its course and the command; e2e_night_page.py looks at it."""
+        page = self.folder / "nightly/report"
+        data = json.loads((page / "data.json").read_text())
+        shown = data["findings"][0]
+        self.assertEqual((data["state"], shown["series"]), ("finished", series))
+        self.assertIn("-s march:steps=56", shown["command"])
+        self.assertEqual([point["night"] for point in shown["trend"]], [1, 2])
+        self.assertGreater(shown["shown"]["difference"]["changed"], 0.5)
+        names = [shown["shown"][side]["picture"] for side in ("accepted", "tonight", "difference")]
+        self.assertEqual(len(set(names)), 3)
+        for name in names:
+            self.assertTrue((page / name).read_bytes().startswith(b"\x89PNG"), name)
+
+    @night.of_the_night
+    def test_other_seeds_are_no_alarm_and_a_fresh_store_gives_the_same(self):
+        slab = ["nightly", "--only", "catalog height_fog_down", "--only",
+                "catalog scattering_slab_above", "--size", "32x18", "-q", "--once"]
+        self.neph(*slab, code=1, env=LONELY)
+        first = self.values()
+        self.setUp()
+        self.neph(*slab, code=1, env=LONELY)
+        self.assertEqual(self.values(), first)  # tracers, too: the seed is the same
+        self.accept()
+        for seed in (2, 3, 4):
+            self.neph(*slab, "--seed", seed, env=LONELY)
+            self.assertEqual(self.data()["findings"], [])
+            self.assertEqual(self.data()["compared"], len(first) - self.count("contrast"))
+            other = {name for name, value in self.values().items() if value != first[name]}
+            self.assertTrue(other)
+            self.assertEqual({name.split("/")[2] for name in other}, {"tracer"})
+
+    def values(self):
+        return {row["series"]: row["tonight"] for row in self.data()["series"]}
+
+    def count(self, metric):
+        return sum(name.split("/")[3] == metric for name in self.values())
 
     @night.of_the_night
     def test_a_change_that_was_meant_is_accepted(self):
