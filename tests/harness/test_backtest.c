@@ -504,9 +504,9 @@ static void test_nights_are_drawn_from_a_store(void **state)
     free(world);
 }
 
-/* Real nights of two cores that a dozen other programs were using (tests/data/README.md): as a night
- * has them, without the durations of steps during which the machine was too busy, and with those,
- * which are off by factors. Nothing is promised of what is found there but that it is told. */
+/* Real nights of two cores that a dozen other programs were using (tests/data/README.md): as a
+ * night has them, without the durations of steps during which the machine was too busy, and with
+ * those, which are off by factors. */
 static void test_nights_of_a_loaded_machine(void **state)
 {
     (void)state;
