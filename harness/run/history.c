@@ -33,6 +33,11 @@ static char *document_path(const char *store_folder, enum document kind, int64_t
                        (long long)number);
 }
 
+char *neph_history_document_path(const char *store_folder, int64_t night)
+{
+    return document_path(store_folder, NIGHT, night);
+}
+
 /* -1: it is none of this kind. */
 static int64_t number_of(const char *name, enum document kind)
 {
@@ -306,6 +311,15 @@ static enum neph_status forget_unfinished(struct neph_database *index, int64_t b
     return status;
 }
 
+static enum neph_status insert_beginning(struct neph_database *index,
+                                         const struct neph_history_night *night, int64_t id,
+                                         const char *started_utc, struct neph_diag *diag)
+{
+    return neph_database_do(index, diag, "INSERT INTO nights VALUES (?, ?, '', ?, ?, ?, ?, '')",
+                            "isssss", id, started_utc, night->plan, night->revision, night->program,
+                            night->host);
+}
+
 /* One of its own: acceptances know nights that have no rows. */
 static enum neph_status insert_new_night(struct neph_database *index, const char *store_folder,
                                          const struct neph_history_night *night, int64_t *id,
@@ -320,11 +334,7 @@ static enum neph_status insert_new_night(struct neph_database *index, const char
         "");
     if (!status)
         status = next_number(store_folder, NIGHT, id, diag);
-    return status ? status
-                  : neph_database_do(index, diag,
-                                     "INSERT INTO nights VALUES (?, ?, '', ?, ?, ?, ?, '')",
-                                     "isssss", *id, now, night->plan, night->revision,
-                                     night->program, night->host);
+    return status ? status : insert_beginning(index, night, *id, now, diag);
 }
 
 static enum neph_status find_or_insert_night(struct neph_database *index, const char *store_folder,
@@ -365,6 +375,28 @@ enum neph_status neph_history_begin(struct neph_database *index, const char *sto
         *id = found;
         *resumed = is_old;
     }
+    return status;
+}
+
+enum neph_status neph_history_adopt(struct neph_database *index, const char *store_folder,
+                                    const struct neph_history_night *night, int64_t id,
+                                    const char *started_utc, struct neph_diag *diag)
+{
+    bool taken = false;
+    enum neph_status status = is_taken(store_folder, NIGHT, id, &taken, diag);
+    if (!status && taken)
+        status = neph_fail(diag, NEPH_ERR_IO, "night %lld is over: its document is in '%s/history'",
+                           (long long)id, store_folder);
+    if (!status)
+        status = neph_database_begin(index, diag);
+    if (status)
+        return status;
+    status = forget_unfinished(index, 0, diag);
+    if (!status)
+        status = insert_beginning(index, night, id, started_utc, diag);
+    if (!status)
+        return neph_database_commit(index, diag);
+    neph_database_rollback(index);
     return status;
 }
 
