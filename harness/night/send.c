@@ -97,6 +97,7 @@ static enum neph_status find_night(struct sending *sending, struct neph_diag *di
     const struct neph_history_night who = neph_night_who(work->night);
     bool found = false;
     int left = 0;
+    neph_night_jobs_finish(&work->jobs);
     enum neph_status status = neph_night_jobs_read(work->params->output, &work->night->arena,
                                                    &work->jobs, &found, diag);
     if (!status && found)
@@ -297,7 +298,7 @@ static enum neph_status cancel(struct sending *sending, struct neph_diag *diag)
 static enum neph_status hand_over(struct sending *sending, struct neph_diag *diag)
 {
     enum neph_status status = find_night(sending, diag);
-    if (!status)
+    if (!status && (sending->work->night->id == 0 || sending->work->jobs.night == 0))
         status = begin(sending, diag);
     if (!status)
         status = look_for_done(sending, diag);
@@ -307,7 +308,7 @@ static enum neph_status hand_over(struct sending *sending, struct neph_diag *dia
 }
 
 /* The report job waits for the lock, which is held only while jobs are handed over. */
-static enum neph_status send(struct sending *sending, struct neph_diag *diag)
+static enum neph_status hand_over_locked(struct sending *sending, struct neph_diag *diag)
 {
     int lock = -1;
     enum neph_status status = neph_night_lock(sending->work, false, &lock, diag);
@@ -315,8 +316,18 @@ static enum neph_status send(struct sending *sending, struct neph_diag *diag)
         status = hand_over(sending, diag);
         close(lock);
     }
-    if (!status)
-        status = wait_for_jobs(sending, diag);
+    return status;
+}
+
+/* Jobs that were there and ended without a report were cancelled: then it is our turn. */
+static enum neph_status send(struct sending *sending, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    do {
+        status = hand_over_locked(sending, diag);
+        if (!status)
+            status = wait_for_jobs(sending, diag);
+    } while (!status && sending->is_there && !is_over(sending));
     if (status == NEPH_ERR_INTERRUPTED && sending->work->jobs.night > 0)
         return cancel(sending, diag);
     return status ? status : check_report(sending, diag);
