@@ -43,9 +43,9 @@ static const struct neph_cli_option options[] = {
      "What Slurm is told: timing or gpu=FEATURE of the hosts that are for durations or have a GPU, "
      "partition=NAME, at_once=COUNT, arguments=\"WORDS for sbatch\"",
      NEPH_CLI_WORDS, .at = offsetof(struct request, slurm)},
-    {"step", 0, "NAME", "What jobs of an executor do: run this step alone and leave its numbers",
+    {"step", 0, "NAME", "What a job of an executor does: run this step alone and leave its numbers",
      NEPH_CLI_WORD, .at = offsetof(struct request, step)},
-    {"report", 0, NULL, "What its last job does: run no step, end the night with what jobs left",
+    {"report", 0, NULL, "What the last of its jobs does: run no step, end the night with what the others left",
      NEPH_CLI_FLAG, .at = offsetof(struct request, reports)},
     {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
      .at = offsetof(struct request, lists)},
