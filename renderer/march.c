@@ -149,6 +149,11 @@ static enum neph_status check_diffusion(const struct neph_light_diffusion *diffu
     return check_range("diffusion_cycles", diffusion->cycles, NEPH_DIFFUSION_CYCLES_MAX, diag);
 }
 
+static bool looks_ahead(const struct neph_march_params *params)
+{
+    return params->lighting == NEPH_MARCH_TRACED && params->light.looks_ahead;
+}
+
 enum neph_status neph_march_check(const struct neph_scene *scene,
                                   const struct neph_march_params *params, struct neph_diag *diag)
 {
@@ -169,7 +174,7 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     status = neph_shortcuts_check(params, diag);
     if (!status && params->lighting == NEPH_MARCH_TRACED)
         status = check_light(&params->light, diag);
-    if (!status && params->lighting == NEPH_MARCH_DIFFUSED)
+    if (!status && (params->lighting == NEPH_MARCH_DIFFUSED || looks_ahead(params)))
         status = check_diffusion(&params->diffusion, diag);
     if (status)
         return status;

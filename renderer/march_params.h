@@ -79,6 +79,7 @@ struct neph_light_paths {
     int rounds;         /* of all paths in a picture: 1..NEPH_LIGHT_ROUNDS_MAX */
     int memory;         /* pictures over which sums fade; 1: each picture is by itself */
     double blur_texels; /* standard deviation of the blur; 0: none */
+    bool looks_ahead;   /* by diffused light, of which .diffusion says how fine (traced_light.h) */
     uint32_t seed;
 };
 
@@ -88,7 +89,7 @@ struct neph_light_paths {
 #define NEPH_LIGHT_MEMORY_MAX 65536
 #define NEPH_LIGHT_BLUR_MAX 2.0
 
-/* Cells of diffused light, for NEPH_MARCH_DIFFUSED alone. */
+/* Cells of diffused light, for NEPH_MARCH_DIFFUSED and for traced light that looks ahead. */
 struct neph_light_diffusion {
     int cells;  /* along the longest side of all shapes: NEPH_DIFFUSION_CELLS_MIN.._MAX */
     int cycles; /* multigrid cycles in a picture: 1..NEPH_DIFFUSION_CYCLES_MAX */

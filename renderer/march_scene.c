@@ -61,7 +61,29 @@ static void show_scene(const struct neph_scene *from, const struct neph_march_pa
     neph_march_set_frame(from, params, scene->gpu.frame);
 }
 
-/* Light of higher orders, of whichever kind. */
+static bool diffuses(const struct neph_march_scene *scene)
+{
+    return scene->diffused_light.level_count > 0;
+}
+
+/* What a march shows of higher orders, or paths look ahead to: by what the walk takes no part in
+ * (light_walk.comp), it is solved once, when pictures begin. */
+static enum neph_status diffuse(const struct neph_scene *from, double frame,
+                                const struct neph_march_moment *moment,
+                                struct neph_march_scene *scene, struct neph_dispatch bound,
+                                double *gpu_s, struct neph_diag *diag)
+{
+    struct neph_diffused_light *light = &scene->diffused_light;
+    if (scene->traced_light.params.light.looks_ahead && moment->continues && light->is_filled) {
+        neph_diffused_light_place(light, from, frame, &scene->gpu);
+        return NEPH_OK;
+    }
+    neph_skip_cells_bind(&scene->skip_cells, &bound);
+    return neph_diffused_light_solve(light, from, frame, &scene->gpu, &bound, moment->continues,
+                                     scene->sun_cache.stale_parts > 0, gpu_s, diag);
+}
+
+/* Light of higher orders, of whichever kind. Paths have majorants in place of skipped cells. */
 static enum neph_status find_light(const struct neph_scene *from, double frame,
                                    const struct neph_march_moment *moment,
                                    struct neph_march_scene *scene, double *gpu_s,
@@ -71,14 +93,12 @@ static enum neph_status find_light(const struct neph_scene *from, double frame,
     const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m};
     neph_gpu_scene_bind(&scene->gpu, &bound);
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
-    const enum neph_status status = neph_traced_light_trace(
-        &scene->traced_light, from, &scene->gpu, &bound, &view, moment->continues, gpu_s, diag);
-    if (status)
-        return status;
-    neph_skip_cells_bind(&scene->skip_cells, &bound); /* which paths have majorants in place of */
-    return neph_diffused_light_solve(&scene->diffused_light, from, frame, &scene->gpu, &bound,
-                                     moment->continues, scene->sun_cache.stale_parts > 0, gpu_s,
-                                     diag);
+    bound.buffers[NEPH_GPU_SCENE_BUFFERS + 3] = diffuses(scene) ? &scene->diffused_light.field
+                                                                : &scene->traced_light.smoothed;
+    const enum neph_status status = diffuse(from, frame, moment, scene, bound, gpu_s, diag);
+    return status ? status
+                  : neph_traced_light_trace(&scene->traced_light, from, &scene->gpu, &bound, &view,
+                                            moment->continues, gpu_s, diag);
 }
 
 enum neph_status neph_march_scene_show(const struct neph_scene *from,
@@ -98,7 +118,7 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
 
 static const struct neph_buffer *higher_orders(const struct neph_march_scene *scene)
 {
-    if (scene->diffused_light.level_count > 0)
+    if (diffuses(scene) && scene->diffused_light.is_shown)
         return &scene->diffused_light.field;
     return scene->slab_light.vulkan ? &scene->slab_light.table : &scene->traced_light.smoothed;
 }

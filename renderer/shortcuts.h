@@ -12,7 +12,8 @@
 
 /* Words of the choices. */
 extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_grid_samplings[],
-                                                                     *const neph_texel_formats[];
+                                                                     *const neph_texel_formats[],
+                                                                         *const neph_lights_ahead[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -81,18 +82,28 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
             "lighting=traced: standard deviation of the blur in texels; 0: none"                   \
     }
 
+#define NEPH_OPTION_LIGHT_AHEAD                                                                    \
+    {                                                                                              \
+        "light_ahead", NEPH_OPTION_CHOICE, 0, 0, 0, neph_lights_ahead,                             \
+            "lighting=traced: diffusion: paths under way count what light that diffuses says "     \
+            "they "                                                                                \
+            "will bring home, and take it back as they do; after a cut, light that has come "      \
+            "through much is there at once"                                                        \
+    }
+
 /* Nor is diffused light. */
 #define NEPH_OPTION_DIFFUSION_CELLS                                                                \
     {                                                                                              \
         "diffusion_cells", NEPH_OPTION_INTEGER, 64, NEPH_DIFFUSION_CELLS_MIN,                      \
             NEPH_DIFFUSION_CELLS_MAX, NULL,                                                        \
-            "lighting=diffused: cells along the longest side of all clouds' bounds; a column of "  \
-            "fog has eight times as many"                                                          \
+            "lighting=diffused, light_ahead=diffusion: cells along the longest side of all "       \
+            "clouds' bounds; a column of fog has eight times as many"                              \
     }
 #define NEPH_OPTION_DIFFUSION_CYCLES(value)                                                        \
     {                                                                                              \
         "diffusion_cycles", NEPH_OPTION_INTEGER, value, 1, NEPH_DIFFUSION_CYCLES_MAX, NULL,        \
-            "lighting=diffused: multigrid cycles in a picture, until light is at rest"             \
+            "lighting=diffused: multigrid cycles in a picture, until light is at rest; "           \
+            "light_ahead=diffusion: in the first, 16 at least"                                     \
     }
 
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the

@@ -38,6 +38,9 @@ enum {
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
     OPTION_LIGHT_BLUR,
+    OPTION_LIGHT_AHEAD,
+    OPTION_AHEAD_CELLS,
+    OPTION_AHEAD_CYCLES,
     OPTION_DIFFUSION_CELLS = OPTION_LIGHT_TEXEL, /* from here on of march_diffused alone */
     OPTION_DIFFUSION_CYCLES,
 };
@@ -88,6 +91,9 @@ static const struct neph_option options_of_traced[] = {
     [OPTION_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(8),
     [OPTION_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(64),
     [OPTION_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
+    [OPTION_LIGHT_AHEAD] = NEPH_OPTION_LIGHT_AHEAD,
+    [OPTION_AHEAD_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
+    [OPTION_AHEAD_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(24),
     {.name = NULL},
 };
 
@@ -151,6 +157,7 @@ static struct neph_light_paths light_of(const struct neph_shot *shot)
         .rounds = (int)values[OPTION_LIGHT_ROUNDS],
         .memory = 1,
         .blur_texels = values[OPTION_LIGHT_BLUR],
+        .looks_ahead = values[OPTION_LIGHT_AHEAD] != 0.0,
         .seed = (uint32_t)shot->seed,
     };
 }
@@ -176,8 +183,11 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                       .grid_texture = values[OPTION_GRID_SAMPLING] != 0.0,
                       .grid_format = (enum neph_texel_format)(int)values[OPTION_GRID_FORMAT]},
     };
-    if (sequence->lighting == NEPH_MARCH_TRACED)
+    if (sequence->lighting == NEPH_MARCH_TRACED) {
         params.light = light_of(shot);
+        params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_AHEAD_CELLS],
+                                                         (int)values[OPTION_AHEAD_CYCLES]};
+    }
     if (sequence->lighting == NEPH_MARCH_DIFFUSED)
         params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_DIFFUSION_CELLS],
                                                          (int)values[OPTION_DIFFUSION_CYCLES]};

@@ -4,10 +4,8 @@
  * history, the whole compared with the accepted night. A night that was killed or interrupted goes
  * on where it stopped, with the same plan, program and revision.
  *
- * Frames of our own engines are stored by the digest of the program, too, so that a change of the
- * code is seen although nobody has raised an engine's version; as long as the program is the same
- * they are not rendered again, but for a step or two in turn, which must give the same numbers to
- * the last bit in an empty folder.
+ * As long as the program is the same its frames are not rendered again, but for a step or two in
+ * turn, which must give the same numbers to the last bit in an empty folder.
  *
  * Who runs the steps is the executor: this process, one after the other, or Slurm (send.h).
  */

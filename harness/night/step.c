@@ -25,15 +25,13 @@ enum { WORDS_MAX = NEPH_STEP_WORDS + 5 };
 enum neph_status neph_step_place_settle(struct neph_step_place *place, bool has_database,
                                         struct neph_diag *diag)
 {
-    const char *but[] = {
-        "NEPH_FRAMES_OF_PROGRAM=", has_database ? NULL : "NEPH_STORE_INDEX=", NULL};
+    const char *const but[] = {has_database ? NULL : "NEPH_STORE_INDEX=", NULL};
     int count = 0;
-    place->variables[count++] = "NEPH_FRAMES_OF_PROGRAM=1";
     if (!has_database)
         place->variables[count++] = "NEPH_STORE_INDEX=none";
     if (neph_child_inherit(&place->variables[count], NEPH_STEP_VARIABLES - count, but) < 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "the environment has more than %d variables",
-                         NEPH_STEP_VARIABLES - 3);
+                         NEPH_STEP_VARIABLES - 2);
     return NEPH_OK;
 }
 

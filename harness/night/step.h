@@ -22,8 +22,8 @@ struct neph_step_place {
     const char *variables[NEPH_STEP_VARIABLES]; /* of the environment, NULL-terminated */
 };
 
-/* Fill the variables: a step sees what the user gave to the night, and files frames by the program
- * that made them; without the database of their store (run/index.h) if that is another host's.
+/* Fill the variables: a step sees what the user gave to the night; without `has_database` it
+ * opens no database of its store (run/index.h).
  * NEPH_ERR_USAGE: there are too many. */
 enum neph_status neph_step_place_settle(struct neph_step_place *place, bool has_database,
                                         struct neph_diag *diag);

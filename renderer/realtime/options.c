@@ -375,5 +375,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_ORIGIN_SHIFT] = CHOICE("origin_shift", 1, switches,
                                "history follows where the world's origin is moved (inject.origin); "
                                "off: as if the camera had gone so far"),
+    [RT_LIGHT_AHEAD] = NEPH_OPTION_LIGHT_AHEAD,
     {.name = NULL},
 };

@@ -177,7 +177,7 @@ vec3 higher_light(vec2 place_px)
         vec2 weight = mix(1.0 - part, part, vec2(step));
         sum += weight.x * weight.y * higher_orders[at.x + size.x * at.y];
     }
-    return sum.w > 0.0 ? sum.rgb / sum.w : vec3(0.0);
+    return sum.w > 0.0 ? max(sum.rgb, vec3(0.0)) / sum.w : vec3(0.0); // more may be taken back
 }
 
 // In-scattered radiance of the whole ray through a place of the picture.

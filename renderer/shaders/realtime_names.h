@@ -133,7 +133,9 @@
 // What moves beside the camera and the air.
 #define RT_SOLID_MOTION 108
 #define RT_ORIGIN_SHIFT 109
-#define RT_SETTING_COUNT 110
+// Traced light, once more.
+#define RT_LIGHT_AHEAD 110
+#define RT_SETTING_COUNT 111
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
