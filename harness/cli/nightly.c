@@ -45,7 +45,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORDS, .at = offsetof(struct request, slurm)},
     {"step", 0, "NAME", "What a job of an executor does: run this step alone and leave its numbers",
      NEPH_CLI_WORD, .at = offsetof(struct request, step)},
-    {"report", 0, NULL, "What the last of its jobs does: run no step, end the night with what the others left",
+    {"report", 0, NULL, "What the last of its jobs does: end the night with what the others left",
      NEPH_CLI_FLAG, .at = offsetof(struct request, reports)},
     {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
      .at = offsetof(struct request, lists)},

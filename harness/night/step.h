@@ -39,7 +39,7 @@ enum neph_status neph_step_measure(const struct neph_step_place *place,
                                    const char *log, double limit_s,
                                    struct neph_night_numbers *numbers, struct neph_diag *diag);
 
-/* The same with a calibration before and after where something is timed. Only what ends the night
+/* Measure a step, with a calibration before and after where something is timed. What ends the night
  * is an error (NEPH_ERR_INTERRUPTED, NEPH_ERR_MEMORY); else `record` has the outcome. */
 enum neph_status neph_step_run(const struct neph_step_place *place,
                                const struct neph_night_step *step, const char *output,

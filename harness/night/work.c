@@ -152,7 +152,7 @@ enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag
     return status;
 }
 
-/* ---- who and where ----------------------------------------------------------------------------- */
+/* ---- who and where --------------------------------------------------------------------------- */
 
 enum neph_status neph_night_lock(const struct neph_night_work *work, bool waits, int *lock,
                                  struct neph_diag *diag)

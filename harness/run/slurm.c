@@ -351,7 +351,7 @@ enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
 
 /* ---- afterwards ------------------------------------------------------------------------------ */
 
-/* Of what squeue prints, states: "PENDING". Else it is a warning. */
+/* States, such as "PENDING", among what squeue prints; the rest are warnings. */
 static int count_states(const char *answer)
 {
     int count = 0;

@@ -24,7 +24,7 @@ struct neph_slurm_settings {
     const char *arguments; /* more words for each sbatch, between blanks */
 };
 
-/* Of words "KEY=VALUE", which they point into. NEPH_ERR_USAGE: no such key, or no value. */
+/* Read words "KEY=VALUE", which they point into. NEPH_ERR_USAGE: no such key, or no value. */
 enum neph_status neph_slurm_read_settings(const char *const *words, int count,
                                           struct neph_slurm_settings *settings,
                                           struct neph_diag *diag);
@@ -49,7 +49,8 @@ struct neph_slurm_batch {
 
 /* Hand all of it to Slurm; when that fails in the middle, what was handed over is cancelled.
  * NEPH_ERR_UNAVAILABLE: there is no sbatch. NEPH_ERR_USAGE: there are tasks for hosts of which
- * `settings` say nothing, or one with a line break in it. NEPH_ERR_ENGINE: Slurm refused, in its own words. */
+ * `settings` say nothing, or one with a line break in it. NEPH_ERR_ENGINE: Slurm refused, in its
+ * own words. */
 enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
                                    const struct neph_slurm_batch *batch, struct neph_diag *diag);
 

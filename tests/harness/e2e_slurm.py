@@ -18,7 +18,8 @@ import unittest
 import night
 
 NEPH = os.environ["NEPH"]
-# sbatch queues, each squeue runs one job of the queue; all note what they were told. With HOLD set nothing begins; with LOSE the jobs of arrays end without having run.
+# sbatch queues, each squeue runs one job of the queue; all note what they were told. With HOLD set
+# nothing begins; with LOSE the jobs of arrays end without having run.
 SLURM = r"""#!/bin/sh
 queue=${0%/*}/queue
 printf '%s' "${0##*/}" >>"$queue/told"
@@ -196,12 +197,13 @@ ReturnToService=2
 KillWait=2
 SlurmdTimeout=10
 MaxArraySize=3
-NodeName=n1 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[1]} CPUs=1 RealMemory=500
-NodeName=n2 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[2]} CPUs=1 RealMemory=500 Feature=quiet
+NodeName=n1 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[1]} CPUs=1
+NodeName=n2 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[2]} CPUs=1 Feature=quiet
 PartitionName=render Nodes=n1,n2 Default=YES MaxTime=60 State=UP
 """
 DAEMONS = ("munged", "slurmctld", "slurmd")
-MISSING = [name for name in DAEMONS if not shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin")]
+PATH = os.environ["PATH"] + ":/usr/sbin"
+MISSING = [name for name in DAEMONS if not shutil.which(name, path=PATH)]
 
 
 def free_ports(count):
@@ -227,7 +229,7 @@ class Loopback(Nights):
             ports=free_ports(3), user=getpass.getuser(), folder=self.cluster,
             host=socket.gethostname().split(".")[0]))
         self.environment |= {"SLURM_CONF": str(configuration),
-                             "PATH": os.environ["PATH"] + ":/usr/sbin"}
+                             "PATH": PATH}
         self.addCleanup(self.stop)
         self.start()
 
@@ -341,7 +343,8 @@ class Loopback(Nights):
         self.assert_stores_are_equal()
         jobs = [dict(word.split("=", 1) for word in line.split() if "=" in word)
                 for line in (self.cluster / "log/jobcomp.txt").read_text().splitlines()]
-        self.assertEqual({job["NodeList"] for job in jobs if job["JobState"] == "COMPLETED"}, {"n2"})
+        self.assertEqual({job["NodeList"] for job in jobs if job["JobState"] == "COMPLETED"},
+                         {"n2"})
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@
 
 #include <sys/stat.h>
 
-/* Answers with numbers from 1 on, below a warning; the second job is refused where REFUSE is set. */
+/* Numbers from 1 on, below a warning; where REFUSE is set, the second job is refused. */
 static const char fake[] =
     "#!/bin/sh\n"
     "here=${0%/*}\n"
