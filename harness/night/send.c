@@ -46,7 +46,8 @@ static bool has_hosts(const struct sending *sending, const struct neph_night_ste
 /* Before anything is written. */
 static enum neph_status check(const struct neph_slurm_settings *settings, struct neph_diag *diag)
 {
-    if (neph_index_place() != NEPH_INDEX_OF_HOST) {
+    const char *index = getenv("NEPH_STORE_INDEX");
+    if (neph_index_place() != NEPH_INDEX_OF_HOST || index[0] != '/') {
         neph_fail(diag, NEPH_ERR_USAGE,
                   "the database of a store that several hosts work in would be that of all of "
                   "them, which SQLite cannot do");

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/lock.h"
 #include "harness/progress.h"
 
 #include <ctype.h>
@@ -12,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const size_t document_limit_bytes = 256 << 20;
 
@@ -603,6 +605,28 @@ static enum neph_status number_acceptance(struct neph_database *index, const cha
     return status ? status : insert_acceptance(index, number, document, diag);
 }
 
+/* Hosts have databases of their own, and one lock on the store. */
+static enum neph_status insert_accepted(struct neph_database *index, const char *store_folder,
+                                        json_t *document, struct neph_diag *diag)
+{
+    int lock = -1;
+    char *path = neph_path_join(store_folder, ".neph-lock");
+    enum neph_status status = path ? neph_lock_wait(path, &lock, diag) : neph_fail_memory(diag);
+    free(path);
+    if (status)
+        return status;
+    status = neph_database_begin(index, diag);
+    if (!status) {
+        status = number_acceptance(index, store_folder, document, diag);
+        if (!status)
+            status = neph_database_commit(index, diag);
+        else
+            neph_database_rollback(index);
+    }
+    close(lock);
+    return status;
+}
+
 enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag)
@@ -617,14 +641,7 @@ enum neph_status neph_history_accept(struct neph_database *index, const char *st
         "series", series, "night", (json_int_t)night, "who", who, "when_utc", now, "why", why);
     status = neph_json_check(document, diag);
     if (!status)
-        status = neph_database_begin(index, diag);
-    if (!status) {
-        status = number_acceptance(index, store_folder, document, diag);
-        if (!status)
-            status = neph_database_commit(index, diag);
-        else
-            neph_database_rollback(index);
-    }
+        status = insert_accepted(index, store_folder, document, diag);
     json_decref(document);
     return status;
 }

@@ -128,13 +128,24 @@ class Queue(Nights):
         names = {word for words in (task, report) for word in words if "--job-name" in word}
         self.assertEqual(len(names), 1)
 
-    def test_what_is_lost_is_told_and_what_is_cancelled_goes_on(self):
+    def send_and_leave_waiting(self, asked):
+        """The command, after it has asked for its jobs so often."""
         child = subprocess.Popen([NEPH, *self.SENT, "-o", str(self.folder / "out")],
                                  env={**self.environment, "HOLD": "1"}, stderr=subprocess.PIPE,
                                  text=True)
-        while not (self.queue / "told").exists() or not self.told("squeue"):
+        self.addCleanup(child.stderr.close)
+        while not (self.queue / "told").exists() or len(self.told("squeue")) < asked:
             self.assertIsNone(child.poll())
             time.sleep(0.02)
+        return child
+
+    def test_what_is_lost_is_told_and_what_is_cancelled_goes_on(self):
+        child = self.send_and_leave_waiting(1)
+        child.kill()
+        child.wait()
+        asked = len(self.told("squeue"))
+        child = self.send_and_leave_waiting(asked + 2)
+        self.assertEqual(len(self.told("sbatch")), 2)  # it waits for the jobs of the first
         refused = self.neph(*self.SENT[:-2], code=69)  # here and by jobs at once
         self.assertIn("jobs named neph-", refused.stderr)
         refused = self.neph("nightly", "--only", "ridge_far", "--once", "--executor", "slurm",
@@ -142,7 +153,6 @@ class Queue(Nights):
         self.assertIn("another night", refused.stderr)
         child.send_signal(signal.SIGINT)
         self.assertEqual(child.wait(timeout=60), 130, child.stderr.read())
-        child.stderr.close()
         self.assertEqual(len(self.told("scancel")), 1)
         self.assertEqual([job.name for job in self.queue.glob("[0-9]*")], [])
         # The step's job is lost, and the report says so.
@@ -154,6 +164,7 @@ class Queue(Nights):
     def test_what_cannot_be_sent_is_refused(self):
         sent = self.SENT
         self.assertIn("NEPH_STORE_INDEX=/", self.neph(*sent, code=64, NEPH_STORE_INDEX="").stderr)
+        self.assertIn("NEPH_STORE_INDEX=/", self.neph(*sent, code=64, NEPH_STORE_INDEX="a").stderr)
         self.assertIn("gpu=FEATURE", self.neph(*sent, code=64, NEPH_VULKAN_DEVICE="geforce").stderr)
         self.assertIn("no such key", self.neph(*sent, "--slurm", "hosts=a", code=64).stderr)
         self.assertIn("local or slurm", self.neph(*sent, "--executor", "dask", code=64).stderr)

@@ -799,6 +799,7 @@ static void test_a_step_without_a_time_leaves_its_night_out(void **state)
 }
 
 /* Each has a number and a document. */
+/* On two hosts, which see of each other files alone. */
 static void test_acceptances_at_the_same_time_are_all_kept(void **state)
 {
     enum { RUNS = 4, EACH = 5 };
@@ -810,6 +811,7 @@ static void test_acceptances_at_the_same_time_are_all_kept(void **state)
         pids[run] = fork();
         if (pids[run] != 0)
             continue;
+        be_host(state, run % 2 == 0 ? "" : "disk_b");
         for (int i = 0; i < EACH; i++)
             accept(store, "*", 1, NEPH_OK);
         _exit(0);
