@@ -28,7 +28,12 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
     if (!status)
         status = neph_skip_cells_create(vulkan, from, params, &scene->skip_cells, diag);
     if (!status)
-        status = neph_sun_cache_create(vulkan, from, &scene->gpu, params, &scene->sun_cache, diag);
+        status = neph_cloud_shadow_create(vulkan, from, &scene->gpu, params, &scene->cloud_shadow,
+                                          diag);
+    if (!status)
+        status = neph_sun_cache_create(vulkan, from, &scene->gpu, params,
+                                       neph_cloud_shadow_values(&scene->cloud_shadow),
+                                       &scene->sun_cache, diag);
     if (!status)
         status = neph_traced_light_create(vulkan, from, &scene->gpu, params, &scene->traced_light,
                                           diag);
@@ -43,6 +48,7 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
     neph_slab_light_destroy(&scene->slab_light);
     neph_diffused_light_destroy(&scene->diffused_light);
     neph_traced_light_destroy(&scene->traced_light);
+    neph_cloud_shadow_destroy(&scene->cloud_shadow);
     neph_sun_cache_destroy(&scene->sun_cache);
     neph_skip_cells_destroy(vulkan, &scene->skip_cells);
     neph_turns_destroy(vulkan, &scene->solid_turns);
@@ -80,7 +86,7 @@ static enum neph_status diffuse(const struct neph_scene *from, double frame,
     }
     neph_skip_cells_bind(&scene->skip_cells, &bound);
     return neph_diffused_light_solve(light, from, frame, &scene->gpu, &bound, moment->continues,
-                                     scene->sun_cache.stale_parts > 0, gpu_s, diag);
+                                     scene->sun_cache.fill.stale_parts > 0, gpu_s, diag);
 }
 
 /* Light of higher orders, of whichever kind. Paths have majorants in place of skipped cells. */
@@ -107,12 +113,16 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
                                        struct neph_march_scene *scene,
                                        struct neph_march_scene_cost *cost, struct neph_diag *diag)
 {
+    *cost->fill = (struct neph_sun_fill_cost){.dispatches = 0};
     show_scene(from, params, frame, scene);
     enum neph_status status = neph_skip_cells_place(&scene->skip_cells, from, frame,
                                                     scene->gpu.frame, diag);
     if (!status)
         status = neph_sun_cache_fill(&scene->sun_cache, from, frame, &scene->gpu,
                                      &scene->skip_cells, cost->fill, diag);
+    if (!status)
+        status = neph_cloud_shadow_fill(&scene->cloud_shadow, from, frame, &scene->gpu,
+                                        &scene->skip_cells, &scene->sun_cache, cost->fill, diag);
     return status ? status : find_light(from, frame, moment, scene, cost->light_gpu_s, diag);
 }
 

@@ -12,8 +12,9 @@
 
 /* Words of the choices. */
 extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_grid_samplings[],
-                                                                     *const neph_texel_formats[],
-                                                                         *const neph_lights_ahead[];
+                                                                     *const neph_texel_formats[];
+extern const char *const neph_lights_ahead[], *const neph_cloud_shadows[];
+extern const char *const neph_shadow_planes[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -58,6 +59,41 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
     {                                                                                              \
         "grid_format", NEPH_OPTION_CHOICE, NEPH_TEXEL_R16F, 0, 0, neph_texel_formats,              \
             "grid_sampling=texture: what a texel holds, the density over the grid's largest"       \
+    }
+
+#define NEPH_OPTION_CLOUD_SHADOW                                                                   \
+    {                                                                                              \
+        "cloud_shadow", NEPH_OPTION_CHOICE, 0, 0, 0, neph_cloud_shadows,                           \
+            "map: sunlight on solids, and on fog where no cloud is, has come through a shadow map" \
+            " of the clouds, in place of a ray for each point"                                     \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_TEXELS                                                            \
+    {                                                                                              \
+        "cloud_shadow_texels", NEPH_OPTION_INTEGER, 512, NEPH_SHADOW_TEXELS_MIN,                   \
+            NEPH_SHADOW_TEXELS_MAX, NULL, "texels of that map along each side"                     \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_LAYERS                                                            \
+    {                                                                                              \
+        "cloud_shadow_layers", NEPH_OPTION_INTEGER, 1, 1, NEPH_SHADOW_LAYERS_MAX, NULL,            \
+            "optical depths of a texel between the clouds' far side and near side, for what is "   \
+            "between clouds; 1: a beer shadow map, linear in between"                              \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_LEVELS                                                            \
+    {                                                                                              \
+        "cloud_shadow_levels", NEPH_OPTION_INTEGER, 1, 1, NEPH_SHADOW_LEVELS_MAX, NULL,            \
+            "such maps around the camera, each a quarter as wide as the next"                      \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_EXTENT                                                            \
+    {                                                                                              \
+        "cloud_shadow_extent_m", NEPH_OPTION_REAL, 0, 0, NEPH_SHADOW_EXTENT_MAX_M, NULL,           \
+            "side of the widest of them, around the camera; beyond it sun rays go on as ever; 0: " \
+            "all clouds"                                                                           \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_PLANE                                                             \
+    {                                                                                              \
+        "cloud_shadow_plane", NEPH_OPTION_CHOICE, NEPH_SHADOW_LEVEL, 0, 0, neph_shadow_planes,     \
+            "what texels lie on: a level plane through the clouds, with which they stay, or the "  \
+            "plane across the sunlight, which turns with the sun"                                  \
     }
 
 /* Traced light is no shortcut, but its rows are shared as well. */

@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/night/output.h"
+#include "harness/night/page.h"
 #include "harness/night/send.h"
 
 #include <math.h>
@@ -15,12 +16,15 @@
 
 static const size_t report_limit_bytes = 256 << 20;
 
+/* Of the page's pictures; a report is to stay under 60 MB with its numbers. */
+static const size_t pictures_limit_bytes = 50000000;
+
 struct request {
     struct neph_cli_shared shared;
     const char *tier, *revision, *executor, *step;
-    struct neph_cli_words only, slurm;
+    struct neph_cli_words only, engines, slurm;
     double minutes;
-    int against;
+    int against, seed;
     bool lists, once, reports;
 };
 
@@ -35,6 +39,8 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, revision)},
     {"against", 0, "N", "Compare with night N (default: the last that was accepted)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, against), .minimum = 1, .maximum = 1e9},
+    {"seed", 0, "N", "The N-th seed of engines that draw paths, in the catalogue (default: 1)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {"once", 0, NULL, "Run no step a second time", NEPH_CLI_FLAG,
      .at = offsetof(struct request, once)},
     {"executor", 0, "NAME", "Who runs the steps: local, one after the other, or slurm, as its jobs",
@@ -49,6 +55,9 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_FLAG, .at = offsetof(struct request, reports)},
     {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
      .at = offsetof(struct request, lists)},
+    {"engine", 'e', "NAME",
+     "An engine more for the catalogue, such as command; may be given several times",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, engines)},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine in the catalogue, as if it were the default"},
@@ -132,14 +141,20 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
                      neph_night_verdict(&night->comparison).verb, output);
 }
 
-static enum neph_status run_here(const struct request *request,
-                                 const struct neph_night_params *params, struct neph_store *store,
-                                 struct neph_diag *diag)
+static enum neph_status run_here(const struct request *request, struct neph_night_params *params,
+                                 struct neph_store *store, struct neph_diag *diag)
 {
+    struct neph_night_page *page = NULL;
     struct neph_night night = {.id = 0};
-    enum neph_status status = neph_night_run(params, store, &night, diag);
+    enum neph_status status = neph_night_page_open(params->output, request->tier, store,
+                                                   pictures_limit_bytes, &page, diag);
+    params->show = neph_night_page_publish;
+    params->context = page;
+    if (!status)
+        status = neph_night_run(params, store, &night, diag);
     if (!status)
         status = tell(request, &night, diag);
+    neph_night_page_close(page);
     const bool is_told = status == NEPH_OK || status == NEPH_ERR_GATE;
     if (params->reports && is_told && neph_night_jobs_forget(params->output, NULL))
         neph_progress_warn("'%s/nightly/jobs' could not be removed", params->output);
@@ -201,7 +216,7 @@ static enum neph_status send(const struct request *request, const struct neph_ni
     return status;
 }
 
-static enum neph_status run(const struct request *request, const struct neph_night_params *params,
+static enum neph_status run(const struct request *request, struct neph_night_params *params,
                             char **words, struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
@@ -226,21 +241,24 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
     memcpy(words, argv + 1, (size_t)(argc - 1) * sizeof(*words));
     neph_cli_parse(&syntax, argc, argv, &request);
     const struct neph_cli_shared *shared = &request.shared;
-    const struct neph_night_params params = {
-        .plan = {.tier = request.tier,
-                 .only = request.only.list,
-                 .only_count = request.only.count,
-                 .settings = shared->settings.list,
-                 .setting_count = shared->settings.count,
-                 .width_px = shared->size.width_px,
-                 .height_px = shared->size.height_px},
-        .output = shared->output,
-        .revision = request.revision ? request.revision : "",
-        .budget_s = isnan(request.minutes) ? INFINITY : 60.0 * request.minutes,
-        .against = request.against > 0 ? request.against : 0,
-        .once = request.once,
-        .reports = request.reports,
-        .quiet = shared->quiet || shared->json};
+    struct neph_night_params params = {.plan = {.tier = request.tier,
+                                                .only = request.only.list,
+                                                .only_count = request.only.count,
+                                                .seed = request.seed > 0 ? request.seed : 1,
+                                                .engines = request.engines.list,
+                                                .engine_count = request.engines.count,
+                                                .settings = shared->settings.list,
+                                                .setting_count = shared->settings.count,
+                                                .width_px = shared->size.width_px,
+                                                .height_px = shared->size.height_px},
+                                       .output = shared->output,
+                                       .revision = request.revision ? request.revision : "",
+                                       .budget_s = isnan(request.minutes) ? INFINITY
+                                                                          : 60.0 * request.minutes,
+                                       .against = request.against > 0 ? request.against : 0,
+                                       .once = request.once,
+                                       .reports = request.reports,
+                                       .quiet = shared->quiet || shared->json};
     enum neph_status status = look_at_plan(&params.plan, request.lists, diag);
     if (!status && request.step)
         status = neph_night_run_step(&params, request.step, diag);

@@ -32,6 +32,13 @@ static enum neph_status keep_step(struct neph_night_work *work,
     return status;
 }
 
+static enum neph_status show(struct neph_night_work *work, struct neph_diag *diag)
+{
+    work->night->seconds = neph_wall_s() - work->start_s;
+    return work->params->show ? work->params->show(work->night, work->params->context, diag)
+                              : NEPH_OK;
+}
+
 static enum neph_status run_steps(struct neph_night_work *work, struct neph_diag *diag)
 {
     struct neph_night *night = work->night;
@@ -54,6 +61,7 @@ static enum neph_status run_steps(struct neph_night_work *work, struct neph_diag
             break;
         neph_night_note(work, index, record.outcome, record.reason);
         work->longest_s[index] = fmax(work->longest_s[index], record.wall_s);
+        status = show(work, diag);
         neph_progress_step(&work->progress, record.name, record.outcome, record.wall_s);
     }
     return status;
@@ -100,8 +108,17 @@ static enum neph_status collect_steps(struct neph_night_work *work, struct neph_
 static void find_otherwise(struct neph_night_work *work, const char *series,
                            const struct neph_night_step *step, const char *words, double value)
 {
-    const struct neph_finding finding = {
-        NEPH_FOUND_BITS, series, step->name, words, value, NAN, NAN, NAN, NAN};
+    const struct neph_finding finding = {.found = NEPH_FOUND_BITS,
+                                         .series = series,
+                                         .step = step->name,
+                                         .words = words,
+                                         .tonight = value,
+                                         .baseline = NAN,
+                                         .change = NAN,
+                                         .p = NAN,
+                                         .floor = NAN,
+                                         .standard_error = NAN,
+                                         .example = strchr(series, '/') ? series : ""};
     neph_night_add_finding(&work->night->comparison, &finding);
 }
 
@@ -320,6 +337,8 @@ static enum neph_status run(struct neph_night_work *work, struct neph_diag *diag
     enum neph_status status = neph_night_begin(work, diag);
     work->progress = neph_progress_start(work->params->quiet, night->plan.count);
     if (!status)
+        status = show(work, diag);
+    if (!status)
         status = work->params->reports ? collect_steps(work, diag) : run_steps(work, diag);
     if (!status)
         status = compare(work, diag);
@@ -329,8 +348,10 @@ static enum neph_status run(struct neph_night_work *work, struct neph_diag *diag
         status = neph_arena_check(&night->comparison.arena, diag);
     if (!status)
         status = end(work, diag);
+    night->is_over = !status;
+    if (!status)
+        status = show(work, diag);
     neph_progress_end(&work->progress);
-    night->seconds = neph_wall_s() - work->start_s;
     return status;
 }
 

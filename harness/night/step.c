@@ -5,7 +5,6 @@
 #include "base/files.h"
 #include "harness/night/calibrate.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -38,11 +37,8 @@ enum neph_status neph_step_place_settle(struct neph_step_place *place, bool has_
 const char *neph_step_file(struct neph_arena *arena, const char *folder,
                            const struct neph_night_step *step, const char *ending)
 {
-    char name[128];
-    size_t i = 0;
-    for (; step->name[i] && i < sizeof(name) - 1; i++)
-        name[i] = isalnum((unsigned char)step->name[i]) ? step->name[i] : '_';
-    name[i] = '\0';
+    char name[NEPH_STEP_LOG_SIZE];
+    neph_night_step_log(step, name);
     return neph_arena_format(arena, "%s/%s%s", folder, name, ending);
 }
 

@@ -12,6 +12,8 @@
 #include "harness/progress.h"
 #include "harness/run/store.h"
 
+struct neph_night;
+
 struct neph_night_params {
     struct neph_night_plan_params plan;
     const char *output;   /* the folder of the store */
@@ -21,6 +23,10 @@ struct neph_night_params {
     bool once;            /* nothing is run a second time */
     bool reports;         /* jobs have run the steps: read what they have left */
     bool quiet;
+
+    /* Called with what is there so far; NULL: nobody looks. */
+    enum neph_status (*show)(const struct neph_night *night, void *context, struct neph_diag *diag);
+    void *context;
 };
 
 /* What became of a step: as in struct neph_history_step; NULL when it was not run. */
@@ -33,7 +39,7 @@ struct neph_night {
     struct neph_arena arena;
     struct neph_night_plan plan;
     int64_t id;
-    bool resumed;
+    bool resumed, is_over;
     const char *revision, *host, *program, *started_utc;
     const struct neph_night_outcome *outcomes; /* of the plan's steps */
     int done_count;                            /* steps that gave their numbers */

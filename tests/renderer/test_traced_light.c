@@ -226,7 +226,7 @@ static void trace(struct neph_vulkan *vulkan, const struct neph_scene *scene,
     static const struct neph_march_moment alone;
     struct neph_march_scene march = {.gpu = {.frame = NULL}};
     struct neph_diag diag = {0};
-    struct neph_sun_cache_cost fill = {.dispatches = 0};
+    struct neph_sun_fill_cost fill = {.dispatches = 0};
     double gpu_s = 0.0;
     struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
     neph_assert_ok(neph_march_scene_create(vulkan, scene, params, &march, &diag), &diag);
