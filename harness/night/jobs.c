@@ -196,9 +196,10 @@ static const char *record_path(const struct neph_night_jobs *jobs,
 
 static json_t *measurement_json(const struct neph_measurement *m)
 {
-    return json_pack("{s:s, s:s, s:o, s:o, s:s}", "series", m->series, "kind", m->kind, "value",
-                     neph_json_number(m->value), "standard_error",
-                     neph_json_number(m->standard_error), "environment", m->environment);
+    return json_pack("{s:s, s:s, s:o, s:o, s:s, s:s}", "series", m->series, "kind", m->kind,
+                     "value", neph_json_number(m->value), "standard_error",
+                     neph_json_number(m->standard_error), "environment", m->environment, "frame",
+                     m->frame);
 }
 
 enum neph_status neph_night_jobs_keep(const struct neph_night_jobs *jobs,
@@ -227,10 +228,12 @@ static void read_measurements(struct neph_arena *arena, const json_t *list,
     for (size_t i = 0; read && i < count; i++) {
         const json_t *m = json_array_get(list, i);
         read[i] = (struct neph_measurement){
-            neph_arena_text(arena, neph_json_text(m, "series")),
-            neph_arena_text(arena, neph_json_text(m, "kind")), neph_json_real(m, "value"),
-            neph_json_real(m, "standard_error"),
-            neph_arena_text(arena, neph_json_text(m, "environment"))};
+            .series = neph_arena_text(arena, neph_json_text(m, "series")),
+            .kind = neph_arena_text(arena, neph_json_text(m, "kind")),
+            .value = neph_json_real(m, "value"),
+            .standard_error = neph_json_real(m, "standard_error"),
+            .environment = neph_arena_text(arena, neph_json_text(m, "environment")),
+            .frame = neph_arena_text(arena, neph_json_text(m, "frame"))};
     }
     *numbers = (struct neph_night_numbers){.list = read, .count = (int)count};
 }

@@ -47,8 +47,8 @@ static void test_what_a_host_leaves_another_finds_to_the_last_bit(void **state)
     struct neph_arena arena = {NULL};
     struct neph_night_jobs here, there;
     struct neph_history_step record = {step.name, "done", "", "96x54", 1.0 / 3.0, NAN};
-    struct neph_measurement list[] = {{"a", "fixed", 0.1 + 0.2, NAN, "D"},
-                                      {"b", "drawn", NAN, 1e-300, "E, \"F\""}};
+    struct neph_measurement list[] = {{"a", "fixed", 0.1 + 0.2, NAN, "D", "0123"},
+                                      {"b", "drawn", NAN, 1e-300, "E, \"F\"", ""}};
     struct neph_night_numbers numbers = {list, 2, "96x54"}, found;
     begin(state, &arena, 7, &here, INFINITY);
     read_jobs(state, &arena, &there);
@@ -65,6 +65,8 @@ static void test_what_a_host_leaves_another_finds_to_the_last_bit(void **state)
     assert_true(found.list[0].value == list[0].value && isnan(found.list[0].standard_error));
     assert_true(isnan(found.list[1].value) && found.list[1].standard_error == 1e-300);
     assert_string_equal(found.list[1].environment, "E, \"F\"");
+    assert_string_equal(found.list[0].frame, "0123");
+    assert_string_equal(found.list[1].frame, "");
     neph_night_jobs_finish(&there);
     neph_night_jobs_finish(&here);
     neph_arena_finish(&arena);

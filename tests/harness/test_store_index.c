@@ -662,7 +662,7 @@ static void test_a_night_that_ends_on_another_host_is_one_night(void **state)
     struct neph_database *index = NULL;
     const struct neph_history_night who = {"quick", "a", "program", "host"};
     const struct neph_history_step step = {"validate fog", "done", "", "8x6", 1.5, NAN};
-    const struct neph_measurement number = {"fog", "fixed", 1.0, NAN, "device"};
+    const struct neph_measurement number = {"fog", "fixed", 1.0, NAN, "device", ""};
     int64_t night = 0;
     bool resumed = true;
     json_t *none = json_array();
