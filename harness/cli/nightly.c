@@ -16,7 +16,7 @@
 
 static const size_t report_limit_bytes = 256 << 20;
 
-/* Of the page's pictures; a report is to stay under 60 MB with its numbers. */
+/* What the pictures of the page may take; a report is to stay under 60 MB with its numbers. */
 static const size_t pictures_limit_bytes = 50000000;
 
 struct request {
