@@ -33,8 +33,9 @@ struct sending {
 /* All steps draw on the device, and the one that the user has named is no processor. */
 static bool wants_gpu(void)
 {
+    static const char processor[] = "llvmpipe"; /* lavapipe's device, of which a part may be named */
     const char *device = getenv("NEPH_VULKAN_DEVICE");
-    return device && device[0] && !strcasestr("llvmpipe", device);
+    return device && device[0] && !strcasestr(processor, device) && !strcasestr(device, processor);
 }
 
 /* Durations are measured on hosts that are marked for it or not at all. */

@@ -255,7 +255,10 @@ class Loopback(Nights):
         self.daemon("slurmctld")
         for node in ("n1", "n2"):
             self.daemon("slurmd", "-N", node)
-        self.wait(lambda: self.ask("sinfo", "-h", "-N", "-o", "%T").split() == ["idle", "idle"])
+        self.wait(self.is_idle)
+
+    def is_idle(self):
+        return self.ask("sinfo", "-h", "-N", "-o", "%T").split() == ["idle", "idle"]
 
     def daemon(self, *words):
         done = subprocess.run(words, env=self.environment, capture_output=True, text=True,
@@ -315,9 +318,10 @@ class Loopback(Nights):
         self.kill(jobs)
 
     STEPS = ["nightly", "--only", "failure fog_none", "--only", "failure ridge_far", "--only",
-             "speed voxel_grid", "--size", "32x18"]
-    SENT = [*STEPS, "--executor", "slurm", "--slurm", "partition=render", "--slurm",
-            "timing=quiet", "--slurm", "arguments=--time=10"]
+             "speed voxel_grid"]
+    SLURM = ["--size", "32x18", "--executor", "slurm", "--slurm", "partition=render", "--slurm",
+             "timing=quiet", "--slurm", "arguments=--time=10"]
+    SENT = [*STEPS, *SLURM]
 
     def done(self):
         """When each step was that has left something."""
@@ -343,7 +347,7 @@ class Loopback(Nights):
         return self.done()
 
     def test_a_night_survives_the_loss_of_a_node(self):
-        self.neph(*self.STEPS, "-q", code=1, output="local")
+        self.neph(*self.STEPS, *self.SLURM[:2], "-q", code=1, output="local")
         done = self.lose_a_node()
         self.assertIn(len(done), (1, 2), self.logs("out"))  # by n2, which went on
         sent = self.neph(*self.SENT, code=1)
@@ -352,10 +356,18 @@ class Loopback(Nights):
             self.assertEqual(log.stat().st_mtime_ns, when)
         self.assertIn("Steps: 3 of 3, 1 once more", sent.stdout)
         self.assert_stores_are_equal()
+        self.assert_durations_are_of_the_marked_node()
+
+    def assert_durations_are_of_the_marked_node(self):
+        """The other is back, idle, and the first of the two."""
+        self.daemon("slurmd", "-N", "n1")
+        self.wait(self.is_idle)
+        self.neph("nightly", "--only", "speed voxel_grid", "--once", *self.SLURM, code=1)
         jobs = [dict(word.split("=", 1) for word in line.split() if "=" in word)
                 for line in (self.cluster / "log/jobcomp.txt").read_text().splitlines()]
-        self.assertEqual({job["NodeList"] for job in jobs if job["JobState"] == "COMPLETED"},
-                         {"n2"})
+        tasks = [job for job in jobs if "ArrayTaskId" in job]
+        self.assertEqual((tasks[-1]["NodeList"], tasks[-1]["JobState"]), ("n2", "COMPLETED"))
+        self.assertEqual(jobs[-1]["NodeList"], "n1")  # the report goes anywhere
 
 
 if __name__ == "__main__":
