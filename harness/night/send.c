@@ -33,7 +33,7 @@ struct sending {
 /* All steps draw on the device, and the one that the user has named is no processor. */
 static bool wants_gpu(void)
 {
-    static const char processor[] = "llvmpipe"; /* lavapipe's device, of which a part may be named */
+    static const char processor[] = "llvmpipe"; /* of which a part may be named, or more */
     const char *device = getenv("NEPH_VULKAN_DEVICE");
     return device && device[0] && !strcasestr(processor, device) && !strcasestr(device, processor);
 }
