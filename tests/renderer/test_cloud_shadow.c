@@ -275,11 +275,13 @@ static void test_voxels_are_within_two_per_cent(void **state)
         before = off.mean;
     }
     assert_true(before < 0.02 * sunlit);
-    struct neph_march_params skipping = mapped(512, 1);
-    double skipped[PIXELS];
-    skipping.shortcuts.skip = true;
-    measure(*state, &test, &skipping, 0, skipped);
-    assert_memory_equal(skipped, through, sizeof(through));
+    if (neph_test_is_night()) { /* a kernel of its own, and one for the map */
+        struct neph_march_params skipping = mapped(512, 1);
+        double skipped[PIXELS];
+        skipping.shortcuts.skip = true;
+        measure(*state, &test, &skipping, 0, skipped);
+        assert_memory_equal(skipped, through, sizeof(through));
+    }
     neph_grid_destroy(grid);
 }
 
