@@ -146,8 +146,7 @@ static void check_twin(struct neph_vulkan *vulkan, const struct test_scene *test
         const struct neph_vec3 point_m = place_of(test, p);
         const double twin = twin_through(&space, map, &test->scene, point_m, 1);
         largest = fmax(largest, fabs(through[p] - twin));
-        from_truth = fmax(from_truth,
-                          fabs(twin - exp(-depth_of(&test->scene, point_m, 1))));
+        from_truth = fmax(from_truth, fabs(twin - exp(-depth_of(&test->scene, point_m, 1))));
     }
     print_message("%s: off the twin by %.1e, which is off the truth by %.1e\n", what, largest,
                   from_truth);
@@ -211,9 +210,8 @@ static void test_a_blob_is_of_second_order(void **state)
     add_blob(&test, (struct neph_vec3){1.0, 14.0, -2.0});
     for (int texels = 16; texels <= 128; texels *= 2) {
         struct neph_march_params params = mapped(texels, 1);
-        const struct neph_shadow_space space = neph_shadow_space_of(&params.shortcuts.shadow,
-                                                                    &test.scene,
-                                                                    test.key.position_m);
+        const struct neph_shadow_space space = neph_shadow_space_of(
+            &params.shortcuts.shadow, &test.scene, test.key.position_m);
         measure(*state, &test, &params, 0, through);
         const struct difference off = against_truth(&test, 0, through);
         const double bound = blob_bound(space.levels[0].texel_m[0]);
@@ -311,10 +309,10 @@ static void test_edges_keep_their_place(void **state)
     for (double edge_m = -0.5; edge_m < 0.5; edge_m += 0.173) {
         cloud->bounds = (struct neph_bounds){{-15.3, 10.0, -30.0}, {edge_m, 14.0, 10.0}};
         const struct neph_march_params params = mapped(32, 1);
-        const double texel_m =
-            neph_shadow_space_of(&params.shortcuts.shadow, &test.scene, test.key.position_m)
-                .levels[0]
-                .texel_m[0];
+        const double texel_m = neph_shadow_space_of(&params.shortcuts.shadow, &test.scene,
+                                                    test.key.position_m)
+                                   .levels[0]
+                                   .texel_m[0];
         measure(*state, &test, &params, 0, through);
         const int row = SIDE_PX / 2 * SIDE_PX;
         const double off_texels = (middle_of_edge(&test, through, row) - edge_m) / texel_m;
@@ -370,7 +368,8 @@ static void test_layers_tell_what_is_between(void **state)
     }
     test_add_medium(&test, 0.02, 0.05, 0.0)->bounds = (struct neph_bounds){{-20.0, -4.0, -40.0},
                                                                            {20.0, 20.0, 0.0}};
-    test_add_box(&test, (struct neph_vec3){-1.0, -4.0, -16.0}, (struct neph_vec3){1.0, 20.0, -14.0});
+    test_add_box(&test, (struct neph_vec3){-1.0, -4.0, -16.0},
+                 (struct neph_vec3){1.0, 20.0, -14.0});
     const double one = error_between(*state, &test.scene, 1, &full);
     const double sixteen = error_between(*state, &test.scene, 16, &full);
     print_message("one layer: off by %.2e of %.2e; sixteen: %.2e\n", one, full, sixteen);
@@ -526,13 +525,17 @@ static void test_the_map_is_filled_over_pictures(void **state)
  * frame, whose kernels take seconds to make, by night. */
 static void test_in_real_time_the_ground_is_the_same(void **state)
 {
-    const char *const assignments[] = {
-        "cloud_shadow=map",       "taa=off",
-        "ray_dither=none",        "upscale_dither=none",
-        "cloud_shadow_texels=64", "cloud_shadow_layers=2",
-        "cloud_shadow_levels=2",  "cloud_shadow_plane=sun",
-        "steps=1",                neph_test_is_night() ? "split=four" : "split=none",
-        NULL};
+    const char *const assignments[] = {"cloud_shadow=map",
+                                       "taa=off",
+                                       "ray_dither=none",
+                                       "upscale_dither=none",
+                                       "cloud_shadow_texels=64",
+                                       "cloud_shadow_layers=2",
+                                       "cloud_shadow_levels=2",
+                                       "cloud_shadow_plane=sun",
+                                       "steps=1",
+                                       neph_test_is_night() ? "split=four" : "split=none",
+                                       NULL};
     struct test_scene test;
     struct neph_diag diag = {0};
     struct neph_realtime *realtime = NULL;
