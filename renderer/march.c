@@ -8,6 +8,7 @@
 #include "renderer/reach.h"
 #include "renderer/shortcuts.h"
 #include "scenes/emission.h"
+#include "scenes/lights.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -90,6 +91,8 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_march
         return "multiple scattering";
     if (lighting != NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_SINGLE)
         return "single scattering: this lighting stands for all orders";
+    if (lighting != NEPH_MARCH_SINGLE && scene->light_count > 0)
+        return neph_lights_reason;
     for (int i = 0; lighting == NEPH_MARCH_HORIZON && i < scene->medium_count; i++)
         if (scene->media[i].kind != NEPH_MEDIUM_HORIZON)
             return "a medium without the heights and shapes of Horizon's clouds, which this "
@@ -274,7 +277,8 @@ static enum neph_status create_image(const struct neph_march *march, struct neph
         status = neph_image_add_rgb(created, "transmittance", layers->transmittance, diag);
     if (!status)
         status = neph_image_add_channel(created, "Z", &layers->eye_depth_m, diag);
-    if (!status && (march->scene.gpu.frame->scatters || march->scene.gpu.frame->emits))
+    const struct neph_gpu_frame *frame = march->scene.gpu.frame;
+    if (!status && (frame->scatters || frame->scatters_lamps || frame->emits))
         status = neph_image_add_channel(created, "volume.distance", &layers->volume_distance_m,
                                         diag);
     if (status) {

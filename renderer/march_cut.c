@@ -106,6 +106,8 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                         octave_count(scene, params->lighting) * (1 + turns.media);
     if (params->lighting == NEPH_MARCH_SLAB)
         sunlight *= 2; /* and away from the sun */
+    /* Each light is looked for as the sun is, from each part of a step. */
+    sunlight *= 1 + NEPH_GPU_LAMP_PARTS * (uint64_t)scene->light_count;
     *per_step = 1 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight + 1;
 }

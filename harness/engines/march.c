@@ -310,9 +310,6 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
 
 /* ---- the engines ----------------------------------------------------------------------------- */
 
-static const struct neph_engine_step step = {
-    .option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2};
-
 /* What an engine is for its lighting: the functions of its table. */
 #define FUNCTIONS_OF(name_, lighting_)                                                             \
     static bool can_render_##name_(const struct neph_scene *scene,                                 \
@@ -341,8 +338,10 @@ static const struct neph_engine_step step = {
 
 /* Rows of all engines. */
 #define ROWS_OF(name_)                                                                             \
-    .rung = NEPH_RUNG_MODEL, .step = step, .probe = neph_vulkan_probe,                             \
-    .can_render = can_render_##name_, .render = render_##name_, .sequence = &sequence_of_##name_
+    .rung = NEPH_RUNG_MODEL,                                                                       \
+    .step = {.option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2},        \
+    .probe = neph_vulkan_probe, .can_render = can_render_##name_, .render = render_##name_,        \
+    .sequence = &sequence_of_##name_
 
 FUNCTIONS_OF(single, NEPH_MARCH_SINGLE)
 FUNCTIONS_OF(octaves, NEPH_MARCH_OCTAVES)

@@ -14,6 +14,8 @@
 #include "harness/night/plan.h"
 #include "harness/run/store.h"
 
+struct neph_night;
+
 struct neph_night_params {
     struct neph_night_plan_params plan;
     const char *output;   /* the folder of the store */
@@ -22,6 +24,10 @@ struct neph_night_params {
     int64_t against;      /* the night to compare with; 0: the accepted one */
     bool once;            /* nothing is run a second time */
     bool quiet;
+
+    /* Called with what is there so far; NULL: nobody looks. */
+    enum neph_status (*show)(const struct neph_night *night, void *context, struct neph_diag *diag);
+    void *context;
 };
 
 /* What became of a step: as in struct neph_history_step; NULL when it was not run. */
@@ -34,7 +40,7 @@ struct neph_night {
     struct neph_arena arena;
     struct neph_night_plan plan;
     int64_t id;
-    bool resumed;
+    bool resumed, is_over;
     const char *revision, *host, *program, *started_utc;
     const struct neph_night_outcome *outcomes; /* of the plan's steps */
     int done_count;                            /* steps that gave their numbers */

@@ -158,7 +158,7 @@ static bool march_alone_evaluates(struct neph_benchmark_frames_engine *engine)
     const int cache = neph_option_find(options, "sun_cache");
     const int map = neph_option_find(options, "cloud_shadow");
     const bool lights = pass_named(engine, "scene") && shot->scene->solid_count > 0 &&
-                        shot->scene->sun.present;
+                        (shot->scene->sun.present || shot->scene->light_count > 0);
     const bool fills = ((cache >= 0 && shot->settings.values[cache] != 0.0) ||
                         (map >= 0 && shot->settings.values[map] != 0.0)) &&
                        neph_scene_moves(shot->scene);

@@ -10,9 +10,12 @@
 static const char *const switches[] = {"off", "on", NULL};
 static const char *const maps[] = {"none", "reinhard", "narkowicz", "unreal", "neutral", NULL};
 static const char *const encodings[] = {"linear", "srgb", NULL};
-static const char *const filters[] = {"off",         "nearest",     "bilinear",
-                                      "directional", "catmull_rom", "lanczos",
-                                      "gaussian",    "smoothstep",  NULL};
+static const char *const fxaas[] = {"off",        "console",    "quality_12",
+                                    "quality_29", "quality_39", NULL};
+static const char *const sharpenings[] = {"off", "cas", "rcas", NULL};
+static const char *const filters[] = {"off",         "nearest", "bilinear", "directional",
+                                      "catmull_rom", "lanczos", "gaussian", "smoothstep",
+                                      "easu",        NULL};
 
 #define CHOICE(name, value, words, help)                                                           \
     {                                                                                              \
@@ -60,6 +63,24 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
     [POST_LANCZOS_GUARD] = CHOICE("lanczos_guard", 1, switches,
                                   "off: at texels' centres the weights of lanczos are 0 / 0, as in "
                                   "the article"),
+
+    [POST_FXAA] = CHOICE("fxaa", POST_FXAA_OFF, fxaas,
+                         "FXAA 3.11: the console's four samples, or a walk along the edge by the "
+                         "steps of a quality preset"),
+    [POST_FXAA_SUBPIXEL] = REAL("fxaa_subpixel", 0.75, 0, 1,
+                                "quality: how much of what stands out from eight neighbours is "
+                                "blurred"),
+    [POST_FXAA_THRESHOLD] = REAL("fxaa_threshold", 0.166, 0.063, 1,
+                                 "quality: contrast of luma, over the largest around, that is an "
+                                 "edge"),
+    [POST_FXAA_THRESHOLD_MIN] = REAL("fxaa_threshold_min", 0.0833, 0, 1,
+                                     "quality: and at least this much"),
+    [POST_SHARPEN] = CHOICE("sharpen", POST_SHARPEN_OFF, sharpenings,
+                            "AMD's contrast-adaptive sharpening (2019), or the robust one of FSR1 "
+                            "(2021)"),
+    [POST_SHARPEN_AMOUNT] = REAL("sharpen_amount", 0.5, 0, 1,
+                                 "cas: its sharpness; rcas: 2^-2 at 0 to 1 at 1, the strength that "
+                                 "goes to the limit"),
     {.name = NULL},
 };
 

@@ -7,6 +7,12 @@ static const uint32_t lut_spirv[] = {
 static const uint32_t tone_spirv[] = {
 #include "shaders/post_tone.comp.inc"
 };
+static const uint32_t fxaa_spirv[] = {
+#include "shaders/post_fxaa.comp.inc"
+};
+static const uint32_t sharpen_spirv[] = {
+#include "shaders/post_sharpen.comp.inc"
+};
 static const uint32_t upscale_spirv[] = {
 #include "shaders/post_upscale.comp.inc"
 };
@@ -26,11 +32,23 @@ const struct neph_post_stage neph_post_stages[] = {
         .settings = {POST_TONE, POST_TONE},
     },
     {
+        .name = "fxaa",
+        .note = "anti-aliasing of the encoded picture",
+        .shader = {"post_fxaa", fxaa_spirv, sizeof(fxaa_spirv)},
+        .settings = {POST_FXAA, POST_FXAA},
+    },
+    {
         .name = "upscale",
         .note = "to the size of the display",
         .shader = {"post_upscale", upscale_spirv, sizeof(upscale_spirv)},
         .settings = {POST_UPSCALE, POST_UPSCALE},
         .makes = NEPH_POST_MAKES_LARGER,
+    },
+    {
+        .name = "sharpening",
+        .note = "against the blur of what came before",
+        .shader = {"post_sharpen", sharpen_spirv, sizeof(sharpen_spirv)},
+        .settings = {POST_SHARPEN, POST_SHARPEN},
     },
     {.name = NULL},
 };

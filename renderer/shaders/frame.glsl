@@ -16,6 +16,16 @@ struct Lattice {
     uvec3 size;
 };
 
+// A light of scenes/lights.h. One that is no spot has cosines below all others.
+struct Lamp {
+    vec3 position_m;
+    float inner_cosine;
+    vec3 axis; // unit, from the light
+    float outer_cosine;
+    vec3 intensity; // W/sr
+    float padding;
+};
+
 // One of the maps: its texel (0, 0), and how many texels there are to a metre, along both sides.
 struct ShadowLevel {
     vec2 low_m;
@@ -70,6 +80,9 @@ layout(std140, binding = 0) uniform Frame {
     Lattice light_lattice; // cells of diffused light (diffusion.glsl)
     ShadowMap shadow;
     Medium media[MEDIA_MAX];
+    uint lamp_count;
+    uint scatters_lamps; // 0 or 1: some medium scatters light of lamps that the scene wants to see
+    Lamp lamps[NEPH_GPU_LAMPS_MAX];
 } frame;
 
 // Upper bounds of the extinction (of extinction_color 1) per cell, x fastest [1/m].

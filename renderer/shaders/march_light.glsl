@@ -41,7 +41,7 @@ const uint DIFFUSED = 5;
 const uint SIMILARITY = 6;
 const uint SLAB = 7;
 layout(constant_id = 4) const uint LIGHTING = SINGLE;
-const bool NEEDS_MEDIA = LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED ||
+const bool NEEDS_MEDIA = LAMPS || LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED ||
                          LIGHTING == DIFFUSED || LIGHTING == SIMILARITY || LIGHTING == SLAB;
 
 // What the view ray loses is scaled by order, so a step's light comes with its own transmittance.
@@ -96,9 +96,10 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
 
 // Where empty steps were passed nothing is added once: a sum that carries its error may then still
 // move by its last bit, and after that not again, as if nothing had been added for each.
-vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, uint step_count)
+vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float length_m,
+                           uint step_count)
 {
-    Stretch stretch = scene_stretch(kinds, origin_m, direction, FAR_M);
+    Stretch stretch = scene_stretch(kinds, origin_m, direction, length_m);
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
     Steps steps = equal_steps(stretch, step_count);
@@ -123,7 +124,7 @@ vec3 sun_optical_depth(vec3 point_m)
     if (SUN == EXACT)
         optical_depth = exact_optical_depth(point_m, to_sun(), FAR_M);
     if (SUN_MARCHED != 0u)
-        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, to_sun(),
+        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, to_sun(), FAR_M,
                                                own(frame.sun_steps));
     return optical_depth;
 }
@@ -134,7 +135,7 @@ vec3 sun_optical_depth_of(uint kinds, vec3 point_m)
     if (SUN == EXACT && (kinds & ~OPEN_KINDS) != 0u)
         optical_depth = exact_optical_depth_of(kinds, point_m, to_sun(), FAR_M);
     if ((SUN_MARCHED & kinds) != 0u)
-        optical_depth += marched_optical_depth(SUN_MARCHED & kinds, point_m, to_sun(),
+        optical_depth += marched_optical_depth(SUN_MARCHED & kinds, point_m, to_sun(), FAR_M,
                                                own(frame.sun_steps));
     return optical_depth;
 }

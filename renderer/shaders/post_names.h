@@ -25,7 +25,14 @@
 #define POST_SCREEN_PERCENT 14
 #define POST_UPSCALE_SOFTNESS 15
 #define POST_LANCZOS_GUARD 16
-#define POST_SETTING_COUNT 17
+// Anti-aliasing of the encoded picture, and sharpening.
+#define POST_FXAA 17
+#define POST_FXAA_SUBPIXEL 18
+#define POST_FXAA_THRESHOLD 19
+#define POST_FXAA_THRESHOLD_MIN 20
+#define POST_SHARPEN 21
+#define POST_SHARPEN_AMOUNT 22
+#define POST_SETTING_COUNT 23
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -46,6 +53,17 @@
 #define POST_UPSCALE_LANCZOS 5
 #define POST_UPSCALE_GAUSSIAN 6
 #define POST_UPSCALE_SMOOTHSTEP 7
+#define POST_UPSCALE_EASU 8
+
+#define POST_FXAA_OFF 0
+#define POST_FXAA_CONSOLE 1
+#define POST_FXAA_12 2
+#define POST_FXAA_29 3
+#define POST_FXAA_39 4
+
+#define POST_SHARPEN_OFF 0
+#define POST_SHARPEN_CAS 1
+#define POST_SHARPEN_RCAS 2
 
 // --- the table of colours ---------------------------------------------------------------------
 

@@ -11,6 +11,8 @@
 //   lanczos       6x6 texels in 5x5 samples, without the corners of these: 13
 //   gaussian      6x6 texels with variance 1/2, less their Laplacian (unsharp mask)
 //   smoothstep    bilinear, at places drawn to the texels' centres
+//   easu          FSR1's edge-adaptive one (AMD 2021): 12 texels, a Lanczos-like kernel stretched
+//                 along the edge, held between the four nearest
 //
 // The gaussian's Laplacian does not sum to 0 over so few texels: it changes a constant by up to
 // 0.25 % (softness 0.3). What lies between four texels is their bilinear sample, in float32: a
@@ -19,18 +21,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
-#include "post.glsl"
-
-vec3 bilinear(vec2 place)
-{
-    vec2 corner = floor(place - 0.5);
-    vec2 way = place - 0.5 - corner;
-    ivec2 at = ivec2(corner);
-    return mix(mix(fetch(at), fetch(at + ivec2(1, 0)), way.x),
-               mix(fetch(at + ivec2(0, 1)), fetch(at + ivec2(1, 1)), way.x), way.y);
-}
-
-float luma(vec3 c) { return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b; }
+#include "post_sampling.glsl"
 
 // The edge runs across the gradient of luma: where that is 0 the direction is, too.
 vec3 directional(vec2 place)
@@ -141,6 +132,74 @@ vec3 smooth_steps(vec2 place)
     return bilinear(corner + way * way * (3.0 - 2.0 * way) + 0.5);
 }
 
+// --- EASU ----------------------------------------------------------------------------------------
+
+// FSR1 takes this for luma: green twice, red and blue once, halved.
+float luma_2(vec3 c) { return 0.5 * c.b + 0.5 * c.r + c.g; }
+
+// Direction and sharpness of the edge at a texel, by its luma and that of the four around, into
+// sums with weight `share`. Along an axis that rises in one stretch the edge is sharp (1), where it
+// turns at the texel it is none (0).
+void add_edge(float share, float up, float left, float own, float right, float down,
+              inout vec2 direction, inout float sharpness)
+{
+    vec2 slope = vec2(right - left, down - up);
+    vec2 steepest = max(abs(vec2(right, down) - own), abs(own - vec2(left, up)));
+    vec2 straight = clamp(abs(slope) / steepest, 0.0, 1.0);
+    straight = mix(straight, vec2(0.0), equal(steepest, vec2(0.0))); // flat: 0 / 0
+    direction += share * slope;
+    sharpness += share * dot(straight, straight);
+}
+
+vec3 easu(vec2 place)
+{
+    ivec2 corner = ivec2(floor(place - 0.5));
+    vec2 way = place - 0.5 - vec2(corner);
+    vec3 colours[16]; // 4x4 about the place, row by row; their corners are not looked at
+    float lumas[16];
+    [[unroll]] for (int i = 0; i < 16; i++) {
+        colours[i] = fetch(corner + ivec2(i % 4, i / 4) - 1);
+        lumas[i] = luma_2(colours[i]);
+    }
+    vec2 direction = vec2(0.0);
+    float sharpness = 0.0;
+    [[unroll]] for (int i = 0; i < 4; i++) {
+        int at = 5 + (i & 1) + 4 * (i >> 1);
+        vec2 side = mix(1.0 - way, way, equal(ivec2(i & 1, i >> 1), ivec2(1)));
+        add_edge(side.x * side.y, lumas[at - 4], lumas[at - 1], lumas[at], lumas[at + 1],
+                 lumas[at + 4], direction, sharpness);
+    }
+    const float LEAST = 1.0 / 32768.0; // of the direction's square: flat, any will do
+    float length_squared = dot(direction, direction);
+    direction = length_squared < LEAST ? vec2(1.0, 0.0) : direction * inversesqrt(length_squared);
+    sharpness = 0.25 * sharpness * sharpness;
+    // A square's kernel reaches as far along its diagonal as along its sides.
+    float stretch = dot(direction, direction) / max(abs(direction.x), abs(direction.y));
+    vec2 scale = vec2(1.0 + (stretch - 1.0) * sharpness, 1.0 - 0.5 * sharpness);
+    float lobe = 0.5 + (0.25 - 0.04 - 0.5) * sharpness, reach_squared = 1.0 / lobe;
+
+    vec3 sum = vec3(0.0), least = colours[5], most = colours[5];
+    float total = 0.0;
+    [[unroll]] for (int i = 0; i < 16; i++) {
+        bool is_corner = (i % 4 == 0 || i % 4 == 3) && (i / 4 == 0 || i / 4 == 3);
+        bool is_near = !(i % 4 == 0 || i % 4 == 3 || i / 4 == 0 || i / 4 == 3);
+        if (is_corner)
+            continue;
+        vec2 from = vec2(i % 4, i / 4) - 1.0 - way;
+        vec2 turned = scale * vec2(dot(from, direction),
+                                   from.y * direction.x - from.x * direction.y);
+        float d = min(dot(turned, turned), reach_squared);
+        // Lanczos 2 without sines: (25/16 (2/5 d - 1)^2 - 9/16) (lobe d - 1)^2
+        float base = 0.4 * d - 1.0, window = lobe * d - 1.0;
+        float weight = (25.0 / 16.0 * base * base - 9.0 / 16.0) * window * window;
+        sum += weight * colours[i];
+        total += weight;
+        least = is_near ? min(least, colours[i]) : least;
+        most = is_near ? max(most, colours[i]) : most;
+    }
+    return clamp(sum / total, least, most);
+}
+
 vec3 filtered(vec2 place)
 {
     switch (choice(POST_UPSCALE)) {
@@ -154,6 +213,8 @@ vec3 filtered(vec2 place)
         return lanczos_13(place);
     case POST_UPSCALE_GAUSSIAN:
         return gaussian(place);
+    case POST_UPSCALE_EASU:
+        return easu(place);
     case POST_UPSCALE_SMOOTHSTEP:
         return smooth_steps(place);
     default:
