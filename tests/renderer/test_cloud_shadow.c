@@ -9,6 +9,7 @@
 #include "renderer/cloud_shadow.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
+#include "scenes/bounds.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 
@@ -431,6 +432,28 @@ static void test_texels_stay_with_the_clouds(void **state)
     }
 }
 
+/* Ten thousand kilometres away a map is the same: it is placed by differences, in double. */
+static void test_far_from_the_origin_it_is_the_same(void **state)
+{
+    struct test_scene test;
+    double here[PIXELS], there[PIXELS], largest = 0.0;
+    const struct neph_vec3 far_m = {1e7, 0.0, -1e7};
+    look_down(&test, 24.0);
+    add_blob(&test, (struct neph_vec3){1.0, 14.0, -2.0});
+    struct neph_march_params params = mapped(64, 1);
+    params.shortcuts.shadow.levels = 2;
+    measure(*state, &test, &params, 0, here);
+    neph_medium_drift(&test.scene.media[0], far_m);
+    test.solids[0].box = neph_bounds_moved(test.solids[0].box, far_m);
+    test.key.position_m = neph_vec3_add(test.key.position_m, far_m);
+    test.key.look_at_m = neph_vec3_add(test.key.look_at_m, far_m);
+    measure(*state, &test, &params, 0, there);
+    for (int p = 0; p < PIXELS; p++)
+        largest = fmax(largest, fabs(here[p] - there[p]));
+    print_message("1e7 m away: off by %.1e\n", largest);
+    assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
+}
+
 /* A map of all clouds keeps the size of its texels while the sun goes some degrees. */
 static void test_texels_keep_their_size(void **state)
 {
@@ -604,6 +627,7 @@ int main(void)
         cmocka_unit_test(test_layers_tell_what_is_between),
         cmocka_unit_test(test_fog_alone_keeps_the_bits),
         cmocka_unit_test(test_texels_stay_with_the_clouds),
+        cmocka_unit_test(test_far_from_the_origin_it_is_the_same),
         cmocka_unit_test(test_texels_keep_their_size),
         cmocka_unit_test(test_the_map_is_filled_over_pictures),
         cmocka_unit_test(test_in_real_time_the_ground_is_the_same),

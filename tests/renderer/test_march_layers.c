@@ -5,6 +5,7 @@
  */
 #include "tests/renderer/march_test.h"
 
+#include "scenes/bounds.h"
 #include "scenes/sheet.h"
 
 enum { WIDTH_PX = 24, HEIGHT_PX = 16, PIXELS = WIDTH_PX * HEIGHT_PX, LAYERS = 3 };
@@ -139,11 +140,52 @@ static void test_any_order_of_layers_is_the_same(void **state)
     neph_grid_destroy(grid);
 }
 
+/* The same scene ten thousand kilometres away is the same picture, from every height. */
+static void test_far_from_the_origin_it_is_the_same(void **state)
+{
+    struct test_scene test;
+    uint64_t seed = 4;
+    double largest = 0.0;
+    const struct neph_vec3 far_m = {1e7, 0.0, -1e7};
+    struct neph_grid *grid = random_lattice((const int[3]){6, 5, 6},
+                                            (struct neph_vec3){-7.0, 1.0, -7.0},
+                                            (struct neph_vec3){2.8, 2.3, 2.8}, -0.5, &seed);
+    test_scene_init(&test);
+    test_add_box(&test, (struct neph_vec3){-100.0, -6.0, -100.0},
+                 (struct neph_vec3){100.0, -5.0, 100.0});
+    for (int i = 0; i < LAYERS; i++)
+        test_add(&test, make_voxels(0.1, grid))->bounds = room; /* the kernel of layers */
+    for (size_t h = 0; h < sizeof(heights_m) / sizeof(heights_m[0]); h++) {
+        const struct neph_bounds ground = test.solids[0].box;
+        const struct neph_vec3 corner_m = grid->origin_m;
+        look_from(&test, heights_m[h]);
+        struct neph_image *here = render(*state, &test.scene);
+        grid->origin_m = neph_vec3_add(grid->origin_m, far_m);
+        test.solids[0].box = neph_bounds_moved(ground, far_m);
+        test.key.position_m = neph_vec3_add(test.key.position_m, far_m);
+        test.key.look_at_m = neph_vec3_add(test.key.look_at_m, far_m);
+        for (int i = 0; i < LAYERS; i++)
+            test.scene.media[i].bounds = neph_bounds_moved(room, far_m);
+        struct neph_image *there = render(*state, &test.scene);
+        largest = fmax(largest, largest_difference(here, there));
+        for (int i = 0; i < LAYERS; i++)
+            test.scene.media[i].bounds = room;
+        test.solids[0].box = ground;
+        grid->origin_m = corner_m;
+        neph_image_destroy(there);
+        neph_image_destroy(here);
+    }
+    print_message("1e7 m away: off by %.1e\n", largest);
+    assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
+    neph_grid_destroy(grid);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_medium_in_layers_is_the_medium),
         cmocka_unit_test(test_any_order_of_layers_is_the_same),
+        cmocka_unit_test(test_far_from_the_origin_it_is_the_same),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }
