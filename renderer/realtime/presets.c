@@ -84,5 +84,13 @@ const struct neph_preset neph_rt_presets[] = {
      "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
      "taa_change=0.002 taa_alpha=0.1 taa_box=variance taa_sigma=1 upscale=bilateral "
      "upscale_dither=none"},
+    {"x0", "", "reject_depth=0.1 gradient=on box_motion_px=0.05 box_change=0.002 history_age_max=32 "
+     "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
+     "taa_change=0.002 taa_alpha=0.1 taa_box=variance taa_sigma=1 upscale=bilateral "
+     "upscale_dither=none"},
+    {"x1", "", "reject_depth=0.1 gradient=on box_motion_px=0.05 box_change=0.1 history_age_max=32 "
+     "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
+     "taa_change=0.1 taa_alpha=0.1 taa_box=variance taa_sigma=1 upscale=bilateral "
+     "upscale_dither=none relight=0.1 age_change=0.02 gradient_hold=0.5 reject_around=moved"},
     {.name = NULL},
 };

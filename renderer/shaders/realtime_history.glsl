@@ -158,7 +158,9 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
     if (!(expected_m > 0.0))
         return false;
     ivec2 nearest = ivec2(floor(0.5 * before_px));
-    int count = choice(RT_REJECT_AROUND) != 0 ? 9 : 1;
+    bool is_around = choice(RT_REJECT_AROUND) == RT_AROUND_ON ||
+                     (choice(RT_REJECT_AROUND) == RT_AROUND_MOVED && before_px != place_px);
+    int count = is_around ? 9 : 1;
     for (int i = 0; i < count; i++) {
         int tap = (i + 4) % 9; // the very one first: it is enough nearly everywhere
         float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(tap % 3, tap / 3) - 1).x;

@@ -115,7 +115,24 @@ float depth_of_motion(ivec2 pixel, out vec3 moved_m)
     return nearest_m;
 }
 
-bool follows_medium() { return choice(RT_TAA_MEDIUM) != 0; }
+Change of_medium, of_behind; // around the column of this thread
+
+bool asks_for_change() { return choice(RT_GRADIENT) != 0 && is_set(RT_TAA_AGE_MAX); }
+
+void find_change(ivec2 tile)
+{
+    of_medium = change_of(RT_CHANGE, tile);
+    of_behind = change_of(RT_CHANGE_BEHIND, tile);
+}
+
+float change() { return max(of_medium.residue, of_behind.residue); }
+
+// What does not change does not move, whatever the wind: a veil that looks the same everywhere.
+bool follows_medium()
+{
+    return choice(RT_TAA_MEDIUM) != 0 &&
+           (!asks_for_change() || beyond(change(), setting(RT_TAA_CHANGE)) > 0.0);
+}
 
 // Where the medium stood for the camera of the frame before, off from where it is now.
 vec3 medium_from_m()
@@ -458,25 +475,33 @@ float frame_weight(float luma, float history_luma, float speed_px)
     return least > 1.0 ? 1.0 : least; // or NaN
 }
 
-float change; // of the light around the column of this thread
-float frames_alike; // it does not change by taa_change in so many
-
-// Rays look again after four frames, and at what is behind all media after those of the jitter.
-void find_change(ivec2 tile)
+// It does not change by age_change in so many. Rays look again after four frames, and at what is
+// behind all media after those of the jitter.
+float frames_alike()
 {
-    vec2 most = change_around(tile);
-    float limit = setting(RT_TAA_CHANGE);
-    change = max(most.x, most.y);
-    frames_alike = min(4.0 * lasting(most.x, limit),
-                       setting(RT_TAA_JITTER_LENGTH) * lasting(most.y, limit));
+    float limit = age_change(RT_TAA_CHANGE);
+    return min(4.0 * lasting(of_medium.residue, limit),
+               setting(RT_TAA_JITTER_LENGTH) * lasting(of_behind.residue, limit));
+}
+
+// Where it rests history has the light of this frame, by the shares of both.
+vec3 relit(vec3 history, ivec2 pixel, vec3 colour, float speed_px)
+{
+    if (!asks_for_change() || !is_set(RT_RELIGHT))
+        return history;
+    vec3 medium = min(fetch_full(RT_VOLUME, pixel).rgb, colour);
+    vec3 then = medium / of_medium.gain + (colour - medium) / of_behind.gain;
+    vec3 gain = mix(vec3(1.0), colour / then, greaterThan(then, vec3(0.0)));
+    return mix(gain, vec3(1.0), beyond(speed_px, setting(RT_TAA_REST_PX))) * history;
 }
 
 // How far a pixel is from being at rest, 0..1.
 float unrest(float speed_px)
 {
-    if (choice(RT_GRADIENT) == 0 || !is_set(RT_TAA_AGE_MAX))
+    if (!asks_for_change())
         return 1.0;
-    return max(beyond(speed_px, setting(RT_TAA_REST_PX)), beyond(change, setting(RT_TAA_CHANGE)));
+    return max(beyond(speed_px, setting(RT_TAA_REST_PX)),
+               beyond(change(), setting(RT_TAA_CHANGE)));
 }
 
 // At rest the weight of one frame more. The age counts frames since the last change, so that what
@@ -486,7 +511,7 @@ float weight_with_age(float alpha, float unrest, inout float age)
     if (!is_set(RT_TAA_AGE_MAX))
         return alpha;
     if (choice(RT_GRADIENT) != 0)
-        age = max(min(age, frames_alike), 1.0);
+        age = max(min(age, frames_alike()), 1.0);
     alpha = mix(1.0 / (age + 1.0), alpha, unrest);
     age = min(mix(age + 1.0, 1.0, unrest), setting(RT_TAA_AGE_MAX));
     return alpha;
@@ -541,6 +566,7 @@ vec4 resolved(ivec2 pixel, Surroundings around)
     if (!filter_frame(around, colour)) {
         colour = has_history ? history : vec3(0.0);
     } else if (has_history) {
+        history = relit(history, pixel, around.colours[CENTRE], speed_px);
         float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
         float part = unrest(speed_px);
         alpha = weight_with_age(alpha, part, age);
@@ -558,7 +584,7 @@ void main()
     pixel.y *= RT_TAA_COLUMN;
     int end = min(pixel.y + RT_TAA_COLUMN, size.y);
     find_nearness();
-    if (choice(RT_GRADIENT) != 0 && is_set(RT_TAA_AGE_MAX))
+    if (asks_for_change())
         find_change(pixel / 4);
     Surroundings around = look_above(pixel);
     for (; pixel.y < end; pixel.y++) {
