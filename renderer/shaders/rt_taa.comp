@@ -131,7 +131,7 @@ float change() { return max(of_medium.residue, of_behind.residue); }
 bool follows_medium()
 {
     return choice(RT_TAA_MEDIUM) != 0 &&
-           (!asks_for_change() || beyond(change(), setting(RT_TAA_CHANGE)) > 0.0);
+           (!asks_for_change() || beyond(change(), age_change(RT_TAA_CHANGE)) > 0.0);
 }
 
 // Where the medium stood for the camera of the frame before, off from where it is now.
@@ -169,8 +169,9 @@ bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
 }
 
 // A pixel goes with the medium where that hides more than half of what is behind, and before the
-// sky, which has nothing that could smear. A mix of both motions is that of neither: it drags
-// solids along in the haze before them. False, too, where the medium was behind the camera.
+// sky, which has nothing that could smear; not at the rim of what is before the medium. A mix of
+// both motions is that of neither: it drags solids along in the haze before them. False, too, where
+// the medium was behind the camera.
 bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, out vec2 motion_px)
 {
     float through = fetch_full(RT_VOLUME, pixel).a;
@@ -178,7 +179,7 @@ bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, out vec2 motion_px)
     bool is_seen = through >= 0.0 && through < (is_sky(scene_m) ? 1.0 : 0.5) &&
                    distance_m > 0.0 && distance_m < FAR_M;
     precise float depth_m = distance_m / sqrt(dot_in_order(ray, ray));
-    return is_seen && find_motion(ray, depth_m, medium_from_m(), motion_px);
+    return is_seen && depth_m < scene_m && find_motion(ray, depth_m, medium_from_m(), motion_px);
 }
 
 // The place of the pixel's content in the frame before; false when that was out of the picture.
