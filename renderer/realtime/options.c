@@ -241,7 +241,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "reject_around", RT_AROUND_ON, arounds,
         "history is kept if one of the 3x3 half-resolution texels about its place passes "
         "reject_depth and reject_scene_m; off: its own alone decides; moved: its own where history "
-        "has not moved, and so is of that very texel"),
+        "has moved by less than an eighth of a pixel, and so is of that very texel"),
 
     [RT_UPSCALE] = CHOICE(
         "upscale", RT_UPSCALE_MEAN, upscales,
@@ -377,16 +377,16 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_ORIGIN_SHIFT] = CHOICE("origin_shift", 1, switches,
                                "history follows where the world's origin is moved (inject.origin); "
                                "off: as if the camera had gone so far"),
-    [RT_GRADIENT_HOLD] = REAL(
-        "gradient_hold", 0, 0, 0.99,
-        "part of a change, by gradient=on, that still counts in the next frame: what has changed is "
-        "not looked at anew in every frame"),
     [RT_RELIGHT] = REAL(
-        "relight", 0, 0, 1,
-        "history at rest takes the change of light along that all of 3x3 tiles have in common, by "
+        "relight", 0, 0, 0.5,
+        "history at rest takes the change of light along that 3x3 tiles have in common, by "
         "gradient=on, up to this part of it between two looks: what it explains is no change"),
     [RT_AGE_CHANGE] = REAL("age_change", 0, 0, 1,
                            "no more rays and frames make a mean than light needs to change by "
                            "this, by gradient=on; 0: by box_change and taa_change"),
+    [RT_CHANGE_HOLD] = REAL(
+        "change_hold", 0, 0, 0.99,
+        "part of a change, by gradient=on, that still counts in the next frame: not every place is "
+        "looked at in every frame"),
     {.name = NULL},
 };

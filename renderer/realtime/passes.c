@@ -154,6 +154,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .reads = BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) |
                  BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) | BIT(RT_MOVED),
         .spared = {{{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME_DISTANCE)},
+                   {{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME), .or = {RT_GRADIENT, 1}},
                    {{RT_GRADIENT, 1}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},
                    {{RT_SOLID_MOTION, 1}, BIT(RT_MOVED)}},
         .writes = BIT(RT_TAA_OUT),
@@ -227,7 +228,8 @@ uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct 
 {
     uint32_t touched = pass->reads | pass->writes;
     for (int i = 0; i < NEPH_RT_SPARED_MAX && pass->spared[i].targets; i++)
-        if (!neph_rt_holds(view, pass->spared[i].unless))
+        if (!neph_rt_holds(view, pass->spared[i].unless) &&
+            !neph_rt_holds(view, pass->spared[i].or))
             touched &= ~pass->spared[i].targets;
     return touched;
 }

@@ -133,10 +133,10 @@
 // What moves beside the camera and the air.
 #define RT_SOLID_MOTION 108
 #define RT_ORIGIN_SHIFT 109
-// What the gradient remembers, and what is made of it.
-#define RT_GRADIENT_HOLD 110
-#define RT_RELIGHT 111
-#define RT_AGE_CHANGE 112
+// What is made of changes of the light.
+#define RT_RELIGHT 110
+#define RT_AGE_CHANGE 111
+#define RT_CHANGE_HOLD 112
 #define RT_SETTING_COUNT 113
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays

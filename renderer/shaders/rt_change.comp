@@ -3,22 +3,23 @@
 //
 // What has changed around a tile, by the looks of 3x3 of them (rt_gradient.comp): what their light
 // has been multiplied with in common, and the most that this leaves unexplained in one of them. A
-// sun that sinks is a gain, and history takes it along (relight); the edge of a shadow is a change.
+// sun that sinks is a gain, which history takes along (relight); the edge of a shadow is a change.
 //
-// A place is not looked at in every frame: a change is remembered (gradient_hold), or what was not
-// seen again would be taken for unchanged.
+// A place is not looked at in every frame: a change is remembered for a while (change_hold), or
+// what changes would pass for unchanged by turns.
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_looks.glsl"
 #include "realtime_pass.glsl"
 
-// Below it a remembered change has been forgotten: the least of normal halves.
+// Below it a change is forgotten: the least of normal halves.
 const float CHANGE_LEAST = 6.103515625e-5;
 
+// With what is left of that of the frame before.
 vec4 remembered(int target, ivec2 tile, vec4 change)
 {
-    precise float held = setting(RT_GRADIENT_HOLD) * fetch_tile(target, tile).a;
-    bool is_known = has_past && !is_cut && held >= CHANGE_LEAST && held <= 1.0;
+    precise float held = setting(RT_CHANGE_HOLD) * fetch_tile(target, tile).a;
+    bool is_known = has_past && !is_cut && held >= CHANGE_LEAST && held < 1.0;
     if (is_known && held > change.a)
         change.a = held;
     return change;
