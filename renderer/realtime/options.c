@@ -381,9 +381,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "relight", 0, 0, 0.5,
         "history at rest takes the change of light along that 3x3 tiles have in common, by "
         "gradient=on, up to this part of it between two looks: what it explains is no change"),
-    [RT_AGE_CHANGE] = REAL("age_change", 0, 0, 1,
-                           "no more rays and frames make a mean than light needs to change by "
-                           "this, by gradient=on; 0: by box_change and taa_change"),
     [RT_CHANGE_HOLD] = REAL(
         "change_hold", 0, 0, 0.99,
         "part of a change, by gradient=on, that still counts in the next frame: not every place is "

@@ -30,10 +30,4 @@ float lasting(float change, float most)
     return change > 0.0 ? most / change : FAR_M;
 }
 
-// By which change a mean ends that has no limit of its own.
-float age_change(int other)
-{
-    return is_set(RT_AGE_CHANGE) ? setting(RT_AGE_CHANGE) : setting(other);
-}
-
 #endif

@@ -135,9 +135,8 @@
 #define RT_ORIGIN_SHIFT 109
 // What is made of changes of the light.
 #define RT_RELIGHT 110
-#define RT_AGE_CHANGE 111
-#define RT_CHANGE_HOLD 112
-#define RT_SETTING_COUNT 113
+#define RT_CHANGE_HOLD 111
+#define RT_SETTING_COUNT 112
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

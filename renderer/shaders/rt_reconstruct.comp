@@ -241,14 +241,14 @@ float change_at(ivec2 tile, int nearest)
 }
 
 // What has changed by box_change is no older than this frame, and of what changes slowly no more
-// rays count than see it change by age_change.
+// rays count than see it change by that.
 float age_after_change(ivec2 tile, bool is_fresh, float age)
 {
     if (choice(RT_GRADIENT) == 0)
         return age;
     float change = change_of(RT_CHANGE, tile).residue;
     float unchanged = 1.0 - beyond(change, setting(RT_BOX_CHANGE));
-    age = min(unchanged * age, lasting(change, age_change(RT_BOX_CHANGE)));
+    age = min(unchanged * age, lasting(change, setting(RT_BOX_CHANGE)));
     return max(age, is_fresh ? 0.0 : 1.0);
 }
 

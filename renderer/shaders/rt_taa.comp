@@ -480,11 +480,11 @@ float frame_weight(float luma, float history_luma, float speed_px)
     return least > 1.0 ? 1.0 : least; // or NaN
 }
 
-// It does not change by age_change in so many. Rays look again after four frames, and at what is
+// It does not change by taa_change in so many. Rays look again after four frames, and at what is
 // behind all media after those of the jitter.
 float frames_alike()
 {
-    float limit = age_change(RT_TAA_CHANGE);
+    float limit = setting(RT_TAA_CHANGE);
     return min(4.0 * lasting(of_medium.residue, limit),
                setting(RT_TAA_JITTER_LENGTH) * lasting(of_behind.residue, limit));
 }

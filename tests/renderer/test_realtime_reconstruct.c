@@ -71,7 +71,6 @@ static struct neph_settings random_settings(uint64_t *seed)
     settings.values[RT_REJECT_SCENE_M] = pick(seed, 0, 0, 50);
     settings.values[RT_GRADIENT] = test_random(seed) % 2 == 0;
     settings.values[RT_RELIGHT] = pick(seed, 0, 0.1, 0.3);
-    settings.values[RT_AGE_CHANGE] = pick(seed, 0, 0.02, 0.4);
     return settings;
 }
 

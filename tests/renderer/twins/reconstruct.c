@@ -579,7 +579,7 @@ static double box_share(const struct twin *twin, int x, int y, double motion_px,
 /* In float32: ages are kept in halves and compared as they are. */
 static float age_after_change(const struct twin *twin, int x, int y, bool is_fresh, float age)
 {
-    const float least = setting(twin, RT_BOX_CHANGE), own = setting(twin, RT_AGE_CHANGE);
+    const float least = setting(twin, RT_BOX_CHANGE);
     float found[4];
     if (!choice(twin, RT_GRADIENT))
         return age;
@@ -588,7 +588,7 @@ static float age_after_change(const struct twin *twin, int x, int y, bool is_fre
     const float changed = least > 0.0f ? fminf(fmaxf(change / least - 1.0f, 0.0f), 1.0f) : 1.0f;
     age *= 1.0f - changed;
     if (change > 0.0f)
-        age = fminf(age, (own > 0.0f ? own : least) / change);
+        age = fminf(age, least / change);
     return fmaxf(age, is_fresh ? 0.0f : 1.0f);
 }
 

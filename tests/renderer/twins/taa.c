@@ -155,8 +155,8 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
     const float depth_m = distance[0] / sqrtf(dot(ray, ray));
     const bool is_mover = moved_m[0] != 0.0f || moved_m[1] != 0.0f || moved_m[2] != 0.0f;
     const float most = is_mover ? 0.0625f : scene_m >= NEPH_GPU_FAR_M ? 1.0f : 0.5f;
-    return volume[3] >= 0.0f && volume[3] < most &&
-           distance[0] > 0.0f && distance[0] < NEPH_GPU_FAR_M && depth_m < scene_m &&
+    return volume[3] >= 0.0f && volume[3] < most && distance[0] > 0.0f &&
+           distance[0] < NEPH_GPU_FAR_M && depth_m < scene_m &&
            find_motion(view, ray, depth_m, from_m, motion_px);
 }
 
@@ -395,11 +395,10 @@ static double unrest(const struct twin *twin, int x, int y, double speed_px)
                 beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)));
 }
 
-/* How many frames are alike but for age_change. */
+/* How many frames are alike but for taa_change. */
 static double frames_alike(const struct twin *twin, int x, int y)
 {
-    const double own = setting(twin, RT_AGE_CHANGE);
-    const double limit = own > 0.0 ? own : setting(twin, RT_TAA_CHANGE);
+    const double limit = setting(twin, RT_TAA_CHANGE);
     const double frames[2] = {4.0, setting(twin, RT_TAA_JITTER_LENGTH)};
     float changes[2][4];
     double least = INFINITY;
