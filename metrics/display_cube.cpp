@@ -84,14 +84,62 @@ enum neph_status check_names(const ocio::ConstConfigRcPtr &config, const char *s
     return NEPH_OK;
 }
 
-void apply(const ocio::ConstCPUProcessorRcPtr &processor, std::vector<float> &rgb)
+bool is_torn(const float rgb[3])
 {
+    return std::isnan(rgb[0]) || std::isnan(rgb[1]) || std::isnan(rgb[2]);
+}
+
+/* How many colours have a value that is no number. */
+int apply(const ocio::ConstCPUProcessorRcPtr &processor, std::vector<float> &rgb)
+{
+    int not_numbers = 0;
     ocio::PackedImageDesc image(rgb.data(), static_cast<long>(rgb.size() / 3), 1, 3);
     processor->apply(image);
+    for (size_t i = 0; i < rgb.size(); i += 3)
+        not_numbers += is_torn(&rgb[i]);
     for (float &value : rgb)
         value = std::isinf(value) && value > 0.0f ? 255.0f
                 : std::isfinite(value)            ? 255.0f * value
                                                   : 0.0f; // NaN, or the logarithm of 0
+    return not_numbers;
+}
+
+int count_torn(const ocio::Lut3DTransform &table)
+{
+    const unsigned long size = table.getGridSize();
+    int torn = 0;
+    for (unsigned long i = 0; i < size * size * size; i++) {
+        float rgb[3];
+        table.getValue(i / size / size, i / size % size, i % size, rgb[0], rgb[1], rgb[2]);
+        torn += is_torn(rgb);
+    }
+    return torn;
+}
+
+int count_torn(const ocio::Lut1DTransform &table)
+{
+    int torn = 0;
+    for (unsigned long i = 0; i < table.getLength(); i++) {
+        float rgb[3];
+        table.getValue(i, rgb[0], rgb[1], rgb[2]);
+        torn += is_torn(rgb);
+    }
+    return torn;
+}
+
+/* OpenColorIO takes NaN in a table for 0 and says nothing. */
+int count_torn(const ocio::ConstProcessorRcPtr &processor)
+{
+    const ocio::GroupTransformRcPtr group = processor->createGroupTransform();
+    int torn = 0;
+    for (int i = 0; i < group->getNumTransforms(); i++) {
+        const ocio::TransformRcPtr one = group->getTransform(i);
+        if (const auto cube = OCIO_DYNAMIC_POINTER_CAST<ocio::Lut3DTransform>(one))
+            torn += count_torn(*cube);
+        else if (const auto curve = OCIO_DYNAMIC_POINTER_CAST<ocio::Lut1DTransform>(one))
+            torn += count_torn(*curve);
+    }
+    return torn;
 }
 
 double shown(double code)
@@ -108,7 +156,7 @@ void fill(const ocio::ConstCPUProcessorRcPtr &processor, struct neph_display_cub
             rgb[3 * i + c] = static_cast<float>(
                 value_at(static_cast<double>(steps[c]) / (side - 1)));
     }
-    apply(processor, rgb);
+    cube->not_numbers += apply(processor, rgb);
     for (size_t i = 0; i < node_count; i++)
         for (size_t c = 0; c < 3; c++)
             cube->nodes[c][i] = rgb[3 * i + c];
@@ -189,8 +237,10 @@ enum neph_status bake(const struct neph_display_choice *choice, struct neph_disp
     transform->setSrc(space);
     transform->setDisplay(display);
     transform->setView(view);
-    const ocio::ConstCPUProcessorRcPtr processor =
-        config->getProcessor(transform)->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
+    const ocio::ConstProcessorRcPtr whole = config->getProcessor(transform);
+    const ocio::ConstCPUProcessorRcPtr processor = whole->getOptimizedCPUProcessor(
+        ocio::OPTIMIZATION_LOSSLESS);
+    cube->not_numbers = count_torn(whole);
     std::snprintf(cube->name, sizeof(cube->name), "%.60s on %.60s", view, display);
     cube->knee = knee;
     cube->top = top;

@@ -31,6 +31,8 @@ struct neph_display_cube {
                                      a display ends at 0 and 255, and nodes need not, so that what
                                      lies between two is clamped and not bent; nodes[0] is owned */
     double error_mean, error_max; /* of the table, in codes, over colours drawn at random */
+    int not_numbers; /* colours in the tables of the config, and nodes, that are NaN: they are 0
+                        here, and it is for the caller to tell */
 };
 
 /* Free the nodes with neph_display_cube_finish(). NEPH_ERR_NOT_FOUND: no such config.

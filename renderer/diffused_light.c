@@ -128,9 +128,12 @@ static void choose_size(const struct neph_bounds *box, int cells, uint32_t size[
         size[axis] = (uint32_t)fmax(2.0, round(cells * sides_m[axis] / longest_m));
 }
 
-static void place(const struct neph_diffused_light *light, struct neph_vec3 camera_m,
-                  struct neph_gpu_lattice *lattice)
+void neph_diffused_light_place(struct neph_diffused_light *light, const struct neph_scene *scene,
+                               double frame, const struct neph_gpu_scene *gpu)
 {
+    const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
+    if (!light->is_column)
+        find_room(scene, &light->box); /* the wind carries it along */
     struct neph_bounds box = light->box;
     if (light->is_column) {
         box.min_m.x = camera_m.x;
@@ -138,7 +141,7 @@ static void place(const struct neph_diffused_light *light, struct neph_vec3 came
         box.max_m.x = camera_m.x + 1.0;
         box.max_m.z = camera_m.z + 1.0;
     }
-    neph_lattice_place(&box, camera_m, light->levels[0].size, 0, lattice);
+    neph_lattice_place(&box, camera_m, light->levels[0].size, 0, &gpu->frame->light_lattice);
 }
 
 /* --- making ---------------------------------------------------------------------------------- */
@@ -175,9 +178,12 @@ static enum neph_status find_box(struct neph_diffused_light *light, const struct
     light->is_column = !find_room(scene, &light->box);
     if (light->is_column)
         light->box = column_of(scene);
-    return light->is_column ? NEPH_OK
-                            : neph_lattice_check(&light->box, "lighting=diffused",
-                                                 "lighting=octaves_fitted", diag);
+    if (light->is_column)
+        return NEPH_OK;
+    return light->is_shown
+               ? neph_lattice_check(&light->box, "lighting=diffused", "lighting=octaves_fitted",
+                                    diag)
+               : neph_lattice_check(&light->box, "light_ahead=diffusion", "light_ahead=none", diag);
 }
 
 /* A cell's points are the steps of its march, all of them in one dispatch. */
@@ -225,10 +231,12 @@ neph_diffused_light_create(struct neph_vulkan *vulkan, const struct neph_scene *
                            const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
                            struct neph_diffused_light *light, struct neph_diag *diag)
 {
-    if (params->lighting != NEPH_MARCH_DIFFUSED)
+    light->is_shown = params->lighting == NEPH_MARCH_DIFFUSED;
+    if (!light->is_shown && !(params->lighting == NEPH_MARCH_TRACED && params->light.looks_ahead))
         return NEPH_OK;
     light->vulkan = vulkan;
     light->params = *params;
+    light->params.lighting = NEPH_MARCH_DIFFUSED; /* of what fills the cells */
     enum neph_status status = find_box(light, scene, diag);
     if (status)
         return status;
@@ -477,10 +485,18 @@ static enum neph_status fill(struct work *work, const struct neph_scene *scene,
     return status;
 }
 
-static struct neph_gpu_diffusion_run run_of(const struct neph_scene *scene,
+/* Paths look ahead to the light inside. By R. E. Marshak, Phys. Rev. 71, 1947, as much of it comes
+ * through a thick slab as does; what a march shows of a surface is better by NEPH_GPU_OUTWARD. */
+static const float marshak_outward = 0.5f;
+
+static struct neph_gpu_diffusion_run run_of(const struct neph_diffused_light *light,
+                                            const struct neph_scene *scene,
                                             const struct neph_gpu_lattice *lattice)
 {
-    struct neph_gpu_diffusion_run run = {.job = CLEAR};
+    struct neph_gpu_diffusion_run run = {
+        .job = CLEAR,
+        .outward = light->is_shown ? (float)NEPH_GPU_OUTWARD : marshak_outward,
+    };
     float to_sun[3];
     neph_gpu_direction(to_sun, scene->sun.direction);
     for (int axis = 0; axis < 3; axis++) {
@@ -507,13 +523,10 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
     if (light->level_count == 0)
         return NEPH_OK;
     struct work work = {.light = light, .bound = bound, .gpu_s = gpu_s};
-    struct neph_gpu_lattice *lattice = &gpu->frame->light_lattice;
-    if (!light->is_column)
-        find_room(scene, &light->box); /* the wind carries it along */
-    place(light, neph_scene_camera(scene, frame).position_m, lattice);
+    neph_diffused_light_place(light, scene, frame, gpu);
     if (!continues && light->is_alone && holds(light, scene))
         return NEPH_OK; /* the same again */
-    work.run = run_of(scene, lattice);
+    work.run = run_of(light, scene, &gpu->frame->light_lattice);
     enum neph_status status = get_kernels(&work, gpu, diag);
     if (!status && !continues)
         status = forget(&work, diag);

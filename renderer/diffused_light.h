@@ -20,6 +20,7 @@ enum { NEPH_DIFFUSED_LEVELS_MAX = 10 };
 struct neph_diffused_light {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_march_params params;
+    bool is_shown;  /* by the march; else paths of traced light look ahead to it */
     bool is_column; /* of fogs: endless along x and z */
     struct neph_gpu_diffusion_level levels[NEPH_DIFFUSED_LEVELS_MAX];
     int level_count;          /* 0: there is no lattice */
@@ -36,7 +37,8 @@ struct neph_diffused_light {
     bool is_alone; /* what is there began from none, for a picture by itself */
 };
 
-/* For a march with these parameters: nothing unless its lighting is NEPH_MARCH_DIFFUSED.
+/* For a march with these parameters: nothing unless its lighting is NEPH_MARCH_DIFFUSED, or
+ * NEPH_MARCH_TRACED that looks ahead, which takes media as they are in the first channel.
  * Zero-initialise `light`; free with _destroy, also after an error. NEPH_ERR_UNSUPPORTED: a shape
  * has no finite bounds, or the points of a cell are more than a dispatch may hold. */
 enum neph_status
@@ -59,6 +61,10 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
                                            const struct neph_gpu_scene *gpu,
                                            const struct neph_dispatch *bound, bool continues,
                                            bool will_change, double *gpu_s, struct neph_diag *diag);
+
+/* Place the lattice in a frame of the scene, and leave what it holds as it is. */
+void neph_diffused_light_place(struct neph_diffused_light *light, const struct neph_scene *scene,
+                               double frame, const struct neph_gpu_scene *gpu);
 
 /* The cells of the finest level as they are, waited for; for free(). */
 enum neph_status neph_diffused_light_read(const struct neph_diffused_light *light,

@@ -104,6 +104,25 @@ static bool is_black(const float rgb[3])
     return rgb[0] <= 0.0f && rgb[1] <= 0.0f && rgb[2] <= 0.0f;
 }
 
+static void fill_lamps(const struct neph_scene *scene, struct neph_vec3 camera_m,
+                       struct neph_gpu_frame *frame)
+{
+    for (int i = 0; i < scene->light_count; i++) {
+        const struct neph_light *light = &scene->lights[i];
+        struct neph_gpu_lamp *lamp = &frame->lamps[i];
+        neph_relative_position(lamp->position_m, light->position_m, camera_m);
+        set_rgb(lamp->intensity, light->intensity_w_per_sr);
+        lamp->inner_cosine = -2.0f;
+        lamp->outer_cosine = -3.0f;
+        if (!light->is_spot)
+            continue;
+        neph_gpu_direction(lamp->axis, light->axis);
+        lamp->inner_cosine = (float)light->inner_cosine;
+        lamp->outer_cosine = (float)light->outer_cosine;
+    }
+    frame->lamp_count = (uint32_t)scene->light_count;
+}
+
 /* The camera, the sun and the sky. */
 static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
                                         const struct neph_camera *camera, int width_px,
@@ -340,8 +359,9 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
         gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
         gpu->optical_depth_turns += 1 + depth_turns(medium);
     }
-    frame->scatters = scatters && scene->scattering != NEPH_SCATTERING_NONE &&
-                      !is_black(frame->sun_irradiance);
+    scatters = scatters && scene->scattering != NEPH_SCATTERING_NONE;
+    frame->scatters = scatters && !is_black(frame->sun_irradiance);
+    frame->scatters_lamps = scatters && scene->light_count > 0;
 }
 
 _Static_assert((int)NEPH_MEDIUM_KIND_COUNT <= 8 && NEPH_FOG_LAYERS_MAX <= 2 &&
@@ -406,6 +426,8 @@ static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, dou
     *gpu->frame = frame_from(scene, &camera, width_px, height_px);
     gpu->constants[0] = 0;
     gpu->constants[1] = camera.orthographic_height_m > 0.0 ? NEPH_GPU_ORTHOGRAPHIC : 0u;
+    gpu->constants[1] |= scene->light_count > 0 ? NEPH_GPU_LAMPS : 0u;
+    fill_lamps(scene, camera.position_m, gpu->frame);
     fill_media(scene, camera.position_m, gpu, media);
     gpu->constants[1] |= known_media(gpu->frame) | (gpu->is_on_cpu ? NEPH_GPU_ON_CPU : 0u);
     for (int i = 0; i < scene->solid_count; i++)

@@ -17,6 +17,7 @@
 _Static_assert(NEPH_SCENE_MEDIA_MAX == NEPH_GPU_MEDIA_MAX &&
                    NEPH_FOG_LAYERS_MAX == NEPH_GPU_LAYERS_MAX,
                "room in a frame");
+_Static_assert(NEPH_SCENE_LIGHTS_MAX == NEPH_GPU_LAMPS_MAX, "room for lights");
 _Static_assert(NEPH_SCENE_SOLIDS_MAX == NEPH_GPU_SOLIDS_MAX, "room for solids");
 _Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
                    NEPH_PHASE_RAYLEIGH == 2,

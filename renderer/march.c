@@ -8,6 +8,7 @@
 #include "renderer/reach.h"
 #include "renderer/shortcuts.h"
 #include "scenes/emission.h"
+#include "scenes/lights.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -90,6 +91,8 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_march
         return "multiple scattering";
     if (lighting != NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_SINGLE)
         return "single scattering: this lighting stands for all orders";
+    if (lighting != NEPH_MARCH_SINGLE && scene->light_count > 0)
+        return neph_lights_reason;
     for (int i = 0; lighting == NEPH_MARCH_HORIZON && i < scene->medium_count; i++)
         if (scene->media[i].kind != NEPH_MEDIUM_HORIZON)
             return "a medium without the heights and shapes of Horizon's clouds, which this "
@@ -149,6 +152,11 @@ static enum neph_status check_diffusion(const struct neph_light_diffusion *diffu
     return check_range("diffusion_cycles", diffusion->cycles, NEPH_DIFFUSION_CYCLES_MAX, diag);
 }
 
+static bool looks_ahead(const struct neph_march_params *params)
+{
+    return params->lighting == NEPH_MARCH_TRACED && params->light.looks_ahead;
+}
+
 enum neph_status neph_march_check(const struct neph_scene *scene,
                                   const struct neph_march_params *params, struct neph_diag *diag)
 {
@@ -169,7 +177,7 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     status = neph_shortcuts_check(params, diag);
     if (!status && params->lighting == NEPH_MARCH_TRACED)
         status = check_light(&params->light, diag);
-    if (!status && params->lighting == NEPH_MARCH_DIFFUSED)
+    if (!status && (params->lighting == NEPH_MARCH_DIFFUSED || looks_ahead(params)))
         status = check_diffusion(&params->diffusion, diag);
     if (status)
         return status;
@@ -189,8 +197,8 @@ struct neph_march {
     struct neph_buffer pixels, states, readback;
     struct neph_in_flight flight;
     double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES]; /* what dispatches of the frames in flight take */
-    struct neph_sun_cache_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* before them */
-    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];              /* paths of traced light before them */
+    struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* before them */
+    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];             /* paths of traced light before them */
 };
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
@@ -269,7 +277,8 @@ static enum neph_status create_image(const struct neph_march *march, struct neph
         status = neph_image_add_rgb(created, "transmittance", layers->transmittance, diag);
     if (!status)
         status = neph_image_add_channel(created, "Z", &layers->eye_depth_m, diag);
-    if (!status && (march->scene.gpu.frame->scatters || march->scene.gpu.frame->emits))
+    const struct neph_gpu_frame *frame = march->scene.gpu.frame;
+    if (!status && (frame->scatters || frame->scatters_lamps || frame->emits))
         status = neph_image_add_channel(created, "volume.distance", &layers->volume_distance_m,
                                         diag);
     if (status) {
@@ -406,8 +415,9 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
     }
     work->stats.rays = march->cut.ray_count;
     uint64_t evaluations, closed_forms;
-    neph_sun_cache_counts(work->cost.fill, &evaluations, &closed_forms);
-    work->stats.gpu_s = *work->gpu_s + work->cost.fill->gpu_s + *work->cost.light_gpu_s;
+    neph_sun_fill_counts(work->cost.fill, &evaluations, &closed_forms);
+    work->stats.gpu_s = *work->gpu_s + neph_sun_fill_gpu_s(work->cost.fill) +
+                        *work->cost.light_gpu_s;
     work->stats.density_evaluations += evaluations;
     work->stats.closed_forms += closed_forms;
     work->stats.dispatches += work->cost.fill->dispatches;
@@ -455,6 +465,7 @@ enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct
     if (status)
         return status;
     neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);
-    *gpu_s = march->flights_gpu_s[slot] + march->fills[slot].gpu_s + march->lights_gpu_s[slot];
+    *gpu_s = march->flights_gpu_s[slot] + neph_sun_fill_gpu_s(&march->fills[slot]) +
+             march->lights_gpu_s[slot];
     return NEPH_OK;
 }

@@ -73,25 +73,43 @@ static uint64_t octave_count(const struct neph_scene *scene, enum neph_march_lig
     return lighting == NEPH_MARCH_OCTAVES ? (uint64_t)scene->octaves.count : 0;
 }
 
-/* Upper bound of loop turns (compute.h) of the shader, following its loops one by one. */
+/* Loop turns (compute.h) of what the shader does, at most, following its loops one by one. */
+struct turns {
+    uint64_t solids, media, exact;
+    uint64_t empties; /* of one step that may be passed */
+    uint64_t sun;     /* a sun ray through media */
+};
+
+static struct turns turns_in(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
+                             const struct neph_march_params *params)
+{
+    struct turns turns = {
+        .solids = neph_gpu_solid_turns((uint64_t)scene->solid_count),
+        .media = (uint64_t)scene->medium_count + 1,
+        .exact = gpu->optical_depth_turns,
+    };
+    for (int i = 0; i < scene->medium_count; i++)
+        turns.media += (uint64_t)scene->media[i].layer_count + 1;
+    const uint64_t sun_steps = (uint64_t)neph_march_sun_steps(scene, params);
+    turns.empties = params->shortcuts.skip ? 1 + turns.media : 0;
+    turns.sun = turns.media + turns.exact + sun_steps * (1 + turns.media + 2 * turns.empties) + 1;
+    return turns;
+}
+
+/* Of the shader as a whole. */
 static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                         const struct neph_march_params *params, uint64_t *per_step,
                         uint64_t *per_dispatch)
 {
-    const uint64_t solids = neph_gpu_solid_turns((uint64_t)scene->solid_count);
-    const uint64_t exact = gpu->optical_depth_turns;
-    uint64_t media = (uint64_t)scene->medium_count + 1;
-    for (int i = 0; i < scene->medium_count; i++)
-        media += (uint64_t)scene->media[i].layer_count + 1;
-    const uint64_t sun_steps = (uint64_t)neph_march_sun_steps(scene, params);
-    const uint64_t octaves = octave_count(scene, params->lighting) * (1 + media);
-    const uint64_t empties = params->shortcuts.skip ? 1 + media : 0; /* of one step */
-    uint64_t sunlight = solids + media + exact + sun_steps * (1 + media + 2 * empties) + octaves +
-                        1;
+    const struct turns turns = turns_in(scene, gpu, params);
+    uint64_t sunlight = turns.solids + turns.sun +
+                        octave_count(scene, params->lighting) * (1 + turns.media);
     if (params->lighting == NEPH_MARCH_SLAB)
         sunlight *= 2; /* and away from the sun */
-    *per_step = 1 + 2 * media + exact + sunlight + 3 * empties;
-    *per_dispatch = solids + 3 * media + exact + sunlight + 1;
+    /* Each light is looked for as the sun is, from each part of a step. */
+    sunlight *= 1 + NEPH_GPU_LAMP_PARTS * (uint64_t)scene->light_count;
+    *per_step = 1 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
+    *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight + 1;
 }
 
 /* `SHORTCUTS` of shaders/shortcuts.glsl. */
@@ -99,7 +117,7 @@ static uint32_t shortcut_bits(const struct neph_shortcuts *shortcuts)
 {
     return (shortcuts->sun_cache ? 1u : 0u) | (shortcuts->skip ? 2u : 0u) |
            (shortcuts->early_out > 0.0 ? 4u : 0u) | (shortcuts->step_growth > 1.0 ? 8u : 0u) |
-           (shortcuts->grid_texture ? 16u : 0u);
+           (shortcuts->grid_texture ? 16u : 0u) | (shortcuts->cloud_shadow ? 32u : 0u);
 }
 
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
@@ -167,24 +185,48 @@ enum neph_status neph_march_cut_events(const struct neph_vulkan *vulkan,
     return NEPH_OK;
 }
 
+/* Of rays whose turns are counted. */
+static void cut_rays(const struct neph_vulkan *vulkan, struct neph_march_cut *cut)
+{
+    const bool is_cpu = vulkan->description.is_cpu;
+    const uint64_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
+    cut->rays_max = least(least(groups_max * NEPH_MARCH_LOCAL_SIZE, dispatch_rays_max),
+                          cut->ray_count);
+    cut->turns_least = is_cpu ? cpu_least_turns : gpu_least_turns;
+    set_rays(cut, is_cpu ? cpu_first_turns : gpu_first_turns);
+}
+
 enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
                                      const struct neph_scene *scene,
                                      const struct neph_gpu_scene *gpu,
                                      const struct neph_march_params *params, uint64_t ray_count,
                                      struct neph_march_cut *cut, struct neph_diag *diag)
 {
-    const bool is_cpu = vulkan->description.is_cpu;
     const uint64_t thread_max = thread_turns_max(vulkan);
-    const uint64_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
     struct neph_march_cut made = {.ray_count = ray_count, .step_count = (uint64_t)params->steps};
     count_turns(scene, gpu, params, &made.turns_per_step, &made.turns_per_dispatch);
     if (turns_of(&made, 1) > thread_max)
         return refuse_step(vulkan, scene, params, turns_of(&made, 1), diag);
     made.steps = least((thread_max - made.turns_per_dispatch) / made.turns_per_step,
                        made.step_count);
-    made.rays_max = least(least(groups_max * NEPH_MARCH_LOCAL_SIZE, dispatch_rays_max), ray_count);
-    made.turns_least = is_cpu ? cpu_least_turns : gpu_least_turns;
-    set_rays(&made, is_cpu ? cpu_first_turns : gpu_first_turns);
+    cut_rays(vulkan, &made);
+    *cut = made;
+    return NEPH_OK;
+}
+
+enum neph_status neph_march_cut_make_whole(const struct neph_vulkan *vulkan,
+                                           const struct neph_scene *scene,
+                                           const struct neph_gpu_scene *gpu,
+                                           const struct neph_march_params *params, uint64_t samples,
+                                           uint64_t sun_rays, uint64_t ray_count,
+                                           struct neph_march_cut *cut, struct neph_diag *diag)
+{
+    const struct turns turns = turns_in(scene, gpu, params);
+    struct neph_march_cut made = {.ray_count = ray_count, .step_count = 1, .steps = 1};
+    made.turns_per_step = samples * (1 + turns.media) + sun_rays * (1 + turns.sun);
+    if (made.turns_per_step > thread_turns_max(vulkan))
+        return refuse_step(vulkan, scene, params, made.turns_per_step, diag);
+    cut_rays(vulkan, &made);
     *cut = made;
     return NEPH_OK;
 }

@@ -58,6 +58,15 @@ enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
                                      const struct neph_march_params *params, uint64_t ray_count,
                                      struct neph_march_cut *cut, struct neph_diag *diag);
 
+/* Rays that are not cut: each has some samples of the media, and some sun rays. Errors as of _make.
+ */
+enum neph_status neph_march_cut_make_whole(const struct neph_vulkan *vulkan,
+                                           const struct neph_scene *scene,
+                                           const struct neph_gpu_scene *gpu,
+                                           const struct neph_march_params *params, uint64_t samples,
+                                           uint64_t sun_rays, uint64_t ray_count,
+                                           struct neph_march_cut *cut, struct neph_diag *diag);
+
 /* The device took so long for all dispatches of a march: the next will be cut by that. What is
  * marched does not depend on it. */
 void neph_march_cut_learn(struct neph_march_cut *cut, double gpu_s);

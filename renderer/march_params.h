@@ -6,6 +6,7 @@
 #define NEPH_RENDERER_MARCH_PARAMS_H
 
 #include "base/vec3.h"
+#include "renderer/shaders/constants.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -40,6 +41,28 @@ enum neph_texel_format {
     NEPH_TEXEL_FORMAT_COUNT,
 };
 
+/* What the texels of a shadow map of clouds lie on (renderer/cloud_shadow.h). */
+enum neph_shadow_plane {
+    NEPH_SHADOW_LEVEL, /* a level plane through the middle of the clouds; they stay with these */
+    NEPH_SHADOW_SUN,   /* the plane across the sunlight, with which they turn */
+};
+
+/* A shadow map of clouds, for struct neph_shortcuts alone. */
+struct neph_shadow_map {
+    int texels; /* along each side: NEPH_SHADOW_TEXELS_MIN.._MAX */
+    int layers; /* depths in a texel, 1..NEPH_SHADOW_LAYERS_MAX; 1: linear from front to back */
+    int levels; /* maps, each four times as wide as the one before: 1..NEPH_SHADOW_LEVELS_MAX */
+    double extent_m; /* side of the widest, around the camera; 0: all clouds */
+    enum neph_shadow_plane plane;
+    int frames; /* pictures that it takes to fill it anew: 0..NEPH_SUN_CACHE_FRAMES_MAX */
+};
+
+#define NEPH_SHADOW_TEXELS_MIN 16
+#define NEPH_SHADOW_TEXELS_MAX 4096
+#define NEPH_SHADOW_LAYERS_MAX 64
+#define NEPH_SHADOW_LEVELS_MAX NEPH_GPU_SHADOW_LEVELS_MAX
+#define NEPH_SHADOW_EXTENT_MAX_M 1e9
+
 /* Shortcuts through media, for speed. Zero: none, and the march keeps its bits. */
 struct neph_shortcuts {
     /* Optical depth of shapes (all media but fogs) towards the sun from a lattice over their
@@ -61,6 +84,10 @@ struct neph_shortcuts {
      * forms and traced paths read the voxels themselves. */
     bool grid_texture;
     enum neph_texel_format grid_format;
+    /* Sunlight on solids, and on samples of media that are in no cloud, has come through the clouds
+     * of a map, in place of a ray for each. */
+    bool cloud_shadow;
+    struct neph_shadow_map shadow;
 };
 
 #define NEPH_SUN_CACHE_VOXELS_MIN 8
@@ -79,6 +106,7 @@ struct neph_light_paths {
     int rounds;         /* of all paths in a picture: 1..NEPH_LIGHT_ROUNDS_MAX */
     int memory;         /* pictures over which sums fade; 1: each picture is by itself */
     double blur_texels; /* standard deviation of the blur; 0: none */
+    bool looks_ahead;   /* by diffused light, of which .diffusion says how fine (traced_light.h) */
     uint32_t seed;
 };
 
@@ -88,7 +116,7 @@ struct neph_light_paths {
 #define NEPH_LIGHT_MEMORY_MAX 65536
 #define NEPH_LIGHT_BLUR_MAX 2.0
 
-/* Cells of diffused light, for NEPH_MARCH_DIFFUSED alone. */
+/* Cells of diffused light, for NEPH_MARCH_DIFFUSED and for traced light that looks ahead. */
 struct neph_light_diffusion {
     int cells;  /* along the longest side of all shapes: NEPH_DIFFUSION_CELLS_MIN.._MAX */
     int cycles; /* multigrid cycles in a picture: 1..NEPH_DIFFUSION_CYCLES_MAX */

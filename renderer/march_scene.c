@@ -28,7 +28,12 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
     if (!status)
         status = neph_skip_cells_create(vulkan, from, params, &scene->skip_cells, diag);
     if (!status)
-        status = neph_sun_cache_create(vulkan, from, &scene->gpu, params, &scene->sun_cache, diag);
+        status = neph_cloud_shadow_create(vulkan, from, &scene->gpu, params, &scene->cloud_shadow,
+                                          diag);
+    if (!status)
+        status = neph_sun_cache_create(vulkan, from, &scene->gpu, params,
+                                       neph_cloud_shadow_values(&scene->cloud_shadow),
+                                       &scene->sun_cache, diag);
     if (!status)
         status = neph_traced_light_create(vulkan, from, &scene->gpu, params, &scene->traced_light,
                                           diag);
@@ -43,6 +48,7 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
     neph_slab_light_destroy(&scene->slab_light);
     neph_diffused_light_destroy(&scene->diffused_light);
     neph_traced_light_destroy(&scene->traced_light);
+    neph_cloud_shadow_destroy(&scene->cloud_shadow);
     neph_sun_cache_destroy(&scene->sun_cache);
     neph_skip_cells_destroy(vulkan, &scene->skip_cells);
     neph_turns_destroy(vulkan, &scene->solid_turns);
@@ -61,7 +67,29 @@ static void show_scene(const struct neph_scene *from, const struct neph_march_pa
     neph_march_set_frame(from, params, scene->gpu.frame);
 }
 
-/* Light of higher orders, of whichever kind. */
+static bool diffuses(const struct neph_march_scene *scene)
+{
+    return scene->diffused_light.level_count > 0;
+}
+
+/* What a march shows of higher orders, or paths look ahead to: by what the walk takes no part in
+ * (light_walk.comp), it is solved once, when pictures begin. */
+static enum neph_status diffuse(const struct neph_scene *from, double frame,
+                                const struct neph_march_moment *moment,
+                                struct neph_march_scene *scene, struct neph_dispatch bound,
+                                double *gpu_s, struct neph_diag *diag)
+{
+    struct neph_diffused_light *light = &scene->diffused_light;
+    if (scene->traced_light.params.light.looks_ahead && moment->continues && light->is_filled) {
+        neph_diffused_light_place(light, from, frame, &scene->gpu);
+        return NEPH_OK;
+    }
+    neph_skip_cells_bind(&scene->skip_cells, &bound);
+    return neph_diffused_light_solve(light, from, frame, &scene->gpu, &bound, moment->continues,
+                                     scene->sun_cache.fill.stale_parts > 0, gpu_s, diag);
+}
+
+/* Light of higher orders, of whichever kind. Paths have majorants in place of skipped cells. */
 static enum neph_status find_light(const struct neph_scene *from, double frame,
                                    const struct neph_march_moment *moment,
                                    struct neph_march_scene *scene, double *gpu_s,
@@ -71,14 +99,12 @@ static enum neph_status find_light(const struct neph_scene *from, double frame,
     const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m};
     neph_gpu_scene_bind(&scene->gpu, &bound);
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
-    const enum neph_status status = neph_traced_light_trace(
-        &scene->traced_light, from, &scene->gpu, &bound, &view, moment->continues, gpu_s, diag);
-    if (status)
-        return status;
-    neph_skip_cells_bind(&scene->skip_cells, &bound); /* which paths have majorants in place of */
-    return neph_diffused_light_solve(&scene->diffused_light, from, frame, &scene->gpu, &bound,
-                                     moment->continues, scene->sun_cache.stale_parts > 0, gpu_s,
-                                     diag);
+    bound.buffers[NEPH_GPU_SCENE_BUFFERS + 3] = diffuses(scene) ? &scene->diffused_light.field
+                                                                : &scene->traced_light.smoothed;
+    const enum neph_status status = diffuse(from, frame, moment, scene, bound, gpu_s, diag);
+    return status ? status
+                  : neph_traced_light_trace(&scene->traced_light, from, &scene->gpu, &bound, &view,
+                                            moment->continues, gpu_s, diag);
 }
 
 enum neph_status neph_march_scene_show(const struct neph_scene *from,
@@ -87,18 +113,22 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
                                        struct neph_march_scene *scene,
                                        struct neph_march_scene_cost *cost, struct neph_diag *diag)
 {
+    *cost->fill = (struct neph_sun_fill_cost){.dispatches = 0};
     show_scene(from, params, frame, scene);
     enum neph_status status = neph_skip_cells_place(&scene->skip_cells, from, frame,
                                                     scene->gpu.frame, diag);
     if (!status)
         status = neph_sun_cache_fill(&scene->sun_cache, from, frame, &scene->gpu,
                                      &scene->skip_cells, cost->fill, diag);
+    if (!status)
+        status = neph_cloud_shadow_fill(&scene->cloud_shadow, from, frame, &scene->gpu,
+                                        &scene->skip_cells, &scene->sun_cache, cost->fill, diag);
     return status ? status : find_light(from, frame, moment, scene, cost->light_gpu_s, diag);
 }
 
 static const struct neph_buffer *higher_orders(const struct neph_march_scene *scene)
 {
-    if (scene->diffused_light.level_count > 0)
+    if (diffuses(scene) && scene->diffused_light.is_shown)
         return &scene->diffused_light.field;
     return scene->slab_light.vulkan ? &scene->slab_light.table : &scene->traced_light.smoothed;
 }

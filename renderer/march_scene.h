@@ -6,6 +6,7 @@
 #ifndef NEPH_RENDERER_MARCH_SCENE_H
 #define NEPH_RENDERER_MARCH_SCENE_H
 
+#include "renderer/cloud_shadow.h"
 #include "renderer/diffused_light.h"
 #include "renderer/gpu_scene.h"
 #include "renderer/in_flight.h"
@@ -19,6 +20,7 @@ struct neph_march_scene {
     struct neph_turns frame_turns, solid_turns;
     struct neph_skip_cells skip_cells;
     struct neph_sun_cache sun_cache;
+    struct neph_cloud_shadow cloud_shadow;
     struct neph_traced_light traced_light;
     struct neph_diffused_light diffused_light;
     struct neph_slab_light slab_light;
@@ -35,7 +37,7 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
 
 /* What a picture costs before it is marched, told when that is home; borrowed until then. */
 struct neph_march_scene_cost {
-    struct neph_sun_cache_cost *fill;
+    struct neph_sun_fill_cost *fill;
     double *light_gpu_s; /* the device's time for traced or diffused light */
 };
 

@@ -7,7 +7,10 @@
 const char *const neph_sun_caches[] = {"off", "grid", NULL};
 const char *const neph_skips[] = {"off", "majorant", NULL};
 const char *const neph_grid_samplings[] = {"exact", "texture", NULL};
+const char *const neph_lights_ahead[] = {"none", "diffusion", NULL};
 const char *const neph_texel_formats[] = {"r32f", "r16f", "r8", NULL};
+const char *const neph_cloud_shadows[] = {"off", "map", NULL};
+const char *const neph_shadow_planes[] = {"level", "sun", NULL};
 
 static enum neph_status check_range(const char *name, double value, double least, double most,
                                     struct neph_diag *diag)
@@ -73,6 +76,25 @@ static enum neph_status check_texture(const struct neph_march_params *params,
                      "texture; set transmittance=marched, sun=marched, or both");
 }
 
+static enum neph_status check_shadow(const struct neph_shadow_map *map, struct neph_diag *diag)
+{
+    const struct {
+        const char *name;
+        double value, least, most;
+    } ranges[] = {
+        {"cloud_shadow_texels", map->texels, NEPH_SHADOW_TEXELS_MIN, NEPH_SHADOW_TEXELS_MAX},
+        {"cloud_shadow_layers", map->layers, 1, NEPH_SHADOW_LAYERS_MAX},
+        {"cloud_shadow_levels", map->levels, 1, NEPH_SHADOW_LEVELS_MAX},
+        {"cloud_shadow_extent_m", map->extent_m, 0, NEPH_SHADOW_EXTENT_MAX_M},
+        {"cloud_shadow_frames", map->frames, 0, NEPH_SUN_CACHE_FRAMES_MAX},
+    };
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]) && !status; i++)
+        status = check_range(ranges[i].name, ranges[i].value, ranges[i].least, ranges[i].most,
+                             diag);
+    return status;
+}
+
 enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
                                       struct neph_diag *diag)
 {
@@ -89,6 +111,8 @@ enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
     if (!status && shortcuts->sun_cache)
         status = check_range("sun_cache_frames", shortcuts->sun_cache_frames, 0,
                              NEPH_SUN_CACHE_FRAMES_MAX, diag);
+    if (!status && shortcuts->cloud_shadow)
+        status = check_shadow(&shortcuts->shadow, diag);
     if (!status)
         status = check_texture(params, diag);
     return status ? status : check_lighting(params, diag);

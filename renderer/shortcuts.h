@@ -13,6 +13,8 @@
 /* Words of the choices. */
 extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_grid_samplings[],
                                                                      *const neph_texel_formats[];
+extern const char *const neph_lights_ahead[], *const neph_cloud_shadows[];
+extern const char *const neph_shadow_planes[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -59,6 +61,41 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
             "grid_sampling=texture: what a texel holds, the density over the grid's largest"       \
     }
 
+#define NEPH_OPTION_CLOUD_SHADOW                                                                   \
+    {                                                                                              \
+        "cloud_shadow", NEPH_OPTION_CHOICE, 0, 0, 0, neph_cloud_shadows,                           \
+            "map: sunlight on solids, and on fog where no cloud is, has come through a shadow map" \
+            " of the clouds, in place of a ray for each point"                                     \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_TEXELS                                                            \
+    {                                                                                              \
+        "cloud_shadow_texels", NEPH_OPTION_INTEGER, 512, NEPH_SHADOW_TEXELS_MIN,                   \
+            NEPH_SHADOW_TEXELS_MAX, NULL, "texels of that map along each side"                     \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_LAYERS                                                            \
+    {                                                                                              \
+        "cloud_shadow_layers", NEPH_OPTION_INTEGER, 1, 1, NEPH_SHADOW_LAYERS_MAX, NULL,            \
+            "optical depths of a texel between the clouds' far side and near side, for what is "   \
+            "between clouds; 1: a beer shadow map, linear in between"                              \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_LEVELS                                                            \
+    {                                                                                              \
+        "cloud_shadow_levels", NEPH_OPTION_INTEGER, 1, 1, NEPH_SHADOW_LEVELS_MAX, NULL,            \
+            "such maps around the camera, each a quarter as wide as the next"                      \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_EXTENT                                                            \
+    {                                                                                              \
+        "cloud_shadow_extent_m", NEPH_OPTION_REAL, 0, 0, NEPH_SHADOW_EXTENT_MAX_M, NULL,           \
+            "side of the widest of them, around the camera; beyond it sun rays go on as ever; 0: " \
+            "all clouds"                                                                           \
+    }
+#define NEPH_OPTION_CLOUD_SHADOW_PLANE                                                             \
+    {                                                                                              \
+        "cloud_shadow_plane", NEPH_OPTION_CHOICE, NEPH_SHADOW_LEVEL, 0, 0, neph_shadow_planes,     \
+            "what texels lie on: a level plane through the clouds, with which they stay, or the "  \
+            "plane across the sunlight, which turns with the sun"                                  \
+    }
+
 /* Traced light is no shortcut, but its rows are shared as well. */
 #define NEPH_OPTION_LIGHT_TEXEL                                                                    \
     {                                                                                              \
@@ -81,18 +118,28 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
             "lighting=traced: standard deviation of the blur in texels; 0: none"                   \
     }
 
+#define NEPH_OPTION_LIGHT_AHEAD                                                                    \
+    {                                                                                              \
+        "light_ahead", NEPH_OPTION_CHOICE, 0, 0, 0, neph_lights_ahead,                             \
+            "lighting=traced: diffusion: paths under way count what light that diffuses says "     \
+            "they "                                                                                \
+            "will bring home, and take it back as they do; after a cut, light that has come "      \
+            "through much is there at once"                                                        \
+    }
+
 /* Nor is diffused light. */
 #define NEPH_OPTION_DIFFUSION_CELLS                                                                \
     {                                                                                              \
         "diffusion_cells", NEPH_OPTION_INTEGER, 64, NEPH_DIFFUSION_CELLS_MIN,                      \
             NEPH_DIFFUSION_CELLS_MAX, NULL,                                                        \
-            "lighting=diffused: cells along the longest side of all clouds' bounds; a column of "  \
-            "fog has eight times as many"                                                          \
+            "lighting=diffused, light_ahead=diffusion: cells along the longest side of all "       \
+            "clouds' bounds; a column of fog has eight times as many"                              \
     }
 #define NEPH_OPTION_DIFFUSION_CYCLES(value)                                                        \
     {                                                                                              \
         "diffusion_cycles", NEPH_OPTION_INTEGER, value, 1, NEPH_DIFFUSION_CYCLES_MAX, NULL,        \
-            "lighting=diffused: multigrid cycles in a picture, until light is at rest"             \
+            "lighting=diffused: multigrid cycles in a picture, until light is at rest; "           \
+            "light_ahead=diffusion: in the first, 16 at least"                                     \
     }
 
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the

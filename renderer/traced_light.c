@@ -138,14 +138,15 @@ static enum neph_status get_walk(struct neph_traced_light *light, const struct n
         .name = "light_walk",
         .spirv = walk_spirv,
         .spirv_size_bytes = sizeof(walk_spirv),
-        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 3,
+        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 4,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_light_run),
-        .constant_count = NEPH_MARCH_CONSTANTS,
+        .constant_count = NEPH_MARCH_CONSTANTS + 1,
     };
     march.shortcuts.skip = march.shortcuts.grid_texture = false;
     neph_march_constants(gpu, &march, params.constants);
+    params.constants[NEPH_MARCH_CONSTANTS] = march.light.looks_ahead;
     return neph_kernel_get(light->vulkan, &params, kernel, diag);
 }
 
@@ -288,10 +289,11 @@ static void set_fade(const struct neph_traced_light *light, const struct neph_li
 static const int unseen_at_start = 8;
 
 /* Rounds that do not count, before the first that do: what the last paths will not bring home in
- * time, paths that are under way when counting begins do in their place. */
+ * time, paths that are under way when counting begins do in their place. None where paths count
+ * ahead what they will bring home. */
 static int unseen_rounds(const struct neph_traced_light *light, bool continues)
 {
-    if (continues)
+    if (continues || light->params.light.looks_ahead)
         return 0;
     return light->params.light.memory == 1 ? (light->params.light.rounds + 1) / 2 : unseen_at_start;
 }

@@ -74,9 +74,12 @@ static bool needs_paths(const struct neph_scene *scene)
     return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene) || is_open(scene);
 }
 
-/* All sunlight is scattered once: first collisions are drawn by that light, or by a guess of it. */
+/* All sunlight is scattered once: first collisions are drawn by that light, or by a guess of it,
+ * unless lights are looked for from the view ray, which a guess would leave out. */
 static bool is_lit_once(const struct neph_scene *scene)
 {
+    if (is_open(scene) && scene->light_count > 0)
+        return false;
     return scene->scattering == NEPH_SCATTERING_SINGLE && scene->sun.present &&
            is_positive(scene->sun.irradiance_w_per_m2) && scene->medium_count > 0;
 }
@@ -223,14 +226,17 @@ struct render {
 
 /* Upper bound of the loop turns (compute.h) in one turn of the path kernel's main loop: three loops
  * over the solids, two over fog, tracking, each of whose steps may choose a node in a loop, and one
- * over empty items. */
+ * over empty items. With lights six more over these, two over media and two over solids. */
 static uint32_t turns_within(const struct neph_scene *scene)
 {
     uint32_t fog = 1;
     for (int i = 0; i < scene->medium_count; i++)
         fog += 3 + 2 * (uint32_t)scene->media[i].layer_count;
-    return 1 + 3 * (uint32_t)neph_gpu_solid_turns((uint64_t)scene->solid_count) + 2 * fog +
-           track_steps * 5 + 1 + NEPH_GPU_TAKES + 1;
+    const uint32_t solids = (uint32_t)neph_gpu_solid_turns((uint64_t)scene->solid_count);
+    const uint32_t lights = scene->light_count > 0
+                                ? 6 * ((uint32_t)scene->light_count + 1) + 2 * fog + 2 * solids
+                                : 0;
+    return 1 + 3 * solids + 2 * fog + track_steps * 5 + 1 + NEPH_GPU_TAKES + 1 + lights;
 }
 
 static uint32_t choose_turns(const struct neph_scene *scene,

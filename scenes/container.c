@@ -203,6 +203,10 @@ struct neph_bounds neph_fog_container(const struct neph_scene *scene,
                                    side_error);
     }
     reach_towards_sun(&box, &scene->sun, eyes.low_m);
+    for (int i = 0; i < scene->light_count; i++) {
+        const struct neph_vec3 at_m = scene->lights[i].position_m;
+        box = neph_bounds_hull(box, (struct neph_bounds){at_m, at_m});
+    }
     box = neph_bounds_intersect(box, medium->bounds);
     /* A tenth more than was found between steps of 3 % in slope, and the rounding of T. */
     const double found = largest_difference(medium, medium->bounds, box, &eyes, 1.03, 1.0);

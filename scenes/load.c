@@ -121,14 +121,16 @@ static const struct neph_field scene_fields[] = {
     {"camera", NEPH_RECORD, .record = &neph_camera_record},
     {"frames", NEPH_RECORD, .record = &neph_frames_record, .standard = ""},
     {"sun", NEPH_RECORD, .record = &neph_sun_record, .standard = "no sun"},
+    {"lights", NEPH_ENTRIES, SCENE(lights), .most = NEPH_SCENE_LIGHTS_MAX,
+     .count_at = SCENE(light_count), .record = &neph_light_record, .standard = "none"},
     {"wind", NEPH_RECORD, .record = &neph_wind_record, .standard = "no wind"},
     {"background_w_per_m2_sr", NEPH_THREE, SCENE(background_w_per_m2_sr), "W/m2/sr", 0, BRIGHT,
      .note = "uniform radiance of the sky", .standard = "[0, 0, 0]"},
     {"environment_light", NEPH_FLAG, SCENE(environment_light),
      .note = "the background lights media and solids; else it is only seen", .standard = "`false`"},
     {"scattering", NEPH_WORD, SCENE(scattering),
-     .note = "`none`: media attenuate; `single`: plus sunlight scattered once; `multiple`: all "
-             "orders, surface bounces included",
+     .note = "`none`: media attenuate; `single`: plus light of sun and `lights` scattered once; "
+             "`multiple`: all orders, surface bounces included",
      .words = neph_scattering_words},
     {"octaves", NEPH_RECORD, SCENE(octaves),
      .note = "of the ray marcher's lighting model of that name", .record = &octaves_record,
@@ -150,6 +152,9 @@ static const struct neph_field scene_fields[] = {
      .record = &neph_solid_record, .standard = "none"},
     {"media", NEPH_ENTRIES, SCENE(media), .most = NEPH_SCENE_MEDIA_MAX,
      .count_at = SCENE(medium_count), .record = &neph_medium_record, .standard = "none"},
+    {"fog_look", NEPH_RECORD, SCENE(fog_look),
+     .note = "what game engines add to a height fog, see Looks of fog",
+     .record = &neph_fog_look_record, .standard = "none"},
     {0},
 };
 
@@ -173,9 +178,13 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
     if (!status)
         status = neph_finish_solids(reader, written);
     if (!status)
+        status = neph_check_lights(reader, scene);
+    if (!status)
         status = neph_check_motion(reader, scene);
     if (!status)
         status = neph_check_injections(reader, scene);
+    if (!status)
+        status = neph_check_fog_look(reader, scene);
     return status ? status : neph_scene_hash(scene, reader->diag);
 }
 

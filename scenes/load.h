@@ -32,6 +32,16 @@ extern const struct neph_record neph_injection_record;
 enum neph_status neph_check_injections(const struct neph_reader *reader,
                                        const struct neph_scene *scene);
 
+/* Into a struct neph_fog_look. */
+extern const struct neph_record neph_fog_look_record;
+
+/* What of it needs the finished scene: a height fog. */
+enum neph_status neph_check_fog_look(const struct neph_reader *reader,
+                                     const struct neph_scene *scene);
+
+/* Its part of a scene's hash. */
+void neph_fog_look_hash(const struct neph_fog_look *look, FILE *text);
+
 /* Write the numbers of a point of the sweep into the file. */
 enum neph_status neph_failing_put_point(struct neph_document *document,
                                         const struct neph_failing *failing, int point,
@@ -41,13 +51,17 @@ enum neph_status neph_failing_put_point(struct neph_document *document,
 bool neph_is_identifier(const char *text);
 
 /* Entries of lists. */
-extern const struct neph_record neph_solid_record, neph_medium_record;
+extern const struct neph_record neph_solid_record, neph_medium_record, neph_light_record;
 
 /* Once all is read, whatever its order: the sun of frame 0. */
 void neph_finish_sun(struct neph_written_scene *written);
 
 /* Fences become their bars, and what moves has its mover. */
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written);
+
+/* No light is inside a solid: it would light nothing. */
+enum neph_status neph_check_lights(const struct neph_reader *reader,
+                                   const struct neph_scene *scene);
 
 /* The solids as they are written. */
 void neph_written_solids_free(struct neph_written_scene *written);

@@ -434,6 +434,8 @@ void neph_scene_shift(struct neph_scene *still, struct neph_vec3 by_m)
     key->look_at_m = neph_vec3_add(key->look_at_m, by_m);
     for (int i = 0; i < still->medium_count; i++)
         neph_medium_shift(&still->media[i], by_m);
+    for (int i = 0; i < still->light_count; i++)
+        still->lights[i].position_m = neph_vec3_add(still->lights[i].position_m, by_m);
     for (int i = 0; i < still->solid_count; i++) {
         still->solids[i].center_m = neph_vec3_add(still->solids[i].center_m, by_m);
         still->solids[i].box = neph_bounds_moved(still->solids[i].box, by_m);

@@ -23,6 +23,8 @@ static const char *find_obstacle(const struct neph_scene *scene, const struct ne
         return "it has no sun, and is given none";
     if (neph_scene_emits(scene))
         return "a medium emits light of its own";
+    if (scene->light_count > 0)
+        return "it has lights beside the sun";
     for (int m = 0; m < scene->medium_count; m++)
         if (neph_medium_is_coloured(&scene->media[m]))
             return "the extinction of a medium has a colour";

@@ -13,12 +13,14 @@
 #include "base/status.h"
 #include "base/vec3.h"
 #include "scenes/failing.h"
+#include "scenes/fog_look.h"
 #include "scenes/injection.h"
 
 #include <stdbool.h>
 #include <stdio.h>
 
 #define NEPH_SCENE_MEDIA_MAX 8
+#define NEPH_SCENE_LIGHTS_MAX 16
 #define NEPH_SCENE_SOLIDS_MAX 1024 /* after fences are expanded into their bars */
 #define NEPH_SCENE_KEYS_MAX 1024
 #define NEPH_FOG_LAYERS_MAX 2
@@ -141,10 +143,20 @@ struct neph_sun {
     struct neph_rgb irradiance_w_per_m2; /* on a plane across the direction */
 };
 
+/* A point that shines, all around or into a cone: scenes/lights.h says how brightly. */
+struct neph_light {
+    struct neph_vec3 position_m;
+    struct neph_rgb intensity_w_per_sr; /* of a spot: within its inner angle */
+    bool is_spot;
+    struct neph_vec3 axis; /* unit, from the light */
+    /* Of the angles from the axis up to which it shines in full, and from which on not at all. */
+    double inner_cosine, outer_cosine; /* inner > outer */
+};
+
 /* What light does. The same switch means the same thing in all engines. */
 enum neph_scattering {
-    NEPH_SCATTERING_NONE,     /* media only attenuate; solids are lit by the attenuated sun */
-    NEPH_SCATTERING_SINGLE,   /* plus sunlight scattered exactly once by a medium */
+    NEPH_SCATTERING_NONE,   /* media only attenuate; solids are lit by attenuated sun and lights */
+    NEPH_SCATTERING_SINGLE, /* plus light of these scattered exactly once by a medium */
     NEPH_SCATTERING_MULTIPLE, /* everything: all orders, surface bounces included */
 };
 
@@ -266,11 +278,13 @@ struct neph_scene {
     int frame_scale_count;
     struct neph_frame_scale *frame_scales; /* owned; ascending frames */
 
-    struct neph_sun sun;                    /* of frame 0 */
-    int sun_key_count;                      /* 0: the sun stands still; else >= 2 */
-    struct neph_sun_key *sun_keys;          /* owned */
-    int wind_key_count;                     /* 0: no wind */
-    struct neph_wind_key *wind_keys;        /* owned */
+    struct neph_sun sun;             /* of frame 0 */
+    int sun_key_count;               /* 0: the sun stands still; else >= 2 */
+    struct neph_sun_key *sun_keys;   /* owned */
+    int wind_key_count;              /* 0: no wind */
+    struct neph_wind_key *wind_keys; /* owned */
+    int light_count;
+    struct neph_light lights[NEPH_SCENE_LIGHTS_MAX];
     struct neph_rgb background_w_per_m2_sr; /* uniform radiance of the sky */
     bool environment_light; /* the background lights media and solids; else it is only seen */
     enum neph_scattering scattering;
@@ -284,6 +298,7 @@ struct neph_scene {
     struct neph_mover *movers; /* owned; of some of the solids */
     int medium_count;
     struct neph_medium media[NEPH_SCENE_MEDIA_MAX];
+    struct neph_fog_look fog_look; /* of the height fog among them; physics does not look at it */
 
     double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
     int gate_count;

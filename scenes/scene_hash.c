@@ -6,6 +6,7 @@
  * what it came to.
  */
 #include "scenes/hash_text.h"
+#include "scenes/load.h"
 #include "scenes/media.h"
 
 #include <stdio.h>
@@ -44,6 +45,17 @@ static void put_mover(FILE *text, const struct neph_mover *mover)
     }
 }
 
+static void put_lamp(FILE *text, const struct neph_light *light)
+{
+    neph_put_vec3(text, "light_position_m", light->position_m);
+    neph_put_rgb(text, "intensity_w_per_sr", light->intensity_w_per_sr);
+    if (!light->is_spot)
+        return;
+    neph_put_vec3(text, "axis", light->axis);
+    neph_put_number(text, "inner_cosine", light->inner_cosine);
+    neph_put_number(text, "outer_cosine", light->outer_cosine);
+}
+
 /* Nothing of a scene that has none of it: what was stored before there was motion stays valid. */
 static void put_motion(FILE *text, const struct neph_scene *scene)
 {
@@ -80,6 +92,8 @@ static void put_light(FILE *text, const struct neph_scene *scene)
         neph_put_vec3(text, "sun_direction", scene->sun.direction);
         neph_put_rgb(text, "sun_irradiance_w_per_m2", scene->sun.irradiance_w_per_m2);
     }
+    for (int i = 0; i < scene->light_count; i++)
+        put_lamp(text, &scene->lights[i]);
     neph_put_rgb(text, "background_w_per_m2_sr", scene->background_w_per_m2_sr);
     neph_put_number(text, "environment_light", scene->environment_light);
     fprintf(text, "scattering %s\n", neph_scattering_name(scene->scattering));
@@ -120,6 +134,7 @@ enum neph_status neph_scene_hash(struct neph_scene *scene, struct neph_diag *dia
         put_solid(text, &scene->solids[i]);
     for (int i = 0; i < scene->medium_count; i++)
         neph_medium_hash(&scene->media[i], text);
+    neph_fog_look_hash(&scene->fog_look, text);
     put_octaves(text, &scene->octaves);
     neph_put_number(text, "bake_resolution", scene->bake_resolution);
     int failed = ferror(text);

@@ -2,7 +2,9 @@
  *
  * Both kinds of solids are convex, so a ray meets each in one interval, and so does the shadow it
  * throws: the points from which the sun is hidden are the solid swept away from the sun, which is
- * convex too.
+ * convex too. So are those from which a point is hidden: with k1 and k2 of the solid and factors
+ * a, b >= 1 the middle of L + a (k1 - L) and L + b (k2 - L) is L + (a + b)/2 (k - L), k between k1
+ * and k2.
  */
 #include "scenes/solids.h"
 
@@ -182,6 +184,23 @@ bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_
     return true;
 }
 
+bool neph_scene_sees(const struct neph_scene *scene, struct neph_vec3 point_m,
+                     struct neph_vec3 other_m)
+{
+    const struct neph_vec3 way_m = neph_vec3_sub(other_m, point_m);
+    const double distance_m = neph_vec3_length(way_m);
+    const struct neph_vec3 direction = neph_vec3_scale(way_m, 1.0 / distance_m);
+    if (distance_m == 0.0)
+        return true;
+    for (int i = 0; i < scene->solid_count; i++) {
+        double t0_m, t1_m;
+        if (solid_interval(&scene->solids[i], point_m, direction, &t0_m, &t1_m) &&
+            t1_m > shadow_start_m(&scene->solids[i]) && t0_m < distance_m)
+            return false;
+    }
+    return true;
+}
+
 /* An affine function of the distance u along the view ray. */
 struct affine {
     double constant, slope;
@@ -295,6 +314,118 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
                             : box_shadow(&solid->box, own_direction(solid, sun_direction),
                                          own_point(solid, origin_m),
                                          own_direction(solid, direction), &u0, &u1);
+    if (!hidden)
+        return false;
+    *shadow_t0_m = u0;
+    *shadow_t1_m = u1;
+    return true;
+}
+
+/* --- shadows from a point -------------------------------------------------------------------- */
+
+/* The u for which some factor f >= 1 puts o + u d at L + f (k - L) with k in the box. On each axis
+ * o + u d - L lies between f (low - L) and f (high - L), which bound f by affine functions of u, as
+ * in box_shadow(). */
+static bool box_point_shadow(const struct neph_bounds *box, struct neph_vec3 light_m,
+                             struct neph_vec3 o, struct neph_vec3 d, double *u0, double *u1)
+{
+    const double light[3] = {light_m.x, light_m.y, light_m.z};
+    const double low[3] = {box->min_m.x, box->min_m.y, box->min_m.z};
+    const double high[3] = {box->max_m.x, box->max_m.y, box->max_m.z};
+    const double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z};
+    struct affine lower[7] = {{1.0, 0.0}}, upper[6];
+    int lower_count = 1, upper_count = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        const struct affine way = {origin[axis] - light[axis], direction[axis]};
+        const struct affine zero = {0.0, 0.0};
+        const double faces[2] = {low[axis] - light[axis], high[axis] - light[axis]};
+        for (int side = 0; side < 2; side++) { /* faces[0] f <= way <= faces[1] f */
+            const struct affine bound = {way.constant / faces[side], way.slope / faces[side]};
+            const bool is_below = (faces[side] < 0.0) == (side == 0);
+            if (faces[side] != 0.0 && is_below)
+                lower[lower_count++] = bound;
+            else if (faces[side] != 0.0)
+                upper[upper_count++] = bound;
+            else if (!clip_less_equal(side ? way : zero, side ? zero : way, u0, u1))
+                return false;
+        }
+    }
+    for (int i = 0; i < lower_count; i++)
+        for (int j = 0; j < upper_count; j++)
+            if (!clip_less_equal(lower[i], upper[j], u0, u1))
+                return false;
+    return *u0 < *u1;
+}
+
+/* Whether a ball hides one point from another. */
+static bool sphere_hides(const struct neph_solid *sphere, struct neph_vec3 light_m,
+                         struct neph_vec3 point_m)
+{
+    const struct neph_vec3 way_m = neph_vec3_sub(light_m, point_m);
+    const double distance_m = neph_vec3_length(way_m);
+    double t0_m, t1_m;
+    return distance_m > 0.0 &&
+           sphere_interval(sphere, point_m, neph_vec3_scale(way_m, 1.0 / distance_m), &t0_m,
+                           &t1_m) &&
+           t1_m > 0.0 && t0_m < distance_m;
+}
+
+/* Roots of a u^2 + 2 b u + c; returns how many. */
+static int quadratic_roots(double a, double b, double c, double roots[2])
+{
+    const double discriminant = b * b - a * c;
+    if (discriminant <= 0.0 || (a == 0.0 && b == 0.0))
+        return 0;
+    const double q = -(b + copysign(sqrt(discriminant), b));
+    int count = 0;
+    if (a != 0.0)
+        roots[count++] = q / a;
+    if (q != 0.0)
+        roots[count++] = c / q;
+    return count;
+}
+
+/* The edge of the shadow is on the cone around the ball or on the ball; between two places where
+ * the ray meets these all is hidden or nothing. */
+static bool sphere_point_shadow(const struct neph_solid *sphere, struct neph_vec3 light_m,
+                                struct neph_vec3 o, struct neph_vec3 d, double *u0, double *u1)
+{
+    const struct neph_vec3 axis_m = neph_vec3_sub(sphere->center_m, light_m);
+    const struct neph_vec3 w = neph_vec3_sub(o, light_m);
+    const double tangent_squared = -half_chord_squared(sphere->radius_m, neph_vec3_length(axis_m));
+    const double wa = neph_vec3_dot(w, axis_m), da = neph_vec3_dot(d, axis_m);
+    double at[6] = {*u0, *u1};
+    int count = 2 + quadratic_roots(da * da - tangent_squared,
+                                    wa * da - tangent_squared * neph_vec3_dot(w, d),
+                                    wa * wa - tangent_squared * neph_vec3_dot(w, w), &at[2]);
+    if (sphere_interval(sphere, o, d, &at[count], &at[count + 1]))
+        count += 2;
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < count; i++) { /* from each place to the next above it */
+        double next = INFINITY;
+        for (int j = 0; j < count; j++)
+            next = at[j] > at[i] ? fmin(next, at[j]) : next;
+        const double a = fmax(at[i], *u0), b = fmin(next, *u1);
+        if (a < b && sphere_hides(sphere, light_m, neph_vec3_along(o, d, 0.5 * (a + b)))) {
+            low = fmin(low, a);
+            high = fmax(high, b);
+        }
+    }
+    *u0 = low;
+    *u1 = high;
+    return low < high;
+}
+
+bool neph_solid_point_shadow(const struct neph_solid *solid, struct neph_vec3 light_m,
+                             struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
+                             double t1_m, double *shadow_t0_m, double *shadow_t1_m)
+{
+    double u0 = t0_m, u1 = t1_m;
+    const bool hidden = solid->kind == NEPH_SOLID_SPHERE
+                            ? sphere_point_shadow(solid, light_m, origin_m, direction, &u0, &u1)
+                            : box_point_shadow(&solid->box, own_point(solid, light_m),
+                                               own_point(solid, origin_m),
+                                               own_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
     *shadow_t0_m = u0;

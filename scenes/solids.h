@@ -40,6 +40,15 @@ static inline bool neph_is_turned(const struct neph_turn *turn)
 /* True when no solid stands between the point and the sun. */
 bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m);
 
+/* True when no solid stands between the point and another, which is in no solid. */
+bool neph_scene_sees(const struct neph_scene *scene, struct neph_vec3 point_m,
+                     struct neph_vec3 other_m);
+
+/* As neph_solid_shadow(), on which a point is hidden. */
+bool neph_solid_point_shadow(const struct neph_solid *solid, struct neph_vec3 light_m,
+                             struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
+                             double t1_m, double *shadow_t0_m, double *shadow_t1_m);
+
 /* The interval of t in [t0_m, t1_m] on which the sun is hidden by this solid from the points
  * origin + t direction. Both solids are convex, so there is one interval; false when none. */
 bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_direction,

@@ -27,6 +27,9 @@ Laws of Cycles 3.4 that this file relies on, all measured (tests/harness/test_cy
   that ray left, and is met even where bounces are at their end. So where light is to be scattered
   once or not at all, emission has a picture of its own, of media that only absorb.
 - A sun of angle 0 and energy E gives the irradiance E across its direction.
+- A point or spot light of radius 0 and power P has the radiant intensity P / (4 pi). Of a spot it
+  falls as cos * smoothstep(cos outer, cos inner, cos), `spot_blend` being the part of 1 - cos
+  outer. Its nodes divide by the cosine, which is the Z of its normal in its own axes.
 - A ray through a heterogeneous volume takes steps of 0.1 * mean edge of the bounding box *
   step rate of the scene * step rate of the material. A ray that would need more than
   volume_max_steps takes longer ones, and loses half a step at its end.
@@ -45,7 +48,7 @@ import time
 import bpy
 from mathutils import Matrix, Vector
 
-FORMAT = 2  # of the spec; raised together with cycles.c
+FORMAT = 3  # of the spec; raised together with cycles.c
 
 # The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of
 # 12) at optical depths of 16; some of the light that leaves a medium of 64 has scattered more
@@ -391,6 +394,31 @@ def add_sun(scene, sun: dict) -> None:
     thing.rotation_quaternion = axes_to_blender(sun["direction"]).to_track_quat("Z", "Y")
 
 
+def add_lamp(scene, lamp: dict, units: Units) -> None:
+    """A point, or a spot: Blender shines it along its -Z."""
+    cone = lamp["cone"]
+    light = bpy.data.lights.new("lamp", "SPOT" if cone else "POINT")
+    energy, light.color = split_color(lamp["intensity_w_per_sr"])
+    light.energy = energy * 4.0 * math.pi / units.unit_m**2
+    light.shadow_soft_size = 0.0
+    light.cycles.max_bounces = ALL_BOUNCES
+    thing = add_object(scene, "lamp", light)
+    thing.location = units.point(lamp["position_m"])
+    if cone:
+        outer, inner = cone["outer_cosine"], cone["inner_cosine"]
+        light.spot_size = 2.0 * math.acos(outer)
+        light.spot_blend = (inner - outer) / (1.0 - outer)
+        thing.rotation_mode = "QUATERNION"
+        thing.rotation_quaternion = axes_to_blender(cone["axis"]).to_track_quat("-Z", "Y")
+        nodes = Nodes(light)
+        normal = nodes.add("ShaderNodeTexCoord").outputs["Normal"]
+        cosine = nodes.math("ABSOLUTE", nodes.add("ShaderNodeSeparateXYZ", Vector=normal).outputs["Z"])
+        emitter = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0),
+                            Strength=nodes.math("DIVIDE", 1.0, cosine))
+        output = nodes.add("ShaderNodeOutputLight")
+        nodes.tree.links.new(emitter.outputs[0], output.inputs["Surface"])
+
+
 def add_camera(scene, camera: dict, units: Units) -> None:
     data = bpy.data.cameras.new("camera")
     data.sensor_fit = "VERTICAL"
@@ -477,6 +505,8 @@ def build(spec: dict, render_pass: dict):
         make_world(scene, spec["background_w_per_m2_sr"], spec["environment_light"])
         if spec["sun"] is not None:
             add_sun(scene, spec["sun"])
+        for lamp in spec["lights"]:
+            add_lamp(scene, lamp, units)
     else:
         make_world(scene, (0.0,) * 3 if kind == "emission" else (1.0,) * 3, False)
     for solid in spec["solids"]:

@@ -48,18 +48,69 @@ static void cut_sun_kinks(struct neph_cuts *cuts, const struct neph_bounds *boun
                 neph_cut(cuts, (constant[j] - constant[i]) / (slope[i] - slope[j]));
 }
 
+/* The same for a light: its rays change their face of the bounds where one of them meets an edge,
+ * which is where the view ray crosses the plane through the light and the edge. */
+static void cut_light_kinks(struct neph_cuts *cuts, const struct neph_bounds *bounds,
+                            struct neph_vec3 light_m)
+{
+    const double low_m[3] = {bounds->min_m.x, bounds->min_m.y, bounds->min_m.z};
+    const double high_m[3] = {bounds->max_m.x, bounds->max_m.y, bounds->max_m.z};
+    const struct neph_vec3 w = neph_vec3_sub(cuts->origin_m, light_m), d = cuts->direction;
+    const double light[3] = {light_m.x, light_m.y, light_m.z};
+    const double way_m[3] = {w.x, w.y, w.z}, slope[3] = {d.x, d.y, d.z};
+    for (int edge = 0; edge < 12; edge++) {
+        const int a = (edge / 4 + 1) % 3, b = (edge / 4 + 2) % 3;
+        const double a_m = (edge & 1 ? high_m : low_m)[a] - light[a];
+        const double b_m = (edge & 2 ? high_m : low_m)[b] - light[b];
+        if (isfinite(a_m) && isfinite(b_m))
+            neph_cut(cuts, -(b_m * way_m[a] - a_m * way_m[b]) / (b_m * slope[a] - a_m * slope[b]));
+    }
+}
+
+/* Where the cosine of the angle from a spot's axis is a given one; of the cone on its other side,
+ * too, which does no harm. */
+static void cut_cone(struct neph_cuts *cuts, const struct neph_light *light, double cosine)
+{
+    const struct neph_vec3 w = neph_vec3_sub(cuts->origin_m, light->position_m);
+    const double c2 = cosine * cosine, wa = neph_vec3_dot(w, light->axis);
+    const double da = neph_vec3_dot(cuts->direction, light->axis);
+    const double a = da * da - c2, b = wa * da - c2 * neph_vec3_dot(w, cuts->direction);
+    const double c = wa * wa - c2 * neph_vec3_dot(w, w);
+    const double q = -(b + copysign(sqrt(fmax(0.0, b * b - a * c)), b));
+    neph_cut(cuts, q / a);
+    neph_cut(cuts, c / q);
+}
+
+static void cut_light(struct neph_cuts *cuts, const struct neph_light *light)
+{
+    const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, cuts->origin_m);
+    neph_cut(cuts, neph_vec3_dot(way_m, cuts->direction));
+    if (light->is_spot) {
+        cut_cone(cuts, light, light->inner_cosine);
+        cut_cone(cuts, light, light->outer_cosine);
+        cut_cone(cuts, light, 0.0);
+    }
+    for (int m = 0; m < cuts->scene->medium_count; m++)
+        cut_light_kinks(cuts, &cuts->scene->media[m].bounds, light->position_m);
+}
+
 /* ---- all ---- */
 
-/* The shadows of all solids on the range of the cuts, by ascending start. */
-static int shadows_on_ray(const struct neph_cuts *cuts,
+/* The shadows of all solids on the range of the cuts, by ascending start: of the sun, or of a light
+ * in its place. */
+static int shadows_on_ray(const struct neph_cuts *cuts, const struct neph_light *light,
                           struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX])
 {
     int count = 0;
     for (int i = 0; i < cuts->scene->solid_count; i++) {
+        const struct neph_solid *solid = &cuts->scene->solids[i];
         struct neph_interval *shadow = &shadows[count];
-        if (neph_solid_shadow(&cuts->scene->solids[i], cuts->scene->sun.direction, cuts->origin_m,
-                              cuts->direction, cuts->t0_m, cuts->t1_m, &shadow->low, &shadow->high))
-            count++;
+        count += light ? neph_solid_point_shadow(solid, light->position_m, cuts->origin_m,
+                                                 cuts->direction, cuts->t0_m, cuts->t1_m,
+                                                 &shadow->low, &shadow->high)
+                       : neph_solid_shadow(solid, cuts->scene->sun.direction, cuts->origin_m,
+                                           cuts->direction, cuts->t0_m, cuts->t1_m, &shadow->low,
+                                           &shadow->high);
     }
     /* compare_doubles sees the first member, low. */
     qsort(shadows, (size_t)count, sizeof(shadows[0]), compare_doubles);
@@ -99,20 +150,14 @@ static void start_cuts(struct neph_cuts *cuts, const struct neph_scene *scene,
     cuts->count = 0;
 }
 
-int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
-                    struct neph_vec3 direction, double t0_m, double t1_m, bool scales,
-                    struct neph_interval *pieces)
+/* The pieces between cuts that no shadow covers. */
+static int lit_pieces(const struct neph_cuts *cuts, const struct neph_interval *shadows,
+                      int shadow_count, struct neph_interval *pieces)
 {
-    struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
-    struct neph_cuts cuts; /* not initialised as a whole: it is large */
-    start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
-    const int shadow_count = shadows_on_ray(&cuts, shadows);
-    make_cuts(&cuts, shadows, shadow_count, scales);
-
     int count = 0, shadow = 0;
     double dark_until_m = -INFINITY;
-    for (int i = 0; i + 1 < cuts.count; i++) {
-        const double low_m = cuts.at_m[i], high_m = cuts.at_m[i + 1];
+    for (int i = 0; i + 1 < cuts->count; i++) {
+        const double low_m = cuts->at_m[i], high_m = cuts->at_m[i + 1];
         const double middle_m = 0.5 * (low_m + high_m);
         while (shadow < shadow_count && shadows[shadow].low < middle_m)
             dark_until_m = fmax(dark_until_m, shadows[shadow++].high);
@@ -120,6 +165,31 @@ int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
             pieces[count++] = (struct neph_interval){low_m, high_m};
     }
     return count;
+}
+
+int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                    struct neph_vec3 direction, double t0_m, double t1_m, bool scales,
+                    struct neph_interval *pieces)
+{
+    struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
+    struct neph_cuts cuts; /* not initialised as a whole: it is large */
+    start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
+    const int shadow_count = shadows_on_ray(&cuts, NULL, shadows);
+    make_cuts(&cuts, shadows, shadow_count, scales);
+    return lit_pieces(&cuts, shadows, shadow_count, pieces);
+}
+
+int neph_lamplit_pieces(const struct neph_scene *scene, const struct neph_light *light,
+                        struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
+                        double t1_m, struct neph_interval *pieces)
+{
+    struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
+    struct neph_cuts cuts; /* not initialised as a whole: it is large */
+    start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
+    const int shadow_count = shadows_on_ray(&cuts, light, shadows);
+    cut_light(&cuts, light);
+    make_cuts(&cuts, shadows, shadow_count, true);
+    return lit_pieces(&cuts, shadows, shadow_count, pieces);
 }
 
 int neph_ray_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,

@@ -82,3 +82,9 @@ struct neph_vec3 neph_cosine_sample(struct neph_vec3 normal, struct neph_random 
     const double u = neph_random_uniform(random); /* the square of the sine is uniform */
     return around(normal, sqrt(1.0 - u), sqrt(u), random);
 }
+
+struct neph_vec3 neph_direction_around(struct neph_vec3 axis, double angle_rad,
+                                       struct neph_random *random)
+{
+    return around(axis, cos(angle_rad), sin(angle_rad), random);
+}

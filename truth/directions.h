@@ -19,4 +19,8 @@ struct neph_vec3 neph_phase_sample(const struct neph_phase *phase, struct neph_v
 /* A direction off a Lambertian surface: density cos / pi over the side of the unit normal. Unit. */
 struct neph_vec3 neph_cosine_sample(struct neph_vec3 normal, struct neph_random *random);
 
+/* A direction at an angle from an axis (unit), at a random azimuth. */
+struct neph_vec3 neph_direction_around(struct neph_vec3 axis, double angle_rad,
+                                       struct neph_random *random);
+
 #endif

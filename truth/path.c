@@ -8,8 +8,11 @@
 #include "truth/path.h"
 
 #include "scenes/emission.h"
+#include "scenes/lights.h"
 #include "scenes/media.h"
+#include "truth/airlight.h"
 #include "truth/directions.h"
+#include "truth/lamp_draw.h"
 
 #include <math.h>
 
@@ -105,6 +108,91 @@ static struct neph_rgb sunlight(const struct path *path, double per_sr)
     return neph_rgb_scale(neph_rgb_mul(path_value(path), light), per_sr);
 }
 
+/* What media scatter from one direction into another, per metre of the way [1/(m sr)]. */
+static struct neph_rgb scattered_per_m_sr(const struct neph_scene *scene, struct neph_vec3 point_m,
+                                          double cosine)
+{
+    struct neph_rgb sum = black;
+    for (int m = 0; m < scene->medium_count; m++) {
+        const struct neph_medium *medium = &scene->media[m];
+        const double per_m_sr = neph_medium_extinction_per_m(medium, point_m) *
+                                neph_phase_per_sr(&medium->phase, cosine);
+        add(&sum, neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color), per_m_sr));
+    }
+    return sum;
+}
+
+static struct neph_rgb transmittance_between(const struct path *path, struct neph_vec3 from_m,
+                                             struct neph_vec3 direction, double length_m)
+{
+    const struct neph_ray ray = {from_m, direction, length_m};
+    return neph_tracker_transmittance(path->tracker, &ray, 0.0, path->random, path->cost);
+}
+
+/* The part of a ray on which media may scatter. */
+static bool clip_to_media(const struct path *path, double end_m, double *t0_m, double *t1_m)
+{
+    *t0_m = INFINITY;
+    *t1_m = -INFINITY;
+    for (int m = 0; m < path->scene->medium_count; m++) {
+        const struct neph_bounds support = neph_medium_support(&path->scene->media[m]);
+        double near_m = 0.0, far_m = end_m;
+        if (neph_bounds_clip(&support, path->at_m, path->direction, &near_m, &far_m)) {
+            *t0_m = fmin(*t0_m, near_m);
+            *t1_m = fmax(*t1_m, far_m);
+        }
+    }
+    return *t0_m < *t1_m;
+}
+
+/* Light of a light that media scatter into the segment from here to `end_m`. */
+static struct neph_rgb segment_lamplight(const struct path *path, double end_m)
+{
+    const struct neph_scene *scene = path->scene;
+    double t0_m, t1_m;
+    if (scene->light_count == 0 || !clip_to_media(path, end_m, &t0_m, &t1_m))
+        return black;
+    const struct neph_lamp_place place = neph_lamp_place_draw(scene, path->at_m, path->direction,
+                                                              t0_m, t1_m, path->random);
+    if (!(place.density_per_m > 0.0))
+        return black;
+    const struct neph_vec3 point_m = neph_vec3_along(path->at_m, path->direction, place.t_m);
+    const struct neph_lit lit = neph_light_at(place.light, point_m);
+    const struct neph_rgb arriving = neph_rgb_mul(
+        lit.irradiance_w_per_m2,
+        scattered_per_m_sr(scene, point_m, neph_vec3_dot(path->direction, lit.direction)));
+    path->cost->lookups++;
+    if (!(arriving.r > 0.0 || arriving.g > 0.0 || arriving.b > 0.0) ||
+        !neph_scene_sees(scene, point_m, place.light->position_m))
+        return black;
+    const struct neph_rgb through = neph_rgb_mul(
+        transmittance_between(path, path->at_m, path->direction, place.t_m),
+        transmittance_between(path, point_m, lit.direction, lit.distance_m));
+    return neph_rgb_scale(neph_rgb_mul(path_value(path), neph_rgb_mul(arriving, through)),
+                          1.0 / place.density_per_m);
+}
+
+/* Light of a light that a surface reflects where the path is. */
+static struct neph_rgb surface_lamplight(const struct path *path, struct neph_vec3 normal)
+{
+    double probability;
+    const struct neph_light *light = path->scene->light_count == 0
+                                         ? NULL
+                                         : neph_lamp_pick(path->scene, path->at_m, &probability,
+                                                          path->random);
+    if (!light)
+        return black;
+    const struct neph_lit lit = neph_light_at(light, path->at_m);
+    const double cosine = neph_vec3_dot(normal, lit.direction);
+    if (cosine <= 0.0 || !neph_scene_sees(path->scene, path->at_m, light->position_m))
+        return black;
+    const struct neph_rgb through = transmittance_between(path, path->at_m, lit.direction,
+                                                          lit.distance_m);
+    return neph_rgb_scale(
+        neph_rgb_mul(path_value(path), neph_rgb_mul(lit.irradiance_w_per_m2, through)),
+        cosine / (M_PI * probability));
+}
+
 /* Light of the surroundings along the path's direction, not scattered on its way. */
 static struct neph_rgb surroundings(const struct path *path)
 {
@@ -117,6 +205,43 @@ static struct neph_rgb surroundings(const struct path *path)
 }
 
 /* ---- events ---- */
+
+/* Turn the path, into a direction of density `per_sr()`: by `own`, or some of them towards lights,
+ * where these are. The value takes the rest of what scattering would have it. */
+static void turn(struct path *path, struct neph_vec3 own,
+                 double (*per_sr)(const void *context, struct neph_vec3 direction),
+                 const void *context)
+{
+    const double share = NEPH_LAMP_DIRECTIONS;
+    const struct neph_scene *scene = path->scene;
+    path->direction = own;
+    if (scene->light_count == 0 || scene->scattering != NEPH_SCATTERING_MULTIPLE)
+        return;
+    if (neph_random_uniform(path->random) < share)
+        path->direction = neph_lamp_direction_draw(scene, path->at_m, path->random);
+    const double wanted = per_sr(context, path->direction);
+    const double drawn = (1.0 - share) * wanted +
+                         share * neph_lamp_direction_per_sr(scene, path->at_m, path->direction);
+    for (int j = 0; j < 3; j++)
+        path->value[j] *= wanted / drawn;
+}
+
+struct scattered {
+    const struct neph_phase *phase;
+    struct neph_vec3 direction; /* before */
+};
+
+static double scattered_per_sr(const void *context, struct neph_vec3 direction)
+{
+    const struct scattered *scattered = context;
+    return neph_phase_per_sr(scattered->phase, neph_vec3_dot(scattered->direction, direction));
+}
+
+static double reflected_per_sr(const void *context, struct neph_vec3 direction)
+{
+    const struct neph_vec3 *normal = context;
+    return fmax(0.0, neph_vec3_dot(*normal, direction)) / M_PI;
+}
 
 /* To a collision; adds what is emitted there. */
 static void reach_medium(struct path *path, const struct neph_collision *collision,
@@ -135,28 +260,38 @@ static bool leave_medium(struct path *path, int index, struct neph_rgb *light)
         return false;
     const double cosine = neph_vec3_dot(path->direction, path->scene->sun.direction);
     add(light, sunlight(path, neph_phase_per_sr(&medium->phase, cosine)));
-    path->direction = neph_phase_sample(&medium->phase, path->direction, path->random);
-    return true;
+    const struct scattered scattered = {&medium->phase, path->direction};
+    turn(path, neph_phase_sample(&medium->phase, path->direction, path->random), scattered_per_sr,
+         &scattered);
+    return most_of(path) > 0.0;
 }
 
-/* Without the sunlight. */
-static bool leave_surface(struct path *path, const struct neph_hit *hit)
+/* Without the light that sun and lights send to the surface. */
+static bool reach_surface(struct path *path, const struct neph_hit *hit)
 {
     if (!reflect(path, hit->solid->albedo))
         return false;
     const struct neph_vec3 point_m = neph_vec3_along(path->at_m, path->direction, hit->t_m);
     path->at_m = neph_hit_outside_m(hit, point_m);
-    path->direction = neph_cosine_sample(hit->normal, path->random);
     return true;
+}
+
+static bool leave_surface(struct path *path, const struct neph_hit *hit)
+{
+    turn(path, neph_cosine_sample(hit->normal, path->random), reflected_per_sr, &hit->normal);
+    return most_of(path) > 0.0;
 }
 
 static bool meet_surface(struct path *path, const struct neph_hit *hit, struct neph_rgb *light)
 {
-    if (!leave_surface(path, hit))
+    if (!reach_surface(path, hit))
         return false;
+    const struct neph_vec3 own = neph_cosine_sample(hit->normal, path->random);
     const double cosine = neph_vec3_dot(hit->normal, path->scene->sun.direction);
     add(light, sunlight(path, fmax(0.0, cosine) / M_PI));
-    return true;
+    add(light, surface_lamplight(path, hit->normal));
+    turn(path, own, reflected_per_sr, &hit->normal);
+    return most_of(path) > 0.0;
 }
 
 /* From an event to the end of the path. `*direct` receives what comes from the surroundings without
@@ -168,6 +303,7 @@ static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *
     for (struct neph_rgb *escaped = direct; survives(path); escaped = light) {
         const struct neph_hit hit = neph_scene_hit(path->scene, path->at_m, path->direction);
         const struct neph_ray ray = {path->at_m, path->direction, hit.t_m};
+        add(light, segment_lamplight(path, hit.t_m));
         const struct neph_collision collision = neph_tracker_collide(
             path->tracker, &ray, path->channel, path->random, path->cost);
         if (!neph_tracker_is_grey(path->tracker))
@@ -259,28 +395,40 @@ static bool enter_volume(struct path *path, const struct neph_view *view,
     return true;
 }
 
+/* Whether all light of the media is that of lights, scattered once: it comes from the segment. */
+static bool needs_no_collision(const struct neph_scene *scene)
+{
+    return scene->light_count > 0 && scene->scattering == NEPH_SCATTERING_SINGLE &&
+           !scene->sun.present && !scene->environment_light && !neph_scene_emits(scene);
+}
+
 static void trace_volume(struct path *path, const struct neph_view *view,
                          const struct neph_flight *flight, struct neph_path_light *light)
 {
     struct neph_collision collision;
-    if (!enter_volume(path, view, flight, &collision))
+    if (path->scene->scattering != NEPH_SCATTERING_NONE)
+        light->order1 = light->volume = segment_lamplight(path, view->hit.t_m);
+    if (needs_no_collision(path->scene) || !enter_volume(path, view, flight, &collision))
         return;
+    struct neph_rgb order1 = black;
     reach_medium(path, &collision, &light->volume);
     if (path->scene->scattering == NEPH_SCATTERING_NONE ||
-        !leave_medium(path, collision.medium, &light->order1))
+        !leave_medium(path, collision.medium, &order1))
         return;
     if (path->scene->scattering == NEPH_SCATTERING_MULTIPLE)
-        follow(path, &light->order1, &light->volume);
+        follow(path, &order1, &light->volume);
     else
-        add(&light->order1, surroundings(path));
-    add(&light->volume, light->order1);
+        add(&order1, surroundings(path));
+    add(&light->order1, order1);
+    add(&light->volume, order1);
 }
 
-/* The surface in view, lit by all but direct sunlight. */
+/* The surface in view, lit by all but direct light of sun and lights. */
 static void trace_surface(struct path *path, const struct neph_view *view,
                           struct neph_path_light *light)
 {
-    if (!reflect(path, view->transmittance) || !leave_surface(path, &view->hit))
+    if (!reflect(path, view->transmittance) || !reach_surface(path, &view->hit) ||
+        !leave_surface(path, &view->hit))
         return;
     if (path->scene->scattering == NEPH_SCATTERING_MULTIPLE)
         follow(path, &light->surface, &light->surface);
@@ -330,6 +478,17 @@ static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const stru
         cosine / M_PI);
 }
 
+/* The same of lights. */
+static struct neph_rgb lamplit_surface(const struct neph_scene *scene, const struct neph_view *view)
+{
+    if (scene->light_count == 0)
+        return black;
+    const struct neph_vec3 point_m = neph_hit_outside_m(
+        &view->hit, neph_vec3_along(view->origin_m, view->direction, view->hit.t_m));
+    return neph_rgb_mul(view->hit.solid->albedo,
+                        neph_lamplight_reflected(scene, point_m, view->hit.normal));
+}
+
 struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                   struct neph_vec3 direction)
 {
@@ -339,7 +498,8 @@ struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_ve
     const struct neph_rgb depth = neph_scene_optical_depth(scene, origin_m, direction, 0.0,
                                                            view.hit.t_m);
     view.transmittance = (struct neph_rgb){exp(-depth.r), exp(-depth.g), exp(-depth.b)};
-    const struct neph_rgb behind = view.hit.solid ? sunlit_surface(scene, &view)
+    const struct neph_rgb behind = view.hit.solid ? neph_rgb_add(sunlit_surface(scene, &view),
+                                                                 lamplit_surface(scene, &view))
                                                   : scene->background_w_per_m2_sr;
     view.unscattered = neph_rgb_mul(behind, view.transmittance);
     return view;

@@ -14,15 +14,15 @@ struct neph_view {
     struct neph_vec3 origin_m, direction;
     struct neph_hit hit;
     struct neph_rgb transmittance; /* to the hit, or to infinity */
-    struct neph_rgb unscattered; /* background, or the surface in direct sunlight [W m^-2 sr^-1] */
+    struct neph_rgb unscattered;   /* background, or the surface in the direct light of sun and
+                                    lights [W m^-2 sr^-1] */
 };
 
 /* The light of one path, over and above the unscattered [W m^-2 sr^-1]; its mean is the truth. */
 struct neph_path_light {
     struct neph_rgb volume; /* scattered last, before the camera, by a medium, or emitted in view */
     struct neph_rgb order1; /* of that: of the sun or surroundings, scattered only once */
-    struct neph_rgb
-        surface; /* off the surface in view, beyond the direct sunlight in `unscattered` */
+    struct neph_rgb surface; /* off the surface in view, beyond the direct light in `unscattered` */
 };
 
 /* Whether light may come from the media that a scene has. */

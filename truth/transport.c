@@ -5,7 +5,8 @@
  * with V the sun's visibility, 0 or 1, and all of it per colour channel. V is exact (the shadow of
  * each solid is one interval), so the lit part of the ray is a set of pieces (truth/cuts.h). Where
  * the exponent is affine in the optical depth from the camera (homogeneous media; one height fog
- * without sides) the integral over a piece is a phi, in closed form. Else it is quadrature.
+ * without sides) the integral over a piece is a phi, in closed form. Else it is quadrature. Point
+ * lights are in truth/airlight.h.
  *
  * Light that media emit (scenes/emission.h) is
  *   integral of sum_m sigma_t,m(t) glow_m exp(-tau_view(t)) dt,
@@ -16,7 +17,9 @@
 #include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
+#include "truth/airlight.h"
 #include "truth/cuts.h"
+#include "truth/pieces.h"
 
 #include <float.h>
 #include <math.h>
@@ -71,38 +74,18 @@ static struct neph_rgb transmittance(struct neph_rgb optical_depth)
 
 /* ---- quadrature ---- */
 
-/* The pieces of a ray, and what lies before each. */
-struct pieces {
+/* A ray and its pieces. */
+struct work {
     const struct ray *ray;
-    int count;
-    struct neph_interval at_m[NEPH_CUTS_MAX];
-    struct neph_rgb depth_before[NEPH_CUTS_MAX]; /* optical depth from the camera to its start */
+    struct neph_pieces pieces;
 };
 
-static void sum_depths(struct pieces *pieces)
+static void start_work(struct work *work, const struct ray *ray)
 {
-    struct neph_rgb depth = {0, 0, 0};
-    double from_m = 0.0;
-    for (int i = 0; i < pieces->count; i++) {
-        depth = neph_rgb_add(depth, view_optical_depth(pieces->ray, from_m, pieces->at_m[i].low));
-        from_m = pieces->at_m[i].low;
-        pieces->depth_before[i] = depth;
-    }
-}
-
-/* From the camera to t, of which only the last piece is walked. */
-static struct neph_rgb depth_to(const struct pieces *pieces, double t_m)
-{
-    int low = 0, high = pieces->count;
-    while (high - low > 1) {
-        const int middle = (low + high) / 2;
-        if (pieces->at_m[middle].low <= t_m)
-            low = middle;
-        else
-            high = middle;
-    }
-    return neph_rgb_add(pieces->depth_before[low],
-                        view_optical_depth(pieces->ray, pieces->at_m[low].low, t_m));
+    work->ray = ray;
+    work->pieces.scene = ray->scene;
+    work->pieces.origin_m = ray->origin_m;
+    work->pieces.direction = ray->direction;
 }
 
 /* Radiance per metre that is scattered towards the camera by sunlight of irradiance 1. */
@@ -122,16 +105,16 @@ static struct neph_rgb scattered_per_m(const struct ray *ray, struct neph_vec3 p
 /* In-scattered radiance per metre at distance t, lit. */
 static void source(double t_m, void *context, double value[3])
 {
-    const struct pieces *pieces = context;
-    const struct neph_scene *scene = pieces->ray->scene;
-    const struct neph_vec3 point_m = ray_point(pieces->ray, t_m);
-    const struct neph_rgb scattered = neph_rgb_mul(scattered_per_m(pieces->ray, point_m),
+    const struct work *work = context;
+    const struct neph_scene *scene = work->ray->scene;
+    const struct neph_vec3 point_m = ray_point(work->ray, t_m);
+    const struct neph_rgb scattered = neph_rgb_mul(scattered_per_m(work->ray, point_m),
                                                    scene->sun.irradiance_w_per_m2);
     value[0] = value[1] = value[2] = 0.0;
     if (scattered.r == 0.0 && scattered.g == 0.0 && scattered.b == 0.0)
         return; /* no need to look for the sun */
     const struct neph_rgb light = transmittance(
-        neph_rgb_add(depth_to(pieces, t_m), sun_optical_depth(scene, point_m)));
+        neph_rgb_add(neph_pieces_depth_to(&work->pieces, t_m), sun_optical_depth(scene, point_m)));
     value[0] = light.r > 0.0 ? scattered.r * light.r : 0.0; /* 0 * inf: opaque, however dense */
     value[1] = light.g > 0.0 ? scattered.g * light.g : 0.0;
     value[2] = light.b > 0.0 ? scattered.b * light.b : 0.0;
@@ -146,16 +129,16 @@ static bool is_rough(const struct neph_scene *scene)
     return false;
 }
 
-static double integrate_pieces(neph_integrand *integrand, struct pieces *pieces,
+static double integrate_pieces(neph_integrand *integrand, struct work *work,
                                struct neph_rgb *volume)
 {
     double result[3];
-    sum_depths(pieces);
-    const double error = is_rough(pieces->ray->scene)
-                             ? neph_integrate_rough(integrand, pieces, pieces->at_m, pieces->count,
+    struct neph_pieces *pieces = &work->pieces;
+    neph_pieces_sum_depths(pieces);
+    const double error = is_rough(work->ray->scene)
+                             ? neph_integrate_rough(integrand, work, pieces->at_m, pieces->count,
                                                     rough_tolerance, result)
-                             : neph_integrate(integrand, pieces, pieces->at_m, pieces->count,
-                                              result);
+                             : neph_integrate(integrand, work, pieces->at_m, pieces->count, result);
     *volume = (struct neph_rgb){result[0], result[1], result[2]};
     return error;
 }
@@ -397,14 +380,15 @@ static double integrate_volume(const struct ray *ray, struct neph_rgb *volume)
         return 0.0;
     const bool homogeneous = all_homogeneous(ray->scene);
     const bool closed = homogeneous || one_fog_without_sides(ray->scene);
-    struct pieces pieces; /* not initialised as a whole: it is large */
-    pieces.ray = ray;
-    pieces.count = neph_lit_pieces(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m, !closed,
-                                   pieces.at_m);
+    struct work work; /* not initialised as a whole: it is large */
+    start_work(&work, ray);
+    struct neph_pieces *pieces = &work.pieces;
+    pieces->count = neph_lit_pieces(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m, !closed,
+                                    pieces->at_m);
     if (!closed)
-        return integrate_pieces(source, &pieces, volume);
-    for (int i = 0; i < pieces.count; i++)
-        add_closed_piece(ray, pieces.at_m[i].low, pieces.at_m[i].high, homogeneous, volume);
+        return integrate_pieces(source, &work, volume);
+    for (int i = 0; i < pieces->count; i++)
+        add_closed_piece(ray, pieces->at_m[i].low, pieces->at_m[i].high, homogeneous, volume);
     return 0.0;
 }
 
@@ -413,9 +397,9 @@ static double integrate_volume(const struct ray *ray, struct neph_rgb *volume)
 /* Emitted radiance per metre at distance t that arrives. */
 static void emitted(double t_m, void *context, double value[3])
 {
-    const struct pieces *pieces = context;
-    const struct neph_scene *scene = pieces->ray->scene;
-    const struct neph_vec3 point_m = ray_point(pieces->ray, t_m);
+    const struct work *work = context;
+    const struct neph_scene *scene = work->ray->scene;
+    const struct neph_vec3 point_m = ray_point(work->ray, t_m);
     struct neph_rgb sum = {0, 0, 0};
     for (int m = 0; m < scene->medium_count; m++)
         sum = neph_rgb_add(sum,
@@ -425,7 +409,7 @@ static void emitted(double t_m, void *context, double value[3])
     value[0] = value[1] = value[2] = 0.0;
     if (sum.r == 0.0 && sum.g == 0.0 && sum.b == 0.0)
         return;
-    const struct neph_rgb light = transmittance(depth_to(pieces, t_m));
+    const struct neph_rgb light = transmittance(neph_pieces_depth_to(&work->pieces, t_m));
     value[0] = light.r > 0.0 ? sum.r * light.r : 0.0; /* 0 * inf: opaque, however dense */
     value[1] = light.g > 0.0 ? sum.g * light.g : 0.0;
     value[2] = light.b > 0.0 ? sum.b * light.b : 0.0;
@@ -459,7 +443,7 @@ static struct neph_rgb absorbed(struct neph_rgb depth)
     return (struct neph_rgb){-expm1(-depth.r), -expm1(-depth.g), -expm1(-depth.b)};
 }
 
-static double emission_end_m(const struct ray *ray)
+static double faint_end_m(const struct ray *ray)
 {
     const struct neph_rgb whole = view_optical_depth(ray, 0.0, ray->end_m);
     const double end_m = finite_end_m(ray, whole, dark_optical_depth);
@@ -478,20 +462,29 @@ static double integrate_emission(const struct ray *ray, struct neph_rgb depth,
         *light = neph_rgb_mul(glow, absorbed(depth));
         return 0.0;
     }
-    if (!scattering_range(ray, emission_end_m(ray), &t0_m, &t1_m))
+    if (!scattering_range(ray, faint_end_m(ray), &t0_m, &t1_m))
         return 0.0;
-    struct pieces pieces; /* not initialised as a whole: it is large */
-    pieces.ray = ray;
-    pieces.count = neph_ray_pieces(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m,
-                                   pieces.at_m);
-    return integrate_pieces(emitted, &pieces, light);
+    struct work work; /* not initialised as a whole: it is large */
+    start_work(&work, ray);
+    work.pieces.count = neph_ray_pieces(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m,
+                                        work.pieces.at_m);
+    return integrate_pieces(emitted, &work, light);
+}
+
+/* Light of the scene's lights, of the whole ray; returns the estimated error. */
+static double integrate_lamplight(const struct ray *ray, struct neph_rgb *volume)
+{
+    double t0_m, t1_m;
+    if (!scattering_range(ray, faint_end_m(ray), &t0_m, &t1_m))
+        return 0.0;
+    return neph_airlight(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m, volume);
 }
 
 /* ---- all ---- */
 
-/* Lambertian, lit by the sun through the media: albedo / pi * E cos(theta) T V. */
-static struct neph_rgb surface_radiance(const struct neph_scene *scene, const struct neph_hit *hit,
-                                        struct neph_vec3 point_m)
+/* Lambertian, lit by the sun through the media: albedo / pi * E cos(theta) T V; and by lights. */
+static struct neph_rgb sunlit_radiance(const struct neph_scene *scene, const struct neph_hit *hit,
+                                       struct neph_vec3 point_m)
 {
     const double cosine = neph_vec3_dot(hit->normal, scene->sun.direction);
     if (!scene->sun.present || cosine <= 0.0)
@@ -502,6 +495,17 @@ static struct neph_rgb surface_radiance(const struct neph_scene *scene, const st
     const struct neph_rgb light = neph_rgb_scale(transmittance(sun_optical_depth(scene, outside_m)),
                                                  cosine / M_PI);
     return neph_rgb_mul(neph_rgb_mul(hit->solid->albedo, scene->sun.irradiance_w_per_m2), light);
+}
+
+static struct neph_rgb surface_radiance(const struct neph_scene *scene, const struct neph_hit *hit,
+                                        struct neph_vec3 point_m)
+{
+    const struct neph_rgb sunlit = sunlit_radiance(scene, hit, point_m);
+    if (scene->light_count == 0)
+        return sunlit;
+    const struct neph_rgb lamplit = neph_lamplight_reflected(
+        scene, neph_hit_outside_m(hit, point_m), hit->normal);
+    return neph_rgb_add(sunlit, neph_rgb_mul(hit->solid->albedo, lamplit));
 }
 
 static bool is_white(struct neph_rgb albedo)
@@ -528,7 +532,7 @@ static bool is_balanced(const struct neph_medium *medium, struct neph_rgb surrou
 static bool is_furnace(const struct neph_scene *scene)
 {
     if (scene->scattering != NEPH_SCATTERING_MULTIPLE || !scene->environment_light ||
-        scene->sun.present)
+        scene->sun.present || scene->light_count > 0)
         return false;
     for (int m = 0; m < scene->medium_count; m++)
         if (!is_balanced(&scene->media[m], scene->background_w_per_m2_sr))
@@ -597,13 +601,16 @@ struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct 
         light.volume = neph_rgb_mul(light.radiance, absorbed(depth));
         return light;
     }
-    if (scene->sun.present && scene->scattering != NEPH_SCATTERING_NONE && media_scatter(scene)) {
+    const bool scatters = scene->scattering != NEPH_SCATTERING_NONE && media_scatter(scene);
+    if (scene->sun.present && scatters) {
         /* The turn from (-sun) to (-view) has the cosine of the angle between view and sun. */
         const double cosine = neph_vec3_dot(direction, scene->sun.direction);
         for (int m = 0; m < scene->medium_count; m++)
             ray.phase_per_sr[m] = neph_phase_per_sr(&scene->media[m].phase, cosine);
         light.quadrature_error = integrate_volume(&ray, &light.volume);
     }
+    if (scene->light_count > 0 && scatters)
+        light.quadrature_error += integrate_lamplight(&ray, &light.volume);
     if (neph_scene_emits(scene)) {
         struct neph_rgb own = {0, 0, 0};
         light.quadrature_error += integrate_emission(&ray, depth, &own);

@@ -27,6 +27,7 @@ neph_verb neph_cli_pick;
 neph_verb neph_cli_compare;
 neph_verb neph_cli_flicker;
 neph_verb neph_cli_view;
+neph_verb neph_cli_post;
 neph_verb neph_cli_metrics;
 neph_verb neph_cli_conform;
 neph_verb neph_cli_validate;

@@ -25,7 +25,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORDS, .at = offsetof(struct request, scenes)},
     {"engine",
      .help = "One of march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "
-             "march_diffused, march_similarity, march_slab, tracer, realtime (default: all)"},
+             "march_diffused, march_similarity, march_slab, fog_look, tracer, realtime (default: "
+             "all)"},
     {"frames", 0, "N", "Pictures of realtime, counted all and the last kept", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, pictures), .otherwise = "6", .minimum = 1, .maximum = 1000},
     {"samples", 0, "N", "Paths per pixel of tracer", NEPH_CLI_INTEGER,

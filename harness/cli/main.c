@@ -33,6 +33,7 @@ static const struct {
      "measure the error of frames of any renderer against a reference"},
     {"flicker", neph_cli_flicker, "measure the flicker and the lag of a sequence of any renderer"},
     {"view", neph_cli_view, "a page to look at frames of any renderer with, down to their values"},
+    {"post", neph_cli_post, "frames of any renderer through tone mapping and upscalers"},
     {"conform", neph_cli_conform, "whether a device renders real sizes right, and as another does"},
     {"metrics", neph_cli_metrics, "list what can be measured, with definitions and sources"},
     {"nightly", neph_cli_nightly, "measure, compare with the accepted night, say what changed"},

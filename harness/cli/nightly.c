@@ -6,18 +6,22 @@
 
 #include "base/files.h"
 #include "harness/night/output.h"
+#include "harness/night/page.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Of the page's pictures; a report is to stay under 60 MB with its numbers. */
+static const size_t pictures_limit_bytes = 50000000;
+
 struct request {
     struct neph_cli_shared shared;
     const char *tier, *revision;
-    struct neph_cli_words only;
+    struct neph_cli_words only, engines;
     double minutes;
-    int against;
+    int against, seed;
     bool lists, once;
 };
 
@@ -32,10 +36,15 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, revision)},
     {"against", 0, "N", "Compare with night N (default: the last that was accepted)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, against), .minimum = 1, .maximum = 1e9},
+    {"seed", 0, "N", "The N-th seed of engines that draw paths, in the catalogue (default: 1)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {"once", 0, NULL, "Run no step a second time", NEPH_CLI_FLAG,
      .at = offsetof(struct request, once)},
     {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
      .at = offsetof(struct request, lists)},
+    {"engine", 'e', "NAME",
+     "An engine more for the catalogue, such as command; may be given several times",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, engines)},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine in the catalogue, as if it were the default"},
@@ -101,18 +110,25 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
                      neph_night_verdict(&night->comparison).verb, output);
 }
 
-static enum neph_status run(const struct request *request, const struct neph_night_params *params,
+static enum neph_status run(const struct request *request, struct neph_night_params *params,
                             struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
+    struct neph_night_page *page = NULL;
     struct neph_night night = {.id = 0};
     char *folder = neph_path_join(params->output, "store");
     enum neph_status status = folder ? neph_store_open(folder, &store, diag)
                                      : neph_fail_memory(diag);
     if (!status)
+        status = neph_night_page_open(params->output, request->tier, store, pictures_limit_bytes,
+                                      &page, diag);
+    params->show = neph_night_page_publish;
+    params->context = page;
+    if (!status)
         status = neph_night_run(params, store, &night, diag);
     if (!status)
         status = tell(request, &night, diag);
+    neph_night_page_close(page);
     neph_night_finish(&night);
     neph_store_close(store);
     free(folder);
@@ -124,20 +140,23 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
     const struct neph_cli_shared *shared = &request.shared;
-    const struct neph_night_params params = {
-        .plan = {.tier = request.tier,
-                 .only = request.only.list,
-                 .only_count = request.only.count,
-                 .settings = shared->settings.list,
-                 .setting_count = shared->settings.count,
-                 .width_px = shared->size.width_px,
-                 .height_px = shared->size.height_px},
-        .output = shared->output,
-        .revision = request.revision ? request.revision : "",
-        .budget_s = isnan(request.minutes) ? INFINITY : 60.0 * request.minutes,
-        .against = request.against > 0 ? request.against : 0,
-        .once = request.once,
-        .quiet = shared->quiet || shared->json};
+    struct neph_night_params params = {.plan = {.tier = request.tier,
+                                                .only = request.only.list,
+                                                .only_count = request.only.count,
+                                                .seed = request.seed > 0 ? request.seed : 1,
+                                                .engines = request.engines.list,
+                                                .engine_count = request.engines.count,
+                                                .settings = shared->settings.list,
+                                                .setting_count = shared->settings.count,
+                                                .width_px = shared->size.width_px,
+                                                .height_px = shared->size.height_px},
+                                       .output = shared->output,
+                                       .revision = request.revision ? request.revision : "",
+                                       .budget_s = isnan(request.minutes) ? INFINITY
+                                                                          : 60.0 * request.minutes,
+                                       .against = request.against > 0 ? request.against : 0,
+                                       .once = request.once,
+                                       .quiet = shared->quiet || shared->json};
     const enum neph_status status = look_at_plan(&params.plan, request.lists, diag);
     return status || request.lists ? status : run(&request, &params, diag);
 }

@@ -4,6 +4,7 @@
  */
 #include "harness/cli/cli.h"
 
+#include "harness/cli/scenes_fog.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "scenes/media.h"
@@ -64,10 +65,12 @@ static const struct neph_cli_syntax syntax = {
 static json_t *layer_json(const struct neph_fog_layer *layer)
 {
     const struct neph_unreal_fog unreal = neph_fog_layer_to_unreal(layer);
-    return json_pack("{s:f, s:f, s:f, s:{s:f, s:f}}", "extinction_per_m", layer->extinction_per_m,
-                     "falloff_per_m", layer->falloff_per_m, "height_m", layer->height_m, "unreal",
-                     "fog_density", unreal.fog_density, "fog_height_falloff",
-                     unreal.fog_height_falloff);
+    return json_pack("{s:f, s:f, s:f, s:{s:f, s:f, s:f}, s:{s:f, s:f, s:f}}", "extinction_per_m",
+                     layer->extinction_per_m, "falloff_per_m", layer->falloff_per_m, "height_m",
+                     layer->height_m, "unreal", "fog_density", unreal.fog_density,
+                     "fog_height_falloff", unreal.fog_height_falloff, "fog_height_m",
+                     unreal.fog_height_m, "filament", "density", layer->extinction_per_m,
+                     "heightFalloff", layer->falloff_per_m, "height", layer->height_m);
 }
 
 static json_t *limits_json(const struct neph_failing *failing)
@@ -122,12 +125,12 @@ static json_t *scene_json(const struct neph_scene *scene)
         neph_json_add(&engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name, "can_render",
                                           can, "reason", reason));
     }
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o, s:o}", "name", scene->name,
-                     "title", scene->title, "physics", scene->physics, "hash", scene->hash,
-                     "scattering", neph_scattering_name(scene->scattering), "frames",
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "name",
+                     scene->name, "title", scene->title, "physics", scene->physics, "hash",
+                     scene->hash, "scattering", neph_scattering_name(scene->scattering), "frames",
                      scene->frame_count, "solids", scene->solid_count, "gates", scene->gate_count,
-                     "layers", layers, "failure", failing_json(&scene->failing), "engines",
-                     engines);
+                     "layers", layers, "fog", neph_cli_fog_json(scene), "failure",
+                     failing_json(&scene->failing), "engines", engines);
 }
 
 static void print_failing(const struct neph_failing *failing)
@@ -163,6 +166,7 @@ static void print_scene(const struct neph_scene *scene)
                    m, layer->extinction_per_m, layer->falloff_per_m, layer->height_m,
                    unreal.fog_density, unreal.fog_height_falloff);
         }
+    neph_cli_print_fog(scene);
     print_failing(&scene->failing);
     int count;
     const struct neph_engine *const *engines = neph_engines(&count);

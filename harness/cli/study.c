@@ -20,6 +20,8 @@ static const struct {
      "which preset of the real-time renderer flickers and lags less, with intervals"},
     {"light", neph_cli_study_light,
      "how far lighting models are from all orders of scattering, and where"},
+    {"fog", neph_cli_study_fog,
+     "what the controls of a fog's look give, take and break, each alone, against exact"},
 };
 enum { KIND_COUNT = sizeof(kinds) / sizeof(kinds[0]) };
 
@@ -33,7 +35,8 @@ static void print_help(FILE *out)
                  "Examples:\n"
                  "  neph study steps march fence_backlit\n"
                  "  neph study flicker --suite test --markdown study.md\n"
-                 "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85\n");
+                 "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85\n"
+                 "  neph study fog fog_look_evening\n");
 }
 
 static enum neph_status refuse_kind(const char *word, struct neph_diag *diag)

@@ -22,7 +22,7 @@ struct request {
     struct neph_cli_shared shared; /* operands: scenes */
     struct neph_cli_words engines, only, presets;
     const char *tier, *suite, *check, *pictures;
-    int budget_s, samples, jobs, page_limit_mb;
+    int budget_s, samples, jobs, page_limit_mb, seed;
     bool no_charts, on_device;
 };
 
@@ -72,6 +72,8 @@ static const struct neph_cli_option options[] = {
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine, in scenes and not in charts; may be given several times"},
     {.name = "size", .help = "Size in pixels (default: 192x108; quick: 128x72)"},
+    {"seed", 0, "N", "Of scenes: the N-th seed of engines that draw paths (default: 1)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {.name = "output", .help = "Folder of the store and the report", .otherwise = "out"},
     {"no-charts", 0, NULL,
      "Leave out the speed-against-accuracy charts and the sequence; so do named scenes and engines",
@@ -135,6 +137,8 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "--check needs a part of the name of a check or rung");
     if (is_physics(request) && shared->settings.count > 0)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
+    if (request->seed > 0 && (is_physics(request) || is_failure(request)))
+        argp_error(state, "--seed is of scenes; the suites have their own");
     if (!is_physics(request) && (request->check || request->samples >= 0))
         argp_error(state, "--check and --samples belong to --suite physics");
     if (request->suite && request->tier && !is_failure(request))
@@ -220,6 +224,7 @@ static void make_params(const struct request *request, const struct neph_tier *t
                                             .setting_count = shared->settings.count,
                                             .width_px = tier->width_px,
                                             .height_px = tier->height_px,
+                                            .seed = request->seed > 0 ? request->seed : 1,
                                             .budget_s = budget_s,
                                             .quiet = shared->quiet,
                                             .skip_absent = !names_scenes,

@@ -81,7 +81,7 @@ static const struct neph_cli_operands operands = {
     .minimum = 1,
     .maximum = NEPH_VIEWER_SETS_MAX,
     .missing = "which frames?",
-    .surplus = "twelve sets of frames (quote patterns: one is one set)",
+    .surplus = "24 sets of frames (quote patterns: one is one set)",
 };
 
 static void check(const void *request_, const struct argp_state *state)

@@ -172,6 +172,13 @@ static void mark_sky(struct neph_image *image)
         depth[i] = depth[i] >= far ? INFINITY : depth[i]; /* a NaN stays */
 }
 
+/* Frames of ours that a display has the last word on. */
+static enum neph_status mark_picture(struct neph_image *image, struct neph_diag *diag)
+{
+    const char *display = neph_image_attribute(image, NEPH_DISPLAY_ATTRIBUTE);
+    return display ? neph_image_set_attribute(image, "encoding", diag, "%s", display) : NEPH_OK;
+}
+
 enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
                                  struct neph_image **image, struct neph_diag *diag)
 {
@@ -192,6 +199,8 @@ enum neph_status neph_frame_read(const char *path, const char *layer, size_t neg
         drop_strangers(frame);
     if (!status)
         mark_sky(frame);
+    if (!status)
+        status = mark_picture(frame, diag);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
     if (status)

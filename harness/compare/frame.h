@@ -10,8 +10,13 @@
 /* The attribute of a frame of a sequence: how many of them a second it was made for. */
 #define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
 
+/* The attribute of a picture for a display (`neph post`): "sRGB". Its values are the linear light
+ * that such a display makes of it, 1 being its white. */
+#define NEPH_DISPLAY_ATTRIBUTE "neph.display"
+
 /* Read an OpenEXR or PNG file, told apart by content, and pass it through gate G0
- * (metrics/validity.h); the diag names the file. A PNG has the attribute "encoding" = "sRGB".
+ * (metrics/validity.h); the diag names the file. A PNG has the attribute
+ * "encoding" = "sRGB", and so has a picture for a display.
  * `layer`: its channels "<layer>.R" are R, and so on, and there is no other colour; NULL: the names
  * are as they are. Y alone is a grey picture. X, Y and Z beside R G B are a vector and are called
  * vector.X, ... A depth of 1e10 or more is the sky, +inf. Channels that have no meaning for us and

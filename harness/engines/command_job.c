@@ -39,6 +39,25 @@ static json_t *sun_json(const struct neph_sun *sun)
                         : json_null();
 }
 
+/* `cone` is null, or its axis and the cosines of its angles. */
+static json_t *light_json(const struct neph_light *light)
+{
+    return json_pack("{s:o, s:o, s:o}", "position_m", vector(light->position_m),
+                     "intensity_w_per_sr", colour(light->intensity_w_per_sr), "cone",
+                     light->is_spot
+                         ? json_pack("{s:o, s:f, s:f}", "axis", vector(light->axis), "inner_cosine",
+                                     light->inner_cosine, "outer_cosine", light->outer_cosine)
+                         : json_null());
+}
+
+static json_t *lights_json(const struct neph_scene *scene)
+{
+    json_t *json = json_array();
+    for (int i = 0; i < scene->light_count; i++)
+        neph_json_add(&json, light_json(&scene->lights[i]));
+    return json;
+}
+
 static json_t *settings_json(const struct neph_engine *engine, const struct neph_settings *settings)
 {
     json_t *json = json_object();
@@ -69,6 +88,7 @@ static json_t *job_json(const struct neph_engine *engine, const struct neph_shot
                              (json_int_t)shot->seed);
     neph_json_set(&json, "camera", camera_json(&camera));
     neph_json_set(&json, "sun", sun_json(&sun));
+    neph_json_set(&json, "lights", lights_json(scene));
     neph_json_set(&json, "wind_displacement_m",
                   vector(neph_scene_wind_displacement_m(scene, shot->frame)));
     neph_json_set(&json, "background_w_per_m2_sr", colour(scene->background_w_per_m2_sr));

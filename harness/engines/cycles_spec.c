@@ -6,6 +6,7 @@
 
 #include "scenes/emission.h"
 #include "scenes/grid.h"
+#include "scenes/lights.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 
@@ -13,7 +14,7 @@
 #include <stdio.h>
 
 enum {
-    SPEC_FORMAT = 2, /* raised together with blender_render.py */
+    SPEC_FORMAT = 3, /* raised together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
@@ -266,6 +267,8 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
         !(lens_mm >= shortest_lens_mm)) /* Blender would clamp it without a word */
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a field of view above 170.4 degrees: Blender has no lens below 1 mm");
+    if (neph_scene_has_wide_spot(scene))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s", neph_wide_spot_reason);
     for (int i = 0; i < scene->medium_count && !status; i++)
         if (has_extinction(&scene->media[i]))
             status = adapt_medium(scene, i, &adapted, diag);
@@ -422,6 +425,28 @@ static json_t *sun_json(const struct neph_sun *sun)
                      color_json(sun->irradiance_w_per_m2));
 }
 
+/* `cone` is null, or axis and the cosines of the outer and the inner angle. */
+static json_t *light_json(const struct neph_light *light)
+{
+    return json_pack("{s:o, s:o, s:o}", "position_m", vector_json(light->position_m),
+                     "intensity_w_per_sr", color_json(light->intensity_w_per_sr), "cone",
+                     light->is_spot ? json_pack("{s:o, s:f, s:f}", "axis", vector_json(light->axis),
+                                                "outer_cosine", light->outer_cosine, "inner_cosine",
+                                                light->inner_cosine)
+                                    : json_null());
+}
+
+static json_t *lights_json(const struct neph_scene *scene)
+{
+    json_t *lights = json_array();
+    for (int i = 0; i < scene->light_count; i++)
+        if (json_array_append_new(lights, light_json(&scene->lights[i]))) {
+            json_decref(lights);
+            return NULL;
+        }
+    return lights;
+}
+
 static json_t *camera_json(const struct neph_camera *camera)
 {
     const bool is_parallel = camera->orthographic_height_m > 0.0;
@@ -522,6 +547,7 @@ static bool fill_spec(json_t *spec, const struct neph_shot *shot,
         {"origin_m", vector_json(camera.position_m)},
         {"camera", camera_json(&camera)},
         {"sun", sun_json(&scene->sun)},
+        {"lights", lights_json(scene)},
         {"background_w_per_m2_sr", color_json(scene->background_w_per_m2_sr)},
         {"environment_light", json_boolean(scene->environment_light)},
         {"scattering", json_string(neph_scattering_name(scene->scattering))},

@@ -21,14 +21,21 @@ const char *neph_rung_name(enum neph_rung rung)
     return rung_names[rung];
 }
 
-/* Engines that are part of neph have a build of their own only where frames are to be told apart by
- * the program that made them: a night (harness/night/night.h) asks its commands for it. */
+/* The build of engines that are part of neph is neph's: a frame of other code, shaders included, is
+ * another frame, although nobody has raised the engine's version. */
 static void name_own_build(struct neph_engine_info *info)
 {
     char digest[NEPH_HASH_HEX_SIZE];
-    if (!info->build[0] && getenv("NEPH_FRAMES_OF_PROGRAM") &&
-        neph_hash_file("/proc/self/exe", digest, NULL) == NEPH_OK)
+    struct neph_diag diag = {0};
+    if (info->build[0] || !info->available)
+        return;
+    if (neph_hash_file("/proc/self/exe", digest, &diag) == NEPH_OK) {
         snprintf(info->build, sizeof(info->build), "%.16s", digest);
+        return;
+    }
+    info->available = false;
+    info->broken = true;
+    snprintf(info->missing, sizeof(info->missing), "its build is not known: %.400s", diag.message);
 }
 
 void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info)

@@ -27,8 +27,7 @@ struct neph_engine_info {
     bool available;
     bool broken;                 /* not available although it is installed: the probe failed */
     char version[128];           /* such as "Blender 3.4.1"; part of the job key */
-    char build[NEPH_BUILD_SIZE]; /* a digest of the program, "" of our own unless the variable
-                                    NEPH_FRAMES_OF_PROGRAM is set; part of the job key */
+    char build[NEPH_BUILD_SIZE]; /* a digest of the program; part of the job key */
     char device[128];       /* where it runs, and what of its surroundings decides bits; job key */
     char missing[512];      /* why it is not available or is broken, in words */
     char install_line[256]; /* the exact command that would mend it */

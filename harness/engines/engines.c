@@ -22,6 +22,12 @@ const struct neph_engine *const *neph_engines(int *count)
     return registry;
 }
 
+bool neph_engine_draws(const struct neph_engine *engine)
+{
+    return engine->rung == NEPH_RUNG_TRACER ||
+           (engine->rung == NEPH_RUNG_WITNESS && engine->stochastic);
+}
+
 const struct neph_engine *neph_engine_find(const char *name)
 {
     int count;

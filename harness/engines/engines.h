@@ -21,6 +21,7 @@
     of(march_diffused) \
     of(march_similarity) \
     of(march_slab) \
+    of(fog_look) \
     of(realtime) \
     of(cycles) \
     of(povray) \
@@ -39,6 +40,10 @@ const struct neph_engine *const *neph_engines_and_guests(int *count);
 
 /* By name, guests among them; NULL when there is none. */
 const struct neph_engine *neph_engine_find(const char *name);
+
+/* Whether pictures are drawn by chance, so that another seed gives another one of the same mean:
+ * tracers, and witnesses that trace. A shortcut whose rays are jittered is another picture. */
+bool neph_engine_draws(const struct neph_engine *engine);
 
 /* What presets are named by where guests take part, too: "PRESET+KEY=VALUE+..." of `realtime`, or
  * "command+KEY=VALUE+...". `shared` ("steps=8"; or NULL) is set before the changes, of an engine

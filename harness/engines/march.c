@@ -34,10 +34,19 @@ enum {
     OPTION_STEP_GROWTH,
     OPTION_GRID_SAMPLING,
     OPTION_GRID_FORMAT,
+    OPTION_CLOUD_SHADOW,
+    OPTION_CLOUD_SHADOW_TEXELS,
+    OPTION_CLOUD_SHADOW_LAYERS,
+    OPTION_CLOUD_SHADOW_LEVELS,
+    OPTION_CLOUD_SHADOW_EXTENT,
+    OPTION_CLOUD_SHADOW_PLANE,
     OPTION_LIGHT_TEXEL, /* from here on of march_traced alone */
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
     OPTION_LIGHT_BLUR,
+    OPTION_LIGHT_AHEAD,
+    OPTION_AHEAD_CELLS,
+    OPTION_AHEAD_CYCLES,
     OPTION_DIFFUSION_CELLS = OPTION_LIGHT_TEXEL, /* from here on of march_diffused alone */
     OPTION_DIFFUSION_CYCLES,
 };
@@ -78,7 +87,13 @@ enum {
     [OPTION_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS, [OPTION_SKIP] = NEPH_OPTION_SKIP,    \
     [OPTION_EARLY_OUT] = NEPH_OPTION_EARLY_OUT, [OPTION_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,    \
     [OPTION_GRID_SAMPLING] = NEPH_OPTION_GRID_SAMPLING,                                            \
-    [OPTION_GRID_FORMAT] = NEPH_OPTION_GRID_FORMAT
+    [OPTION_GRID_FORMAT] = NEPH_OPTION_GRID_FORMAT,                                                \
+    [OPTION_CLOUD_SHADOW] = NEPH_OPTION_CLOUD_SHADOW,                                              \
+    [OPTION_CLOUD_SHADOW_TEXELS] = NEPH_OPTION_CLOUD_SHADOW_TEXELS,                                \
+    [OPTION_CLOUD_SHADOW_LAYERS] = NEPH_OPTION_CLOUD_SHADOW_LAYERS,                                \
+    [OPTION_CLOUD_SHADOW_LEVELS] = NEPH_OPTION_CLOUD_SHADOW_LEVELS,                                \
+    [OPTION_CLOUD_SHADOW_EXTENT] = NEPH_OPTION_CLOUD_SHADOW_EXTENT,                                \
+    [OPTION_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE
 
 static const struct neph_option options[] = {OPTIONS_OF_ALL, {.name = NULL}};
 
@@ -88,6 +103,9 @@ static const struct neph_option options_of_traced[] = {
     [OPTION_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(8),
     [OPTION_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(64),
     [OPTION_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
+    [OPTION_LIGHT_AHEAD] = NEPH_OPTION_LIGHT_AHEAD,
+    [OPTION_AHEAD_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
+    [OPTION_AHEAD_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(24),
     {.name = NULL},
 };
 
@@ -151,6 +169,7 @@ static struct neph_light_paths light_of(const struct neph_shot *shot)
         .rounds = (int)values[OPTION_LIGHT_ROUNDS],
         .memory = 1,
         .blur_texels = values[OPTION_LIGHT_BLUR],
+        .looks_ahead = values[OPTION_LIGHT_AHEAD] != 0.0,
         .seed = (uint32_t)shot->seed,
     };
 }
@@ -174,10 +193,20 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                       .early_out = values[OPTION_EARLY_OUT],
                       .step_growth = values[OPTION_STEP_GROWTH],
                       .grid_texture = values[OPTION_GRID_SAMPLING] != 0.0,
-                      .grid_format = (enum neph_texel_format)(int)values[OPTION_GRID_FORMAT]},
+                      .grid_format = (enum neph_texel_format)(int)values[OPTION_GRID_FORMAT],
+                      .cloud_shadow = values[OPTION_CLOUD_SHADOW] != 0.0,
+                      .shadow = {.texels = (int)values[OPTION_CLOUD_SHADOW_TEXELS],
+                                 .layers = (int)values[OPTION_CLOUD_SHADOW_LAYERS],
+                                 .levels = (int)values[OPTION_CLOUD_SHADOW_LEVELS],
+                                 .extent_m = values[OPTION_CLOUD_SHADOW_EXTENT],
+                                 .plane = (enum neph_shadow_plane)(
+                                     int)values[OPTION_CLOUD_SHADOW_PLANE]}},
     };
-    if (sequence->lighting == NEPH_MARCH_TRACED)
+    if (sequence->lighting == NEPH_MARCH_TRACED) {
         params.light = light_of(shot);
+        params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_AHEAD_CELLS],
+                                                         (int)values[OPTION_AHEAD_CYCLES]};
+    }
     if (sequence->lighting == NEPH_MARCH_DIFFUSED)
         params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_DIFFUSION_CELLS],
                                                          (int)values[OPTION_DIFFUSION_CYCLES]};
@@ -281,9 +310,6 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
 
 /* ---- the engines ----------------------------------------------------------------------------- */
 
-static const struct neph_engine_step step = {
-    .option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2};
-
 /* What an engine is for its lighting: the functions of its table. */
 #define FUNCTIONS_OF(name_, lighting_)                                                             \
     static bool can_render_##name_(const struct neph_scene *scene,                                 \
@@ -312,8 +338,10 @@ static const struct neph_engine_step step = {
 
 /* Rows of all engines. */
 #define ROWS_OF(name_)                                                                             \
-    .rung = NEPH_RUNG_MODEL, .step = step, .probe = neph_vulkan_probe,                             \
-    .can_render = can_render_##name_, .render = render_##name_, .sequence = &sequence_of_##name_
+    .rung = NEPH_RUNG_MODEL,                                                                       \
+    .step = {.option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2},        \
+    .probe = neph_vulkan_probe, .can_render = can_render_##name_, .render = render_##name_,        \
+    .sequence = &sequence_of_##name_
 
 FUNCTIONS_OF(single, NEPH_MARCH_SINGLE)
 FUNCTIONS_OF(octaves, NEPH_MARCH_OCTAVES)

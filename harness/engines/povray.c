@@ -25,6 +25,7 @@
 #include "harness/engines/program.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/solids.h"
 #include "scenes/volume_file.h"
 
 #include <errno.h>
@@ -366,13 +367,33 @@ static enum neph_status expose(struct session *session, const char *name,
 /* ---- Light ---------------------------------------------------------------------------------- */
 
 /* The sources of a picture, by colour: their weights decide which colours need a render. */
+enum { SOURCES_MAX = NEPH_SCENE_SOLIDS_MAX + 1 };
+
 struct sources {
     int count;
-    double weights[3][NEPH_SCENE_SOLIDS_MAX + 1];
+    double weights[3][SOURCES_MAX];
 };
 
+static bool is_source(const struct sources *sources, int i, struct neph_rgb weight)
+{
+    return sources->weights[0][i] == weight.r && sources->weights[1][i] == weight.g &&
+           sources->weights[2][i] == weight.b;
+}
+
+/* Those that are there already say nothing new. Where there is no room for more the brighter one
+ * stays, without a colour in common with the others. */
 static void add_source(struct sources *sources, struct neph_rgb weight)
 {
+    for (int i = 0; i < sources->count; i++)
+        if (is_source(sources, i, weight))
+            return;
+    if (sources->count == SOURCES_MAX) {
+        const double most = fmax(weight.r, fmax(weight.g, weight.b));
+        for (int channel = 0; channel < 3; channel++)
+            sources->weights[channel][SOURCES_MAX - 1] = fmax(
+                sources->weights[channel][SOURCES_MAX - 1], most * (1.0 + 1e-3 * channel));
+        return;
+    }
     for (int channel = 0; channel < 3; channel++)
         sources->weights[channel][sources->count] = neph_povray_component(weight, channel);
     sources->count++;
@@ -514,6 +535,48 @@ static double brightest_scattering_per_sr(const struct session *session,
     return brightest;
 }
 
+/* The densest that all media together could be, in any colour. */
+static double densest_per_m(const struct session *session)
+{
+    double sum_per_m = 0.0;
+    for (int i = 0; i < session->shot.scene->medium_count; i++) {
+        const struct neph_rgb color = session->shot.scene->media[i].extinction_color;
+        if (session->world.containers[i].used)
+            sum_per_m += session->world.containers[i].extinction_per_m *
+                         fmax(color.r, fmax(color.g, color.b));
+    }
+    return sum_per_m;
+}
+
+/* pi / h of the light that any ray passes at the distance h: the integral of 1/d^2. */
+static double closest_per_m(const struct session *session, struct neph_vec3 light_m)
+{
+    const struct neph_shot *shot = &session->shot;
+    double most_per_m = 0.0;
+    for (size_t pixel = 0; pixel < session->pixel_count; pixel++) {
+        const size_t width = (size_t)shot->width_px;
+        const struct neph_pixel_ray ray = neph_camera_ray(&session->world.camera, shot->width_px,
+                                                          shot->height_px, (double)(pixel % width),
+                                                          (double)(pixel / width));
+        const struct neph_vec3 way_m = neph_vec3_sub(light_m, ray.origin_m);
+        const double height_m = neph_vec3_length(neph_vec3_cross(way_m, ray.direction));
+        most_per_m = fmax(most_per_m, M_PI / fmax(height_m, 1e-6));
+    }
+    return most_per_m;
+}
+
+/* The largest part of one unit of radiant intensity that media of one phase function and albedo 1
+ * could send into a pixel, of all lights: as if none were lost on its way and all were air. */
+static double brightest_lamplight_per_m2(const struct session *session,
+                                         const struct neph_phase *phase)
+{
+    const double phase_per_sr = fmax(neph_phase_per_sr(phase, 1.0), neph_phase_per_sr(phase, -1.0));
+    double sum_per_m = 0.0;
+    for (int i = 0; i < session->shot.scene->light_count; i++)
+        sum_per_m += closest_per_m(session, session->shot.scene->lights[i].position_m);
+    return sum_per_m * densest_per_m(session) * phase_per_sr;
+}
+
 static struct sources scattering_sources(const struct session *session,
                                          const struct neph_phase *phase)
 {
@@ -521,8 +584,12 @@ static struct sources scattering_sources(const struct session *session,
     struct sources sources = {.count = 0};
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
-        if (session->world.containers[i].used && neph_povray_same_phase(phase, &medium->phase))
+        if (!session->world.containers[i].used || !neph_povray_same_phase(phase, &medium->phase))
+            continue;
+        if (scene->sun.present)
             add_source(&sources, neph_rgb_mul(medium->albedo, scene->sun.irradiance_w_per_m2));
+        for (int l = 0; l < scene->light_count; l++)
+            add_source(&sources, neph_rgb_mul(medium->albedo, scene->lights[l].intensity_w_per_sr));
     }
     return sources;
 }
@@ -544,7 +611,8 @@ static enum neph_status add_volume(struct session *session, struct light *volume
 {
     const struct neph_scene *scene = session->shot.scene;
     enum neph_status status = NEPH_OK;
-    if (!scene->sun.present || scene->scattering == NEPH_SCATTERING_NONE)
+    if (!(scene->sun.present || scene->light_count > 0) ||
+        scene->scattering == NEPH_SCATTERING_NONE)
         return NEPH_OK;
     for (int i = 0; !status && i < scene->medium_count; i++) {
         if (!session->world.containers[i].used || is_repeated(session, i))
@@ -553,8 +621,10 @@ static enum neph_status add_volume(struct session *session, struct light *volume
         struct neph_povray_pass pass = {.kind = NEPH_POVRAY_VOLUME, .phase = scene->media[i].phase};
         struct sources sources = scattering_sources(session, &pass.phase);
         snprintf(name, sizeof(name), "volume%d", i + 1);
-        status = add_picture(session, name, pass, &sources,
-                             brightest_scattering_per_sr(session, &pass.phase), volume, diag);
+        const double bound = (scene->sun.present ? brightest_scattering_per_sr(session, &pass.phase)
+                                                 : 0.0) +
+                             brightest_lamplight_per_m2(session, &pass.phase);
+        status = add_picture(session, name, pass, &sources, bound, volume, diag);
     }
     return status;
 }
@@ -572,6 +642,30 @@ static enum neph_status add_emission(struct session *session, struct light *volu
     return add_picture(session, "emission", pass, &sources, 1.0, volume, diag);
 }
 
+/* From a point to a box, 0 inside. */
+static double distance_m(const struct neph_bounds *box, struct neph_vec3 point_m)
+{
+    const struct neph_vec3 out_m = {
+        fmax(0.0, fmax(box->min_m.x - point_m.x, point_m.x - box->max_m.x)),
+        fmax(0.0, fmax(box->min_m.y - point_m.y, point_m.y - box->max_m.y)),
+        fmax(0.0, fmax(box->min_m.z - point_m.z, point_m.z - box->max_m.z))};
+    return neph_vec3_length(out_m);
+}
+
+/* Each light as bright as it is where the solid's box comes nearest to it; a ball is farther away.
+ */
+static void add_lamplit(struct sources *sources, const struct neph_scene *scene,
+                        const struct neph_solid *solid)
+{
+    const struct neph_bounds box = neph_solid_bounds(solid);
+    for (int l = 0; l < scene->light_count; l++) {
+        const double near_m = fmax(1e-3, distance_m(&box, scene->lights[l].position_m));
+        add_source(sources,
+                   neph_rgb_scale(neph_rgb_mul(solid->albedo, scene->lights[l].intensity_w_per_sr),
+                                  scene->light_count / (M_PI * near_m * near_m)));
+    }
+}
+
 static enum neph_status add_surface(struct session *session, struct light *surface,
                                     struct neph_diag *diag)
 {
@@ -583,6 +677,8 @@ static enum neph_status add_surface(struct session *session, struct light *surfa
         struct neph_rgb lit = neph_rgb_mul(scene->solids[i].albedo, scene->sun.irradiance_w_per_m2);
         add_source(&sources, neph_rgb_scale(lit, 1.0 / M_PI));
     }
+    for (int i = 0; i < scene->solid_count; i++)
+        add_lamplit(&sources, scene, &scene->solids[i]);
     return add_picture(session, "surface", pass, &sources, 1.0, surface, diag);
 }
 

@@ -13,13 +13,17 @@
  *   2e-5 of 1 - exp(-tau) at tau 0.01 to 4, and by -(tau / 200)^2 / 24, which is the midpoint
  *   rule's, at 10 and 20. Uniform media that emit are written as media of uneven density: unlit,
  *   they would be sampled once.
+ * - A light of colour C fades by 2 C / (1 + (r / d)^2): with d = 1 unit, 1/r^2 to (1 unit / r)^2.
+ *   Of a spot `tightness 0` leaves the smoothstep of the cosine between `radius` and `falloff`.
  * - Pigment and density functions wrap at 1: the densest place gets 0.999.
  * - Method 2 with one sample is the midpoint rule; methods 1 and 3 are random and biased.
  */
 #include "harness/engines/povray_scene.h"
 
 #include "harness/engines/povray_exposure.h"
+#include "scenes/bounds.h"
 #include "scenes/emission.h"
+#include "scenes/lights.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 
@@ -158,6 +162,10 @@ static void choose_units(struct neph_povray_world *world)
         solids = join(solids, neph_solid_bounds(&world->scene->solids[i]));
     struct neph_bounds eye = {world->camera.position_m, world->camera.position_m};
     struct neph_bounds all = join(solids, eye);
+    for (int i = 0; i < world->scene->light_count; i++) {
+        const struct neph_vec3 at_m = world->scene->lights[i].position_m;
+        all = join(all, (struct neph_bounds){at_m, at_m});
+    }
     for (int i = 0; i < world->scene->medium_count; i++) {
         if (world->containers[i].used)
             all = join(all, world->containers[i].bounds);
@@ -281,6 +289,8 @@ enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, in
                                      .width_px = width_px,
                                      .height_px = height_px,
                                      .intervals = intervals};
+    if (neph_scene_has_wide_spot(scene))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s", neph_wide_spot_reason);
     enum neph_status status = place_containers(&made, diag);
     if (status)
         return status;
@@ -433,24 +443,51 @@ static void write_camera(struct writer *writer)
     words(writer, "\n}\n\n");
 }
 
-/* Is the sun part of this picture? */
-static bool has_sun(const struct writer *writer)
+/* Are sun and lights part of this picture? */
+static bool is_lit(const struct writer *writer)
 {
     enum neph_povray_kind kind = writer->pass->kind;
-    return writer->world->scene->sun.present && kind != NEPH_POVRAY_EMISSION &&
-           kind != NEPH_POVRAY_TRANSMITTANCE && kind != NEPH_POVRAY_DEPTH;
+    return kind != NEPH_POVRAY_EMISSION && kind != NEPH_POVRAY_TRANSMITTANCE &&
+           kind != NEPH_POVRAY_DEPTH;
 }
 
 static void write_sun(struct writer *writer)
 {
     const struct neph_sun *sun = &writer->world->scene->sun;
-    if (!has_sun(writer))
+    if (!sun->present || !is_lit(writer))
         return;
     words(writer, "// Sun: irradiance / pi, from far outside all else.\nlight_source { ");
     vector(writer, neph_vec3_scale(sun->direction, sun_distance_units));
     words(writer, " ");
     colour(writer, neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / M_PI));
     words(writer, " parallel point_at 0 }\n\n");
+}
+
+static void write_cone(struct writer *writer, const struct neph_light *light)
+{
+    if (!light->is_spot)
+        return;
+    named_number(writer, " spotlight radius ", acos(light->inner_cosine) / NEPH_RAD_PER_DEG, "");
+    named_number(writer, " falloff ", acos(light->outer_cosine) / NEPH_RAD_PER_DEG, "");
+    words(writer, " tightness 0 point_at ");
+    position(writer, neph_vec3_add(light->position_m, light->axis));
+}
+
+/* As the sun's, of the irradiance at one metre: 1/2 of what it is at `fade_distance`, one unit. */
+static void write_lights(struct writer *writer)
+{
+    const struct neph_scene *scene = writer->world->scene;
+    const double squared_units_per_m2 = writer->world->units_per_m * writer->world->units_per_m;
+    for (int i = 0; i < scene->light_count && is_lit(writer); i++) {
+        words(writer, "light_source { ");
+        position(writer, scene->lights[i].position_m);
+        words(writer, " ");
+        colour(writer, neph_rgb_scale(scene->lights[i].intensity_w_per_sr,
+                                      squared_units_per_m2 / (2.0 * M_PI)));
+        words(writer, " fade_distance 1 fade_power 2");
+        write_cone(writer, &scene->lights[i]);
+        words(writer, " }\n\n");
+    }
 }
 
 static void write_background(struct writer *writer)
@@ -508,8 +545,10 @@ static int intervals_of(const struct writer *writer, bool plain)
     if (kind == NEPH_POVRAY_SURFACE || kind == NEPH_POVRAY_EMISSION ||
         kind == NEPH_POVRAY_TRANSMITTANCE)
         intervals *= 4;
-    if (intervals > NEPH_POVRAY_INTERVALS_MAX)
-        intervals = NEPH_POVRAY_INTERVALS_MAX;
+    /* A spot cuts the ray at its cone, and each piece gets an interval at least. */
+    const int most = NEPH_POVRAY_INTERVALS_MAX - 4 * writer->world->scene->light_count;
+    if (intervals > most)
+        intervals = most;
     if (plain && has_density(writer) && intervals > 1)
         intervals--;
     return intervals;
@@ -617,16 +656,35 @@ static void write_emission(struct writer *writer, const struct neph_medium *medi
     words(writer, "\n");
 }
 
+/* A shadow ray is attenuated where it leaves a medium: around a light inside there is a hole of one
+ * unit for it to leave by. */
+static void write_container(struct writer *writer, const struct neph_bounds *bounds)
+{
+    const struct neph_scene *scene = writer->world->scene;
+    int inside = 0;
+    for (int i = 0; i < scene->light_count; i++)
+        inside += neph_bounds_contain(bounds, scene->lights[i].position_m);
+    words(writer, inside ? "difference { box { " : "box { ");
+    position(writer, bounds->min_m);
+    words(writer, ", ");
+    position(writer, bounds->max_m);
+    words(writer, inside ? " }\n  " : "");
+    for (int i = 0; i < scene->light_count; i++) {
+        if (!neph_bounds_contain(bounds, scene->lights[i].position_m))
+            continue;
+        words(writer, "sphere { ");
+        position(writer, scene->lights[i].position_m);
+        words(writer, ", 1 }\n ");
+    }
+}
+
 static void write_medium(struct writer *writer, int index)
 {
     const struct neph_medium *medium = &writer->world->scene->media[index];
     const struct neph_povray_container *container = &writer->world->containers[index];
     const double per_unit = extinction_per_unit(writer, index);
     write_comment(writer, medium, container);
-    words(writer, "box { ");
-    position(writer, container->bounds.min_m);
-    words(writer, ", ");
-    position(writer, container->bounds.max_m);
+    write_container(writer, &container->bounds);
     words(writer, " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
                   "  interior { media {\n");
     named_number(writer, "    method 2 intervals ", intervals_of(writer, is_plain(writer, index)),
@@ -770,6 +828,7 @@ enum neph_status neph_povray_text(const struct neph_povray_world *world,
     write_header(&writer);
     write_camera(&writer);
     write_sun(&writer);
+    write_lights(&writer);
     write_background(&writer);
     write_media(&writer);
     write_solids(&writer);

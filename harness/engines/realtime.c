@@ -110,6 +110,9 @@ static enum neph_status label_passes(struct neph_image *frame,
     if (!status && stats->light_gpu_s > 0.0)
         status = neph_frame_stats_set(frame, "higher_orders_gpu_ms", 1e3 * stats->light_gpu_s,
                                       diag);
+    if (!status && stats->shadow_gpu_s > 0.0)
+        status = neph_frame_stats_set(frame, "cloud_shadow_gpu_ms", 1e3 * stats->shadow_gpu_s,
+                                      diag);
     return status;
 }
 
@@ -239,6 +242,16 @@ static enum neph_status send(void *opened, const struct neph_shot *shot, struct 
     return neph_realtime_render(sequence->realtime, &picture, NULL, NULL, diag);
 }
 
+/* What is done before the passes, if it is. */
+static void add_before(const char *name, double gpu_s, struct neph_flight_cost *cost)
+{
+    if (!(gpu_s > 0.0))
+        return;
+    cost->passes[cost->pass_count].name = name;
+    cost->passes[cost->pass_count].gpu_s = gpu_s;
+    cost->passes[cost->pass_count++].traffic_bytes = NAN;
+}
+
 static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
 {
     struct sequence *sequence = opened;
@@ -253,11 +266,8 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
         cost->passes[i].traffic_bytes = of_targets(stats.pass_traffic_bytes[i]);
         cost->pass_count = i + 1;
     }
-    if (stats.light_gpu_s > 0.0) {
-        cost->passes[cost->pass_count].name = "higher orders";
-        cost->passes[cost->pass_count].gpu_s = stats.light_gpu_s;
-        cost->passes[cost->pass_count++].traffic_bytes = NAN;
-    }
+    add_before("higher orders", stats.light_gpu_s, cost);
+    add_before("cloud shadow", stats.shadow_gpu_s, cost);
     return NEPH_OK;
 }
 

@@ -184,12 +184,13 @@ char *neph_failure_command(const struct neph_failure_suite *suite,
 static json_t *cell_json(const struct neph_failure_row *row, const char *column,
                          const struct neph_failure_cell *cell)
 {
-    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s}", "scene",
+    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s, s:s}", "scene",
                      row->scene->name, "point", row->point, "measure",
                      neph_failing_measure_name(row->limit->measure), "over", row->limit->over,
                      "limit", row->limit->limit, "reason", row->limit->reason, "column", column,
                      "value", neph_json_number(cell->value), "infinite", isinf(cell->value) != 0,
-                     "verdict", neph_failure_verdict_name(cell->verdict), "why", cell->why);
+                     "verdict", neph_failure_verdict_name(cell->verdict), "why", cell->why,
+                     "frame_key", cell->frame_key ? cell->frame_key : "");
 }
 
 /* The worst first. */

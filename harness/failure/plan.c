@@ -243,7 +243,7 @@ static void add_row(struct neph_failure_suite *suite, const struct neph_scene *s
             NAN,
             neph_failure_asks(&scene->failing, limit, &suite->columns[c]) ? NEPH_FAILURE_NOT_YET
                                                                           : NEPH_FAILURE_NOT_ASKED,
-            "", NULL};
+            "", NULL, NULL};
 }
 
 static void add_point(const struct neph_failure_params *params, struct neph_failure_suite *suite,

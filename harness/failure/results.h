@@ -65,8 +65,9 @@ struct neph_failure_column {
 struct neph_failure_cell {
     double value; /* NaN: none; may be infinite */
     enum neph_failure_verdict verdict;
-    const char *why;     /* of what is expected, or why there is no number; or "" */
-    const char *exhibit; /* folder of the evidence of its column and point (exhibit.h), or NULL */
+    const char *why;       /* of what is expected, or why there is no number; or "" */
+    const char *exhibit;   /* folder of the evidence of its column and point (exhibit.h), or NULL */
+    const char *frame_key; /* in the store, of the last picture of its column and point, or NULL */
 };
 
 /* One measure of one point of a scenario. Texts are of the arena or of the scene. */

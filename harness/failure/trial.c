@@ -199,7 +199,7 @@ static void fill_cell(const struct trial *trial, struct neph_failure_row *row, d
                                                                          &place, &reason);
     *cell = (struct neph_failure_cell){
         value, neph_failure_judge(value, row->limit->limit, expected),
-        neph_arena_text(&trial->bench->suite->arena, why[0] ? why : reason), NULL};
+        neph_arena_text(&trial->bench->suite->arena, why[0] ? why : reason), NULL, NULL};
 }
 
 /* From the documents in a folder of a take. */
@@ -323,6 +323,9 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
         status = read_cells(trial, folder,
                             (size_t)json_integer_value(json_object_get(record, "bad_values")),
                             take->reading_count > 0, diag);
+    for (int r = 0; r < trial->point->row_count && !status; r++)
+        row_of(trial, r)->cells[trial->column].frame_key = neph_arena_text(
+            &trial->bench->suite->arena, key);
     if (!status)
         status = have_pictures(trial, take, diag);
     if (!status)

@@ -96,11 +96,28 @@ void neph_night_add_finding(struct neph_night_comparison *comparison,
 }
 
 /* What is no number. */
+static void find_by(struct work *work, enum neph_found found, const char *series, const char *step,
+                    const char *words, const char *example, int64_t accepted)
+{
+    const struct neph_finding finding = {.found = found,
+                                         .series = series,
+                                         .step = step,
+                                         .words = words,
+                                         .tonight = NAN,
+                                         .baseline = NAN,
+                                         .change = NAN,
+                                         .p = NAN,
+                                         .floor = NAN,
+                                         .standard_error = NAN,
+                                         .example = example,
+                                         .accepted = accepted};
+    neph_night_add_finding(work->comparison, &finding);
+}
+
 static void find(struct work *work, enum neph_found found, const char *series, const char *step,
                  const char *words)
 {
-    const struct neph_finding finding = {found, series, step, words, NAN, NAN, NAN, NAN, NAN};
-    neph_night_add_finding(work->comparison, &finding);
+    find_by(work, found, series, step, words, "", 0);
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
@@ -285,7 +302,8 @@ static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
     struct neph_query *query = NULL;
     enum neph_status status = neph_query_begin(
         work->index, &query, diag,
-        "SELECT name, max(step) FROM measurements AS m JOIN series ON series.id = m.series WHERE "
+        "SELECT name, max(step), max(m.night) FROM measurements AS m JOIN series ON series.id = "
+        "m.series WHERE "
         "(m.series, m.night) IN (SELECT series, night FROM measurements WHERE night = ? UNION "
         "SELECT s.id, a.night FROM acceptances AS a JOIN series AS s ON s.name = a.series WHERE ? "
         "= 0 AND a.night < ? AND a.id > (SELECT coalesce(max(id), 0) FROM acceptances WHERE series "
@@ -298,9 +316,10 @@ static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
     while (!status && neph_query_next(query, &status, diag)) {
         const char *name = neph_arena_text(&comparison->arena, neph_query_text(query, 0));
         if (!has_successor(work, name))
-            find(work, NEPH_FOUND_MISSING, name,
-                 neph_arena_text(&comparison->arena, neph_query_text(query, 1)),
-                 "the accepted night has measured it, and tonight has not");
+            find_by(work, NEPH_FOUND_MISSING, name,
+                    neph_arena_text(&comparison->arena, neph_query_text(query, 1)),
+                    "the accepted night has measured it, and tonight has not", name,
+                    neph_query_integer(query, 2));
     }
     neph_query_end(query);
     int64_t not_run = 0;
@@ -333,10 +352,11 @@ static void find_in_pictures(struct work *work)
                  "its frames are of another size than those of the accepted night");
         if (c->is_picture && c->series.past_count > 0 && c->past[0] > 0.0 &&
             !(c->series.tonight > 0.0))
-            find(work, NEPH_FOUND_BLANK, c->name, c->step,
-                 c->series.tonight < 0.0
-                     ? "it has pixels that are no numbers, and in the accepted night it had none"
-                     : "all its pixels are equal, and in the accepted night they were not");
+            find_by(work, NEPH_FOUND_BLANK, c->name, c->step,
+                    c->series.tonight < 0.0
+                        ? "it has pixels that are no numbers, and in the accepted night it had none"
+                        : "all its pixels are equal, and in the accepted night they were not",
+                    c->name, c->accepted);
     }
 }
 
@@ -405,39 +425,68 @@ static void take_judgement(struct work *work, const struct candidate *c,
     }
     if (found_of[j->judged] == NEPH_FOUND_COUNT)
         return;
-    const struct neph_finding finding = {found_of[j->judged],
-                                         c->name,
-                                         c->step,
-                                         words_of(&comparison->arena, c, j),
-                                         c->series.tonight,
-                                         j->baseline,
-                                         j->change,
-                                         j->p,
-                                         j->floor};
+    const struct neph_finding finding = {.found = found_of[j->judged],
+                                         .series = c->name,
+                                         .step = c->step,
+                                         .words = words_of(&comparison->arena, c, j),
+                                         .tonight = c->series.tonight,
+                                         .baseline = j->baseline,
+                                         .change = j->change,
+                                         .p = j->p,
+                                         .floor = j->floor,
+                                         .standard_error = c->series.standard_error,
+                                         .example = c->name,
+                                         .accepted = c->accepted};
     neph_night_add_finding(comparison, &finding);
 }
 
-static void take_pools(struct work *work, const struct neph_verdicts *verdicts)
+/* The scene that moved the most; of equals the first. */
+static const struct neph_series *example_of(const struct neph_series *series, int count,
+                                            const struct neph_pool *pool,
+                                            const struct neph_verdicts *verdicts)
+{
+    int most = -1;
+    for (int i = 0; i < count; i++)
+        if (neph_pool_has(pool, &series[i]) && isfinite(verdicts->series[i].change) &&
+            (most < 0 || fabs(verdicts->series[i].change) > fabs(verdicts->series[most].change)))
+            most = i;
+    return most < 0 ? NULL : &series[most];
+}
+
+static void take_pool(struct work *work, const struct neph_pool *pool,
+                      const struct neph_series *series, int count,
+                      const struct neph_verdicts *verdicts)
 {
     struct neph_arena *arena = &work->comparison->arena;
-    for (int i = 0; i < verdicts->pool_count; i++) {
-        const struct neph_pool *pool = &verdicts->pools[i];
-        const struct neph_judgement *j = &pool->judgement;
-        if (found_of[j->judged] == NEPH_FOUND_COUNT)
-            continue;
-        const struct neph_finding finding = {
-            found_of[j->judged],
-            neph_arena_format(arena, "%s, %s, mean of %d scenes", pool->engine, pool->metric,
-                              pool->scenes),
-            "",
-            neph_arena_format(arena, "%+.2f %%, p %.1g", 100.0 * j->change, j->p),
-            NAN,
-            NAN,
-            j->change,
-            j->p,
-            j->floor};
-        neph_night_add_finding(work->comparison, &finding);
-    }
+    const struct neph_judgement *j = &pool->judgement;
+    const struct neph_series *example = example_of(series, count, pool, verdicts);
+    const struct neph_finding finding = {
+        .found = found_of[j->judged],
+        .series = neph_arena_format(arena, "%s, %s, mean of %d scenes", pool->engine, pool->metric,
+                                    pool->scenes),
+        .step = "",
+        .words = neph_arena_format(arena, "%+.2f %%, p %.1g", 100.0 * j->change, j->p),
+        .tonight = NAN,
+        .baseline = NAN,
+        .change = j->change,
+        .p = j->p,
+        .floor = j->floor,
+        .standard_error = NAN,
+        .example = example ? example->name : "",
+        .accepted = work->comparison->baseline,
+        .trend = neph_arena_copy(arena, pool->nights,
+                                 (size_t)pool->night_count * sizeof(*pool->nights)),
+        .trend_count = pool->night_count};
+    neph_night_add_finding(work->comparison, &finding);
+}
+
+static void take_pools(struct work *work, const struct neph_series *series, int count,
+                       const struct neph_verdicts *verdicts)
+{
+    struct neph_arena *arena = &work->comparison->arena;
+    for (int i = 0; i < verdicts->pool_count; i++)
+        if (found_of[verdicts->pools[i].judgement.judged] != NEPH_FOUND_COUNT)
+            take_pool(work, &verdicts->pools[i], series, count, verdicts);
     for (int i = 0; i < verdicts->stale_count; i++) {
         const struct neph_stale *stale = &verdicts->stale[i];
         find(work, NEPH_FOUND_STALE, stale->truth, "",
@@ -517,7 +566,7 @@ static enum neph_status judge_numbers(struct work *work, struct neph_diag *diag)
         for (int i = 0; i < count; i++)
             take_judgement(work, &work->candidates[rows[i]], &verdicts.series[i],
                            &comparison->series[rows[i]]);
-        take_pools(work, &verdicts);
+        take_pools(work, series, count, &verdicts);
     }
     neph_verdicts_finish(&verdicts);
     free(series);

@@ -38,6 +38,12 @@ struct neph_finding {
     const char *step;   /* "" of what is of several */
     const char *words;  /* what was found, in a sentence */
     double tonight, baseline, change, p, floor;
+    double standard_error; /* of tonight's number, as its engine tells it */
+    const char *example;   /* the series to show it by; "" when there is none */
+    int64_t accepted;      /* the night that it is held against; 0: none */
+    const double *trend;   /* of a mean over scenes: 1 + its change, on each night from the accepted
+                              one to this; NULL: it is that of the series */
+    int trend_count;
 };
 
 /* What became of each number. */

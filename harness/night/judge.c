@@ -347,7 +347,7 @@ static struct neph_judgement judge_trial(const struct trial *trial,
 
 /* ---- an engine over all scenes --------------------------------------------------------------- */
 
-static bool belongs(const struct neph_series *series, const struct neph_pool *pool)
+bool neph_pool_has(const struct neph_pool *pool, const struct neph_series *series)
 {
     return series->engine && !series->is_signed && series->kind == pool->kind &&
            strcmp(series->engine, pool->engine) == 0 && strcmp(series->metric, pool->metric) == 0;
@@ -358,7 +358,7 @@ static void add_pool(const struct neph_series *series, struct neph_pool *pools, 
     int at = 0;
     if (!series->engine || series->is_signed || series->kind == NEPH_SERIES_FIXED)
         return;
-    while (at < *count && !belongs(series, &pools[at]))
+    while (at < *count && !neph_pool_has(&pools[at], series))
         at++;
     if (at == *count)
         pools[(*count)++] = (struct neph_pool){
@@ -381,7 +381,7 @@ static double pool_change(const struct neph_series *series, int count, const str
 {
     double sum = 0.0;
     for (int i = 0; i < count; i++)
-        if (is_in[i] && belongs(&series[i], pool))
+        if (is_in[i] && neph_pool_has(pool, &series[i]))
             sum += member_change(&series[i], night);
     return pool->scenes >= 2 ? sum / pool->scenes : NAN;
 }
@@ -393,16 +393,28 @@ static int choose_members(const struct neph_series *series, int count, struct ne
 {
     int nights = 0;
     for (int i = 0; i < count; i++)
-        if (belongs(&series[i], pool) && series[i].past_count > nights)
+        if (neph_pool_has(pool, &series[i]) && series[i].past_count > nights)
             nights = series[i].past_count;
     for (int i = 0; i < count; i++)
-        if (belongs(&series[i], pool)) {
+        if (neph_pool_has(pool, &series[i])) {
             is_in[i] = nights > 0 && series[i].past_count == nights &&
                        isfinite(member_change(&series[i], 0)) &&
                        isfinite(member_change(&series[i], -1));
             pool->scenes += is_in[i];
         }
     return nights;
+}
+
+/* For who shows them; NULL when memory is short. */
+static void keep_nights(const struct neph_series *series, int count, struct neph_pool *pool,
+                        const bool *is_in, int nights)
+{
+    pool->nights = calloc((size_t)nights + 1, sizeof(*pool->nights));
+    for (int night = 0; pool->nights && night <= nights; night++) {
+        const double change = pool_change(series, count, pool, is_in, night < nights ? night : -1);
+        pool->nights[night] = pool->kind == NEPH_SERIES_TIMED ? exp(change) : 1.0 + change;
+    }
+    pool->night_count = pool->nights ? nights + 1 : 0;
 }
 
 /* Its changes are small numbers about 0, for all kinds. The accepted night is 0 by its making and
@@ -414,6 +426,7 @@ static struct trial try_pool(const struct neph_series *series, int count, struct
     int value_count = 0, recent_count = 0;
     const int nights = choose_members(series, count, pool, is_in);
     const double tonight = pool_change(series, count, pool, is_in, -1);
+    keep_nights(series, count, pool, is_in, nights);
     for (int night = 1; night < nights && value_count < NEPH_JUDGE_WINDOW; night++)
         append(values, &value_count, pool_change(series, count, pool, is_in, night), pool->kind);
     append(recent, &recent_count, tonight, pool->kind);
@@ -557,6 +570,9 @@ enum neph_status neph_judge(const struct neph_series *series, int count, double 
     if (!status) {
         try_all(series, count, verdicts, &work);
         judge_all(series, count, alpha, verdicts, &work);
+        for (int i = 0; i < verdicts->pool_count; i++)
+            if (!verdicts->pools[i].nights)
+                status = neph_fail_memory(diag);
     }
     free(work.trials);
     free(work.p);
@@ -569,6 +585,8 @@ enum neph_status neph_judge(const struct neph_series *series, int count, double 
 
 void neph_verdicts_finish(struct neph_verdicts *verdicts)
 {
+    for (int i = 0; i < verdicts->pool_count; i++)
+        free(verdicts->pools[i].nights);
     free(verdicts->series);
     free(verdicts->pools);
     *verdicts = (struct neph_verdicts){.series = NULL};

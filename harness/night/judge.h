@@ -98,7 +98,13 @@ struct neph_pool {
     enum neph_series_kind kind;
     int scenes; /* in the mean: those with a number of tonight and of the accepted night */
     struct neph_judgement judgement; /* baseline 1; tonight is 1 + change */
+    double *nights; /* 1 + change of each, from the accepted one, 1, to tonight; NaN of those that
+                       are left out; owned */
+    int night_count;
 };
+
+/* Whether a series is of an engine and metric that have this mean. */
+bool neph_pool_has(const struct neph_pool *pool, const struct neph_series *series);
 
 /* Many series against one truth moved, of engines that share no program: it is the truth that is to
  * be looked at first. */

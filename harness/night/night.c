@@ -14,7 +14,6 @@
 #include "harness/run/history.h"
 #include "harness/run/store_keep.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -61,25 +60,23 @@ struct work {
 
 static bool is_made_anew(const char *variable)
 {
-    static const char *const names[] = {
-        "PATH=", "LANG=", "HOME=", "TMPDIR=", "NEPH_FRAMES_OF_PROGRAM="};
+    static const char *const names[] = {"PATH=", "LANG=", "HOME=", "TMPDIR="};
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++)
         if (strncmp(variable, names[i], strlen(names[i])) == 0)
             return true;
     return false;
 }
 
-/* A step sees what the user gave to the night, and files frames by the program that made them. */
+/* A step sees what the user gave to the night. */
 static enum neph_status list_variables(struct work *work, struct neph_diag *diag)
 {
     int count = 0;
-    work->variables[count++] = "NEPH_FRAMES_OF_PROGRAM=1";
     for (char **entry = environ; entry && *entry; entry++) {
         if (is_made_anew(*entry))
             continue;
         if (count == VARIABLES_MAX - 1)
             return neph_fail(diag, NEPH_ERR_USAGE, "the environment has more than %d variables",
-                             VARIABLES_MAX - 2);
+                             VARIABLES_MAX - 1);
         work->variables[count++] = *entry;
     }
     return NEPH_OK;
@@ -88,11 +85,8 @@ static enum neph_status list_variables(struct work *work, struct neph_diag *diag
 static const char *log_path(struct work *work, const struct neph_night_step *step,
                             const char *ending)
 {
-    char name[128];
-    size_t i = 0;
-    for (; step->name[i] && i < sizeof(name) - 1; i++)
-        name[i] = isalnum((unsigned char)step->name[i]) ? step->name[i] : '_';
-    name[i] = '\0';
+    char name[NEPH_STEP_LOG_SIZE];
+    neph_night_step_log(step, name);
     return neph_arena_format(&work->night->arena, "%s/logs/%s%s.log", work->folder, name, ending);
 }
 
@@ -234,6 +228,13 @@ static enum neph_status keep_step(struct work *work, const struct neph_history_s
     return status;
 }
 
+static enum neph_status show(struct work *work, struct neph_diag *diag)
+{
+    work->night->seconds = neph_wall_s() - work->start_s;
+    return work->params->show ? work->params->show(work->night, work->params->context, diag)
+                              : NEPH_OK;
+}
+
 static enum neph_status run_steps(struct work *work, struct neph_diag *diag)
 {
     struct neph_night *night = work->night;
@@ -254,6 +255,7 @@ static enum neph_status run_steps(struct work *work, struct neph_diag *diag)
             break;
         note_outcome(work, index, record.outcome, record.reason);
         work->longest_s[index] = fmax(work->longest_s[index], record.wall_s);
+        status = show(work, diag);
         neph_progress_step(&work->progress, record.name, record.outcome, record.wall_s);
     }
     return status;
@@ -264,8 +266,17 @@ static enum neph_status run_steps(struct work *work, struct neph_diag *diag)
 static void find_otherwise(struct work *work, const char *series,
                            const struct neph_night_step *step, const char *words, double value)
 {
-    const struct neph_finding finding = {
-        NEPH_FOUND_BITS, series, step->name, words, value, NAN, NAN, NAN, NAN};
+    const struct neph_finding finding = {.found = NEPH_FOUND_BITS,
+                                         .series = series,
+                                         .step = step->name,
+                                         .words = words,
+                                         .tonight = value,
+                                         .baseline = NAN,
+                                         .change = NAN,
+                                         .p = NAN,
+                                         .floor = NAN,
+                                         .standard_error = NAN,
+                                         .example = strchr(series, '/') ? series : ""};
     neph_night_add_finding(&work->night->comparison, &finding);
 }
 
@@ -639,6 +650,8 @@ static enum neph_status run(struct work *work, struct neph_diag *diag)
     enum neph_status status = begin(work, diag);
     work->progress = neph_progress_start(work->params->quiet, night->plan.count);
     if (!status)
+        status = show(work, diag);
+    if (!status)
         status = run_steps(work, diag);
     if (!status)
         status = compare(work, diag);
@@ -648,8 +661,10 @@ static enum neph_status run(struct work *work, struct neph_diag *diag)
         status = neph_arena_check(&night->comparison.arena, diag);
     if (!status)
         status = end(work, diag);
+    night->is_over = !status;
+    if (!status)
+        status = show(work, diag);
     neph_progress_end(&work->progress);
-    night->seconds = neph_wall_s() - work->start_s;
     return status;
 }
 

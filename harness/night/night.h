@@ -4,10 +4,8 @@
  * history, the whole compared with the accepted night. A night that was killed or interrupted goes
  * on where it stopped, with the same plan, program and revision.
  *
- * Frames of our own engines are stored by the digest of the program, too, so that a change of the
- * code is seen although nobody has raised an engine's version; as long as the program is the same
- * they are not rendered again, but for a step or two in turn, which must give the same numbers to
- * the last bit in an empty folder.
+ * As long as the program is the same its frames are not rendered again, but for a step or two in
+ * turn, which must give the same numbers to the last bit in an empty folder.
  */
 #ifndef NEPH_HARNESS_NIGHT_NIGHT_H
 #define NEPH_HARNESS_NIGHT_NIGHT_H
@@ -15,6 +13,8 @@
 #include "harness/night/compare.h"
 #include "harness/night/plan.h"
 #include "harness/run/store.h"
+
+struct neph_night;
 
 struct neph_night_params {
     struct neph_night_plan_params plan;
@@ -24,6 +24,10 @@ struct neph_night_params {
     int64_t against;      /* the night to compare with; 0: the accepted one */
     bool once;            /* nothing is run a second time */
     bool quiet;
+
+    /* Called with what is there so far; NULL: nobody looks. */
+    enum neph_status (*show)(const struct neph_night *night, void *context, struct neph_diag *diag);
+    void *context;
 };
 
 /* What became of a step: as in struct neph_history_step; NULL when it was not run. */
@@ -36,7 +40,7 @@ struct neph_night {
     struct neph_arena arena;
     struct neph_night_plan plan;
     int64_t id;
-    bool resumed;
+    bool resumed, is_over;
     const char *revision, *host, *program, *started_utc;
     const struct neph_night_outcome *outcomes; /* of the plan's steps */
     int done_count;                            /* steps that gave their numbers */

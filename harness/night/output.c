@@ -34,6 +34,26 @@ static void print_command(const struct neph_night *night, const char *step, FILE
     }
 }
 
+/* The text of a stream of memory; NULL when memory is short. */
+static char *close_text(FILE *out, char **text)
+{
+    if (fclose(out) == 0)
+        return *text;
+    free(*text);
+    return NULL;
+}
+
+char *neph_night_command(const struct neph_night *night, const char *step)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return NULL;
+    print_command(night, step, out);
+    return close_text(out, &text);
+}
+
 static void print_counts(const struct neph_night *night, FILE *out)
 {
     const struct neph_night_comparison *c = &night->comparison;
@@ -92,15 +112,6 @@ static void print_summary(const struct neph_night *night, const char *tier, FILE
     fputc('\n', out);
 }
 
-/* The text of a stream of memory; NULL when memory is short. */
-static char *close_text(FILE *out, char **text)
-{
-    if (fclose(out) == 0)
-        return *text;
-    free(*text);
-    return NULL;
-}
-
 char *neph_night_summary(const struct neph_night *night, const char *tier)
 {
     char *text = NULL;
@@ -116,12 +127,13 @@ char *neph_night_summary(const struct neph_night *night, const char *tier)
 
 static json_t *finding_json(const struct neph_finding *f)
 {
-    return json_pack("{s:s, s:b, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "found",
+    return json_pack("{s:s, s:b, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:s, s:I}", "found",
                      neph_found_word(f->found), "fails", neph_found_fails(f->found), "series",
                      f->series, "step", f->step, "words", f->words, "tonight",
                      neph_json_number(f->tonight), "baseline", neph_json_number(f->baseline),
                      "change", neph_json_number(f->change), "p", neph_json_number(f->p), "floor",
-                     neph_json_number(f->floor));
+                     neph_json_number(f->floor), "example", f->example, "accepted_night",
+                     (json_int_t)f->accepted);
 }
 
 static json_t *series_json(const struct neph_compared *row)
@@ -138,12 +150,15 @@ static json_t *step_json(const struct neph_night_step *step,
                          const struct neph_night_outcome *outcome)
 {
     const char *what = outcome->outcome ? outcome->outcome : "not run";
+    char log[NEPH_STEP_LOG_SIZE];
     json_t *words = json_array();
     for (int w = 0; step->words[w]; w++)
         neph_json_add(&words, json_string(step->words[w]));
-    return json_pack("{s:s, s:b, s:s, s:s, s:o}", "name", step->name, "done",
+    neph_night_step_log(step, log);
+    return json_pack("{s:s, s:b, s:s, s:s, s:o, s:o}", "name", step->name, "done",
                      strcmp(what, "done") == 0, "outcome", what, "reason",
-                     outcome->reason ? outcome->reason : "", "arguments", words);
+                     outcome->reason ? outcome->reason : "", "arguments", words, "log",
+                     outcome->outcome ? json_sprintf("logs/%s.log", log) : json_null());
 }
 
 static json_t *steps_json(const struct neph_night *night)

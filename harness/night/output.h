@@ -11,6 +11,10 @@
 /* One paragraph of plain text, for the caller to free; NULL when memory is short. */
 char *neph_night_summary(const struct neph_night *night, const char *tier);
 
+/* The command that renders a step's numbers again, for the caller to free; "" when there is no such
+ * step, NULL when memory is short. */
+char *neph_night_command(const struct neph_night *night, const char *step);
+
 /* {"format": "neph-nightly-1", ...}; NULL when memory is short. */
 json_t *neph_night_json(const struct neph_night *night, const char *tier);
 

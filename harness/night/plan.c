@@ -4,6 +4,7 @@
 #include "harness/data.h"
 #include "harness/physics/checks.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -57,13 +58,21 @@ static const struct {
   full_steps[] = {
       {NEPH_NIGHT_SWEEP, "cloud_below"},
       {NEPH_NIGHT_SWEEP, "fence_backlit"},
-      {NEPH_NIGHT_SPEED, "cloud_below"},
+      {NEPH_NIGHT_SPEED, "grid_cloud_single"},
       {NEPH_NIGHT_SPEED, "fence_backlit"},
 };
 
 const char *neph_night_suite_name(enum neph_night_suite suite)
 {
     return suite_names[suite];
+}
+
+void neph_night_step_log(const struct neph_night_step *step, char name[NEPH_STEP_LOG_SIZE])
+{
+    size_t i = 0;
+    for (; step->name[i] && i < NEPH_STEP_LOG_SIZE - 1; i++)
+        name[i] = isalnum((unsigned char)step->name[i]) ? step->name[i] : '_';
+    name[i] = '\0';
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
@@ -103,6 +112,15 @@ static void add_words(struct making *making, struct neph_night_step *step, const
 
 static void add_settings(struct making *making, struct neph_night_step *step)
 {
+    if (step->suite == NEPH_NIGHT_CATALOG && making->params->seed > 1) {
+        const char *const words[] = {"--seed",
+                                     neph_arena_format(making->arena, "%d", making->params->seed)};
+        add_words(making, step, words, 2);
+    }
+    for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->engine_count; i++) {
+        const char *const words[] = {"-e", making->params->engines[i]};
+        add_words(making, step, words, 2);
+    }
     for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->setting_count; i++) {
         const char *const words[] = {"-s", making->params->settings[i]};
         add_words(making, step, words, 2);

@@ -36,8 +36,11 @@ struct neph_night_plan_params {
     const char *tier;        /* "quick" or "full" */
     const char *const *only; /* steps whose name contains one of these; only_count 0: all */
     int only_count;
+    const char *const *engines; /* beside those of the plan, for the scenes of the catalogue */
+    int engine_count;
     const char *const *settings; /* "ENGINE:KEY=VALUE", for the scenes of the catalogue */
     int setting_count;
+    int seed;                /* of the catalogue, `neph validate --seed`; 0: 1 */
     int width_px, height_px; /* of the catalogue and of sweeps; 0: of the plan */
 };
 
@@ -53,6 +56,10 @@ struct neph_night_plan {
 enum neph_status neph_night_plan_make(const struct neph_night_plan_params *params,
                                       struct neph_arena *arena, struct neph_night_plan *plan,
                                       struct neph_diag *diag);
+
+/* The name of a step as that of a file. */
+enum { NEPH_STEP_LOG_SIZE = 128 };
+void neph_night_step_log(const struct neph_night_step *step, char name[NEPH_STEP_LOG_SIZE]);
 
 /* What history knows of a step. */
 struct neph_step_history {

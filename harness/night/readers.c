@@ -4,6 +4,7 @@
 #include "base/exr.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/run/store.h"
 #include "metrics/significance.h"
 
 #include <math.h>
@@ -62,7 +63,8 @@ struct reading {
     const char *host;
     struct neph_arena *arena;
     struct neph_night_numbers *numbers;
-    bool overflows; /* there are more than NUMBERS_MAX */
+    const char *frame; /* the key of the picture that the numbers to come are of; "" */
+    bool overflows;    /* there are more than NUMBERS_MAX */
 };
 
 /* One whose value is no number was not measured. `truth` NULL: there is none. */
@@ -83,7 +85,8 @@ static void add(struct reading *reading, const char *scene, const char *engine, 
         .kind = kind,
         .value = value,
         .standard_error = standard_error,
-        .environment = environment};
+        .environment = environment,
+        .frame = reading->frame};
 }
 
 static const char *kind_word(enum neph_series_kind kind)
@@ -96,9 +99,7 @@ static const char *kind_word(enum neph_series_kind kind)
 static const char *kind_of_engine(const char *name)
 {
     const struct neph_engine *engine = neph_engine_find(name);
-    const bool is_drawn = engine && (engine->rung == NEPH_RUNG_TRACER ||
-                                     (engine->rung == NEPH_RUNG_WITNESS && engine->stochastic));
-    return kind_word(is_drawn ? NEPH_SERIES_DRAWN : NEPH_SERIES_FIXED);
+    return kind_word(engine && neph_engine_draws(engine) ? NEPH_SERIES_DRAWN : NEPH_SERIES_FIXED);
 }
 
 static const char *scene_at(struct reading *reading, const char *name, const char *hash)
@@ -176,6 +177,13 @@ static double error_of(const json_t *measurement)
                                    : NAN;
 }
 
+static const char *key_at(const struct reading *reading, const char *path)
+{
+    char key[NEPH_HASH_HEX_SIZE];
+    neph_store_key_of(path, key);
+    return neph_arena_text(reading->arena, key);
+}
+
 static void read_frame(struct reading *reading, const char *scene, const char *truth,
                        const json_t *frame)
 {
@@ -187,6 +195,7 @@ static void read_frame(struct reading *reading, const char *scene, const char *t
                              : environment;
     size_t i;
     const json_t *m;
+    reading->frame = key_at(reading, neph_json_text(frame, "exr"));
     add(reading, scene, engine, "contrast", NULL, NEPH_NIGHT_PICTURE,
         contrast_of(neph_json_text(frame, "exr")), NAN, environment);
     json_array_foreach(json_object_get(frame, "measurements"), i, m) if (is_followed(m))
@@ -212,6 +221,7 @@ static void read_scene(struct reading *reading, const json_t *scene)
         read_frame(reading, name, truth_name, item);
     json_array_foreach(json_object_get(scene, "gates"), i, item)
         failed += strcmp(neph_json_text(item, "verdict"), "fail") == 0;
+    reading->frame = "";
     add(reading, name, "all", "gates failed", NULL, kind_word(NEPH_SERIES_FIXED), failed, NAN, "");
 }
 
@@ -262,10 +272,13 @@ static void read_failure(struct reading *reading)
     const char *device = neph_arena_text(reading->arena,
                                          neph_json_text(reading->document, "device"));
     json_array_foreach(json_object_get(reading->document, "results"), i, row)
+    {
+        reading->frame = neph_arena_text(reading->arena, neph_json_text(row, "frame_key"));
         add(reading, failure_scene(reading, row), neph_json_text(row, "column"),
             neph_arena_format(reading->arena, "%s over %s", neph_json_text(row, "measure"),
                               neph_json_text(row, "over")),
             NULL, kind_word(NEPH_SERIES_FIXED), neph_json_real(row, "value"), NAN, device);
+    }
 }
 
 /* ---- sweep ----------------------------------------------------------------------------------- */
@@ -279,6 +292,7 @@ static void read_point(struct reading *reading, const char *scene, const json_t 
                                                 neph_json_text(point, "version"),
                                                 neph_json_text(reading->document, "device"));
     const char *truth = neph_arena_text(reading->arena, neph_json_text(reading->document, "truth"));
+    reading->frame = neph_arena_text(reading->arena, neph_json_text(point, "frame_key"));
     for (size_t i = 0; i < sizeof(measures) / sizeof(measures[0]); i++)
         add(reading, scene, engine, measures[i], i == 0 ? truth : NULL,
             kind_of_engine(neph_json_text(point, "engine")),
@@ -371,7 +385,7 @@ enum neph_status neph_night_read(enum neph_night_suite suite, const json_t *docu
         return neph_fail_memory(diag);
     if (!has_list(document, suite))
         return neph_fail(diag, NEPH_ERR_ENGINE, "its JSON has no %s", lists[suite]);
-    struct reading reading = {suite, document, calibration_s, host, arena, numbers, false};
+    struct reading reading = {suite, document, calibration_s, host, arena, numbers, "", false};
     read_suite[suite](&reading);
     if (reading.overflows)
         return neph_fail(diag, NEPH_ERR_ENGINE, "it has more than %d numbers", NUMBERS_MAX);

@@ -4,6 +4,7 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/png.h"
+#include "harness/engines/engines.h"
 #include "harness/physics/pictures.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
@@ -116,6 +117,11 @@ static enum neph_status draw_frames(struct gallery *gallery, struct neph_scene_r
 
 /* ---- viewers of scenes ----------------------------------------------------------------------- */
 
+/* All engines have room. */
+#define ONE(name) +1
+_Static_assert(0 NEPH_ENGINES(ONE) <= NEPH_VIEWER_SETS_MAX, "a viewer has a set for each engine");
+#undef ONE
+
 /* One set for each frame, the truth first. */
 static void collect_sets(const struct neph_scene_result *scene, char *paths[NEPH_VIEWER_SETS_MAX],
                          struct neph_viewer *viewer)
@@ -155,15 +161,21 @@ static enum neph_status draw_viewer(struct neph_report *report, struct neph_scen
         .quiet = true,
     };
     collect_sets(scene, paths, &viewer);
-    if (viewer.set_count == 0 ||
-        report->viewers_bytes + most_bytes(&viewer, validation) > viewers_limit_bytes)
+    if (viewer.set_count == 0)
         return NEPH_OK;
+    if (report->viewers_bytes + most_bytes(&viewer, validation) > viewers_limit_bytes) {
+        scene->no_viewer = neph_arena_format(
+            &validation->arena, "viewers have %.0f MB of the report, and this one does not fit in",
+            viewers_limit_bytes / 1e6);
+        return NEPH_OK;
+    }
     char *folder = neph_format("%s/view/%s", neph_report_folder_work(report->folder), scene->name);
     enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
     if (!status)
         status = neph_viewer_write(&viewer, folder, &made, diag);
     if (status == NEPH_ERR_GATE) { /* a frame that is no measurement: its numbers say so */
         status = neph_dir_remove(folder, diag);
+        scene->no_viewer = "a frame has values that are no numbers";
     } else if (!status) {
         report->viewers_bytes += (double)made.bytes;
         scene->viewer = neph_arena_format(&validation->arena, "view/%s/index.html", scene->name);

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/exr.h"
+#include "harness/engines/engines.h"
 #include "harness/report/gates.h"
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_depth.h"
@@ -52,10 +53,12 @@ static int frame_of(const struct neph_scene_run *run, const struct neph_scene *s
     return run->frame < scene->frame_count ? run->frame : scene->frame_count - 1;
 }
 
+/* `second` of the two pictures of an engine that draws paths; `run->seed` has two of its own. */
 static struct neph_job job_of(const struct neph_scene_run *run, int index,
-                              const struct neph_scene *scene, int seed)
+                              const struct neph_scene *scene, bool second)
 {
     const struct neph_engine *engine = run->field->engines[index];
+    const int seed = 1 + second + (neph_engine_draws(engine) ? 2 * (run->seed - 1) : 0);
     return (struct neph_job){
         .engine = engine,
         .info = &run->field->infos[index],
@@ -167,7 +170,7 @@ static enum neph_status run_frame(const struct neph_scene_run *run, int index,
                                   const struct neph_scene *scene, struct neph_frame_result *frame,
                                   struct neph_settings *chosen, struct neph_diag *diag)
 {
-    struct neph_job job = job_of(run, index, scene, 1);
+    struct neph_job job = job_of(run, index, scene, false);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     struct neph_study study;
     bool is_studied = false;
@@ -192,7 +195,7 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
                                         const struct neph_settings *chosen,
                                         struct neph_frame_result *frame, struct neph_diag *diag)
 {
-    struct neph_job job = job_of(run, index, scene, 2);
+    struct neph_job job = job_of(run, index, scene, true);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     job.shot.settings = *chosen;
     job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->budget_s;

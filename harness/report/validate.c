@@ -89,6 +89,7 @@ static enum neph_status begin(struct run *run, struct neph_diag *diag)
                                           .width_px = params->width_px,
                                           .height_px = params->height_px,
                                           .frame = params->frame,
+                                          .seed = params->seed > 0 ? params->seed : 1,
                                           .budget_s = params->budget_s,
                                           .store = run->store,
                                           .progress = &run->progress,

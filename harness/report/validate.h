@@ -21,6 +21,7 @@ struct neph_validate_params {
     int setting_count;
     int width_px, height_px;
     int frame;       /* of every scene; the last frame of a shorter one */
+    int seed;        /* the how-manieth of engines that draw paths, from 1; 0: 1 */
     double budget_s; /* of each picture of another project's renderer: see budget.h */
     bool quiet;
     bool skip_absent; /* a scene whose data is not there goes into `absent` */

@@ -70,7 +70,8 @@ struct neph_scene_result {
     int gate_count;
     struct neph_gate_result *gates;
     const struct neph_attribution *attribution; /* NULL: nobody to tell apart */
-    const char *viewer; /* its page inside the report; NULL: none (yet) */
+    const char *viewer;                         /* its page inside the report; NULL: none (yet) */
+    const char *no_viewer; /* why there is none; NULL: there is one, or no picture, or not yet */
     bool is_drawn;
 };
 

@@ -9,7 +9,7 @@
 #include "metrics/display_cube.h"
 #include "metrics/extractor.h"
 
-enum { NEPH_VIEWER_SETS_MAX = 12, NEPH_VIEWER_OVERLAYS_MAX = 16 };
+enum { NEPH_VIEWER_SETS_MAX = 24, NEPH_VIEWER_OVERLAYS_MAX = 16 };
 
 struct neph_viewer_set {
     const char *label;           /* borrowed */

@@ -41,17 +41,34 @@ static bool find_map(const char *name, struct overlay *overlay)
     return false;
 }
 
+static enum neph_status find_map_of_radiance(const char *name, struct overlay *overlay,
+                                             struct neph_diag *diag)
+{
+    if (find_map(name, overlay) && overlay->extractor->quantities & NEPH_RADIANCE)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "there is no map '%s' of radiance", name);
+    neph_hint(diag, "such as relative, difference, flip, ssim, a4, seen_contrast: the files that "
+                    "`neph compare --metric all --maps DIR` writes");
+    return NEPH_ERR_USAGE;
+}
+
+enum neph_status neph_viewer_check_overlays(const struct neph_viewer *view, struct neph_diag *diag)
+{
+    struct overlay overlay;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < view->overlay_count && !status; i++)
+        status = find_map_of_radiance(view->overlays[i], &overlay, diag);
+    return status;
+}
+
 static enum neph_status find_maps(struct maps *maps, struct neph_diag *diag)
 {
     for (int i = 0; i < maps->view->overlay_count; i++) {
-        const char *name = maps->view->overlays[i];
         struct overlay *overlay = &maps->overlays[maps->count];
-        if (!find_map(name, overlay) || !(overlay->extractor->quantities & NEPH_RADIANCE)) {
-            neph_fail(diag, NEPH_ERR_USAGE, "there is no map '%s' of radiance", name);
-            neph_hint(diag, "such as relative, difference, flip, ssim, a4, seen_contrast: the "
-                            "files that `neph compare --metric all --maps DIR` writes");
-            return NEPH_ERR_USAGE;
-        }
+        const enum neph_status status = find_map_of_radiance(maps->view->overlays[i], overlay,
+                                                             diag);
+        if (status)
+            return status;
         overlay->sets = json_array();
         maps->count++;
     }

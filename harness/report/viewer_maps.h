@@ -11,6 +11,10 @@
 /* The maps that are laid over pictures when none are named; the last is of sequences alone. */
 extern const char *const neph_viewer_overlays[3];
 
+/* Whether all overlays of a view are maps of radiance: to be asked before frames are read.
+ * NEPH_ERR_USAGE names the first that is not. */
+enum neph_status neph_viewer_check_overlays(const struct neph_viewer *view, struct neph_diag *diag);
+
 /* Takes the planes of a map under the name that the page knows them by. */
 typedef enum neph_status neph_viewer_ship(void *context, const char *key,
                                           const float *const *planes, int plane_count,

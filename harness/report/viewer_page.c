@@ -308,26 +308,39 @@ static enum neph_status bake_display(json_t **codes, struct neph_diag *diag)
     return status;
 }
 
-/* A view of a config of the user's; null where there is none. */
-static enum neph_status ship_cube(struct shop *shop, json_t **told, struct neph_diag *diag)
+/* A view of a config of the user's, before frames are read: it may not be there. */
+static enum neph_status bake_cube(const struct neph_viewer *view, struct neph_display_cube *cube,
+                                  struct neph_diag *diag)
 {
-    struct neph_display_cube cube;
+    if (!view->display.config)
+        return NEPH_OK;
+    const enum neph_status status = neph_display_cube_bake(&view->display, cube, diag);
+    if (!status && cube->not_numbers > 0)
+        neph_progress_warn(
+            "view '%s' has %d colours that are no numbers (NaN), in the tables of its "
+            "config or by its formulas; they are shown as 0",
+            cube->name, cube->not_numbers);
+    return status;
+}
+
+/* Null where there is none. */
+static enum neph_status ship_cube(struct shop *shop, const struct neph_display_cube *cube,
+                                  json_t **told, struct neph_diag *diag)
+{
     *told = json_null();
-    if (!shop->view->display.config)
+    if (!cube->nodes[0])
         return NEPH_OK;
     if (shop->is_picture)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "these are pictures for a display: --ocio shows linear data");
-    enum neph_status status = neph_display_cube_bake(&shop->view->display, &cube, diag);
-    if (status)
-        return status;
     const size_t node_count = (size_t)NEPH_DISPLAY_CUBE_SIDE * NEPH_DISPLAY_CUBE_SIDE *
                               NEPH_DISPLAY_CUBE_SIDE;
-    status = ship_planes(shop, "cube", (const float *const *)cube.nodes, 3, node_count, diag);
-    *told = json_pack("{s:o, s:i, s:f, s:f, s:f, s:f}", "name", neph_json_cleaned(cube.name),
-                      "side", NEPH_DISPLAY_CUBE_SIDE, "knee", cube.knee, "top", cube.top,
-                      "error_mean", cube.error_mean, "error_max", cube.error_max);
-    neph_display_cube_finish(&cube);
+    const enum neph_status status = ship_planes(shop, "cube", (const float *const *)cube->nodes, 3,
+                                                node_count, diag);
+    *told = json_pack("{s:o, s:i, s:f, s:f, s:f, s:f, s:i}", "name", neph_json_cleaned(cube->name),
+                      "side", NEPH_DISPLAY_CUBE_SIDE, "knee", cube->knee, "top", cube->top,
+                      "error_mean", cube->error_mean, "error_max", cube->error_max, "not_numbers",
+                      cube->not_numbers);
     return status;
 }
 
@@ -374,7 +387,12 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
     struct shop shop = {.view = view, .folder = folder};
     json_t *sets = NULL, *overlays = json_array(), *not_taken = json_array(), *codes = NULL;
     json_t *cube = NULL;
+    struct neph_display_cube baked = {.nodes = {NULL}};
     enum neph_status status = check_counts(view, &shop.made.frame_count, diag);
+    if (!status)
+        status = neph_viewer_check_overlays(view, diag);
+    if (!status)
+        status = bake_cube(view, &baked, diag);
     int total = 0;
     for (int s = 0; s < view->set_count; s++)
         total += frames_of(&shop, s);
@@ -390,7 +408,7 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
     if (!status)
         status = bake_display(&codes, diag);
     if (!status)
-        status = ship_cube(&shop, &cube, diag);
+        status = ship_cube(&shop, &baked, &cube, diag);
     json_t *document = status ? NULL
                               : document_json(&shop, json_incref(sets), json_incref(overlays),
                                               json_incref(not_taken), json_incref(codes),
@@ -409,6 +427,7 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
     json_decref(not_taken);
     json_decref(codes);
     json_decref(cube);
+    neph_display_cube_finish(&baked);
     return status;
 }
 

@@ -150,14 +150,17 @@ static struct neph_benchmark_pass *pass_named(struct neph_benchmark_frames_engin
 }
 
 /* A picture has one count of all its evaluations: that of the march alone, unless the pass "scene"
- * lights solids, or sun or wind make a sun cache be filled again. */
+ * lights solids, or sun or wind make a sun cache or a shadow map be filled again. */
 static bool march_alone_evaluates(struct neph_benchmark_frames_engine *engine)
 {
     const struct neph_shot *shot = &engine->job.shot;
-    const int cache = neph_option_find(engine->job.engine->options, "sun_cache");
+    const struct neph_option *options = engine->job.engine->options;
+    const int cache = neph_option_find(options, "sun_cache");
+    const int map = neph_option_find(options, "cloud_shadow");
     const bool lights = pass_named(engine, "scene") && shot->scene->solid_count > 0 &&
-                        shot->scene->sun.present;
-    const bool fills = cache >= 0 && shot->settings.values[cache] != 0.0 &&
+                        (shot->scene->sun.present || shot->scene->light_count > 0);
+    const bool fills = ((cache >= 0 && shot->settings.values[cache] != 0.0) ||
+                        (map >= 0 && shot->settings.values[map] != 0.0)) &&
                        neph_scene_moves(shot->scene);
     return !lights && !fills;
 }

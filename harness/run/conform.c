@@ -19,7 +19,7 @@
 static const char *const engine_names[] = {
     "march",        "march_octaves",  "march_horizon",    "march_octaves_fitted",
     "march_traced", "march_diffused", "march_similarity", "march_slab",
-    "tracer",       "realtime"};
+    "fog_look",     "tracer",         "realtime"};
 
 /* One picture, or the last of a sequence. */
 struct picture {
@@ -373,8 +373,9 @@ enum neph_status neph_conform_render(const struct neph_conform_params *params, j
     if (picture_count == 0) {
         neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of ours on a Vulkan device",
                   params->engine);
-        neph_hint(diag, "march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "
-                        "march_diffused, march_similarity, march_slab, tracer or realtime");
+        neph_hint(diag,
+                  "march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "
+                  "march_diffused, march_similarity, march_slab, fog_look, tracer or realtime");
         return NEPH_ERR_USAGE;
     }
     if (!pictures[0].info.available) {

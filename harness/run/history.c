@@ -135,9 +135,9 @@ static enum neph_status insert_measurement(struct neph_database *index, int64_t 
     return status ? status
                   : neph_database_do(index, diag,
                                      "INSERT OR REPLACE INTO measurements VALUES (?, (SELECT id "
-                                     "FROM series WHERE name = ?), ?, ?, ?, ?, ?, ?)",
-                                     "isssddss", night, m->series, step, m->kind, m->value,
-                                     m->standard_error, m->environment, judgement);
+                                     "FROM series WHERE name = ?), ?, ?, ?, ?, ?, ?, ?)",
+                                     "isssddsss", night, m->series, step, m->kind, m->value,
+                                     m->standard_error, m->environment, judgement, m->frame);
 }
 
 static enum neph_status insert_step(struct neph_database *index, int64_t night,
@@ -166,8 +166,9 @@ static enum neph_status insert_lists(struct neph_database *index, int64_t night,
     for (size_t i = 0; !status && i < json_array_size(measurements); i++) {
         const json_t *m = json_array_get(measurements, i);
         const struct neph_measurement measurement = {
-            neph_json_text(m, "series"), neph_json_text(m, "kind"), neph_json_real(m, "value"),
-            neph_json_real(m, "standard_error"), neph_json_text(m, "environment")};
+            neph_json_text(m, "series"),      neph_json_text(m, "kind"),
+            neph_json_real(m, "value"),       neph_json_real(m, "standard_error"),
+            neph_json_text(m, "environment"), neph_json_text(m, "frame")};
         status = insert_measurement(index, night, neph_json_text(m, "step"), &measurement,
                                     neph_json_text(m, "judgement"), diag);
     }
@@ -405,13 +406,17 @@ static json_t *step_json(struct neph_query *q)
                      neph_json_number(neph_query_real(q, 5)));
 }
 
+/* Documents of before numbers knew their pictures have no "frame". */
 static json_t *measurement_json(struct neph_query *q)
 {
-    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:s, s:s}", "series", neph_query_text(q, 0), "step",
-                     neph_query_text(q, 1), "kind", neph_query_text(q, 2), "value",
-                     neph_json_number(neph_query_real(q, 3)), "standard_error",
-                     neph_json_number(neph_query_real(q, 4)), "environment", neph_query_text(q, 5),
-                     "judgement", neph_query_text(q, 6));
+    json_t *json = json_pack("{s:s, s:s, s:s, s:o, s:o, s:s, s:s}", "series", neph_query_text(q, 0),
+                             "step", neph_query_text(q, 1), "kind", neph_query_text(q, 2), "value",
+                             neph_json_number(neph_query_real(q, 3)), "standard_error",
+                             neph_json_number(neph_query_real(q, 4)), "environment",
+                             neph_query_text(q, 5), "judgement", neph_query_text(q, 6));
+    if (neph_query_text(q, 7)[0])
+        neph_json_set(&json, "frame", json_string(neph_query_text(q, 7)));
+    return json;
 }
 
 static json_t *frame_json(struct neph_query *q)
@@ -473,8 +478,9 @@ enum neph_status neph_history_document(struct neph_database *index, int64_t nigh
          "ORDER BY name",
          step_json},
         {"measurements",
-         "SELECT name, step, kind, value, standard_error, environment, judgement FROM measurements "
-         "JOIN series ON series.id = measurements.series WHERE night = ? ORDER BY name",
+         "SELECT name, step, kind, value, standard_error, environment, judgement, frame FROM "
+         "measurements JOIN series ON series.id = measurements.series WHERE night = ? ORDER BY "
+         "name",
          measurement_json},
         {"frames", "SELECT key FROM night_frames WHERE night = ? ORDER BY key", frame_json},
     };

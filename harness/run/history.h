@@ -21,6 +21,7 @@ struct neph_measurement {
     double value;            /* NaN: it was to be measured and is not there */
     double standard_error;   /* NaN: none is known */
     const char *environment; /* what it may be compared with */
+    const char *frame;       /* key of the picture that it is of (store.h); "": of none */
 };
 
 /* One part of a night. */

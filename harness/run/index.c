@@ -54,7 +54,8 @@ static const char *const steps[] = {
     "CREATE TABLE acceptances ("
     "  id INTEGER PRIMARY KEY, series TEXT NOT NULL, night INTEGER NOT NULL,"
     "  who TEXT NOT NULL, when_utc TEXT NOT NULL, why TEXT NOT NULL) STRICT;",
-    NULL};
+    /* The key of the picture that a number is of, of a sequence the last; '' when it is of none. */
+    "ALTER TABLE measurements ADD COLUMN frame TEXT NOT NULL DEFAULT '';", NULL};
 
 /* ---- a frame's record as rows ---------------------------------------------------------------- */
 

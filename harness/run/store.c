@@ -348,6 +348,17 @@ static void note_use(const char *frame_path)
     free(record);
 }
 
+void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE])
+{
+    const size_t digits = NEPH_HASH_HEX_SIZE - 1;
+    const char *slash = strrchr(frame_path, '/');
+    key[0] = '\0';
+    if (!slash || (size_t)(slash - frame_path) <= digits || slash[-1 - (ptrdiff_t)digits] != '/' ||
+        strspn(slash - digits, "0123456789abcdef") != digits)
+        return;
+    snprintf(key, NEPH_HASH_HEX_SIZE, "%.*s", (int)digits, slash - digits);
+}
+
 bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record)
 {
     char why[NEPH_ENTRY_WHY_BYTES];

@@ -57,6 +57,9 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
  * line on stderr, and one that cannot be read is left alone, with a line; both count as absent. */
 bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record);
 
+/* The key of a frame in the store, from its path; "" when the path is none of those. */
+void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE]);
+
 /* The file where unfinished work on a key may rest from one run to the next; to free. NULL: no
  * memory. Whoever finishes the work removes it. */
 char *neph_store_resting_place(const struct neph_store *store, const char *key);

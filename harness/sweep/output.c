@@ -181,6 +181,7 @@ static json_t *point_json(const struct neph_sweep *sweep, const struct neph_swee
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         neph_json_set(&json, neph_sweep_number_texts[n].name,
                       value_json(point, (enum neph_sweep_number)n));
+    neph_json_set(&json, "frame_key", json_string(point->frame_key));
     neph_json_set(&json, "command", command ? json_string(command) : NULL);
     neph_json_set(&json, "missing",
                   point->missing[0] ? neph_json_cleaned(point->missing) : json_null());

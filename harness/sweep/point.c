@@ -113,6 +113,7 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
     const enum neph_status status = neph_exr_read(frame_path, &image, diag);
     if (status)
         return status;
+    neph_store_key_of(frame_path, point->frame_key);
     const double evaluations = neph_sweep_evaluations(&point->job, image);
     if (!isnan(evaluations))
         point->evaluations = evaluations / (double)neph_image_pixel_count(image);

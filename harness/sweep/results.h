@@ -7,6 +7,7 @@
 #ifndef NEPH_HARNESS_SWEEP_RESULTS_H
 #define NEPH_HARNESS_SWEEP_RESULTS_H
 
+#include "base/hash.h"
 #include "harness/run/flight.h"
 #include "harness/sweep/plan.h"
 
@@ -45,7 +46,8 @@ struct neph_sweep_point {
                                 left out; NaN: not measured */
     int timed;               /* pictures in it */
     double evaluations;      /* of density, for each pixel and picture; NaN: not counted */
-    bool on_front[NEPH_SWEEP_NUMBERS]; /* of time against each number */
+    bool on_front[NEPH_SWEEP_NUMBERS];  /* of time against each number */
+    char frame_key[NEPH_HASH_HEX_SIZE]; /* in the store, of the picture that the error is of; "" */
 };
 
 struct neph_sweep {

@@ -377,6 +377,17 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_ORIGIN_SHIFT] = CHOICE("origin_shift", 1, switches,
                                "history follows where the world's origin is moved (inject.origin); "
                                "off: as if the camera had gone so far"),
+    [RT_LIGHT_AHEAD] = NEPH_OPTION_LIGHT_AHEAD,
+
+    [RT_CLOUD_SHADOW] = NEPH_OPTION_CLOUD_SHADOW,
+    [RT_CLOUD_SHADOW_TEXELS] = NEPH_OPTION_CLOUD_SHADOW_TEXELS,
+    [RT_CLOUD_SHADOW_LAYERS] = NEPH_OPTION_CLOUD_SHADOW_LAYERS,
+    [RT_CLOUD_SHADOW_LEVELS] = NEPH_OPTION_CLOUD_SHADOW_LEVELS,
+    [RT_CLOUD_SHADOW_EXTENT_M] = NEPH_OPTION_CLOUD_SHADOW_EXTENT,
+    [RT_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE,
+    [RT_CLOUD_SHADOW_FRAMES] = WHOLE("cloud_shadow_frames", 1, 1, NEPH_SUN_CACHE_FRAMES_MAX,
+                                     "pictures that it takes to fill that map anew when sun or "
+                                     "clouds have moved, a part of it in each; 1: all of it"),
     [RT_RELIGHT] = REAL(
         "relight", 0, 0, 0.5,
         "history at rest takes the change of light along that 3x3 tiles have in common, by "

@@ -46,7 +46,7 @@ struct neph_realtime {
     bool has_injected_history; /* ever */
     struct neph_in_flight flight;
     struct neph_realtime_stats flights[NEPH_IN_FLIGHT_FRAMES]; /* of the frames in flight */
-    struct neph_sun_cache_cost fills[NEPH_IN_FLIGHT_FRAMES];   /* before them */
+    struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES];    /* before them */
     neph_realtime_observer *observer;
     void *observer_context;
 };
@@ -160,12 +160,21 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                       .early_out = values[RT_EARLY_OUT],
                       .step_growth = values[RT_STEP_GROWTH],
                       .grid_texture = values[RT_GRID_SAMPLING] != 0.0,
-                      .grid_format = (enum neph_texel_format)(int)values[RT_GRID_FORMAT]},
+                      .grid_format = (enum neph_texel_format)(int)values[RT_GRID_FORMAT],
+                      .cloud_shadow = values[RT_CLOUD_SHADOW] != 0.0,
+                      .shadow = {.texels = (int)values[RT_CLOUD_SHADOW_TEXELS],
+                                 .layers = (int)values[RT_CLOUD_SHADOW_LAYERS],
+                                 .levels = (int)values[RT_CLOUD_SHADOW_LEVELS],
+                                 .extent_m = values[RT_CLOUD_SHADOW_EXTENT_M],
+                                 .plane = (enum neph_shadow_plane)(int)
+                                     values[RT_CLOUD_SHADOW_PLANE],
+                                 .frames = (int)values[RT_CLOUD_SHADOW_FRAMES]}},
         .light = {.texel_px = (int)values[RT_LIGHT_TEXEL_PX],
                   .paths = (int)values[RT_LIGHT_PATHS],
                   .rounds = (int)values[RT_LIGHT_ROUNDS],
                   .memory = (int)values[RT_LIGHT_MEMORY],
                   .blur_texels = values[RT_LIGHT_BLUR],
+                  .looks_ahead = values[RT_LIGHT_AHEAD] != 0.0,
                   .seed = params->seed},
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
                       .cycles = (int)values[RT_DIFFUSION_CYCLES]},
@@ -339,7 +348,7 @@ struct progress {
     int picture;                           /* the target that shows the frame */
     bool counts;                           /* whether passes with rays count what they do */
     const struct neph_injected_rays *rays; /* to put in, or NULL */
-    struct neph_sun_cache_cost *fill;      /* borrowed, as stats: of the split frame's sun cache */
+    struct neph_sun_fill_cost *fill;       /* borrowed, as stats: of the split frame's sun tables */
     struct neph_march_moment moment;
     struct neph_realtime_stats *stats; /* borrowed; one of neph_realtime.flights */
 };
@@ -548,13 +557,14 @@ static void take_times(struct neph_realtime *realtime, struct neph_realtime_stat
     }
 }
 
-/* A fill is of the march, but no measure of its cut. */
-static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_cache_cost *fill)
+/* A sun cache is of the march, but no measure of its cut. */
+static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_fill_cost *fill)
 {
     uint64_t evaluations, closed_forms;
-    neph_sun_cache_counts(fill, &evaluations, &closed_forms);
-    stats->gpu_s += fill->gpu_s;
-    stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s;
+    neph_sun_fill_counts(fill, &evaluations, &closed_forms);
+    stats->gpu_s += neph_sun_fill_gpu_s(fill);
+    stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s[NEPH_SUN_CACHE];
+    stats->shadow_gpu_s = fill->gpu_s[NEPH_SUN_MAP];
     stats->density_evaluations += evaluations;
     stats->closed_forms += closed_forms;
 }
@@ -642,7 +652,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     made.rays = neph_injected_rays_at(&frame->scene->injections, frame->frame);
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
     made.fill = &realtime->fills[slot];
-    *made.fill = (struct neph_sun_cache_cost){.gpu_s = 0.0};
+    *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
     made.moment = march_moment(view, &now);
     neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);

@@ -39,6 +39,7 @@ struct neph_realtime_frame {
 struct neph_realtime_stats {
     double pass_gpu_s[NEPH_RT_PASSES_MAX]; /* of neph_rt_passes; NaN: no clock; 0: not run */
     double light_gpu_s;                    /* of traced or diffused light before them, or 0 */
+    double shadow_gpu_s;                   /* of the shadow map of clouds before them, or 0 */
     double gpu_s;                          /* of all of it */
     double wall_s;
     uint64_t density_evaluations; /* as in struct neph_march_stats */

@@ -11,6 +11,8 @@
 // Room in a frame.
 #define NEPH_GPU_MEDIA_MAX 8
 #define NEPH_GPU_LAYERS_MAX 2 // of a fog
+#define NEPH_GPU_LAMPS_MAX 16
+#define NEPH_GPU_LAMP_PARTS 8 // of a step, at most (march_lamps.glsl)
 
 // Where kernels that sample images find them, an array of one for each medium.
 #define NEPH_GPU_IMAGES_BINDING 31
@@ -20,6 +22,7 @@
 #define NEPH_GPU_ORTHOGRAPHIC 2u // the camera is orthographic
 #define NEPH_GPU_ON_CPU 4u // the device is a CPU
 #define NEPH_GPU_TURNED 8u // some box has turned
+#define NEPH_GPU_LAMPS 16u // there are lights beside the sun
 // Behind these, where there are no more than so many media: how many, and from KINDS_SHIFT on four
 // bits for each, the kind and above it 1 for two layers. Else 0, and the frame says.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4
@@ -58,6 +61,10 @@
 // nearest, of two the even one.
 #define NEPH_HALVES_READ 1u
 #define NEPH_HALVES_WRITTEN 2u
+
+// Maps of the shadow of clouds, one within the other (cloud_shadow.glsl).
+#define NEPH_GPU_SHADOW_LEVELS_MAX 4
+#define NEPH_GPU_SHADOW_SAMPLES 16 // by which a texel's ray finds where clouds begin and end
 
 // Stretches of a view ray's way through a voxel grid (tracer_way.glsl).
 #define NEPH_GPU_WAY_STRETCHES 32

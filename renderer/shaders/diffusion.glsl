@@ -10,7 +10,7 @@
 //   div F + sigma_a phi = (1 - f) sigma_s E'            E': sunlight in the similar medium
 //   grad phi / 3 + sigma_tr F = g' (1 - f) sigma_s E' s    sigma_tr = (1 - g albedo) sigma_t
 //
-// and nothing comes in from outside: phi = F / OUTWARD at the faces (constants.h). Each face
+// and nothing comes in from outside: phi = F / outward at the faces (constants.h). Each face
 // between two cells passes what the one loses to the other, so that all that the sun gives is
 // absorbed or leaves: that is the equation of finite volumes, and holds to what the solver leaves.
 //

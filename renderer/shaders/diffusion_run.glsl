@@ -14,14 +14,12 @@ layout(push_constant) uniform DiffusionRun {
     vec3 sides_m; // of a cell of the finest level; 1 along an axis of one cell, which has no end
     uint job;
     vec3 beam; // the way of sunlight, unit
+    float outward; // part of the fluence that leaves a medium where nothing comes in
 } run;
 
 layout(std430, binding = 0) buffer Cells {
     DiffusionCell cells[];
 };
-
-// What part of fluence leaves a medium where nothing comes in.
-const float OUTWARD = NEPH_GPU_OUTWARD;
 
 bool has_faces(int axis) { return run.level.size[axis] > 1u; }
 
@@ -50,7 +48,7 @@ Face face_between(DiffusionCell low, DiffusionCell high, int axis)
 Face open_face(DiffusionCell cell, int axis, float outward)
 {
     float r = resistance(cell, axis);
-    float all = 1.0 / OUTWARD + r;
+    float all = 1.0 / run.outward + r;
     return Face(1.0 / all, outward * run.beam[axis] * r * cell.beam / all);
 }
 
@@ -68,7 +66,7 @@ const float PASSES_ALWAYS = 0.5;
 // a medium ends.
 float limited(Face face, float low, float high)
 {
-    float apart = low - high, room = OUTWARD * max(low, high) + abs(face.beam);
+    float apart = low - high, room = run.outward * max(low, high) + abs(face.beam);
     if (face.conductance * abs(apart) <= room)
         return face.conductance;
     return min(face.conductance, max(room / abs(apart), PASSES_ALWAYS));

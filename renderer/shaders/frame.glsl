@@ -16,6 +16,42 @@ struct Lattice {
     uvec3 size;
 };
 
+// A light of scenes/lights.h. One that is no spot has cosines below all others.
+struct Lamp {
+    vec3 position_m;
+    float inner_cosine;
+    vec3 axis; // unit, from the light
+    float outer_cosine;
+    vec3 intensity; // W/sr
+    float padding;
+};
+
+// One of the maps: its texel (0, 0), and how many texels there are to a metre, along both sides.
+struct ShadowLevel {
+    vec2 low_m;
+    vec2 per_m;
+};
+
+// Light space (cloud_shadow.glsl): where a point's sun ray meets the plane of the texels, and how
+// far it has gone from there towards the sun.
+struct ShadowMap {
+    vec3 across_u; // a point's place along the first side is dot(point, across_u) + across_u_m
+    float across_u_m;
+    vec3 across_v;
+    float across_v_m;
+    vec3 along; // and how far it is
+    float along_m;
+    vec3 side_u; // unit vectors of the plane
+    uint texels; // along each side
+    vec3 side_v;
+    uint first;       // of the map's numbers, behind those of the sun cache
+    vec3 plane_m; // where both places are 0
+    float start_m;    // no cloud is farther from the sun
+    ShadowLevel levels[NEPH_GPU_SHADOW_LEVELS_MAX]; // each within the next
+    uint level_count;
+    uint layers; // of a texel
+};
+
 layout(std140, binding = 0) uniform Frame {
     vec3 camera_right;
     float half_width; // of the picture; tangents of a perspective camera's angles, else metres
@@ -42,7 +78,11 @@ layout(std140, binding = 0) uniform Frame {
     Lattice sun_lattice;  // nodes of the sun cache, at least 2 along each axis (sun_cache.glsl)
     Lattice skip_lattice; // cells that may be empty (shortcuts.glsl)
     Lattice light_lattice; // cells of diffused light (diffusion.glsl)
+    ShadowMap shadow;
     Medium media[MEDIA_MAX];
+    uint lamp_count;
+    uint scatters_lamps; // 0 or 1: some medium scatters light of lamps that the scene wants to see
+    Lamp lamps[NEPH_GPU_LAMPS_MAX];
 } frame;
 
 // Upper bounds of the extinction (of extinction_color 1) per cell, x fastest [1/m].

@@ -8,6 +8,13 @@
 //
 // The sunlight of the first collision is left out: single scattering is the march's. What arrives
 // of sunlight at the others is found as the march finds it.
+//
+// Paths through the thick are under way for many pictures, and the first ones have none that began
+// long ago. With LOOKS_AHEAD a path counts at once what it may yet bring home, by an estimate, and
+// in the next round takes that back: over its life it has counted what it found. So the estimate
+// has no part in the mean of pictures at rest, whatever it is worth, and in those after a cut it
+// stands for the orders that nothing had time to find. (A potential that shapes rewards: A. Y. Ng,
+// D. Harada, S. Russell, ICML 1999.) It is the radiance of diffused light that comes to the path.
 #extension GL_GOOGLE_include_directive : require
 
 #include "march_light.glsl"
@@ -16,6 +23,8 @@
 #include "traced_light.glsl"
 
 layout(local_size_x = 64) in;
+
+layout(constant_id = 6) const bool LOOKS_AHEAD = false;
 
 layout(push_constant) uniform LightRun {
     vec3 shift_m; // how far what stood still has gone past the camera since the round before
@@ -37,6 +46,8 @@ struct LightPath {
     uint solid; // that `origin_m` lies on, or NO_SOLID
     vec3 throughput;
     uint is_alive;
+    vec3 ahead; // what it has counted and not found yet [W m^-2 sr^-1]
+    float padding;
 };
 
 layout(std430, binding = 5) buffer Paths {
@@ -46,6 +57,12 @@ layout(std430, binding = 5) buffer Paths {
 layout(std430, binding = 6) writeonly buffer Found {
     LightTexel found[]; // by each path, in this round
 };
+
+layout(std430, binding = 8) readonly buffer Diffused {
+    vec4 higher_orders[];
+};
+
+#include "diffused_field.glsl"
 
 // A path goes on by chance alone below this (Russian roulette).
 const float ROULETTE = 0.1;
@@ -123,7 +140,7 @@ void start()
     uvec2 low_px = texel_px * uvec2(texel % wide, texel / wide);
     vec2 high_px = vec2(min(low_px + texel_px, size_px)); // the last may not be whole
     ViewRay ray = camera_ray_at(frame_camera(), mix(vec2(low_px), high_px, draw().xy));
-    path = LightPath(ray.origin_m, 0u, ray.direction, NO_SOLID, vec3(1.0), 1u);
+    path = LightPath(ray.origin_m, 0u, ray.direction, NO_SOLID, vec3(1.0), 1u, vec3(0.0), 0.0);
     look_ahead();
 }
 
@@ -288,14 +305,44 @@ void turn()
     arrive();
 }
 
+// --- what lies ahead ----------------------------------------------------------------------------
+
+bool is_in_lattice(vec3 point_m)
+{
+    vec3 place = (point_m - frame.light_lattice.origin_m) * frame.light_lattice.per_m;
+    vec3 size = vec3(frame.light_lattice.size);
+    bvec3 is_within = equal(clamp(place, vec3(0.0), size), place);
+    bvec3 is_endless = lessThanEqual(size, vec3(1.0));
+    return all(bvec3(uvec3(is_within) | uvec3(is_endless)));
+}
+
+// A path that has had no collision has counted none, and owes no light. Of the sky it will find as
+// much as in a white medium.
+vec3 light_ahead()
+{
+    vec3 to_path = vec3(0.0);
+    if (path.is_alive == 0u || path.events == 0u)
+        return to_path;
+    if (is_in_lattice(path.origin_m)) {
+        vec4 field = diffused_field(path.origin_m);
+        float per_sr = max(field.w - 3.0 * dot(field.xyz, path.direction), 0.0) / (4.0 * PI);
+        to_path = per_sr * frame.sun_irradiance;
+    }
+    if (run.has_environment != 0u)
+        to_path += frame.background;
+    return path.throughput * to_path;
+}
+
 void main()
 {
     thread = gl_GlobalInvocationID.x;
     if (thread >= run.count)
         return;
     path.is_alive = 0u;
+    path.ahead = vec3(0.0);
     if (run.is_fresh == 0u)
         path = paths[thread];
+    vec3 counted = path.ahead;
     if (path.is_alive != 0u) {
         path.origin_m += run.shift_m;
         look_ahead();
@@ -305,6 +352,10 @@ void main()
             start();
         else
             turn();
+    }
+    if (LOOKS_AHEAD) {
+        path.ahead = light_ahead();
+        sums.light += path.ahead - counted;
     }
     paths[thread] = path;
     found[thread] = sums;

@@ -52,7 +52,7 @@ void main()
 
     Sums sums = sums_at_start(thread);
     // With a closed-form transmittance and no light of the media there is nothing to march for.
-    if (!IS_SOLVED || own(frame.scatters | frame.emits) != 0)
+    if (!IS_SOLVED || own(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
         march(ray, hit.t_m, 0.5, sums);
 
     if (run.end_step < own(frame.steps))

@@ -18,7 +18,7 @@
 #ifndef NEPH_MARCH_GLSL
 #define NEPH_MARCH_GLSL
 
-#include "march_light.glsl"
+#include "march_lamps.glsl"
 #include "march_run.glsl"
 
 // What a march is given of light of higher orders, by lighting: texels of traced light (light and
@@ -134,6 +134,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
             scattered = SCALES_VIEW
                             ? scaled_light(mixture, point_m, marched_depth(sums), step_depth)
                             : step_light(mixture, point_m, step_m, step_depth) * through;
+        if (LAMPS && own(frame.scatters_lamps) != 0)
+            scattered += lamps_light(mixture, ray, step_start_m(steps, i), step_m, step_depth) *
+                         through;
         if (own(frame.emits) != 0)
             scattered += mixture.glow * fraction_lost(step_depth) * through;
         sums_add(sums, scattered, step_depth);
@@ -177,7 +180,7 @@ vec3 higher_light(vec2 place_px)
         vec2 weight = mix(1.0 - part, part, vec2(step));
         sum += weight.x * weight.y * higher_orders[at.x + size.x * at.y];
     }
-    return sum.w > 0.0 ? sum.rgb / sum.w : vec3(0.0);
+    return sum.w > 0.0 ? max(sum.rgb, vec3(0.0)) / sum.w : vec3(0.0); // more may be taken back
 }
 
 // In-scattered radiance of the whole ray through a place of the picture.
@@ -199,7 +202,7 @@ float view_distance_m(Sums sums)
 }
 
 // Sunlight reflected by a Lambertian surface, towards anywhere.
-vec3 surface_radiance(Hit hit, vec3 point_m)
+vec3 sunlit_radiance(Hit hit, vec3 point_m)
 {
     vec3 albedo = solids[hit.solid].albedo.rgb;
     float cosine = dot(solid_normal(solids[hit.solid], point_m), to_sun());
@@ -207,6 +210,15 @@ vec3 surface_radiance(Hit hit, vec3 point_m)
         own(frame.sun_irradiance == vec3(0.0)))
         return vec3(0.0);
     return albedo / PI * cosine * sunlight(point_m, hit.solid);
+}
+
+vec3 surface_radiance(Hit hit, vec3 point_m)
+{
+    vec3 radiance = sunlit_radiance(hit, point_m);
+    if (LAMPS)
+        radiance += solids[hit.solid].albedo.rgb *
+                    lamps_reflected(point_m, solid_normal(solids[hit.solid], point_m), hit.solid);
+    return radiance;
 }
 
 // What lies behind all media.

@@ -20,6 +20,7 @@
 #ifndef NEPH_MARCH_LIGHT_GLSL
 #define NEPH_MARCH_LIGHT_GLSL
 
+#include "cloud_shadow.glsl"
 #include "grid_texture.glsl"
 #include "sun_cache.glsl"
 #include "traced_light.glsl"
@@ -40,7 +41,7 @@ const uint DIFFUSED = 5;
 const uint SIMILARITY = 6;
 const uint SLAB = 7;
 layout(constant_id = 4) const uint LIGHTING = SINGLE;
-const bool NEEDS_MEDIA = LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED ||
+const bool NEEDS_MEDIA = LAMPS || LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED ||
                          LIGHTING == DIFFUSED || LIGHTING == SIMILARITY || LIGHTING == SLAB;
 
 // What the view ray loses is scaled by order, so a step's light comes with its own transmittance.
@@ -95,9 +96,10 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
 
 // Where empty steps were passed nothing is added once: a sum that carries its error may then still
 // move by its last bit, and after that not again, as if nothing had been added for each.
-vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, uint step_count)
+vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float length_m,
+                           uint step_count)
 {
-    Stretch stretch = scene_stretch(kinds, origin_m, direction, FAR_M);
+    Stretch stretch = scene_stretch(kinds, origin_m, direction, length_m);
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
     Steps steps = equal_steps(stretch, step_count);
@@ -122,7 +124,7 @@ vec3 sun_optical_depth(vec3 point_m)
     if (SUN == EXACT)
         optical_depth = exact_optical_depth(point_m, to_sun(), FAR_M);
     if (SUN_MARCHED != 0u)
-        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, to_sun(),
+        optical_depth += marched_optical_depth(SUN_MARCHED, point_m, to_sun(), FAR_M,
                                                own(frame.sun_steps));
     return optical_depth;
 }
@@ -133,14 +135,29 @@ vec3 sun_optical_depth_of(uint kinds, vec3 point_m)
     if (SUN == EXACT && (kinds & ~OPEN_KINDS) != 0u)
         optical_depth = exact_optical_depth_of(kinds, point_m, to_sun(), FAR_M);
     if ((SUN_MARCHED & kinds) != 0u)
-        optical_depth += marched_optical_depth(SUN_MARCHED & kinds, point_m, to_sun(),
+        optical_depth += marched_optical_depth(SUN_MARCHED & kinds, point_m, to_sun(), FAR_M,
                                                own(frame.sun_steps));
     return optical_depth;
+}
+
+// Whether the point where mixture_at() was last is in a shape: what a shadow map tells is coarse
+// there.
+bool is_in_shape = true;
+
+// Outside of shapes: fogs as ever, shapes from the shadow map as far as it reaches.
+vec3 mapped_or_own_sun_depth(vec3 point_m)
+{
+    vec3 depth;
+    if (!MAPS_SHADOW || !find_mapped_sun_depth(point_m, depth))
+        return sun_optical_depth(point_m);
+    return has_fog() ? depth + sun_optical_depth_of(KINDS & FOG_KINDS, point_m) : depth;
 }
 
 // What a sample of a medium sees: fogs as ever, shapes from the cache where there is one.
 vec3 sample_sun_depth(vec3 point_m)
 {
+    if (MAPS_SHADOW && !is_in_shape)
+        return mapped_or_own_sun_depth(point_m);
     if (!CACHES_SUN)
         return sun_optical_depth(point_m);
     return sun_optical_depth_of(KINDS & FOG_KINDS, point_m) + cached_sun_depth(point_m);
@@ -151,7 +168,7 @@ vec3 sunlight(vec3 point_m, uint on_solid)
 {
     if (!sees_sun(point_m, on_solid))
         return vec3(0.0);
-    return frame.sun_irradiance * fraction_through(sun_optical_depth(point_m));
+    return frame.sun_irradiance * fraction_through(mapped_or_own_sun_depth(point_m));
 }
 
 // What the media are at a point, all of them together.
@@ -186,11 +203,14 @@ Mixture mixture_at(vec3 point_m)
     if (!only_fogs || has_fog())
         density_evaluations++;
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    is_in_shape = !MAPS_SHADOW;
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
         float density_per_m =
             only_fogs && !is_fog(m) ? 0.0 : sampled_extinction_per_m(m, point_m);
         vec3 extinction_per_m = grey(frame.media[m].extinction_color) * density_per_m;
         vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
+        if (MAPS_SHADOW && !is_fog(m) && density_per_m > 0.0)
+            is_in_shape = true;
         mixture.extinction_per_m += extinction_per_m;
         if (is_among(VIEW_MARCHED, m))
             mixture.marched_per_m += extinction_per_m;

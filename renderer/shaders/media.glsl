@@ -45,6 +45,7 @@ const uint FOG_KINDS = 1u << MEDIUM_HOMOGENEOUS | 1u << MEDIUM_HEIGHT_FOG;
 const uint SHAPE_KINDS = KINDS & ~FOG_KINDS;
 const uint OPEN_KINDS = 1u << MEDIUM_HORIZON; // no closed form of the optical depth
 
+const bool LAMPS = (TRAITS & NEPH_GPU_LAMPS) != 0u; // there are lights beside the sun
 const bool ON_CPU = (TRAITS & NEPH_GPU_ON_CPU) != 0u;
 const uint KNOWN_MEDIA = TRAITS >> NEPH_GPU_MEDIA_SHIFT & 15u; // 0: any number
 const uint KNOWN_KINDS = TRAITS >> NEPH_GPU_KINDS_SHIFT;

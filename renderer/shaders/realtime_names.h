@@ -133,10 +133,20 @@
 // What moves beside the camera and the air.
 #define RT_SOLID_MOTION 108
 #define RT_ORIGIN_SHIFT 109
+// Traced light, once more.
+#define RT_LIGHT_AHEAD 110
+// The shadow map of clouds.
+#define RT_CLOUD_SHADOW 111
+#define RT_CLOUD_SHADOW_TEXELS 112
+#define RT_CLOUD_SHADOW_LAYERS 113
+#define RT_CLOUD_SHADOW_LEVELS 114
+#define RT_CLOUD_SHADOW_EXTENT_M 115
+#define RT_CLOUD_SHADOW_PLANE 116
+#define RT_CLOUD_SHADOW_FRAMES 117
 // What is made of changes of the light.
-#define RT_RELIGHT 110
-#define RT_CHANGE_HOLD 111
-#define RT_SETTING_COUNT 112
+#define RT_RELIGHT 118
+#define RT_CHANGE_HOLD 119
+#define RT_SETTING_COUNT 120
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

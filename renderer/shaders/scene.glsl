@@ -72,6 +72,34 @@ bool sees_sun(vec3 point_m, uint except)
     return true;
 }
 
+// The same for another point, which is in no solid.
+bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
+{
+    float start_m = SHADOW_START * length(point_m);
+    for (uint block = 0; block < block_count(); block++) {
+        uint end = block_end(block, point_m, direction, start_m, distance_m);
+        for (uint s = block * BLOCK_SOLIDS; s < end; s++) {
+            float t0_m, t1_m;
+            if (s != except && solid_interval(solids[s], point_m, direction, t0_m, t1_m) &&
+                t1_m > start_m && t0_m < distance_m)
+                return false;
+        }
+    }
+    return true;
+}
+
+// --- lamps ----------------------------------------------------------------------------------
+
+// Irradiance across the way from a point at a distance whose inverse square is given [W/m^2], if
+// nothing is in between; `direction` is from the point to the lamp (scenes/lights.h).
+vec3 lamp_irradiance(Lamp lamp, vec3 direction, float inverse_square)
+{
+    float x = clamp((-dot(lamp.axis, direction) - lamp.outer_cosine) /
+                        (lamp.inner_cosine - lamp.outer_cosine),
+                    0.0, 1.0);
+    return lamp.intensity * (x * x * (3.0 - 2.0 * x) * inverse_square);
+}
+
 // --- media ----------------------------------------------------------------------------------
 
 // Extinction of the media whose kind is among `kinds`, per channel.

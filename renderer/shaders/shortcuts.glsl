@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Shortcuts of a march through media, each off unless the specialization constant has its bit
-// (struct neph_shortcuts): steps that grow, empty cells that are passed, rays that end early. The
-// sun's is in sun_cache.glsl.
+// (struct neph_shortcuts): steps that grow, empty cells that are passed, rays that end early. Those
+// of the sun are in sun_cache.glsl and cloud_shadow.glsl.
 #ifndef NEPH_SHORTCUTS_GLSL
 #define NEPH_SHORTCUTS_GLSL
 
@@ -14,6 +14,7 @@ const bool CACHES_SUN = (SHORTCUTS & 1u) != 0u && SHAPE_KINDS != 0u;
 const bool SKIPS = (SHORTCUTS & 2u) != 0u && SHAPE_KINDS != 0u;
 const bool ENDS_EARLY = (SHORTCUTS & 4u) != 0u;
 const bool GROWS = (SHORTCUTS & 8u) != 0u;
+const bool MAPS_SHADOW = (SHORTCUTS & 32u) != 0u && SHAPE_KINDS != 0u;
 
 // --- steps of a stretch -----------------------------------------------------------------------
 

@@ -13,7 +13,7 @@
 // An item's result depends on (seed, pixel, sample) alone, not on the thread or the dispatch.
 #extension GL_GOOGLE_include_directive : require
 
-#include "tracer.glsl"
+#include "tracer_lamps.glsl"
 
 layout(local_size_x_id = 2) in;
 
@@ -46,6 +46,8 @@ const uint RAY_PATH = 0;
 const uint RAY_SUN = 1;   // how much of the sunlight arrives
 const uint RAY_VIEW = 2;  // how much arrives of the light behind the media, if OPEN
 const uint RAY_FIRST = 3; // how much arrives from a first collision whose place is guessed, if OPEN
+const uint RAY_PLACE = 4; // if LAMPS: how much arrives from a place on the segment to come,
+const uint RAY_LAMP = 5;  // and there from a lamp
 
 struct TracerState {
     vec3 origin_m;
@@ -79,9 +81,15 @@ struct TracerState {
     float depth_left; // majorant optical depth to the next tentative collision
     vec3 view_fraction; // if OPEN: of the light behind the media, the part that arrives
     float sun_roulette; // the fraction below which it is played
-    float reach_m;      // of a ray to a first collision: its length
+    float reach_m;      // of a ray to a first collision, a place or a lamp: its length
     float raised;       // majorants are, so many times
     float sun_depth;    // guessed, where sunlight must be known well; else 0
+    // If LAMPS: where the segment to come begins, while its light of lamps is looked for.
+    vec3 segment_origin_m;
+    uint segment_solid;
+    vec3 lamp_direction; // from the place
+    float lamp_m;
+    uint is_looked_for; // 1: that has been done
 };
 
 layout(std430, binding = 5) buffer States {
@@ -158,6 +166,7 @@ ViewRay start_path()
     path.ray = RAY_PATH;
     path.raised = 1.0;
     path.sun_depth = 0.0;
+    path.is_looked_for = 0;
     return ray;
 }
 
@@ -326,6 +335,112 @@ uvec2 first_bits(uint decision)
                            run.first_sample + path.item % run.samples, decision);
 }
 
+// --- lamps ------------------------------------------------------------------------------------
+
+// Of one order more than what has happened: the place is an event by itself.
+void add_lamplight(vec3 light)
+{
+    light *= channel_weights(path.channels);
+    if (path.is_surface_first != 0)
+        path.surface += light;
+    else if (path.events == 0)
+        path.order1 += light;
+    else
+        path.higher += light;
+}
+
+// Whether the segment to come is one on which light of lamps is scattered that nobody has counted:
+// that of the view is, unless OPEN (tracer_first.comp).
+bool looks_for_lamps()
+{
+    bool counts = own(frame.scatters_lamps) != 0u && (path.events > 0 ? MULTIPLE : OPEN);
+    return counts && path.is_looked_for == 0 && path.throughput != vec3(0.0);
+}
+
+// Choose a place on the segment to come, which ends at `end_m`, and send the first of two rays.
+bool send_to_place(float end_m)
+{
+    path.is_looked_for = 1;
+    LampPlace place = draw_lamp_place(path.origin_m, path.direction, end_m,
+                                      uniform_from(draw()).xy);
+    if (place.density_per_m <= 0.0)
+        return false;
+    LampLook look = look_for_lamp(place, path.origin_m + place.t_m * path.direction,
+                                  path.direction);
+    path.pending = path.throughput * look.light;
+    if (path.pending == vec3(0.0))
+        return false;
+    path.ray = RAY_PLACE;
+    path.reach_m = place.t_m;
+    path.next_direction = path.direction;
+    path.segment_origin_m = path.origin_m;
+    path.segment_solid = path.solid;
+    path.lamp_direction = look.direction;
+    path.lamp_m = look.distance_m;
+    path.sun_fraction = vec3(1.0);
+    path.sun_roulette = SUN_ROULETTE;
+    return true;
+}
+
+// From the place to the lamp; what has been lost up to the place stays lost.
+void arrive_at_place()
+{
+    path.origin_m += path.reach_m * path.direction;
+    path.direction = path.lamp_direction;
+    path.reach_m = path.lamp_m;
+    path.ray = RAY_LAMP;
+    path.stage = STAGE_LEAVE;
+}
+
+void arrive_from_lamp()
+{
+    add_lamplight(path.pending * path.sun_fraction);
+    path.origin_m = path.segment_origin_m;
+    path.solid = path.segment_solid;
+    path.direction = path.next_direction;
+    path.ray = RAY_PATH;
+    path.stage = STAGE_LEAVE;
+}
+
+// At a surface one ray looks for sun or lamps: for a lamp half of the time, if there is a sun.
+bool prepares_lamplight(vec3 normal, inout float sun_per_sr)
+{
+    vec3 u = uniform_from(draw());
+    float probability, share = sun_irradiance == vec3(0.0) ? 1.0 : 0.5;
+    if (u.x >= share) {
+        sun_per_sr /= 1.0 - share;
+        return false;
+    }
+    Lamp lamp = frame.lamps[pick_lamp(path.origin_m, u.y, probability)];
+    vec3 way_m = lamp.position_m - path.origin_m;
+    path.lamp_m = max(length(way_m), 1e-12);
+    path.lamp_direction = way_m / path.lamp_m;
+    float per_sr = max(0.0, dot(normal, path.lamp_direction)) / PI;
+    bool is_known = path.events == 1 && !OPEN; // tracer_view.comp
+    path.pending = probability > 0.0 && !is_known
+                       ? path.throughput *
+                             lamp_irradiance(lamp, path.lamp_direction,
+                                             per_sr / (path.lamp_m * path.lamp_m * share *
+                                                       probability))
+                       : vec3(0.0);
+    path.sun_fraction = vec3(1.0);
+    path.sun_roulette = SUN_ROULETTE;
+    return true;
+}
+
+// Some directions are drawn towards lamps instead; the throughput takes what is left.
+vec3 turn_to_lamps(vec3 next, bool is_medium, Medium by, vec3 normal)
+{
+    uvec4 bits = draw4();
+    if (uniform_from(bits.xyz).x < LAMP_DIRECTIONS)
+        next = draw_lamp_direction(path.origin_m, uniform_from(bits.yzw));
+    float wanted = is_medium ? phase_per_sr(by.phase_kind, by.g, path.direction, next)
+                             : max(0.0, dot(normal, next)) / PI;
+    float drawn = mix(wanted, lamp_direction_per_sr(path.origin_m, next), LAMP_DIRECTIONS);
+    path.throughput *= wanted / drawn;
+    return next;
+}
+
 // --- events -------------------------------------------------------------------------------------
 
 // Go on along `direction` with `throughput`, or end: there is nothing more to find, or by roulette.
@@ -355,19 +470,29 @@ void prepare_sunlight(float per_sr, float u)
         path.pending = vec3(0.0);
 }
 
+vec3 light_direction(bool is_lamp) { return LAMPS && is_lamp ? path.lamp_direction : sun_direction; }
+
+bool sees_light(bool is_lamp)
+{
+    if (LAMPS && is_lamp)
+        return sees_point(path.origin_m, path.lamp_direction, path.lamp_m, path.solid);
+    return sees_sun(path.origin_m, path.solid);
+}
+
 // Unless OPEN: at a first collision what is emitted is known already (tracer_first.comp), and order
 // 1 unless FIRST_BY_RAY; at a first surface the sunlight that it reflects (tracer_view.comp).
 void happen()
 {
     uvec4 bits = draw4();
-    vec3 u = uniform_from(bits.xyz), next;
+    vec3 u = uniform_from(bits.xyz), next, normal = vec3(0.0);
     float light_per_sr; // of the sun's
+    Medium by = only;
+    bool is_medium = !SURFACES || path.stage == STAGE_MEDIUM, is_lamp = false;
     if (SOBOL && path.events == 0)
         u.xy = uniform_from(first_bits(path.stage == STAGE_MEDIUM ? PAIR_SCATTERED
                                                                   : PAIR_REFLECTED).xyy).xy;
     path.events++;
-    if (!SURFACES || path.stage == STAGE_MEDIUM) {
-        Medium by = only;
+    if (is_medium) {
         if (MEDIA != 1)
             by = frame.media[path.medium];
         path.solid = NO_SOLID;
@@ -377,18 +502,27 @@ void happen()
         light_per_sr = phase_per_sr(by.phase_kind, by.g, path.direction, sun_direction);
         next = sample_phase(by.phase_kind, by.g, path.direction, u.xy);
     } else {
-        vec3 normal = solid_normal(solids[path.solid], path.origin_m);
+        normal = solid_normal(solids[path.solid], path.origin_m);
         path.is_surface_first |= uint(path.events == 1);
         path.throughput *= solids[path.solid].albedo.rgb;
         light_per_sr = max(0.0, dot(normal, sun_direction)) / PI;
         next = sample_cosine(normal, u.xy);
     }
-    prepare_sunlight(light_per_sr, uniform_from(bits.www).x);
+    if (LAMPS && !is_medium)
+        is_lamp = prepares_lamplight(normal, light_per_sr);
+    if (!is_lamp)
+        prepare_sunlight(light_per_sr, uniform_from(bits.www).x);
+    if (LAMPS && MULTIPLE)
+        next = turn_to_lamps(next, is_medium, by, normal);
     prepare_next(next, u.z);
-    bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_sun(path.origin_m, path.solid));
+    bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_light(is_lamp));
     path.ray = is_lit ? RAY_SUN : RAY_PATH;
     path.raised = is_lit ? raise_for(path.sun_depth) : 1.0;
-    path.direction = is_lit ? sun_direction : path.next_direction;
+    path.direction = is_lit ? light_direction(is_lamp) : path.next_direction;
+    if (LAMPS) {
+        path.reach_m = is_lamp ? path.lamp_m : FAR_M;
+        path.is_looked_for = 0;
+    }
     path.stage = STAGE_LEAVE;
 }
 
@@ -463,7 +597,8 @@ void weigh_fog()
 
 void leave()
 {
-    path.end_m = path.ray == RAY_FIRST ? path.reach_m : FAR_M;
+    bool is_short = path.ray == RAY_FIRST || (LAMPS && path.ray != RAY_PATH && path.ray != RAY_VIEW);
+    path.end_m = is_short ? path.reach_m : FAR_M;
     path.end_medium = MEDIA_MAX;
     path.end_solid = NO_SOLID;
     path.tracked = 0;
@@ -477,6 +612,8 @@ void leave()
         path.end_m = hit.t_m;
         path.end_solid = hit.solid;
     }
+    if (LAMPS && path.ray == RAY_PATH && looks_for_lamps() && send_to_place(path.end_m))
+        path.end_m = path.reach_m;
     if (has_fog())
         cross_fog();
 }
@@ -523,6 +660,14 @@ void arrive()
 {
     if (GUESSED && path.ray == RAY_FIRST) {
         arrive_at_first();
+        return;
+    }
+    if (LAMPS && path.ray == RAY_PLACE) {
+        arrive_at_place();
+        return;
+    }
+    if (LAMPS && path.ray == RAY_LAMP) {
+        arrive_from_lamp();
         return;
     }
     if (path.ray != RAY_PATH) {

@@ -16,6 +16,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_guess.glsl"
+#include "tracer_lamps.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -174,6 +175,24 @@ vec3 scattered_once(First first, ViewRay ray)
            frame.sun_irradiance * (phase * arriving);
 }
 
+// Light of lamps scattered once on the view ray, at a place of its own.
+vec3 lamplight_scattered_once(uint pixel, ViewRay ray, uint sample_index, float stratified_u)
+{
+    uvec4 key = sample_key(run.first_pixel + pixel, run.first_sample + sample_index);
+    vec2 u = vec2(uniform_from(pcg4d(key.wzyx).xyz).x, stratified_u);
+    LampPlace place = draw_lamp_place(ray.origin_m, ray.direction,
+                                      scene_hit(ray.origin_m, ray.direction).t_m, u);
+    if (place.density_per_m <= 0.0)
+        return vec3(0.0);
+    vec3 point_m = view_point_m(ray, place.t_m);
+    LampLook look = look_for_lamp(place, point_m, ray.direction);
+    if (look.light == vec3(0.0))
+        return vec3(0.0);
+    vec3 depth = scene_optical_depth(ray.origin_m, ray.direction, place.t_m) +
+                 scene_optical_depth(point_m, look.direction, look.distance_m);
+    return look.light * colour_transmittance(depth);
+}
+
 // Light that the medium emits there.
 vec3 emitted(First first)
 {
@@ -206,5 +225,7 @@ void main()
                       : first_collision(pixel, ray, hero_of(bits), u);
     firsts[item] = first;
     vec3 order1 = FIRST_BY_RAY ? vec3(0.0) : scattered_once(first, ray);
+    if (LAMPS && own(frame.scatters_lamps) != 0u)
+        order1 += lamplight_scattered_once(pixel, ray, sample_index, u);
     results[item] = Result(vec4(order1, 0.0), vec4(emitted(first), 0.0), vec4(0.0));
 }

@@ -21,6 +21,28 @@ vec3 surface_sunlight(Hit hit, vec3 point_m)
     return albedo / PI * cosine * arriving * frame.sun_irradiance;
 }
 
+vec3 surface_lamplight(Hit hit, vec3 point_m)
+{
+    vec3 normal = solid_normal(solids[hit.solid], point_m), sum = vec3(0.0);
+    for (uint i = 0; i < own(frame.lamp_count); i++) {
+        vec3 way_m = frame.lamps[i].position_m - point_m;
+        float distance_m = max(length(way_m), 1e-12);
+        vec3 direction = way_m / distance_m;
+        float cosine = dot(normal, direction);
+        if (cosine > 0.0 && sees_point(point_m, direction, distance_m, hit.solid))
+            sum += lamp_irradiance(frame.lamps[i], direction,
+                                   cosine / (PI * distance_m * distance_m)) *
+                   colour_transmittance(scene_optical_depth(point_m, direction, distance_m));
+    }
+    return solids[hit.solid].albedo.rgb * sum;
+}
+
+vec3 surface_light(Hit hit, vec3 point_m)
+{
+    vec3 light = surface_sunlight(hit, point_m);
+    return LAMPS ? light + surface_lamplight(hit, point_m) : light;
+}
+
 // Returns the sum over the media, per channel.
 vec3 find_depths(uint pixel, ViewRay ray, float length_m)
 {
@@ -56,7 +78,7 @@ void main()
     vec3 behind = vec3(0.0);
     if (!OPEN)
         behind = hit.solid == NO_SOLID ? frame.background
-                                       : surface_sunlight(hit, view_point_m(ray, hit.t_m));
+                                       : surface_light(hit, view_point_m(ray, hit.t_m));
     float eye_depth_m =
         hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
     vec3 arriving = colour_transmittance(find_depths(thread, ray, hit.t_m));

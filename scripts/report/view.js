@@ -767,6 +767,8 @@
       ? `${data.cube.name} is OpenColorIO's, as a table that is off by `
         + `${data.cube.error_mean.toFixed(2)} of 255 codes in the mean and `
         + `${data.cube.error_max.toFixed(1)} at most; sRGB is exact.`
+        + (data.cube.not_numbers > 0 ? ` It has ${data.cube.not_numbers} `
+          + "colours that are no numbers, which are shown as 0." : "")
       : "Colours are OpenColorIO's sRGB display, exactly."),
     shut);
 

@@ -3,9 +3,9 @@
  * What the fuzz targets share. A target is one function of bytes that must come back; what it
  * must not do, it does by abort(). Two programs are made of each:
  *
- *   fuzz_NAME    with clang's libFuzzer, when configured with -DNEPH_FUZZ=ON (preset fuzz):
- *                  cmake --preset fuzz && cmake --build --preset fuzz
- *                  build/fuzz/tests/fuzz/fuzz_exr -max_len=8192 NEW_FOLDER tests/fuzz/corpus/exr
+ *   fuzz_NAME    with clang's libFuzzer, when configured with -DNEPH_FUZZ=ON (preset fuzz);
+ *                scripts/fuzz builds them, gives each its share of the time and keeps what they
+ *                found
  *   replay_NAME  in every build, a test: all files of corpus/NAME once more.
  *
  * What a fuzzer finds is mended, and its input, made small with -minimize_crash=1, goes into the
@@ -28,11 +28,22 @@
 /* The entry point that libFuzzer asks for; returns 0. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The readers take paths: a folder in memory, with the input as a file in it. */
+/* The readers take paths: a folder in memory (of $TMPDIR, where that is set), the same for all
+ * inputs of a process and removed at its end, with the input as a file in it. */
 struct fuzz_file {
-    char folder[64];
-    char path[128];
+    char folder[192];
+    char path[256];
 };
+
+/* Whether inputs are being looked for, and not those of the corpus tried once more. */
+static inline bool fuzz_is_searching(void)
+{
+#ifdef NEPH_FUZZ
+    return true;
+#else
+    return false;
+#endif
+}
 
 static inline void fuzz_require(bool holds, const char *what)
 {
@@ -42,14 +53,32 @@ static inline void fuzz_require(bool holds, const char *what)
     abort();
 }
 
+static char fuzz_folder[192];
+
+static inline void fuzz_folder_remove(void)
+{
+    neph_dir_remove(fuzz_folder, NULL);
+}
+
+static inline void fuzz_folder_make(void)
+{
+    const char *parent = getenv("TMPDIR");
+    if (fuzz_folder[0])
+        return;
+    if (!parent || !parent[0])
+        parent = neph_path_is_dir("/dev/shm") ? "/dev/shm" : "/tmp";
+    snprintf(fuzz_folder, sizeof(fuzz_folder), "%.160s/neph-fuzz-XXXXXX", parent);
+    fuzz_require(mkdtemp(fuzz_folder), "a temporary folder can be made");
+    atexit(fuzz_folder_remove);
+}
+
 static inline struct fuzz_file fuzz_file_make(const char *name, const uint8_t *data, size_t size)
 {
     struct fuzz_file file;
-    snprintf(file.folder, sizeof(file.folder), "%s/neph-fuzz-XXXXXX",
-             neph_path_is_dir("/dev/shm") ? "/dev/shm" : "/tmp");
-    fuzz_require(mkdtemp(file.folder), "a temporary folder can be made");
+    fuzz_folder_make();
+    snprintf(file.folder, sizeof(file.folder), "%s", fuzz_folder);
     snprintf(file.path, sizeof(file.path), "%s/%s", file.folder, name);
-    const int fd = open(file.path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    const int fd = open(file.path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     fuzz_require(fd >= 0 && write(fd, data, size) == (ssize_t)size, "a file can be written");
     close(fd);
     return file;
@@ -58,7 +87,6 @@ static inline struct fuzz_file fuzz_file_make(const char *name, const uint8_t *d
 static inline void fuzz_file_remove(const struct fuzz_file *file)
 {
     unlink(file->path);
-    rmdir(file->folder);
 }
 
 /* A failure has a reason in words and no result; a success has a result. */

@@ -24,7 +24,7 @@ ROOMS = {
     "physics": {"engines", "compare", "run", "study"},
     "fly": {"engines", "compare", "run", "study"},
     "report": {"engines", "compare", "run", "study", "physics"},
-    "night": {"engines", "compare", "run", "physics"},
+    "night": {"engines", "compare", "run", "physics", "report"},
     "failure": {"engines", "compare", "run", "study", "report"},
     "sweep": {"engines", "compare", "run", "study", "report"},
     "cli": {"engines", "compare", "run", "study", "physics", "failure", "fly", "report", "sweep",

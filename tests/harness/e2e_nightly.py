@@ -130,6 +130,45 @@ class Nightly(unittest.TestCase):
         suite = xml.etree.ElementTree.parse(self.folder / "nightly/junit.xml").getroot()
         failed = [case.get("name") for case in suite if case.find("failure") is not None]
         self.assertIn(worst["series"], failed)
+        self.assert_the_page_shows(worst["series"])
+
+    def assert_the_page_shows(self, series):
+        """With both pictures, its course and the command; e2e_night_page.py looks at it."""
+        page = self.folder / "nightly/report"
+        data = json.loads((page / "data.json").read_text())
+        shown = data["findings"][0]
+        self.assertEqual((data["state"], shown["series"]), ("finished", series))
+        self.assertIn("-s march:steps=56", shown["command"])
+        self.assertEqual([point["night"] for point in shown["trend"]], [1, 2])
+        self.assertGreater(shown["shown"]["difference"]["changed"], 0.5)
+        names = [shown["shown"][side]["picture"] for side in ("accepted", "tonight", "difference")]
+        self.assertEqual(len(set(names)), 3)
+        for name in names:
+            self.assertTrue((page / name).read_bytes().startswith(b"\x89PNG"), name)
+
+    @night.of_the_night
+    def test_other_seeds_are_no_alarm_and_a_fresh_store_gives_the_same(self):
+        slab = ["nightly", "--only", "catalog height_fog_down", "--only",
+                "catalog scattering_slab_above", "--size", "32x18", "-q", "--once"]
+        self.neph(*slab, code=1, env=LONELY)
+        first = self.values()
+        self.setUp()
+        self.neph(*slab, code=1, env=LONELY)
+        self.assertEqual(self.values(), first)  # tracers, too: the seed is the same
+        self.accept()
+        for seed in (2, 3, 4):
+            self.neph(*slab, "--seed", seed, env=LONELY)
+            self.assertEqual(self.data()["findings"], [])
+            self.assertEqual(self.data()["compared"], len(first) - self.count("contrast"))
+            other = {name for name, value in self.values().items() if value != first[name]}
+            self.assertTrue(other)
+            self.assertEqual({name.split("/")[2] for name in other}, {"tracer"})
+
+    def values(self):
+        return {row["series"]: row["tonight"] for row in self.data()["series"]}
+
+    def count(self, metric):
+        return sum(name.split("/")[3] == metric for name in self.values())
 
     @night.of_the_night
     def test_a_change_that_was_meant_is_accepted(self):

@@ -177,12 +177,28 @@ class View(unittest.TestCase):
         self.refused(65, "has no view 'film'; it has swapped", reference, "--ocio",
                      self.folder / "config.ocio", "--view", "film")
         self.refused(64, "are of a config", reference, "--view", "film")
-        self.refused(64, "twelve sets", *[reference] * 13)
+        # Of a name that is not there it is said before frames are read: this one is none.
+        self.refused(64, "there is no map 'flop'", self.folder / "picture.png", reference,
+                     "--overlay", "flop")
+        self.refused(65, "has no view 'film'", self.folder / "depth.exr", "--ocio",
+                     self.folder / "config.ocio", "--view", "film")
+        self.refused(64, "24 sets", *[reference] * 25)
         mine = self.folder / "mine"
         mine.mkdir()
         (mine / "letter").write_text("dear")
         self.assertEqual(neph(reference, "-o", mine).returncode, 64)
         self.assertEqual([path.name for path in mine.iterdir()], ["letter"])
+
+    def test_a_table_with_a_hole_is_told(self):
+        (self.folder / "torn.cube").write_text("LUT_3D_SIZE 2\n" + "0 1 0\n" * 7 + "nan 0 0\n")
+        (self.folder / "torn.ocio").write_text(OCIO.replace(
+            "!<MatrixTransform> {matrix: [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]}",
+            "!<FileTransform> {src: torn.cube, interpolation: best}"))
+        page = self.folder / "torn"
+        done = neph(self.folder / "reference.exr", "-o", page, "--ocio", self.folder / "torn.ocio")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("has 1 colours that are no numbers", done.stderr)
+        self.assertEqual(json.loads((page / "data.json").read_text())["cube"]["not_numbers"], 1)
 
     def test_pictures_for_a_display_are_linear_values_of_their_codes(self):
         codes = [(7 * i) % 256 for i in range(3 * PIXELS)]

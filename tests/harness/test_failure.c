@@ -49,7 +49,7 @@ static void test_verdicts(void **state)
 /* A suite of one row and two presets. */
 static bool passes(enum neph_failure_verdict a, enum neph_failure_verdict b, int *compared)
 {
-    struct neph_failure_cell cells[] = {{1.0, a, "", NULL}, {1.0, b, "", NULL}};
+    struct neph_failure_cell cells[] = {{1.0, a, "", NULL, NULL}, {1.0, b, "", NULL, NULL}};
     struct neph_failure_row row = {.cells = cells};
     struct neph_failure_suite suite = {.column_count = 2, .row_count = 1, .rows = &row};
     neph_failure_count(&suite);
@@ -423,10 +423,10 @@ static void test_the_worst_is_first(void **state)
     (void)state;
     const struct neph_failing_limit limit = {.limit = 2.0}, zero = {.limit = 0.0};
     struct neph_failure_cell cells[][2] = {
-        {{1.0, NEPH_FAILURE_PASS, "", NULL}, {3.0, NEPH_FAILURE_KNOWN_FAIL, "", NULL}},
-        {{3.0, NEPH_FAILURE_FAIL, "", NULL}, {NAN, NEPH_FAILURE_NOT_ASKED, "", NULL}},
-        {{1.0, NEPH_FAILURE_FAIL, "", NULL}, {NAN, NEPH_FAILURE_NO_NUMBER, "", NULL}},
-        {{9.0, NEPH_FAILURE_FAIL, "", NULL}, {0.5, NEPH_FAILURE_NEW_PASS, "", NULL}},
+        {{1.0, NEPH_FAILURE_PASS, "", NULL, NULL}, {3.0, NEPH_FAILURE_KNOWN_FAIL, "", NULL, NULL}},
+        {{3.0, NEPH_FAILURE_FAIL, "", NULL, NULL}, {NAN, NEPH_FAILURE_NOT_ASKED, "", NULL, NULL}},
+        {{1.0, NEPH_FAILURE_FAIL, "", NULL, NULL}, {NAN, NEPH_FAILURE_NO_NUMBER, "", NULL, NULL}},
+        {{9.0, NEPH_FAILURE_FAIL, "", NULL, NULL}, {0.5, NEPH_FAILURE_NEW_PASS, "", NULL, NULL}},
     };
     struct neph_failure_row rows[] = {{.limit = &limit, .cells = cells[0]},
                                       {.limit = &limit, .cells = cells[1]},

@@ -59,7 +59,7 @@ static void start(void **state, struct fixture *fixture)
             .title = words,
             .failing = {words, words, words, nobody, .width_px = 96, .height_px = 54}};
         fixture->listed[i] = &fixture->scenes[i];
-        fixture->cells[i] = (struct neph_failure_cell){NAN, NEPH_FAILURE_NOT_YET, "", NULL};
+        fixture->cells[i] = (struct neph_failure_cell){NAN, NEPH_FAILURE_NOT_YET, "", NULL, NULL};
         fixture->rows[i] = (struct neph_failure_row){.scene = &fixture->scenes[i],
                                                      .point = "",
                                                      .limit = &fixture->limit,
@@ -71,7 +71,7 @@ static void start(void **state, struct fixture *fixture)
 static void fail_cell(struct fixture *fixture, int number, double value)
 {
     fixture->cells[number] = (struct neph_failure_cell){value, NEPH_FAILURE_FAIL, "",
-                                                        fixture->exhibits[number]};
+                                                        fixture->exhibits[number], NULL};
 }
 
 /* Which scenes have evidence, as bits; pictures that lie in the folder are as many. */

@@ -95,6 +95,13 @@ static void two_phases(struct stage *stage)
     henyey_greenstein(stage);
 }
 
+/* The others render the fog, and look at nothing else of it. */
+static void look(struct stage *stage)
+{
+    medium_of(stage)->bounds = everywhere;
+    stage->test.scene.fog_look = (struct neph_fog_look){.present = true, .max_opacity = 1.0};
+}
+
 static void emission(struct stage *stage)
 {
     medium_of(stage)->emission_w_per_m2_sr = white;
@@ -149,6 +156,13 @@ static void moving_solid(struct stage *stage)
     stage->test.scene.frame_count = 11;
 }
 
+static void lights(struct stage *stage)
+{
+    stage->test.scene.light_count = 1;
+    stage->test.scene.lights[0] = (struct neph_light){.position_m = {0.0, 3.0, -4.0},
+                                                      .intensity_w_per_sr = {1.0, 1.0, 1.0}};
+}
+
 static void wind(struct stage *stage)
 {
     stage->wind_keys[0].velocity_m_per_s = (struct neph_vec3){1, 0, 0};
@@ -177,6 +191,7 @@ static const struct feature {
     {"`homogeneous`", KIND(HOMOGENEOUS), ANY_LIGHT, NULL},
     {"`height_fog`", KIND(HEIGHT_FOG), ANY_LIGHT, NULL},
     {"`height_fog` without bounds", KIND(HEIGHT_FOG), ANY_LIGHT, endless},
+    {"`fog_look`, or physics in its place", KIND(HEIGHT_FOG), ANY_LIGHT, look},
     {"`gaussian`", KIND(GAUSSIAN), ANY_LIGHT, NULL},
     {"`shell`", KIND(SHELL), ANY_LIGHT, NULL},
     {"`grid`, `volume`, `voxels`", KIND(GRID), ANY_LIGHT, NULL},
@@ -192,6 +207,7 @@ static const struct feature {
     {"`emission_w_per_m2_sr`, seen", ANY_KIND, LIGHT(NONE) | LIGHT(SINGLE), emission},
     {"`emission_w_per_m2_sr`, scattered", ANY_KIND, LIGHT(MULTIPLE), emission},
     {"`environment_light`", ANY_KIND, ANY_LIGHT, environment},
+    {"`lights`", ANY_KIND, ANY_LIGHT, lights},
     {"`solids`", ANY_KIND, ANY_LIGHT, solids},
     {"`orthographic_height_m`", ANY_KIND, ANY_LIGHT, orthographic},
     {"`camera.keys`", ANY_KIND, ANY_LIGHT, moving_camera},

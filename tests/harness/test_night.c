@@ -6,6 +6,8 @@
 #include "tests/base/scratch.h"
 
 #include "base/exr.h"
+#include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/night/compare.h"
 #include "harness/night/readers.h"
 #include "harness/run/history.h"
@@ -41,6 +43,56 @@ static void test_the_full_tier_goes_on_with_the_series_of_the_quick_one(void **s
     for (int i = 0; i < full.count; i++)
         for (int k = 0; k < i; k++)
             assert_string_not_equal(full.steps[i].name, full.steps[k].name);
+    neph_arena_finish(&arena);
+}
+
+/* `neph benchmark` refuses a scene that one of its engines cannot render. */
+static void test_what_is_timed_can_be_rendered(void **state)
+{
+    (void)state;
+    static const char *const timed[] = {"march", "realtime"};
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan plan;
+    char reason[512];
+    int count = 0;
+    make_plan(&arena, "full", NULL, &plan);
+    for (int i = 0; i < plan.count; i++) {
+        struct neph_scene *scene = NULL;
+        struct neph_diag diag = {0};
+        if (plan.steps[i].suite != NEPH_NIGHT_SPEED)
+            continue;
+        neph_assert_ok(neph_data_load_scene(plan.steps[i].words[1], &scene, &diag), &diag);
+        for (size_t e = 0; e < COUNT(timed); e++, count++) {
+            const struct neph_engine *engine = neph_engine_find(timed[e]);
+            const struct neph_settings settings = neph_settings_default(engine);
+            assert_true(engine->can_render(scene, &settings, reason, sizeof(reason)));
+        }
+        neph_scene_destroy(scene);
+    }
+    assert_true(count >= 6);
+    neph_arena_finish(&arena);
+}
+
+/* Engines and seeds that are asked for are those of the catalogue alone. */
+static void test_what_is_asked_for_goes_to_the_catalogue(void **state)
+{
+    (void)state;
+    const char *const engines[] = {"command"};
+    const struct neph_night_plan_params params = {
+        .tier = "quick", .engines = engines, .engine_count = 1, .seed = 3};
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan plan;
+    neph_assert_ok(neph_night_plan_make(&params, &arena, &plan, NULL), NULL);
+    for (int i = 0; i < plan.count; i++) {
+        bool has_engine = false, has_seed = false;
+        for (int w = 1; plan.steps[i].words[w]; w++) {
+            const char *before = plan.steps[i].words[w - 1], *word = plan.steps[i].words[w];
+            has_engine |= strcmp(before, "-e") == 0 && strcmp(word, "command") == 0;
+            has_seed |= strcmp(before, "--seed") == 0 && strcmp(word, "3") == 0;
+        }
+        assert_int_equal(has_engine, plan.steps[i].suite == NEPH_NIGHT_CATALOG);
+        assert_int_equal(has_seed, plan.steps[i].suite == NEPH_NIGHT_CATALOG);
+    }
     neph_arena_finish(&arena);
 }
 
@@ -297,8 +349,8 @@ static void test_a_night_without_a_baseline_compares_nothing(void **state)
 {
     struct bench bench;
     struct neph_night_comparison c;
-    const struct neph_measurement number = {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN,
-                                            "D"};
+    const struct neph_measurement number = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
     open_bench(state, &bench);
     const int64_t first = add_night(&bench, &fog_step, &number, 1, true);
     const int64_t night = add_night(&bench, &fog_step, &number, 1, false);
@@ -321,22 +373,22 @@ static void test_a_night_without_a_baseline_compares_nothing(void **state)
 static void test_what_is_found_in_a_night(void **state)
 {
     const struct neph_measurement before[] = {
-        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D"},
-        {FOG("1", "radiance rel_bias/exact"), "fixed", -0.1, NAN, "D"},
-        {FOG("1", "radiance p99/exact"), "fixed", 0.5, NAN, "D"},
-        {FOG("1", "transmittance max_abs/exact"), "fixed", 0.01, NAN, "D"},
-        {FOG("1", "contrast"), "picture", 3.0, NAN, "D"},
-        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B"},
-        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.5, 0.1, "Blender 3.4"},
-        {"catalog/sea@1/march/radiance p99/exact", "fixed", 0.5, NAN, "D"}};
+        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""},
+        {FOG("1", "radiance rel_bias/exact"), "fixed", -0.1, NAN, "D", ""},
+        {FOG("1", "radiance p99/exact"), "fixed", 0.5, NAN, "D", ""},
+        {FOG("1", "transmittance max_abs/exact"), "fixed", 0.01, NAN, "D", ""},
+        {FOG("1", "contrast"), "picture", 3.0, NAN, "D", ""},
+        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B", ""},
+        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.5, 0.1, "Blender 3.4", ""},
+        {"catalog/sea@1/march/radiance p99/exact", "fixed", 0.5, NAN, "D", ""}};
     const struct neph_measurement tonight[] = {
-        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.26, NAN, "D"},
-        {FOG("1", "radiance rel_bias/exact"), "fixed", 0.05, NAN, "D"},
-        {FOG("1", "radiance p99/exact"), "fixed", 0.5001, NAN, "D"},
-        {FOG("1", "contrast"), "picture", 0.0, NAN, "D"},
-        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B"},
-        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.9, 0.1, "Blender 3.6"},
-        {"catalog/sea@2/march/radiance p99/exact", "fixed", 0.7, NAN, "D"}};
+        {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.26, NAN, "D", ""},
+        {FOG("1", "radiance rel_bias/exact"), "fixed", 0.05, NAN, "D", ""},
+        {FOG("1", "radiance p99/exact"), "fixed", 0.5001, NAN, "D", ""},
+        {FOG("1", "contrast"), "picture", 0.0, NAN, "D", ""},
+        {"catalog/fog@1/cycles/contrast", "picture", 0.0, NAN, "B", ""},
+        {"catalog/fog@1/cycles/radiance p99/exact", "drawn", 0.9, 0.1, "Blender 3.6", ""},
+        {"catalog/sea@2/march/radiance p99/exact", "fixed", 0.7, NAN, "D", ""}};
     static const struct {
         enum neph_found found;
         const char *series; /* its end */
@@ -366,8 +418,8 @@ static void test_what_is_found_in_a_night(void **state)
 
 static void test_another_size_and_a_broken_step(void **state)
 {
-    const struct neph_measurement number = {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN,
-                                            "D"};
+    const struct neph_measurement number = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
     struct neph_history_step step = fog_step;
     struct bench bench;
     struct neph_night_comparison c;
@@ -393,8 +445,8 @@ static void test_another_size_and_a_broken_step(void **state)
 static void test_a_busy_machine_fails_no_night(void **state)
 {
     const struct neph_measurement numbers[] = {
-        {"speed/fog@1/march/evaluations", "fixed", 42.0, NAN, "D"},
-        {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host"}};
+        {"speed/fog@1/march/evaluations", "fixed", 42.0, NAN, "D", ""},
+        {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host", ""}};
     const struct {
         int first, count; /* of the numbers that tonight has */
         double calibration_s;
@@ -423,10 +475,10 @@ static void test_acceptances_of_a_series(void **state)
 {
     const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
                                                                                    "p99/exact");
-    const struct neph_measurement old[] = {{a, "fixed", 0.25, NAN, "D"},
-                                           {b, "fixed", 0.5, NAN, "D"}},
-                                  new[] = {{a, "fixed", 0.30, NAN, "D"},
-                                           {b, "fixed", 0.6, NAN, "D"}};
+    const struct neph_measurement old[] = {{a, "fixed", 0.25, NAN, "D", ""},
+                                           {b, "fixed", 0.5, NAN, "D", ""}},
+                                  new[] = {{a, "fixed", 0.30, NAN, "D", ""},
+                                           {b, "fixed", 0.6, NAN, "D", ""}};
     struct bench bench;
     struct neph_night_comparison c;
     open_bench(state, &bench);
@@ -452,8 +504,8 @@ static void test_what_was_accepted_by_itself_is_missed(void **state)
 {
     const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
                                                                                    "p99/exact");
-    const struct neph_measurement numbers[] = {{a, "fixed", 0.25, NAN, "D"},
-                                               {b, "fixed", 0.5, NAN, "D"}};
+    const struct neph_measurement numbers[] = {{a, "fixed", 0.25, NAN, "D", ""},
+                                               {b, "fixed", 0.5, NAN, "D", ""}};
     struct bench bench;
     struct neph_night_comparison c;
     open_bench(state, &bench);
@@ -481,7 +533,8 @@ static void test_nights_that_were_worse_are_set_aside(void **state)
 {
     struct bench bench;
     struct neph_night_comparison c;
-    struct neph_measurement number = {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host"};
+    struct neph_measurement number = {
+        "speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host", ""};
     open_bench(state, &bench);
     for (int i = 0; i < 30; i++) {
         const bool is_slow = i >= 10;
@@ -505,6 +558,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_full_tier_goes_on_with_the_series_of_the_quick_one),
+        cmocka_unit_test(test_what_is_timed_can_be_rendered),
+        cmocka_unit_test(test_what_is_asked_for_goes_to_the_catalogue),
         cmocka_unit_test(test_plans_that_differ_are_told_apart),
         cmocka_unit_test(test_what_tells_most_a_second_comes_first),
         scratch_test(test_results_of_the_catalogue),

@@ -111,8 +111,8 @@ static int64_t make_night(struct neph_store *store, const char *revision, double
     const struct neph_history_night who = {"quick", revision, "program", "host"};
     const struct neph_history_step step = {"validate fog", "done", "", "8x6", 1.5, NAN};
     const struct neph_measurement numbers[] = {
-        {"fog/march/radiance/rel_rmse/all", "fixed", value, NAN, "device"},
-        {"fog/march/transmittance/max_abs/all", "fixed", NAN, NAN, "device"}};
+        {"fog/march/radiance/rel_rmse/all", "fixed", value, NAN, "device", "c0ffee"},
+        {"fog/march/transmittance/max_abs/all", "fixed", NAN, NAN, "device", ""}};
     neph_assert_ok(neph_store_index(store, &index, &diag), &diag);
     neph_assert_ok(
         neph_history_begin(index, neph_store_folder(store), &who, &night, &resumed, &diag), &diag);
@@ -591,7 +591,7 @@ static void test_a_night_that_was_killed_goes_on(void **state)
     const struct neph_history_night who = {"quick", "a", "program", "host"},
                                     other = {"quick", "b", "program", "host"};
     const struct neph_history_step step = {"validate fog", "done", "", "8x6", 1.5, NAN};
-    const struct neph_measurement number = {"fog", "fixed", 1.0, NAN, "device"};
+    const struct neph_measurement number = {"fog", "fixed", 1.0, NAN, "device", ""};
     int64_t first = 0, second = 0, count = 0;
     bool resumed = true;
     neph_assert_ok(neph_store_index(store, &index, NULL), NULL);

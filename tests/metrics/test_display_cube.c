@@ -18,6 +18,7 @@ static const char config_text[] =
     "  screen:\n"
     "    - !<View> {name: swapped, colorspace: swapped}\n"
     "    - !<View> {name: raw, colorspace: linear}\n"
+    "    - !<View> {name: torn, colorspace: torn}\n"
     "colorspaces:\n"
     "  - !<ColorSpace> {name: linear}\n"
     "  - !<ColorSpace>\n"
@@ -25,7 +26,14 @@ static const char config_text[] =
     "    from_scene_reference: !<GroupTransform>\n"
     "      children:\n"
     "        - !<MatrixTransform> {matrix: [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]}\n"
-    "        - !<ExponentTransform> {value: [2, 2, 2, 1], direction: inverse}\n";
+    "        - !<ExponentTransform> {value: [2, 2, 2, 1], direction: inverse}\n"
+    "  - !<ColorSpace>\n"
+    "    name: torn\n"
+    "    from_scene_reference: !<FileTransform> {src: torn.cube, interpolation: nearest}\n";
+
+/* One of its eight colours is none. */
+static const char torn_text[] = "LUT_3D_SIZE 2\n"
+                                "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\nnan nan nan\n";
 
 enum { SIDE = NEPH_DISPLAY_CUBE_SIDE };
 
@@ -76,6 +84,28 @@ static void test_a_view_by_name(void **state)
     neph_display_cube_finish(&cube);
 }
 
+/* Colours that are none are counted; OpenColorIO itself takes them for 0. */
+static void test_a_view_that_gives_no_numbers(void **state)
+{
+    char path[SCRATCH_PATH_MAX], torn[SCRATCH_PATH_MAX];
+    struct neph_display_choice choice = choice_of(state, path);
+    struct neph_display_cube cube;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, torn, "torn.cube"), torn_text, strlen(torn_text), NULL),
+        NULL);
+    choice.view = "torn";
+    neph_assert_ok(neph_display_cube_bake(&choice, &cube, &diag), &diag);
+    assert_int_equal(cube.not_numbers, 1);
+    for (int i = 0; i < 3 * SIDE * SIDE * SIDE; i++)
+        assert_true(isfinite(cube.nodes[0][i]));
+    neph_display_cube_finish(&cube);
+    choice.view = "raw";
+    neph_assert_ok(neph_display_cube_bake(&choice, &cube, &diag), &diag);
+    assert_int_equal(cube.not_numbers, 0);
+    neph_display_cube_finish(&cube);
+}
+
 static void refuse(struct neph_display_choice choice, enum neph_status wanted, const char *told)
 {
     struct neph_display_cube cube = {.knee = 7.0};
@@ -92,7 +122,7 @@ static void test_refusals_name_what_there_is(void **state)
     const struct neph_display_choice whole = choice_of(state, path);
     struct neph_display_choice wrong = whole;
     wrong.view = "film";
-    refuse(wrong, NEPH_ERR_INPUT, "no view 'film'; it has swapped, raw");
+    refuse(wrong, NEPH_ERR_INPUT, "no view 'film'; it has swapped, raw, torn");
     wrong = whole;
     wrong.display = "wall";
     wrong.view = "raw";
@@ -111,6 +141,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_nodes_are_the_view),
         scratch_test(test_a_view_by_name),
+        scratch_test(test_a_view_that_gives_no_numbers),
         scratch_test(test_refusals_name_what_there_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -41,7 +41,7 @@ static struct neph_gpu_diffusion_cell *cells_of(struct neph_vulkan *vulkan,
     struct neph_march_scene march = {.gpu = {.frame = NULL}};
     struct neph_gpu_diffusion_cell *found = NULL;
     struct neph_diag diag = {0};
-    struct neph_sun_cache_cost fill = {.dispatches = 0};
+    struct neph_sun_fill_cost fill = {.dispatches = 0};
     double gpu_s = 0.0;
     struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
     neph_assert_ok(neph_march_scene_create(vulkan, scene, &params, &march, &diag), &diag);
@@ -378,7 +378,7 @@ static struct neph_gpu_diffusion_cell *shown(const struct neph_scene *scene,
     const struct neph_march_moment moment = {.continues = continues};
     struct neph_gpu_diffusion_cell *found = NULL;
     struct neph_diag diag = {0};
-    struct neph_sun_cache_cost fill = {.dispatches = 0};
+    struct neph_sun_fill_cost fill = {.dispatches = 0};
     double gpu_s = 0.0;
     struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
     neph_assert_ok(neph_march_scene_show(scene, params, 0.0, &moment, march, &cost, &diag), &diag);

@@ -281,7 +281,7 @@ static size_t cache_bytes(struct neph_vulkan *vulkan, const struct neph_scene *s
     struct neph_diag diag = {0};
     neph_assert_ok(
         neph_gpu_scene_create(vulkan, scene, 0.0, WIDTH_PX, HEIGHT_PX, false, &gpu, &diag), &diag);
-    neph_assert_ok(neph_sun_cache_create(vulkan, scene, &gpu, &params, &cache, &diag), &diag);
+    neph_assert_ok(neph_sun_cache_create(vulkan, scene, &gpu, &params, 0, &cache, &diag), &diag);
     const size_t bytes = cache.nodes.size_bytes;
     neph_sun_cache_destroy(&cache);
     neph_gpu_scene_destroy(vulkan, &gpu);

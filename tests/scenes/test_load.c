@@ -53,6 +53,7 @@ static char *edited(const char *from, const char *to)
 #define VIEW "position_m: [0, 1, 5], look_at_m: [0, 1, 0]"
 #define LIGHT "direction: [0, 2, 0], irradiance_w_per_m2: [3, 3, 3]"
 #define MODE "scattering: single\n"
+#define LAMP "{position_m: [0, 1, 0], intensity_w_per_sr: [1, 1, 1], cone: "
 #define BLOB                                                                                       \
     "media:\n  - gaussian: {center_m: [0, 1, 0], width_m: 1, extinction_per_m: 1, albedo: [1, 1, " \
     "1]}"
@@ -109,6 +110,16 @@ static const struct bad {
      6, "at frame 7 the sun is opposite to where it is at frame 3 (sun.keys[0])"},
     {MODE, MODE "wind: {velocity_m_per_s: [1, 0, 0]}\n", 7, "no medium of the scene drifts"},
     {MODE, MODE "wind: {}\n", 7, "exactly one"},
+    {MODE, MODE "lights: [{position_m: [0, 1, 0]}]\n", 7, "intensity_w_per_sr"},
+    {MODE, MODE "lights: [{position_m: [0, 1, 0], intensity_w_per_sr: [1, -1, 0]}]\n", 7, "-1"},
+    {MODE, MODE "lights: [" LAMP "{axis: [0, 0, 0], inner_deg: 5, outer_deg: 9}}]\n", 7, "length"},
+    {MODE, MODE "lights: [" LAMP "{axis: [0, 1, 0], inner_deg: 9, outer_deg: 9}}]\n", 7,
+     "outer_deg"},
+    {MODE, MODE "lights: [" LAMP "{axis: [0, 1, 0], inner_deg: 5, outer_deg: 180}}]\n", 7, "179.9"},
+    {MODE,
+     MODE "solids: [{sphere: {center_m: [0, 1, 0], radius_m: 2, albedo: [1, 1, 1]}}]\n"
+          "lights: [{position_m: [0, 1, 0], intensity_w_per_sr: [1, 1, 1]}]\n",
+     8, "inside a solid"},
     {MODE, MODE "wind: {velocity_m_per_s: [1, 0, 1e6]}\n", 7, "1e6"},
     {MODE,
      MODE "wind: {velocity_m_per_s: [1, 0, 0], keys: [{frame: 0, velocity_m_per_s: [1, 0, 0]}]}\n",
@@ -381,6 +392,9 @@ static void test_hash_follows_the_physics(void **state)
         {"vertical_fov_deg: 40", "orthographic_height_m: 3"},
         {"direction: [0, 2, 0]", "direction: [0, 2, 1]"},
         {"scattering: single", "scattering: multiple"},
+        {MODE, MODE "lights: [{position_m: [0, 1, 0], intensity_w_per_sr: [1, 1, 1]}]\n"},
+        {MODE, MODE "lights: [" LAMP "{axis: [0, 1, 0], inner_deg: 5, outer_deg: 9}}]\n"},
+        {MODE, MODE "lights: [" LAMP "{axis: [0, 1, 0], inner_deg: 6, outer_deg: 9}}]\n"},
         {"scattering: single", "scattering: single\nenvironment_light: true"},
         {"max_m: [1, 2, 1]", "max_m: [1, 2, 1.5]"},
         {MODE, MODE "frames: {pauses: [{frame: 0, count: 1}]}\n"},

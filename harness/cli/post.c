@@ -1,0 +1,339 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph post`: frames of any renderer through the picture chain.
+ */
+#include "harness/cli/cli.h"
+
+#include "base/clock.h"
+#include "base/exr.h"
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "base/png.h"
+#include "base/text.h"
+#include "harness/compare/frame.h"
+#include "harness/compare/sequence.h"
+#include "harness/engines/vulkan_device.h"
+#include "harness/progress.h"
+#include "renderer/post/chain.h"
+#include "renderer/post/display.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct request {
+    struct neph_cli_shared shared;
+    const char *preset, *layer;
+    int seed;
+    bool list, png, stats;
+};
+
+static const struct neph_cli_option options[] = {
+    {"list", 0, NULL, "Stages, settings and presets, and nothing else", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, list)},
+    {"preset", 'p', "NAME", "A set of settings by name, before any --set", NEPH_CLI_WORD,
+     .at = offsetof(struct request, preset), .otherwise = "off"},
+    {.name = "set", .help = "A setting of the chain; may be given several times"},
+    {"layer", 0, "NAME", "Radiance is the channels NAME.R and so on (Blender: ViewLayer.Combined)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, layer)},
+    {"seed", 0, "N", "Of the grain", NEPH_CLI_INTEGER, .at = offsetof(struct request, seed),
+     .otherwise = "0", .minimum = 0, .maximum = INT_MAX},
+    {"png", 0, NULL, "An 8-bit PNG beside each EXR", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, png)},
+    {"stats", 0, NULL, "The device's time of each stage", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, stats)},
+    {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
+    {.name = "json"},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_operands operands = {.shown = "FRAMES..."};
+
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    if (!request->list && request->shared.operand_count == 0)
+        argp_error(state, "which frames?");
+    if (request->list && request->shared.operand_count > 0)
+        argp_error(state, "--list takes no frames");
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check,
+    .doc =
+        "Frames of any renderer through the picture chain: what stands between a frame and the "
+        "display.\v"
+        "FRAMES: " NEPH_SEQUENCE_HELP ". R G B are scene-linear radiance. DIR gets an EXR of each "
+        "by its own name: the linear light that an sRGB display makes of the picture, 1 being its "
+        "white, which `neph compare`, `flicker` and `view` know as a display's. Put the reference "
+        "through the same chain before you compare. Without tone mapping it is still radiance.\n\n"
+        "The device is lavapipe unless NEPH_VULKAN_DEVICE names part of another's name.\n\n"
+        "Examples:\n"
+        "  neph post --list\n"
+        "  neph post out/cloud.exr -p unreal -s exposure_ev=1 --png\n"
+        "  neph post 'half/frame.*.exr' -s upscale=lanczos -s screen_percent=50 -o full",
+};
+
+/* ---- the list -------------------------------------------------------------------------------- */
+
+static const char *size_of(const struct neph_post_stage *stage)
+{
+    static const char *const sizes[] = {
+        [NEPH_POST_MAKES_PICTURE] = "the size that it gets",
+        [NEPH_POST_MAKES_LARGER] = "the display's size",
+        [NEPH_POST_MAKES_TABLE] = "a table",
+    };
+    return sizes[stage->makes];
+}
+
+static json_t *list_json(void)
+{
+    json_t *stages = json_array(), *presets = json_array();
+    for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
+        neph_json_add(&stages,
+                      json_pack("{s:s, s:s, s:s, s:s}", "name", s->name, "note", s->note, "setting",
+                                neph_post_options[s->settings[1]].name, "makes", size_of(s)));
+    for (const struct neph_preset *p = neph_post_presets; p->name; p++)
+        neph_json_add(&presets, json_pack("{s:s, s:s, s:s}", "name", p->name, "summary", p->summary,
+                                          "settings", p->assignments));
+    return json_pack("{s:o, s:o, s:o}", "stages", stages, "settings",
+                     neph_cli_options_json(neph_post_options), "presets", presets);
+}
+
+static enum neph_status list(bool as_json, struct neph_diag *diag)
+{
+    if (as_json)
+        return neph_cli_print_json(list_json(), diag);
+    printf("stages, in their order\n");
+    for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
+        printf("    %-17s %s; on with %s\n", s->name, s->note,
+               neph_post_options[s->settings[1]].name);
+    printf("settings\n");
+    neph_cli_print_options(neph_post_options);
+    printf("presets, each the defaults with\n");
+    for (const struct neph_preset *p = neph_post_presets; p->name; p++)
+        printf("    %-10s %s\n               %s\n", p->name, p->summary,
+               p->assignments[0] ? p->assignments : "(nothing else)");
+    return NEPH_OK;
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+/* A chain and what goes through it. */
+struct work {
+    const struct request *request;
+    struct neph_post_params params;
+    struct neph_vulkan *vulkan;
+    struct neph_sequence frames;
+    json_t *results;
+};
+
+static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    struct neph_settings *settings = &work->params.settings;
+    static const char owner[] = "the picture chain";
+    enum neph_status status = neph_options_preset(neph_post_options, owner, neph_post_presets,
+                                                  request->preset, settings, diag);
+    for (int i = 0; i < request->shared.settings.count && !status; i++)
+        status = neph_options_set(neph_post_options, owner, request->shared.settings.list[i],
+                                  settings, diag);
+    if (status) {
+        if (diag && !diag->hint[0])
+            neph_hint(diag, "`neph post --list` explains them");
+        return status;
+    }
+    for (const struct neph_post_stage *stage = neph_post_stages; stage->name; stage++)
+        if (neph_post_is_on(stage, settings))
+            return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "all stages of the chain are off");
+    neph_hint(diag, "give a --preset, or --set; `neph post --list` explains them");
+    return NEPH_ERR_USAGE;
+}
+
+/* DIR/NAME.ending for FOLDER/NAME.ext; for the caller to free. */
+static char *path_for(const struct work *work, const char *frame, const char *ending)
+{
+    const char *slash = strrchr(frame, '/'), *name = slash ? slash + 1 : frame;
+    const char *dot = strrchr(name, '.');
+    return neph_format("%s/%.*s.%s", work->request->shared.output,
+                       (int)(dot ? (size_t)(dot - name) : strlen(name)), name, ending);
+}
+
+static int by_text(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat one, other;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
+           one.st_ino == other.st_ino;
+}
+
+/* Two frames of one name, or one that would be written over. */
+static enum neph_status check_paths(const struct work *work, char **paths, struct neph_diag *diag)
+{
+    const int count = work->frames.count;
+    for (int i = 0; i < count; i++)
+        if (is_same_file(work->frames.paths[i], paths[i]))
+            return neph_fail(diag, NEPH_ERR_USAGE, "'%s' would be written over itself: -o DIR",
+                             paths[i]);
+    qsort(paths, (size_t)count, sizeof(*paths), by_text);
+    for (int i = 1; i < count; i++)
+        if (strcmp(paths[i - 1], paths[i]) == 0)
+            return neph_fail(diag, NEPH_ERR_USAGE, "two of the frames would both be '%s'",
+                             paths[i]);
+    return NEPH_OK;
+}
+
+static enum neph_status check_names(const struct work *work, struct neph_diag *diag)
+{
+    const int count = work->frames.count;
+    char **paths = calloc((size_t)count, sizeof(*paths));
+    enum neph_status status = paths ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < count && !status; i++) {
+        paths[i] = path_for(work, work->frames.paths[i], "exr");
+        status = paths[i] ? NEPH_OK : neph_fail_memory(diag);
+    }
+    if (!status)
+        status = check_paths(work, paths, diag);
+    for (int i = 0; i < count && paths; i++)
+        free(paths[i]);
+    free(paths);
+    return status;
+}
+
+static enum neph_status write_png(const struct work *work, const struct neph_image *picture,
+                                  const char *path, struct neph_diag *diag)
+{
+    uint8_t *codes = malloc(3 * neph_image_pixel_count(picture));
+    if (!codes)
+        return neph_fail_memory(diag);
+    neph_post_codes(&work->params.settings, picture, codes);
+    const enum neph_status status = neph_png_write_rgb8(path, picture->width_px, picture->height_px,
+                                                        codes, diag);
+    free(codes);
+    return status;
+}
+
+static enum neph_status show(const struct neph_settings *settings, struct neph_image *picture,
+                             struct neph_diag *diag)
+{
+    neph_post_show(settings, picture);
+    return neph_image_set_attribute(picture, NEPH_DISPLAY_ATTRIBUTE, diag, "sRGB");
+}
+
+static enum neph_status write(const struct work *work, const char *frame,
+                              struct neph_image *picture, struct neph_diag *diag)
+{
+    const struct neph_settings *settings = &work->params.settings;
+    char *exr = path_for(work, frame, "exr"), *png = path_for(work, frame, "png");
+    char *text = neph_options_text(neph_post_options, settings);
+    enum neph_status status = exr && png && text ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && work->request->png)
+        status = write_png(work, picture, png, diag);
+    if (!status && neph_post_is_displayed(settings))
+        status = show(settings, picture, diag);
+    if (!status)
+        status = neph_image_set_attribute(picture, "neph.post", diag, "%s", text);
+    if (!status)
+        status = neph_exr_write(exr, picture, diag);
+    free(exr);
+    free(png);
+    free(text);
+    return status;
+}
+
+/* One line of the list that --json prints. */
+static void note(struct work *work, const char *frame, const struct neph_image *picture,
+                 const struct neph_post_stats *stats)
+{
+    json_t *stages = json_array();
+    for (int i = 0; neph_post_stages[i].name; i++) {
+        if (!neph_post_is_on(&neph_post_stages[i], &work->params.settings))
+            continue;
+        const double ms = 1e3 * stats->gpu_s[i];
+        if (work->request->stats && !work->request->shared.json)
+            printf("%s: %-17s %8.3f ms\n", frame, neph_post_stages[i].name, ms);
+        neph_json_add(&stages, json_pack("{s:s, s:o}", "name", neph_post_stages[i].name, "ms",
+                                         isfinite(ms) ? json_real(ms) : json_null()));
+    }
+    neph_json_add(&work->results,
+                  json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px", picture->width_px,
+                            "height_px", picture->height_px, "stages", stages));
+}
+
+static enum neph_status make(struct work *work, int index, struct neph_diag *diag)
+{
+    const char *path = work->frames.paths[index];
+    struct neph_image *frame = NULL, *picture = NULL;
+    struct neph_post_stats stats;
+    enum neph_status status = neph_frame_read(path, work->request->layer, 0, &frame, diag);
+    if (status)
+        return status;
+    work->params.frame = work->frames.numbers ? (int)work->frames.numbers[index] : index;
+    if (neph_image_attribute(frame, "encoding"))
+        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
+                           path);
+    if (!status)
+        status = neph_post_run(work->vulkan, &work->params, frame, &picture, &stats, diag);
+    if (!status)
+        status = write(work, path, picture, diag);
+    if (!status)
+        note(work, path, picture, &stats);
+    neph_image_destroy(picture);
+    neph_image_destroy(frame);
+    return status;
+}
+
+static enum neph_status make_all(struct work *work, struct neph_diag *diag)
+{
+    struct neph_progress progress = neph_progress_start(
+        work->request->shared.quiet || work->request->shared.json, work->frames.count);
+    enum neph_status status = check_names(work, diag);
+    if (!status)
+        status = neph_cli_open_folder(work->request->shared.output, diag);
+    if (!status)
+        status = neph_vulkan_open(&work->vulkan, diag);
+    for (int i = 0; i < work->frames.count && !status; i++) {
+        const double start_s = neph_wall_s();
+        if (neph_interrupted())
+            return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted after %d of %d pictures", i,
+                             work->frames.count);
+        neph_progress_begin(&progress, work->frames.paths[i]);
+        status = make(work, i, diag);
+        if (!status)
+            neph_progress_step(&progress, work->frames.paths[i], "done", neph_wall_s() - start_s);
+    }
+    return status;
+}
+
+enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    if (request.list)
+        return list(request.shared.json, diag);
+    struct work work = {.request = &request, .results = json_array()};
+    work.params.seed = (uint64_t)request.seed;
+    enum neph_status status = find_settings(&work, diag);
+    if (!status)
+        status = neph_sequence_find(request.shared.operand_count, request.shared.operands,
+                                    &work.frames, diag);
+    if (!status)
+        status = make_all(&work, diag);
+    if (!status && request.shared.json)
+        status = neph_cli_print_json(json_incref(work.results), diag);
+    json_decref(work.results);
+    neph_vulkan_destroy(work.vulkan);
+    neph_sequence_finish(&work.frames);
+    return status;
+}

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engine `fog_look`: a scene's height fog as game engines draw it, with the controls that its
+ * `fog_look` sets, in closed form. A look: what it is off by is told by `neph study fog`.
+ */
+#include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
+
+#include "harness/engines/frame_stats.h"
+#include "harness/engines/own_cost.h"
+#include "renderer/fog_look.h"
+#include "renderer/reach.h"
+#include "scenes/fog_translation.h"
+
+#include <math.h>
+
+/* In the order of the controls, behind the first two. */
+static const char *const control_words[] = {"all",
+                                            "none",
+                                            "sky_light",
+                                            "start_distance",
+                                            "end_distance",
+                                            "cutoff_distance",
+                                            "max_opacity",
+                                            "volumetric_fog_distance",
+                                            "observer_height_max",
+                                            "directional",
+                                            "directional_start",
+                                            NULL};
+
+enum { CONTROLS_ALL, CONTROLS_NONE, CONTROLS_FIRST };
+
+_Static_assert(sizeof(control_words) / sizeof(control_words[0]) ==
+                   CONTROLS_FIRST + NEPH_FOG_CONTROL_COUNT + 1,
+               "a word for each control");
+
+static const char *const sun_words[] = {"attenuated", "clear", NULL};
+
+enum { OPTION_MODEL, OPTION_CONTROLS, OPTION_SUN };
+
+static const struct neph_option options[] = {
+    [OPTION_MODEL] = {"model", NEPH_OPTION_CHOICE, NEPH_FOG_UNREAL, 0, 0, neph_fog_model_words,
+                      "whose formula: Unreal Engine's or Filament's"},
+    [OPTION_CONTROLS] = {"controls", NEPH_OPTION_CHOICE, CONTROLS_ALL, 0, 0, control_words,
+                         "which controls of the scene's fog_look are on: all, none, or one alone"},
+    [OPTION_SUN] = {"sun", NEPH_OPTION_CHOICE, 0, 0, 0, sun_words,
+                    "on solids: attenuated by the fog in closed form, or clear, as game engines "
+                    "have it"},
+    {.name = NULL},
+};
+
+/* directional_start is nothing by itself. */
+static unsigned controls_of(int choice)
+{
+    if (choice == CONTROLS_ALL)
+        return NEPH_FOG_CONTROLS_ALL;
+    if (choice == CONTROLS_NONE)
+        return 0;
+    const unsigned control = 1u << (choice - CONTROLS_FIRST);
+    return control == 1u << NEPH_FOG_DIRECTIONAL_START ? control | 1u << NEPH_FOG_DIRECTIONAL
+                                                       : control;
+}
+
+static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                       char *reason, size_t reason_size)
+{
+    const enum neph_fog_model model = (enum neph_fog_model)settings->values[OPTION_MODEL];
+    return neph_fog_look_is_of(scene, model, reason, reason_size) &&
+           neph_float32_reaches(scene, reason, reason_size);
+}
+
+static enum neph_status label(struct neph_image *frame, const struct neph_scene *scene,
+                              double gpu_s, struct neph_diag *diag)
+{
+    const int layers = scene->medium_count > 0 ? neph_fog_look_medium(scene)->layer_count : 0;
+    const double pixels = (double)neph_image_pixel_count(frame);
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {
+        {"density_evaluations", 0.0},
+        {"closed_forms", pixels * layers},
+        {"rays", pixels},
+        {"gpu_ms", 1e3 * gpu_s},
+    };
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]) && !status; i++)
+        status = neph_frame_stats_set(frame, numbers[i].name, numbers[i].value, diag);
+    return status;
+}
+
+static enum neph_status render_on(struct neph_vulkan *vulkan, const struct neph_shot *shot,
+                                  struct neph_image **frame, double *gpu_s, struct neph_diag *diag)
+{
+    const double *values = shot->settings.values;
+    const struct neph_fog_look_params params = {
+        .width_px = shot->width_px,
+        .height_px = shot->height_px,
+        .frame = shot->frame,
+        .look = neph_fog_look_only(&shot->scene->fog_look,
+                                   controls_of((int)values[OPTION_CONTROLS])),
+        .model = (enum neph_fog_model)values[OPTION_MODEL],
+        .sun_is_clear = values[OPTION_SUN] != 0.0,
+    };
+    struct neph_image *image = NULL;
+    enum neph_status status = neph_fog_look_frame(vulkan, shot->scene, &params, &image, gpu_s,
+                                                  diag);
+    if (!status)
+        status = label(image, shot->scene, *gpu_s, diag);
+    if (status)
+        neph_image_destroy(image);
+    else
+        *frame = image;
+    return status;
+}
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    const struct neph_stopwatch start = neph_stopwatch_start();
+    struct neph_vulkan *vulkan = NULL;
+    double gpu_s = NAN;
+    enum neph_status status = neph_vulkan_open(&vulkan, diag);
+    if (!status)
+        status = render_on(vulkan, shot, frame, &gpu_s, diag);
+    neph_vulkan_destroy(vulkan);
+    if (!status)
+        *cost = neph_own_cost(start, gpu_s);
+    return status;
+}
+
+const struct neph_engine neph_engine_fog_look = {
+    .name = "fog_look",
+    .summary = "height fog as game engines draw it, in closed form: a look, not physics",
+    .rung = NEPH_RUNG_MODEL,
+    .look = true,
+    .bias = "one colour of fog for all depths and directions; what its controls take and give is "
+            "in docs/fog.md",
+    .typical_s = 1.0,
+    .options = options,
+    .version = 1,
+    .probe = neph_vulkan_probe,
+    .can_render = can_render,
+    .render = render,
+};

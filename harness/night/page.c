@@ -1,0 +1,440 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/page.h"
+
+#include "base/clock.h"
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/night/output.h"
+#include "harness/night/page_pictures.h"
+#include "harness/night/readers.h"
+#include "harness/report/page.h"
+#include "harness/report/report_folder.h"
+#include "metrics/display.h"
+#include "metrics/significance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct neph_page_file page_files[] = {
+    {"night.html", "index.html"},
+    {"report.css", "report.css"},
+    {"night.js", "night.js"},
+    {NULL, NULL},
+};
+
+enum {
+    TREND_NIGHTS = 60,
+    LEAST_NIGHTS = 3 /* from so many on the nights have a spread */
+};
+
+struct neph_night_page {
+    struct neph_report_folder *folder; /* NULL until something is published */
+    struct neph_store *store;
+    const char *tier;
+    char *path;
+    size_t limit_bytes;
+};
+
+/* One publication. */
+struct work {
+    struct neph_night_page *page;
+    const struct neph_night *night;
+    struct neph_database *index;
+    struct neph_arena arena;
+    struct neph_night_pictures pictures;
+};
+
+/* ---- a series over the nights ---------------------------------------------------------------- */
+
+static json_t *point_json(struct neph_query *q)
+{
+    return json_pack("{s:I, s:o, s:o, s:s, s:s}", "night", (json_int_t)neph_query_integer(q, 0),
+                     "value", neph_json_number(neph_query_real(q, 1)), "standard_error",
+                     neph_json_number(neph_query_real(q, 2)), "environment", neph_query_text(q, 3),
+                     "judgement", neph_query_text(q, 4));
+}
+
+/* The last nights, oldest first. */
+static enum neph_status trend_of_series(struct work *work, const char *series, json_t **trend,
+                                        struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    json_t *points = json_array();
+    enum neph_status status = neph_query_begin(
+        work->index, &query, diag,
+        "SELECT * FROM (SELECT night, value, standard_error, environment, judgement FROM "
+        "measurements JOIN series ON series.id = series WHERE name = ? AND night <= ? ORDER BY "
+        "night DESC LIMIT ?) ORDER BY night",
+        "sii", series, work->night->id, (int64_t)TREND_NIGHTS);
+    while (!status && neph_query_next(query, &status, diag))
+        neph_json_add(&points, point_json(query));
+    neph_query_end(query);
+    if (!status)
+        status = neph_json_check(points, diag);
+    if (status)
+        json_decref(points);
+    else
+        *trend = points;
+    return status;
+}
+
+static enum neph_status trend_of_mean(struct work *work, const struct neph_finding *f,
+                                      json_t **trend, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    json_t *points = json_array();
+    int at = 0;
+    enum neph_status status = neph_query_begin(
+        work->index, &query, diag,
+        "SELECT id FROM nights WHERE id >= ? AND (ended_utc != '' OR id = ?) AND id <= ? ORDER BY "
+        "id",
+        "iii", f->accepted, work->night->id, work->night->id);
+    while (!status && at < f->trend_count && neph_query_next(query, &status, diag))
+        neph_json_add(&points, json_pack("{s:I, s:o, s:n, s:s, s:s}", "night",
+                                         (json_int_t)neph_query_integer(query, 0), "value",
+                                         neph_json_number(f->trend[at++]), "standard_error",
+                                         "environment", "", "judgement", ""));
+    neph_query_end(query);
+    if (!status)
+        status = neph_json_check(points, diag);
+    if (status)
+        json_decref(points);
+    else
+        *trend = points;
+    return status;
+}
+
+/* Where 95 of 100 nights without a change would lie: from the logarithms of the nights from the
+ * accepted one to the last, as if they did not hang together. JSON null of too few. */
+static json_t *range_json(const json_t *trend, int64_t accepted, int64_t tonight)
+{
+    double sum = 0.0, squares = 0.0;
+    int count = 0;
+    size_t i;
+    const json_t *point;
+    json_array_foreach(trend, i, point)
+    {
+        const int64_t night = json_integer_value(json_object_get(point, "night"));
+        const double value = neph_json_real(point, "value");
+        const bool counts = night >= accepted && night < tonight && value > 0.0 &&
+                            !neph_json_text(point, "judgement")[0];
+        sum += counts ? log(value) : 0.0;
+        squares += counts ? log(value) * log(value) : 0.0;
+        count += counts;
+    }
+    if (count < LEAST_NIGHTS)
+        return json_null();
+    const double mean = sum / count,
+                 variance = fmax(squares - sum * mean, 0.0) / (double)(count - 1),
+                 reach = neph_student_critical(0.05, count - 1) *
+                         sqrt(variance * (1.0 + 1.0 / count));
+    return json_pack("{s:f, s:f, s:i}", "low", exp(mean - reach), "high", exp(mean + reach),
+                     "nights", count);
+}
+
+static json_t *interval_json(const struct neph_finding *f)
+{
+    const double reach = neph_normal_critical(0.05) * f->standard_error;
+    return isfinite(reach) && isfinite(f->tonight)
+               ? json_pack("[f, f]", f->tonight - reach, f->tonight + reach)
+               : json_null();
+}
+
+/* ---- findings -------------------------------------------------------------------------------- */
+
+static enum neph_status read_text(struct work *work, const char **text, struct neph_diag *diag,
+                                  const char *question, const char *series, int64_t night)
+{
+    struct neph_query *query = NULL;
+    *text = "";
+    enum neph_status status = neph_query_begin(work->index, &query, diag, question, "si", series,
+                                               night);
+    if (!status && neph_query_next(query, &status, diag))
+        *text = neph_arena_text(&work->arena, neph_query_text(query, 0));
+    neph_query_end(query);
+    return status;
+}
+
+static enum neph_status frame_of(struct work *work, const char *series, int64_t night,
+                                 const char **key, struct neph_diag *diag)
+{
+    return read_text(work, key, diag,
+                     "SELECT frame FROM measurements JOIN series ON series.id = series WHERE name "
+                     "= ? AND night = ?",
+                     series, night);
+}
+
+/* A text, or null where there is none. */
+static json_t *word_json(const char *text)
+{
+    return text[0] ? json_string(text) : json_null();
+}
+
+static enum neph_status set_names(struct work *work, const struct neph_finding *f, json_t *json,
+                                  struct neph_diag *diag)
+{
+    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
+    const struct {
+        const char *key, *value;
+    } names[] = {{"suite", name.suite},
+                 {"scene", name.scene},
+                 {"engine", name.engine},
+                 {"metric", name.metric},
+                 {"truth", name.truth}};
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !status; i++)
+        status = neph_json_put(json, names[i].key, word_json(names[i].value), diag);
+    return status;
+}
+
+/* Of a mean the step of the scene that it is shown by. */
+static const char *step_of(const struct work *work, const struct neph_finding *f)
+{
+    const struct neph_night_comparison *c = &work->night->comparison;
+    for (int i = 0; !f->step[0] && i < c->series_count; i++)
+        if (strcmp(c->series[i].series, f->example) == 0)
+            return c->series[i].step;
+    return f->step;
+}
+
+static enum neph_status set_trend(struct work *work, const struct neph_finding *f, json_t *json,
+                                  struct neph_diag *diag)
+{
+    json_t *trend = NULL;
+    const char *kind = "";
+    enum neph_status status = f->trend ? trend_of_mean(work, f, &trend, diag)
+                                       : trend_of_series(work, f->example, &trend, diag);
+    if (!status)
+        status = read_text(work, &kind, diag,
+                           "SELECT kind FROM measurements JOIN series ON series.id = series WHERE "
+                           "name = ? AND night <= ? ORDER BY night DESC LIMIT 1",
+                           f->example, work->night->id);
+    if (!status && (f->trend || strcmp(kind, "timed") == 0))
+        status = neph_json_put(json, "range", range_json(trend, f->accepted, work->night->id),
+                               diag);
+    if (!status)
+        status = neph_json_put(json, "kind", word_json(f->trend ? "mean" : kind), diag);
+    if (status)
+        json_decref(trend);
+    return status ? status : neph_json_put(json, "trend", trend, diag);
+}
+
+static enum neph_status set_pictures(struct work *work, const struct neph_finding *f, json_t *json,
+                                     struct neph_diag *diag)
+{
+    const char *accepted = "", *tonight = "";
+    json_t *shown = NULL;
+    enum neph_status status = frame_of(work, f->example, work->night->id, &tonight, diag);
+    if (!status && f->accepted > 0)
+        status = frame_of(work, f->example, f->accepted, &accepted, diag);
+    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
+    if (!status)
+        status = neph_night_pictures_pair(&work->pictures, name.scene, accepted, tonight, &shown,
+                                          diag);
+    return status ? status : neph_json_put(json, "shown", shown, diag);
+}
+
+/* What a reader needs of a finding, beside what nightly.json says. */
+static enum neph_status explain(struct work *work, const struct neph_finding *f, json_t *json,
+                                struct neph_diag *diag)
+{
+    char *command = neph_night_command(work->night, step_of(work, f));
+    enum neph_status status = command ? neph_json_put(json, "command", word_json(command), diag)
+                                      : neph_fail_memory(diag);
+    free(command);
+    if (!status)
+        status = set_names(work, f, json, diag);
+    if (!status)
+        status = neph_json_put(json, "interval", interval_json(f), diag);
+    if (!status)
+        status = set_trend(work, f, json, diag);
+    return status ? status : set_pictures(work, f, json, diag);
+}
+
+static enum neph_status explain_all(struct work *work, json_t *document, struct neph_diag *diag)
+{
+    const struct neph_night_comparison *c = &work->night->comparison;
+    json_t *findings = json_object_get(document, "findings");
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < c->finding_count && !status; i++)
+        status = explain(work, &c->findings[i], json_array_get(findings, (size_t)i), diag);
+    return status;
+}
+
+/* ---- scenes ---------------------------------------------------------------------------------- */
+
+static enum neph_status read_frames(struct work *work, json_t *frames, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        work->index, &query, diag,
+        "SELECT name, frame FROM measurements JOIN series ON series.id = series WHERE night = ? "
+        "AND frame != '' ORDER BY name",
+        "i", work->night->id);
+    while (!status && neph_query_next(query, &status, diag)) {
+        const struct neph_night_name name = neph_night_split(&work->arena,
+                                                             neph_query_text(query, 0));
+        const char *of = neph_arena_format(&work->arena, "%s/%s/%s", name.suite, name.scene,
+                                           name.engine);
+        status = neph_json_put(frames, of, json_string(neph_query_text(query, 1)), diag);
+    }
+    neph_query_end(query);
+    return status;
+}
+
+/* "pictures": tonight's by SUITE/SCENE/ENGINE; "scenes": what each is. */
+static enum neph_status draw_scenes(struct work *work, json_t *document, struct neph_diag *diag)
+{
+    json_t *frames = json_object(), *drawn = json_object();
+    const char *of;
+    json_t *key;
+    enum neph_status status = frames && drawn ? read_frames(work, frames, diag)
+                                              : neph_fail_memory(diag);
+    json_object_foreach(frames, of, key)
+    {
+        json_t *picture = NULL;
+        const struct neph_night_name name = neph_night_split(&work->arena, of);
+        if (!status)
+            status = neph_night_pictures_one(&work->pictures, name.scene, json_string_value(key),
+                                             &picture, diag);
+        if (!status)
+            status = neph_json_put(drawn, of, picture, diag);
+    }
+    json_decref(frames);
+    if (status)
+        json_decref(drawn);
+    else
+        status = neph_json_put(document, "pictures", drawn, diag);
+    return status ? status
+                  : neph_json_put(document, "scenes", json_incref(work->pictures.scenes), diag);
+}
+
+/* ---- the document ---------------------------------------------------------------------------- */
+
+static json_t *colours_json(void)
+{
+    const struct neph_display_legend *legend = neph_display_difference_legend();
+    json_t *colours = json_array();
+    for (int i = 0; i < legend->stop_count; i++) {
+        const uint8_t *rgb = legend->stops[i].rgb;
+        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
+    }
+    return colours;
+}
+
+static enum neph_status set_head(const struct work *work, json_t *document, struct neph_diag *diag)
+{
+    char created[32];
+    neph_utc_now(created);
+    char *summary = neph_night_summary(work->night, work->page->tier);
+    const struct {
+        const char *key;
+        json_t *value;
+    } head[] = {{"format", json_string("neph-night-page-1")},
+                {"state", json_string(work->night->is_over ? "finished" : "running")},
+                {"created_utc", json_string(created)},
+                {"neph_version", json_string(NEPH_VERSION)},
+                {"summary", summary ? json_string(summary) : NULL},
+                {"difference_colours", colours_json()}};
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(head) / sizeof(head[0]); i++) {
+        const enum neph_status put = neph_json_put(document, head[i].key, head[i].value,
+                                                   status ? NULL : diag);
+        status = status ? status : put;
+    }
+    free(summary);
+    return status;
+}
+
+static enum neph_status fill(struct work *work, json_t *document, struct neph_diag *diag)
+{
+    enum neph_status status = set_head(work, document, diag);
+    if (!status && work->night->is_over)
+        status = explain_all(work, document, diag);
+    if (!status && work->night->is_over)
+        status = draw_scenes(work, document, diag);
+    return status ? status
+                  : neph_json_put(document, "page",
+                                  json_pack("{s:I, s:I, s:i}", "limit_bytes",
+                                            (json_int_t)work->page->limit_bytes, "bytes",
+                                            (json_int_t)work->pictures.bytes, "left_out",
+                                            work->pictures.left_out),
+                                  diag);
+}
+
+/* ---- the page -------------------------------------------------------------------------------- */
+
+enum neph_status neph_night_page_open(const char *output, const char *tier,
+                                      struct neph_store *store, size_t limit_bytes,
+                                      struct neph_night_page **page, struct neph_diag *diag)
+{
+    struct neph_night_page *opened = calloc(1, sizeof(*opened));
+    if (!opened)
+        return neph_fail_memory(diag);
+    *opened = (struct neph_night_page){.store = store, .tier = tier, .limit_bytes = limit_bytes};
+    opened->path = neph_path_join(output, "nightly/report");
+    if (!opened->path) {
+        neph_night_page_close(opened);
+        return neph_fail_memory(diag);
+    }
+    *page = opened;
+    return NEPH_OK;
+}
+
+void neph_night_page_close(struct neph_night_page *page)
+{
+    if (!page)
+        return;
+    neph_report_folder_close(page->folder);
+    free(page->path);
+    free(page);
+}
+
+/* Not before there is something to show: another night may be at work there. */
+static enum neph_status have_folder(struct neph_night_page *page, struct neph_diag *diag)
+{
+    if (page->folder)
+        return NEPH_OK;
+    const enum neph_status status = neph_report_folder_open(page->path, &page->folder, diag);
+    return status ? status
+                  : neph_page_copy(neph_report_folder_work(page->folder), page_files, diag);
+}
+
+static enum neph_status put(const struct neph_night_page *page, const json_t *document,
+                            struct neph_diag *diag)
+{
+    struct neph_scratch *fresh = NULL;
+    enum neph_status status = neph_report_folder_begin(page->folder, &fresh, diag);
+    if (!status)
+        status = neph_page_write_data(neph_scratch_path(fresh), "NEPH_NIGHT", document, diag);
+    if (!status)
+        status = neph_report_folder_exchange(page->folder, fresh, diag);
+    neph_scratch_destroy(fresh);
+    return status;
+}
+
+enum neph_status neph_night_page_publish(const struct neph_night *night, void *page_,
+                                         struct neph_diag *diag)
+{
+    struct work work = {.page = page_, .night = night};
+    json_t *document = neph_night_json(night, work.page->tier);
+    enum neph_status status = document ? have_folder(work.page, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = neph_night_pictures_begin(&work.pictures, work.page->store,
+                                           neph_report_folder_work(work.page->folder),
+                                           work.page->limit_bytes, diag);
+    if (!status)
+        status = neph_store_index(work.page->store, &work.index, diag);
+    if (!status)
+        status = fill(&work, document, diag);
+    if (!status)
+        status = neph_arena_check(&work.arena, diag);
+    if (!status)
+        status = put(work.page, document, diag);
+    neph_database_close(work.index);
+    neph_night_pictures_end(&work.pictures);
+    neph_arena_finish(&work.arena);
+    json_decref(document);
+    return status;
+}

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/page_pictures.h"
+
+#include "base/exr.h"
+#include "base/files.h"
+#include "base/png.h"
+#include "harness/data.h"
+#include "metrics/display.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* The share of pixels whose difference may lie beyond the scale. */
+static const double beyond_share = 0.01;
+
+enum neph_status neph_night_pictures_begin(struct neph_night_pictures *pictures,
+                                           struct neph_store *store, const char *page_folder,
+                                           size_t limit_bytes, struct neph_diag *diag)
+{
+    *pictures = (struct neph_night_pictures){.store = store,
+                                             .folder = neph_path_join(page_folder, "images"),
+                                             .scenes = json_object(),
+                                             .counted = json_object(),
+                                             .limit_bytes = limit_bytes};
+    if (!pictures->folder || !pictures->scenes || !pictures->counted)
+        return neph_fail_memory(diag);
+    return neph_dir_create(pictures->folder, diag);
+}
+
+void neph_night_pictures_end(struct neph_night_pictures *pictures)
+{
+    free(pictures->folder);
+    json_decref(pictures->scenes);
+    json_decref(pictures->counted);
+    *pictures = (struct neph_night_pictures){.folder = NULL};
+}
+
+/* ---- scenes ---------------------------------------------------------------------------------- */
+
+static json_t *describe(const char *name)
+{
+    struct neph_scene *scene = NULL;
+    if (neph_data_load_scene(name, &scene, NULL)) /* it is no more, or it is of another folder */
+        return json_pack("{s:s, s:f}", "title", name, "exposure_ev", 0.0);
+    json_t *json = json_pack("{s:o, s:f}", "title", neph_json_cleaned(scene->title), "exposure_ev",
+                             scene->exposure_ev);
+    neph_scene_destroy(scene);
+    return json;
+}
+
+static enum neph_status exposure_of(struct neph_night_pictures *pictures, const char *scene,
+                                    double *exposure_ev, struct neph_diag *diag)
+{
+    char name[256];
+    snprintf(name, sizeof(name), "%.*s", (int)strcspn(scene, " @"), scene);
+    enum neph_status status = NEPH_OK;
+    if (!json_object_get(pictures->scenes, name))
+        status = neph_json_put(pictures->scenes, name, describe(name), diag);
+    *exposure_ev = neph_json_real(json_object_get(pictures->scenes, name), "exposure_ev");
+    return status;
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+struct frame {
+    struct neph_image *image; /* NULL: there is none to be shown */
+    char *path;
+    float *planes[3];
+};
+
+/* What cannot be read is none: somebody may clean the store. */
+static void open_frame(struct neph_night_pictures *pictures, const char *key, struct frame *frame)
+{
+    json_t *record = NULL;
+    *frame = (struct frame){.image = NULL};
+    if (!key[0] || !neph_store_find(pictures->store, key, &frame->path, &record))
+        return;
+    json_decref(record);
+    if (neph_exr_read(frame->path, &frame->image, NULL) == NEPH_OK &&
+        neph_image_rgb(frame->image, NULL, frame->planes))
+        return;
+    neph_image_destroy(frame->image);
+    frame->image = NULL;
+}
+
+static void close_frame(struct frame *frame)
+{
+    neph_image_destroy(frame->image);
+    free(frame->path);
+}
+
+static bool is_one_size(const struct frame *a, const struct frame *b)
+{
+    return a->image && b->image && a->image->width_px == b->image->width_px &&
+           a->image->height_px == b->image->height_px;
+}
+
+static double luminance(const struct frame *frame, size_t pixel)
+{
+    return 0.2126 * frame->planes[0][pixel] + 0.7152 * frame->planes[1][pixel] +
+           0.0722 * frame->planes[2][pixel];
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
+/* Count a picture that was drawn; one too many is removed, and `*fits` false. */
+static enum neph_status count_picture(struct neph_night_pictures *pictures, const char *name,
+                                      const char *path, bool *fits, struct neph_diag *diag)
+{
+    struct stat info;
+    const size_t bytes = stat(path, &info) == 0 ? (size_t)info.st_size : 0;
+    *fits = json_object_get(pictures->counted, name) ||
+            pictures->bytes + bytes <= pictures->limit_bytes;
+    if (!*fits) {
+        pictures->left_out++;
+        return neph_dir_remove(path, diag);
+    }
+    if (json_object_get(pictures->counted, name))
+        return NEPH_OK;
+    pictures->bytes += bytes;
+    return neph_json_put(pictures->counted, name, json_true(), diag);
+}
+
+/* Draw unless it is there: `reference` NULL: the frame as it is, else its difference from it. */
+static enum neph_status draw(const char *path, const struct frame *frame,
+                             const struct frame *reference, double exposure_or_scale,
+                             struct neph_diag *diag)
+{
+    const size_t count = neph_image_pixel_count(frame->image);
+    uint8_t *rgb = neph_path_exists(path) ? NULL : malloc(3 * count);
+    if (!rgb)
+        return neph_path_exists(path) ? NEPH_OK : neph_fail_memory(diag);
+    enum neph_status status = reference
+                                  ? neph_display_difference((const float *const *)reference->planes,
+                                                            (const float *const *)frame->planes, 3,
+                                                            count, exposure_or_scale, rgb, diag)
+                                  : neph_display_encode((const float *const *)frame->planes, count,
+                                                        exposure_or_scale, rgb, diag);
+    if (!status)
+        status = neph_png_write_rgb8(path, frame->image->width_px, frame->image->height_px, rgb,
+                                     diag);
+    free(rgb);
+    return status;
+}
+
+/* `*picture`: its name in the page's folder, or JSON null where the limit leaves no room. */
+static enum neph_status hang(struct neph_night_pictures *pictures, const char *name,
+                             const struct frame *frame, const struct frame *reference,
+                             double exposure_or_scale, json_t **picture, struct neph_diag *diag)
+{
+    bool fits = false;
+    char *path = neph_path_join(pictures->folder, name);
+    enum neph_status status = path ? draw(path, frame, reference, exposure_or_scale, diag)
+                                   : neph_fail_memory(diag);
+    if (!status)
+        status = count_picture(pictures, name, path, &fits, diag);
+    free(path);
+    if (!status)
+        *picture = fits ? json_sprintf("images/%s", name) : json_null();
+    return status;
+}
+
+static enum neph_status hang_frame(struct neph_night_pictures *pictures, const char *key,
+                                   const struct frame *frame, double exposure_ev, json_t **picture,
+                                   struct neph_diag *diag)
+{
+    char name[64];
+    snprintf(name, sizeof(name), "%.24s.png", key);
+    return hang(pictures, name, frame, NULL, exposure_ev, picture, diag);
+}
+
+static json_t *size_json(const struct frame *frame)
+{
+    return json_pack("[i, i]", frame->image->width_px, frame->image->height_px);
+}
+
+enum neph_status neph_night_pictures_one(struct neph_night_pictures *pictures, const char *scene,
+                                         const char *key, json_t **shown, struct neph_diag *diag)
+{
+    double exposure_ev = 0.0;
+    struct frame frame;
+    json_t *picture = NULL;
+    enum neph_status status = exposure_of(pictures, scene, &exposure_ev, diag);
+    open_frame(pictures, key, &frame);
+    if (!status && frame.image)
+        status = hang_frame(pictures, key, &frame, exposure_ev, &picture, diag);
+    if (!status)
+        *shown = frame.image && !json_is_null(picture)
+                     ? json_pack("{s:O, s:o}", "picture", picture, "size_px", size_json(&frame))
+                     : json_null();
+    json_decref(picture);
+    close_frame(&frame);
+    return status;
+}
+
+/* ---- differences ----------------------------------------------------------------------------- */
+
+static int by_size(const void *a_, const void *b_)
+{
+    const double a = *(const double *)a_, b = *(const double *)b_;
+    return (a > b) - (a < b);
+}
+
+/* 1, 2 or 5 times a power of ten, not below `least`. */
+static double even_above(double least)
+{
+    const double power = pow(10.0, floor(log10(least)));
+    return power * (least <= power         ? 1.0
+                    : least <= 2.0 * power ? 2.0
+                    : least <= 5.0 * power ? 5.0
+                                           : 10.0);
+}
+
+struct difference {
+    double scale, mean, changed; /* scale 0: no pixel differs */
+};
+
+static struct difference compare(const struct frame *accepted, const struct frame *tonight,
+                                 double *sizes)
+{
+    const size_t count = neph_image_pixel_count(tonight->image);
+    double sum = 0.0, sum_before = 0.0;
+    size_t changed = 0, finite = 0;
+    for (size_t i = 0; i < count; i++) {
+        bool same = true;
+        for (int c = 0; c < 3; c++)
+            same = same &&
+                   memcmp(&accepted->planes[c][i], &tonight->planes[c][i], sizeof(float)) == 0;
+        const double size = fabs(luminance(tonight, i) - luminance(accepted, i));
+        changed += !same;
+        if (!isfinite(size))
+            continue;
+        sizes[finite++] = size;
+        sum += size;
+        sum_before += luminance(accepted, i);
+    }
+    qsort(sizes, finite, sizeof(*sizes), by_size);
+    const size_t at = (size_t)((1.0 - beyond_share) * (double)finite);
+    const double high = finite ? sizes[at < finite ? at : finite - 1] : 0.0,
+                 most = finite ? sizes[finite - 1] : 0.0, least = high > 0.0 ? high : most;
+    return (struct difference){least > 0.0   ? even_above(least)
+                               : changed > 0 ? 1.0
+                                             : 0.0,
+                               sum_before > 0.0 ? sum / sum_before : NAN,
+                               (double)changed / (double)count};
+}
+
+static enum neph_status hang_difference(struct neph_night_pictures *pictures, const char *keys[2],
+                                        const struct frame frames[2], json_t **json,
+                                        struct neph_diag *diag)
+{
+    char name[64];
+    json_t *picture = json_null();
+    double *sizes = calloc(neph_image_pixel_count(frames[1].image), sizeof(*sizes));
+    if (!sizes)
+        return neph_fail_memory(diag);
+    const struct difference difference = compare(&frames[0], &frames[1], sizes);
+    free(sizes);
+    snprintf(name, sizeof(name), "%.12s-%.12s.png", keys[1], keys[0]);
+    const enum neph_status status = difference.scale > 0.0
+                                        ? hang(pictures, name, &frames[1], &frames[0],
+                                               difference.scale, &picture, diag)
+                                        : NEPH_OK;
+    if (!status)
+        *json = json_pack("{s:o, s:f, s:o, s:f}", "picture", picture, "scale", difference.scale,
+                          "mean", neph_json_number(difference.mean), "changed", difference.changed);
+    return status;
+}
+
+static json_t *frame_json(json_t *picture, const struct frame *frame)
+{
+    return frame->image ? json_pack("{s:o, s:o}", "picture", picture ? picture : json_null(), "exr",
+                                    neph_json_cleaned(frame->path))
+                        : json_null();
+}
+
+/* The accepted frame is 0, tonight's 1. */
+static enum neph_status show_pair(struct neph_night_pictures *pictures, const char *keys[2],
+                                  const struct frame frames[2], double exposure_ev, json_t **shown,
+                                  struct neph_diag *diag)
+{
+    json_t *drawn[2] = {NULL, NULL}, *difference = json_null();
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < 2 && !status; i++)
+        if (frames[i].image)
+            status = hang_frame(pictures, keys[i], &frames[i], exposure_ev, &drawn[i], diag);
+    if (!status && is_one_size(&frames[0], &frames[1]))
+        status = hang_difference(pictures, keys, frames, &difference, diag);
+    if (status) {
+        json_decref(drawn[0]);
+        json_decref(drawn[1]);
+        return status;
+    }
+    *shown = json_pack("{s:o, s:o, s:o, s:f, s:o}", "accepted", frame_json(drawn[0], &frames[0]),
+                       "tonight", frame_json(drawn[1], &frames[1]), "size_px",
+                       size_json(&frames[frames[1].image ? 1 : 0]), "exposure_ev", exposure_ev,
+                       "difference", difference);
+    return NEPH_OK;
+}
+
+enum neph_status neph_night_pictures_pair(struct neph_night_pictures *pictures, const char *scene,
+                                          const char *accepted, const char *tonight, json_t **shown,
+                                          struct neph_diag *diag)
+{
+    const char *keys[2] = {accepted, tonight};
+    struct frame frames[2];
+    double exposure_ev = 0.0;
+    for (int i = 0; i < 2; i++)
+        open_frame(pictures, keys[i], &frames[i]);
+    enum neph_status status = NEPH_OK;
+    *shown = json_null();
+    if (frames[0].image || frames[1].image) {
+        status = exposure_of(pictures, scene, &exposure_ev, diag);
+        if (!status)
+            status = show_pair(pictures, keys, frames, exposure_ev, shown, diag);
+    }
+    for (int i = 0; i < 2; i++)
+        close_frame(&frames[i]);
+    return status;
+}

@@ -1,0 +1,427 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/fog_study.h"
+
+#include "base/threads.h"
+#include "scenes/fog_translation.h"
+#include "scenes/media.h"
+#include "truth/fog_look.h"
+#include "truth/transport.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static double mean(struct neph_rgb rgb)
+{
+    return (rgb.r + rgb.g + rgb.b) / 3.0;
+}
+
+/* ---- what exact has -------------------------------------------------------------------------- */
+
+/* A ray from the camera; `near` is its fog before the look's start, by physics. */
+struct view {
+    struct neph_vec3 origin_m, direction;
+    double hit_m, behind;
+    double radiance, volume, transmittance;
+    double near_volume, near_transmittance;
+};
+
+struct work {
+    struct neph_fog_study *study;
+    double start_m; /* of the near fog */
+    int picture_count, view_count;
+    struct view *views; /* owned: the picture's, then the sphere's */
+};
+
+enum { VIEWS_OF_A_TASK = 256 };
+
+/* Radiance that leaves what a ray hits, seen from so near that no fog is before it. */
+static double behind_of(const struct neph_scene *scene, const struct view *view)
+{
+    if (isinf(view->hit_m))
+        return mean(scene->background_w_per_m2_sr);
+    const double near = 1.0 - 1e-9;
+    return mean(neph_transport_ray(
+                    scene, neph_vec3_along(view->origin_m, view->direction, near * view->hit_m),
+                    view->direction)
+                    .radiance);
+}
+
+/* The fog from a place on is what is left of the whole when that before it is taken away. */
+static void find_near(const struct neph_scene *scene, double start_m, struct view *view)
+{
+    view->near_volume = view->volume;
+    view->near_transmittance = view->transmittance;
+    if (start_m >= view->hit_m)
+        return;
+    const struct neph_vec3 from_m = neph_vec3_along(view->origin_m, view->direction, start_m);
+    const struct neph_ray_light rest = neph_transport_ray(scene, from_m, view->direction);
+    const double rest_depth =
+        neph_scene_optical_depth(scene, view->origin_m, view->direction, 0.0, start_m).r;
+    view->near_transmittance = exp(-rest_depth);
+    view->near_volume = view->volume - view->near_transmittance * mean(rest.volume);
+}
+
+static void look_at_exact(int task, void *context)
+{
+    struct work *work = context;
+    const struct neph_scene *scene = work->study->params->scene;
+    const int end = (task + 1) * VIEWS_OF_A_TASK;
+    for (int i = task * VIEWS_OF_A_TASK; i < end && i < work->view_count; i++) {
+        struct view *view = &work->views[i];
+        const struct neph_ray_light light = neph_transport_ray(scene, view->origin_m,
+                                                               view->direction);
+        view->hit_m = light.hit_m;
+        view->radiance = mean(light.radiance);
+        view->volume = mean(light.volume);
+        view->transmittance = mean(light.transmittance);
+        view->behind = behind_of(scene, view);
+        if (work->start_m > 0.0)
+            find_near(scene, work->start_m, view);
+    }
+}
+
+/* The same solid angle around each: a spiral of golden turns (R. Swinbank, R. J. Purser, "Fibonacci
+ * grids", Q. J. R. Meteorol. Soc. 132, 2006). */
+static struct neph_vec3 direction_over_sphere(int index, int count)
+{
+    const double turn_rad = M_PI * (3.0 - sqrt(5.0));
+    const double y = 1.0 - (2.0 * index + 1.0) / count, across = sqrt(1.0 - y * y);
+    return (struct neph_vec3){across * cos(turn_rad * index), y, across * sin(turn_rad * index)};
+}
+
+static enum neph_status find_exact(struct work *work, struct neph_diag *diag)
+{
+    const struct neph_fog_study_params *params = work->study->params;
+    const int width_px = params->width_px, height_px = params->height_px;
+    const struct neph_camera camera = neph_scene_camera(params->scene, 0.0);
+    work->picture_count = width_px * height_px;
+    work->view_count = work->picture_count + params->directions;
+    work->views = calloc((size_t)work->view_count, sizeof(*work->views));
+    if (!work->views)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < work->view_count; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, width_px, height_px,
+                                                          i % width_px, i / width_px);
+        const int of_sphere = i - work->picture_count;
+        work->views[i] = (struct view){
+            .origin_m = camera.position_m,
+            .direction = of_sphere < 0 ? ray.direction
+                                       : direction_over_sphere(of_sphere, params->directions)};
+    }
+    return neph_parallel_rows((work->view_count + VIEWS_OF_A_TASK - 1) / VIEWS_OF_A_TASK,
+                              look_at_exact, work, diag);
+}
+
+static void sum_exact(const struct work *work)
+{
+    struct neph_fog_study *study = work->study;
+    for (int i = 0; i < work->picture_count; i++)
+        study->exact_radiance += work->views[i].radiance / work->picture_count;
+    for (int i = work->picture_count; i < work->view_count; i++) {
+        study->exact_fog_light += work->views[i].volume / study->params->directions;
+        study->exact_all_light += work->views[i].radiance / study->params->directions;
+    }
+}
+
+/* ---- a row over pictures and sphere ---------------------------------------------------------- */
+
+struct seen {
+    double transmittance, volume, radiance;
+};
+
+static struct seen see(const struct neph_fog_study *study, const struct neph_fog_row *row,
+                       const struct view *view)
+{
+    const struct neph_fog_look_light fog = neph_fog_look_ray(
+        study->params->scene, &row->look, row->model, view->origin_m, view->direction, view->hit_m);
+    struct seen seen = {fog.transmittance, mean(fog.volume), 0.0};
+    if (row->near_by_physics) {
+        seen.volume = view->near_volume + view->near_transmittance * seen.volume;
+        seen.transmittance *= view->near_transmittance;
+    }
+    seen.radiance = seen.volume + seen.transmittance * view->behind;
+    return seen;
+}
+
+static void measure_picture(const struct work *work, struct neph_fog_row *row)
+{
+    const double pixels = work->picture_count, exact = work->study->exact_radiance;
+    double radiance = 0.0, squares = 0.0, transmittance = 0.0;
+    for (int i = 0; i < work->picture_count; i++) {
+        const struct view *view = &work->views[i];
+        const struct seen seen = see(work->study, row, view);
+        const double off = seen.transmittance - view->transmittance;
+        transmittance += off;
+        row->transmittance_worst = fmax(row->transmittance_worst, fabs(off));
+        radiance += seen.radiance - view->radiance;
+        squares += pow(seen.radiance - view->radiance, 2.0);
+    }
+    row->transmittance_bias = transmittance / pixels;
+    row->radiance_bias = radiance / pixels / exact;
+    row->radiance_rms = sqrt(squares / pixels) / exact;
+}
+
+/* `none` is the row with all controls off, measured before, or the row itself. */
+static void measure_sphere(const struct work *work, const struct neph_fog_row *none,
+                           struct neph_fog_row *row)
+{
+    const struct neph_fog_study *study = work->study;
+    double fog = 0.0, all = 0.0;
+    for (int i = work->picture_count; i < work->view_count; i++) {
+        const struct seen seen = see(study, row, &work->views[i]);
+        fog += seen.volume / study->params->directions;
+        all += seen.radiance / study->params->directions;
+    }
+    row->fog_light = fog / study->exact_fog_light - 1.0;
+    row->all_light = all / study->exact_all_light - 1.0;
+    row->fog_light_alone = row->fog_light - none->fog_light;
+    row->all_light_alone = row->all_light - none->all_light;
+}
+
+static void measure_lobe(const struct neph_scene *scene, struct neph_fog_row *row)
+{
+    const struct neph_rgb sun = scene->sun.irradiance_w_per_m2,
+                          albedo = neph_fog_look_medium(scene)->albedo;
+    const struct neph_rgb scattered = {sun.r * albedo.r, sun.g * albedo.g, sun.b * albedo.b};
+    const double sphere_sr = 2.0 * M_PI / (row->look.directional_exponent + 1.0);
+    row->lobe_over_sun = NAN;
+    if (scene->sun.present && mean(scattered) > 0.0 &&
+        neph_fog_control_is_on(&row->look, NEPH_FOG_DIRECTIONAL))
+        row->lobe_over_sun = mean(row->look.directional_w_per_m2_sr) * sphere_sr / mean(scattered);
+}
+
+/* ---- jumps ----------------------------------------------------------------------------------- */
+
+enum { INTERVALS = 100, JUMP_SPHERE = 12 };
+
+typedef double value_function(const struct neph_fog_look_light *light);
+
+static double transmittance_of(const struct neph_fog_look_light *light)
+{
+    return light->transmittance;
+}
+
+static double light_of(const struct neph_fog_look_light *light)
+{
+    return mean(light->volume);
+}
+
+/* Something along a ray, by the distance of what is seen. */
+struct course {
+    const struct neph_scene *scene;
+    const struct neph_fog_row *row;
+    struct neph_vec3 origin_m, direction;
+    value_function *value;
+};
+
+static double value_at(const struct course *course, double distance_m)
+{
+    const struct neph_fog_look_light light = neph_fog_look_ray(course->scene, &course->row->look,
+                                                               course->row->model, course->origin_m,
+                                                               course->direction, distance_m);
+    return course->value(&light);
+}
+
+/* What is left of a step when it is halved until its ends are neighbours, ever on the side of the
+ * larger one. */
+static double jump_within(const struct course *course, double near_m, double far_m, double *at_m)
+{
+    double before = value_at(course, near_m), after = value_at(course, far_m);
+    for (int i = 0; i < 52; i++) {
+        const double middle_m = 0.5 * (near_m + far_m), middle = value_at(course, middle_m);
+        const bool is_nearer = fabs(middle - before) > fabs(after - middle);
+        *(is_nearer ? &far_m : &near_m) = middle_m;
+        *(is_nearer ? &after : &before) = middle;
+    }
+    *at_m = far_m;
+    return fabs(after - before);
+}
+
+/* Where a series gives way to the closed form along a ray. */
+static double seam_m(const struct course *course, const struct neph_fog_layer *layer)
+{
+    const bool is_unreal = course->row->model == NEPH_FOG_UNREAL;
+    const struct neph_fog_look *look = &course->row->look;
+    const double level = is_unreal ? NEPH_FOG_UNREAL_LEVEL * M_LN2 : NEPH_FOG_FILAMENT_LEVEL;
+    const double start_m = is_unreal ? fmax(look->start_distance_m, look->volumetric_fog_distance_m)
+                                     : 0.0;
+    return start_m + level / (layer->falloff_per_m * fabs(course->direction.y));
+}
+
+struct jump {
+    double size, at_m;
+};
+
+static void take_larger(struct jump *jump, double size, double at_m)
+{
+    if (size > jump->size)
+        *jump = (struct jump){size, at_m};
+}
+
+/* Steps that stand out of what is smooth are found by halving, those of the series where they must
+ * be: they are smaller than what happens around them. */
+static void find_jump(const struct course *course, struct jump *jump)
+{
+    const double first_m = 0.01, step = pow(1e7, 1.0 / INTERVALS); /* up to 100 km */
+    for (int i = 0; i < INTERVALS; i++) {
+        double at_m;
+        const double size = jump_within(course, first_m * pow(step, i), first_m * pow(step, i + 1),
+                                        &at_m);
+        take_larger(jump, size, at_m);
+    }
+    const struct neph_medium *fog = neph_fog_look_medium(course->scene);
+    for (int l = 0; l < fog->layer_count; l++) {
+        const double at_m = seam_m(course, &fog->layers[l]), near = 1e-12;
+        if (isfinite(at_m))
+            take_larger(
+                jump,
+                fabs(value_at(course, at_m * (1.0 + near)) - value_at(course, at_m * (1.0 - near))),
+                at_m);
+    }
+}
+
+/* Around the camera, nearly level ahead of it, ahead, and into the sun. */
+static struct neph_vec3 jump_direction(const struct neph_scene *scene, int index)
+{
+    static const double rises[] = {1e-4, -1e-4, 1e-3, -1e-3, 1e-2, -1e-2};
+    enum { RISES = sizeof(rises) / sizeof(rises[0]) };
+    struct neph_vec3 ahead = neph_scene_camera(scene, 0.0).forward;
+    if (index < JUMP_SPHERE)
+        return direction_over_sphere(index, JUMP_SPHERE);
+    if (index == JUMP_SPHERE + RISES)
+        return ahead;
+    if (index > JUMP_SPHERE + RISES)
+        return scene->sun.present ? scene->sun.direction : ahead;
+    ahead.y = rises[index - JUMP_SPHERE] * hypot(ahead.x, ahead.z);
+    return neph_vec3_normalize(ahead);
+}
+
+static void measure_jumps(const struct neph_fog_study *study, struct neph_fog_row *row)
+{
+    const struct neph_scene *scene = study->params->scene;
+    struct course course = {scene, row, .origin_m = neph_scene_camera(scene, 0.0).position_m};
+    struct jump transmittance = {0.0, 0.0}, light = {0.0, 0.0};
+    for (int i = 0; i < JUMP_SPHERE + 8; i++) {
+        course.direction = jump_direction(scene, i);
+        course.value = transmittance_of;
+        find_jump(&course, &transmittance);
+        course.value = light_of;
+        find_jump(&course, &light);
+    }
+    row->transmittance_jump = transmittance.size;
+    row->transmittance_jump_m = transmittance.at_m;
+    row->light_jump = light.size;
+    row->light_jump_m = light.at_m;
+}
+
+/* ---- rows ------------------------------------------------------------------------------------ */
+
+static struct neph_fog_row *add_row(struct neph_fog_study *study, enum neph_fog_model model,
+                                    const char *name, unsigned controls)
+{
+    struct neph_fog_row *row = &study->rows[study->row_count++];
+    *row = (struct neph_fog_row){
+        .model = model, .look = neph_fog_look_only(&study->params->scene->fog_look, controls)};
+    snprintf(row->name, sizeof(row->name), "%s", name);
+    return row;
+}
+
+/* directional_start is nothing alone. */
+static unsigned alone(enum neph_fog_control control)
+{
+    return 1u << control |
+           (control == NEPH_FOG_DIRECTIONAL_START ? 1u << NEPH_FOG_DIRECTIONAL : 0u);
+}
+
+static void add_controls(struct neph_fog_study *study, enum neph_fog_model model)
+{
+    const struct neph_fog_look *look = &study->params->scene->fog_look;
+    for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {
+        const enum neph_fog_control control = (enum neph_fog_control)c;
+        const struct neph_fog_control_row *words = &neph_fog_controls()[c];
+        if (!neph_fog_control_is_on(look, control) ||
+            (model == NEPH_FOG_FILAMENT && !words->filament))
+            continue;
+        add_row(study, model, words->name, alone(control));
+        if (control == NEPH_FOG_HAND_OVER)
+            add_row(study, model, "the same, near fog by physics", alone(control))
+                ->near_by_physics = true;
+    }
+}
+
+/* Physics' look, of the sun that the fog leaves at the camera. */
+static struct neph_fog_look look_at_the_camera(const struct neph_scene *scene)
+{
+    struct neph_scene dimmed = *scene; /* nothing of it is freed */
+    const double depth = neph_scene_optical_depth(scene, neph_scene_camera(scene, 0.0).position_m,
+                                                  scene->sun.direction, 0.0, INFINITY)
+                             .r;
+    struct neph_rgb *sun = &dimmed.sun.irradiance_w_per_m2;
+    *sun = (struct neph_rgb){sun->r * exp(-depth), sun->g * exp(-depth), sun->b * exp(-depth)};
+    return neph_fog_look_of_physics(&dimmed, neph_fog_look_medium(&dimmed));
+}
+
+static void add_model(struct neph_fog_study *study, enum neph_fog_model model)
+{
+    const struct neph_scene *scene = study->params->scene;
+    add_row(study, model, "none", 0);
+    add_controls(study, model);
+    add_row(study, model, "all", NEPH_FOG_CONTROLS_ALL);
+    add_row(study, model, "of physics", 0)->look = neph_fog_look_of_physics(
+        scene, neph_fog_look_medium(scene));
+    add_row(study, model, "of physics, sun as at the camera", 0)->look = look_at_the_camera(scene);
+}
+
+static void measure(const struct work *work)
+{
+    struct neph_fog_study *study = work->study;
+    const struct neph_fog_row *none = NULL;
+    for (int i = 0; i < study->row_count; i++) {
+        struct neph_fog_row *row = &study->rows[i];
+        if (!none || none->model != row->model)
+            none = row; /* the first of its model */
+        measure_picture(work, row);
+        measure_sphere(work, none, row);
+        measure_lobe(study->params->scene, row);
+        row->transmittance_jump = row->light_jump = NAN;
+        if (!row->near_by_physics)
+            measure_jumps(study, row);
+    }
+}
+
+static enum neph_status check(const struct neph_fog_study_params *params, struct neph_diag *diag)
+{
+    char reason[256];
+    const enum neph_fog_model model = params->model < 0 ? NEPH_FOG_UNREAL
+                                                        : (enum neph_fog_model)params->model;
+    if (!neph_fog_look_is_of(params->scene, model, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: cannot: %s", params->scene->name, reason);
+    if (!neph_transport_is_exact(params->scene, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: exact cannot: %s", params->scene->name,
+                         reason);
+    return NEPH_OK;
+}
+
+enum neph_status neph_fog_study_run(const struct neph_fog_study_params *params,
+                                    struct neph_fog_study *study, struct neph_diag *diag)
+{
+    char reason[256];
+    struct work work = {.study = study,
+                        .start_m = params->scene->fog_look.volumetric_fog_distance_m};
+    enum neph_status status = check(params, diag);
+    if (status)
+        return status;
+    *study = (struct neph_fog_study){.params = params};
+    for (int m = 0; m < NEPH_FOG_MODEL_COUNT; m++)
+        if ((params->model < 0 || params->model == m) &&
+            neph_fog_look_is_of(params->scene, (enum neph_fog_model)m, reason, sizeof(reason)))
+            add_model(study, (enum neph_fog_model)m);
+    status = find_exact(&work, diag);
+    if (!status) {
+        sum_exact(&work);
+        measure(&work);
+    }
+    free(work.views);
+    return status;
+}

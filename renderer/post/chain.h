@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The picture chain: what stands between a finished frame and the display, on a Vulkan device. A
+ * list of stages in a fixed order, each on or off; the last that is on writes the picture. It takes
+ * frames of any renderer.
+ */
+#ifndef NEPH_RENDERER_POST_CHAIN_H
+#define NEPH_RENDERER_POST_CHAIN_H
+
+#include "base/image.h"
+#include "renderer/post/options.h"
+
+#include <stdint.h>
+
+#define NEPH_POST_STAGES_MAX 16
+
+struct neph_vulkan;
+
+/* One stage; the table ends with a NULL name. */
+struct neph_post_stage {
+    const char *name, *note;
+    struct {
+        const char *name;
+        const uint32_t *spirv;
+        size_t spirv_size_bytes;
+    } shader;
+    int settings[2]; /* on where both are not 0; the second may be the same */
+    enum {
+        NEPH_POST_MAKES_PICTURE, /* of the size of the one before */
+        NEPH_POST_MAKES_LARGER,  /* of the display's size */
+        NEPH_POST_MAKES_TABLE,   /* POST_LUT_SIDE^3 colours */
+    } makes;
+};
+
+extern const struct neph_post_stage neph_post_stages[];
+
+/* Whether a stage is on. */
+bool neph_post_is_on(const struct neph_post_stage *stage, const struct neph_settings *settings);
+
+/* Where the picture is one for a display, values of 1 being its white. */
+bool neph_post_is_displayed(const struct neph_settings *settings);
+
+struct neph_post_params {
+    struct neph_settings settings; /* of neph_post_options */
+    int frame;                     /* of the grain */
+    uint64_t seed;
+};
+
+struct neph_post_stats {
+    double gpu_s[NEPH_POST_STAGES_MAX]; /* by stage; 0: off, NaN: the device has no clock */
+};
+
+/* The channels R G B of `frame`, through the chain. `*made` is a new image with R G B, what the
+ * last stage wrote, as it is encoded, the frame's attributes and, if it has its size, its depth,
+ * motion and masks; free it with neph_image_destroy(). `stats`: NULL is fine.
+ * NEPH_ERR_INPUT: the frame has no R G B; the picture would be too large. NEPH_ERR_UNSUPPORTED:
+ * larger than the device allows. NEPH_ERR_ENGINE: the device was lost. */
+enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_post_params *params,
+                               const struct neph_image *frame, struct neph_image **made,
+                               struct neph_post_stats *stats, struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The settings in the order of the stages. Defaults within a stage are those of Unreal Engine 4.26,
+ * as the article on its post-processing has them.
+ */
+#include "renderer/post/options.h"
+
+#include <stddef.h>
+
+static const char *const switches[] = {"off", "on", NULL};
+static const char *const maps[] = {"none", "reinhard", "narkowicz", "unreal", "neutral", NULL};
+static const char *const encodings[] = {"linear", "srgb", NULL};
+static const char *const fxaas[] = {"off",        "console",    "quality_12",
+                                    "quality_29", "quality_39", NULL};
+static const char *const sharpenings[] = {"off", "cas", "rcas", NULL};
+static const char *const filters[] = {"off",         "nearest", "bilinear", "directional",
+                                      "catmull_rom", "lanczos", "gaussian", "smoothstep",
+                                      "easu",        NULL};
+
+#define CHOICE(name, value, words, help)                                                           \
+    {                                                                                              \
+        name, NEPH_OPTION_CHOICE, value, 0, 0, words, help                                         \
+    }
+#define REAL(name, value, least, most, help)                                                       \
+    {                                                                                              \
+        name, NEPH_OPTION_REAL, value, least, most, NULL, help                                     \
+    }
+
+const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
+    [POST_TONE] = CHOICE("tone", 0, switches, "tone mapping, with exposure, vignette and grain"),
+    [POST_TONE_MAP] = CHOICE("tone_map", POST_MAP_UNREAL, maps,
+                             "curve: none (held to 1), Reinhard 2002, Narkowicz's fit of ACES, "
+                             "Unreal's film curve, Khronos PBR Neutral"),
+    [POST_EXPOSURE_EV] = REAL("exposure_ev", 0, -32, 32, "radiance times 2^EV is what is mapped"),
+    [POST_WHITE_TEMPERATURE_K] = REAL("white_temperature_k", 6504, 1700, 25000,
+                                      "light of this temperature is shown white [K]; 6504, that of "
+                                      "Rec.709, changes nothing"),
+    [POST_VIGNETTE] = REAL("vignette", 0, 0, 4,
+                           "tangent of the angle that the corners are darkened for by cos^4; "
+                           "Unreal has 0.4 times sqrt(2)"),
+    [POST_FILM_SLOPE] = REAL("film_slope", 0.88, 0.01, 2, "of the straight part, over log10"),
+    [POST_FILM_TOE] = REAL("film_toe", 0.55, 0, 0.99, "how far the toe reaches"),
+    [POST_FILM_SHOULDER] = REAL("film_shoulder", 0.26, 0, 0.99, "how far the shoulder reaches"),
+    [POST_FILM_BLACK_CLIP] = REAL("film_black_clip", 0, 0, 1, "how far below 0 the toe ends"),
+    [POST_FILM_WHITE_CLIP] = REAL("film_white_clip", 0.04, 0, 1,
+                                  "how far above 1 the shoulder ends"),
+    [POST_LUT] = CHOICE(
+        "lut", 0, switches,
+        "take colours from a table of 32^3 at steps of the logarithm, made anew for "
+        "each picture, in place of the formula"),
+    [POST_GRAIN] = REAL("grain", 0, 0, 64,
+                        "range of the noise in steps of 8 bits; Unreal has about 1, so that "
+                        "gradients do not band"),
+    [POST_ENCODE] = CHOICE("encode", POST_ENCODE_SRGB, encodings,
+                           "what stages after tone mapping work on"),
+
+    [POST_UPSCALE] = CHOICE("upscale", POST_UPSCALE_OFF, filters,
+                            "filter from the rendered size to the display's"),
+    [POST_SCREEN_PERCENT] = REAL("screen_percent", 50, 12.5, 100,
+                                 "the rendered size over the display's, of a side [%]"),
+    [POST_UPSCALE_SOFTNESS] = REAL("upscale_softness", 0.3, 0, 1,
+                                   "of the gaussian's unsharp mask: r.Upscale.Softness"),
+    [POST_LANCZOS_GUARD] = CHOICE("lanczos_guard", 1, switches,
+                                  "off: at texels' centres the weights of lanczos are 0 / 0, as in "
+                                  "the article"),
+
+    [POST_FXAA] = CHOICE("fxaa", POST_FXAA_OFF, fxaas,
+                         "FXAA 3.11: the console's four samples, or a walk along the edge by the "
+                         "steps of a quality preset"),
+    [POST_FXAA_SUBPIXEL] = REAL("fxaa_subpixel", 0.75, 0, 1,
+                                "quality: how much of what stands out from eight neighbours is "
+                                "blurred"),
+    [POST_FXAA_THRESHOLD] = REAL("fxaa_threshold", 0.166, 0.063, 1,
+                                 "quality: contrast of luma, over the largest around, that is an "
+                                 "edge"),
+    [POST_FXAA_THRESHOLD_MIN] = REAL("fxaa_threshold_min", 0.0833, 0, 1,
+                                     "quality: and at least this much"),
+    [POST_SHARPEN] = CHOICE("sharpen", POST_SHARPEN_OFF, sharpenings,
+                            "AMD's contrast-adaptive sharpening (2019), or the robust one of FSR1 "
+                            "(2021)"),
+    [POST_SHARPEN_AMOUNT] = REAL("sharpen_amount", 0.5, 0, 1,
+                                 "cas: its sharpness; rcas: 2^-2 at 0 to 1 at 1, the strength that "
+                                 "goes to the limit"),
+    {.name = NULL},
+};
+
+const struct neph_preset neph_post_presets[] = {
+    {"off", "nothing", ""},
+    {"unreal", "Unreal Engine 4.26 by default: film curve by table, vignette, grain",
+     "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1"},
+    {"uncharted", "the same with the film curve of Uncharted 2",
+     "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.63 film_toe=0.55 "
+     "film_shoulder=0.47 film_black_clip=0 film_white_clip=0.01"},
+    {"hp", "that of Hejl and Burgess-Dawson (Haarm-Peter Duiker's data)",
+     "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.65 film_toe=0.63 "
+     "film_shoulder=0.45 film_black_clip=0 film_white_clip=0"},
+    {"legacy", "that of Unreal before 4.15",
+     "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.98 film_toe=0.3 "
+     "film_shoulder=0.22 film_black_clip=0 film_white_clip=0.025"},
+    {"aces", "that nearest to ACES 1.0",
+     "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.91 film_toe=0.53 "
+     "film_shoulder=0.23 film_black_clip=0 film_white_clip=0.035"},
+    {"plain", "held to 1 and encoded for an sRGB display, by formula", "tone=on tone_map=none"},
+    {.name = NULL},
+};

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the picture chain can be set to, and the presets: named sets of values.
+ */
+#ifndef NEPH_RENDERER_POST_OPTIONS_H
+#define NEPH_RENDERER_POST_OPTIONS_H
+
+#include "base/option.h"
+#include "renderer/shaders/post_names.h"
+
+/* By the names POST_*; ends with a NULL name. By default every stage is off. */
+extern const struct neph_option neph_post_options[POST_SETTING_COUNT + 1];
+
+extern const struct neph_preset neph_post_presets[];
+
+#endif

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/post/chain.h"
+
+static const uint32_t lut_spirv[] = {
+#include "shaders/post_lut.comp.inc"
+};
+static const uint32_t tone_spirv[] = {
+#include "shaders/post_tone.comp.inc"
+};
+static const uint32_t fxaa_spirv[] = {
+#include "shaders/post_fxaa.comp.inc"
+};
+static const uint32_t sharpen_spirv[] = {
+#include "shaders/post_sharpen.comp.inc"
+};
+static const uint32_t upscale_spirv[] = {
+#include "shaders/post_upscale.comp.inc"
+};
+
+const struct neph_post_stage neph_post_stages[] = {
+    {
+        .name = "table of colours",
+        .note = "what tone curve and display make of 32^3 colours",
+        .shader = {"post_lut", lut_spirv, sizeof(lut_spirv)},
+        .settings = {POST_TONE, POST_LUT},
+        .makes = NEPH_POST_MAKES_TABLE,
+    },
+    {
+        .name = "tone mapping",
+        .note = "exposure, vignette, tone curve, grain",
+        .shader = {"post_tone", tone_spirv, sizeof(tone_spirv)},
+        .settings = {POST_TONE, POST_TONE},
+    },
+    {
+        .name = "fxaa",
+        .note = "anti-aliasing of the encoded picture",
+        .shader = {"post_fxaa", fxaa_spirv, sizeof(fxaa_spirv)},
+        .settings = {POST_FXAA, POST_FXAA},
+    },
+    {
+        .name = "upscale",
+        .note = "to the size of the display",
+        .shader = {"post_upscale", upscale_spirv, sizeof(upscale_spirv)},
+        .settings = {POST_UPSCALE, POST_UPSCALE},
+        .makes = NEPH_POST_MAKES_LARGER,
+    },
+    {
+        .name = "sharpening",
+        .note = "against the blur of what came before",
+        .shader = {"post_sharpen", sharpen_spirv, sizeof(sharpen_spirv)},
+        .settings = {POST_SHARPEN, POST_SHARPEN},
+    },
+    {.name = NULL},
+};
+_Static_assert(sizeof(neph_post_stages) / sizeof(neph_post_stages[0]) <= NEPH_POST_STAGES_MAX + 1,
+               "room for every stage in the statistics");
+
+bool neph_post_is_on(const struct neph_post_stage *stage, const struct neph_settings *settings)
+{
+    return settings->values[stage->settings[0]] != 0.0 &&
+           settings->values[stage->settings[1]] != 0.0;
+}
+
+bool neph_post_is_displayed(const struct neph_settings *settings)
+{
+    return settings->values[POST_TONE] != 0.0;
+}

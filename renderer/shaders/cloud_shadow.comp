@@ -1,0 +1,76 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Fills the shadow map of clouds (cloud_shadow.glsl): one thread a texel, whose depths are those
+// that a march would find from there towards the sun. Solids do not count: whether a point sees the
+// sun is asked at the point.
+#extension GL_GOOGLE_include_directive : require
+
+#include "march_light.glsl"
+#include "march_run.glsl"
+#include "counting.glsl"
+
+layout(std430, binding = 5) writeonly buffer ShadowNumbers {
+    float shadow_numbers[];
+};
+
+layout(std430, binding = 6) buffer SunCounters {
+    uint density_evaluations[2]; // lower and upper half
+    uint closed_forms[2];
+} counters;
+
+// Where a ray begins: behind all shapes.
+vec3 start_m(uint level, uvec2 texel)
+{
+    vec2 place_m = frame.shadow.levels[level].low_m +
+                   vec2(texel) / frame.shadow.levels[level].per_m;
+    return frame.shadow.plane_m + place_m.x * frame.shadow.side_u +
+           place_m.y * frame.shadow.side_v + frame.shadow.start_m * to_sun();
+}
+
+// Where shapes are, to a step and a half: from the middle of the step before the first in one to
+// the middle of that behind the last. Where none is found: all of the stretch.
+Stretch shapes_on(vec3 origin_m)
+{
+    Stretch hull = scene_stretch(SHAPE_KINDS, origin_m, to_sun(), FAR_M);
+    if (hull.t1_m <= hull.t0_m)
+        return Stretch(0.0, 0.0);
+    Steps steps = equal_steps(hull, NEPH_GPU_SHADOW_SAMPLES);
+    Stretch found = Stretch(hull.t1_m, hull.t0_m);
+    for (uint i = 0; i < NEPH_GPU_SHADOW_SAMPLES; i++) {
+        vec3 middle_m = origin_m + step_point_m(steps, i, 0.5) * to_sun();
+        if (SKIPS && shapes_are_empty(middle_m))
+            continue;
+        density_evaluations++;
+        if (sampled_extinctions_per_m(SHAPE_KINDS, middle_m) == vec3(0.0))
+            continue;
+        found.t0_m = min(found.t0_m, step_point_m(steps, i, -0.5));
+        found.t1_m = max(found.t1_m, step_point_m(steps, i, 1.5));
+    }
+    return found.t0_m < found.t1_m
+               ? Stretch(max(found.t0_m, hull.t0_m), min(found.t1_m, hull.t1_m))
+               : hull;
+}
+
+void main()
+{
+    if (gl_GlobalInvocationID.x >= run.ray_count)
+        return;
+    uint entry = run.first_ray + gl_GlobalInvocationID.x, side = frame.shadow.texels;
+    uint level = entry / (side * side);
+    uvec2 texel = uvec2(entry % side, entry / side % side);
+    vec3 origin_m = start_m(level, texel);
+    Stretch shapes = shapes_on(origin_m);
+    uint at = shadow_texel(level, texel);
+    shadow_numbers[at] = frame.shadow.start_m + shapes.t0_m;
+    shadow_numbers[at + 1u] = frame.shadow.start_m + shapes.t1_m;
+    uint layers = own(frame.shadow.layers);
+    for (uint layer = 0; layer < layers; layer++) {
+        float t_m = layer > 0u ? mix(shapes.t0_m, shapes.t1_m, float(layer) / float(layers)) : 0.0;
+        vec3 depth = sun_optical_depth_of(SHAPE_KINDS, origin_m + t_m * to_sun());
+        for (uint c = 0; c < SUN_CHANNELS; c++)
+            shadow_numbers[at + SHADOW_ENDS + SUN_CHANNELS * layer + c] = depth[c];
+    }
+    ADD_64(counters.density_evaluations, density_evaluations);
+    ADD_64(counters.closed_forms, closed_forms);
+}

@@ -1,0 +1,55 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// A picture with a look of fog: one ray a pixel to what it sees, and the fog's closed form.
+#extension GL_GOOGLE_include_directive : require
+
+#include "fog_look.glsl"
+#include "scene.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(constant_id = 2) const bool SUN_IS_CLEAR = false; // none of it is lost on its way to solids
+
+layout(push_constant) uniform FogLookRun {
+    FogLook look;
+    uint first_ray;
+    uint ray_count;
+} run;
+
+struct FogLookPixel {
+    vec3 radiance; // with everything
+    float eye_depth_m; // FAR_M for the sky
+    vec3 volume; // of the fog alone
+    float through; // transmittance
+};
+
+layout(std430, binding = 5) writeonly buffer Pixels {
+    FogLookPixel pixels[];
+};
+
+// Sunlight reflected by a Lambertian surface.
+vec3 lit_surface(Hit hit, vec3 point_m)
+{
+    float cosine = dot(solid_normal(solids[hit.solid], point_m), to_sun());
+    if (cosine <= 0.0 || !sees_sun(point_m, hit.solid))
+        return vec3(0.0);
+    vec3 depth = SUN_IS_CLEAR ? vec3(0.0) : scene_optical_depth(point_m, to_sun(), FAR_M);
+    return solids[hit.solid].albedo.rgb / PI * cosine * frame.sun_irradiance * transmittance(depth);
+}
+
+void main()
+{
+    uint thread = gl_GlobalInvocationID.x;
+    if (thread >= run.ray_count)
+        return;
+    uint pixel = run.first_ray + thread;
+    ViewRay ray = camera_ray(pixel % frame.width_px, pixel / frame.width_px);
+    Hit hit = scene_hit(ray.origin_m, ray.direction);
+    bool is_sky = hit.solid == NO_SOLID;
+    vec3 behind = is_sky ? frame.background : lit_surface(hit, view_point_m(ray, hit.t_m));
+    FogLookLight fog = fog_look_along(run.look, ray.direction, hit.t_m, to_sun());
+    float eye_depth_m = is_sky ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
+    pixels[thread] = FogLookPixel(fog.volume + fog.through * behind, eye_depth_m, fog.volume,
+                                  fog.through);
+}

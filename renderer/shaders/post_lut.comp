@@ -1,0 +1,18 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// The table of colours, made anew for each picture: what tone curve and display make of 32^3
+// colours.
+#extension GL_GOOGLE_include_directive : require
+
+#include "tone.glsl"
+
+void main()
+{
+    uint node = own_thread();
+    if (node >= uint(POST_LUT_SIDE * POST_LUT_SIDE * POST_LUT_SIDE))
+        return;
+    uvec3 at = uvec3(node, node / POST_LUT_SIDE, node / (POST_LUT_SIDE * POST_LUT_SIDE)) %
+               uint(POST_LUT_SIDE);
+    to_texels[node] = vec4(developed(colour_at(vec3(at) / float(POST_LUT_SIDE - 1))), 1.0);
+}

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+//
+// Names that the shaders of the picture chain, their twins in C and its table of options have in
+// common: this file is both GLSL and C. What a setting means is said once, in
+// renderer/post/options.c; `neph post --list` prints it.
+#ifndef NEPH_POST_NAMES_H
+#define NEPH_POST_NAMES_H
+
+// --- settings: index in the table of options --------------------------------------------------
+
+#define POST_TONE 0
+#define POST_TONE_MAP 1
+#define POST_EXPOSURE_EV 2
+#define POST_WHITE_TEMPERATURE_K 3
+#define POST_VIGNETTE 4
+#define POST_FILM_SLOPE 5
+#define POST_FILM_TOE 6
+#define POST_FILM_SHOULDER 7
+#define POST_FILM_BLACK_CLIP 8
+#define POST_FILM_WHITE_CLIP 9
+#define POST_LUT 10
+#define POST_GRAIN 11
+#define POST_ENCODE 12
+#define POST_UPSCALE 13
+#define POST_SCREEN_PERCENT 14
+#define POST_UPSCALE_SOFTNESS 15
+#define POST_LANCZOS_GUARD 16
+// Anti-aliasing of the encoded picture, and sharpening.
+#define POST_FXAA 17
+#define POST_FXAA_SUBPIXEL 18
+#define POST_FXAA_THRESHOLD 19
+#define POST_FXAA_THRESHOLD_MIN 20
+#define POST_SHARPEN 21
+#define POST_SHARPEN_AMOUNT 22
+#define POST_SETTING_COUNT 23
+
+// --- choices ----------------------------------------------------------------------------------
+
+#define POST_MAP_NONE 0
+#define POST_MAP_REINHARD 1
+#define POST_MAP_NARKOWICZ 2
+#define POST_MAP_UNREAL 3
+#define POST_MAP_NEUTRAL 4
+
+#define POST_ENCODE_LINEAR 0
+#define POST_ENCODE_SRGB 1
+
+#define POST_UPSCALE_OFF 0
+#define POST_UPSCALE_NEAREST 1
+#define POST_UPSCALE_BILINEAR 2
+#define POST_UPSCALE_DIRECTIONAL 3
+#define POST_UPSCALE_CATMULL_ROM 4
+#define POST_UPSCALE_LANCZOS 5
+#define POST_UPSCALE_GAUSSIAN 6
+#define POST_UPSCALE_SMOOTHSTEP 7
+#define POST_UPSCALE_EASU 8
+
+#define POST_FXAA_OFF 0
+#define POST_FXAA_CONSOLE 1
+#define POST_FXAA_12 2
+#define POST_FXAA_29 3
+#define POST_FXAA_39 4
+
+#define POST_SHARPEN_OFF 0
+#define POST_SHARPEN_CAS 1
+#define POST_SHARPEN_RCAS 2
+
+// --- the table of colours ---------------------------------------------------------------------
+
+#define POST_LUT_SIDE 32
+
+#endif

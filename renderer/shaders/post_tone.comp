@@ -1,0 +1,56 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Tone mapping: exposure, vignette, tone curve and the display's transfer, by formula or out of the
+// table of colours, and grain.
+#extension GL_GOOGLE_include_directive : require
+
+#include "random.glsl"
+#include "tone.glsl"
+
+const vec3 BRIGHTEST = vec3(65504.0);
+
+layout(std430, binding = 3) readonly buffer Table {
+    vec4 table[];
+};
+
+// cos^4 of the angle under which a lens sees the pixel (natural vignetting), the corner of the
+// picture at `vignette` times 45 degrees' tangent, whatever its shape.
+float vignette(ivec2 pixel)
+{
+    vec2 size = vec2(to_size());
+    vec2 place = (2.0 * (vec2(pixel) + 0.5) - size) / length(size) * setting(POST_VIGNETTE);
+    float cosine_squared = 1.0 / (1.0 + dot(place, place));
+    return cosine_squared * cosine_squared;
+}
+
+vec3 looked_up(vec3 colour)
+{
+    const int LAST = POST_LUT_SIDE - 1;
+    vec3 place = place_of(colour) * float(LAST);
+    ivec3 low = min(ivec3(place), ivec3(LAST - 1));
+    vec3 way = place - vec3(low);
+    vec3 sum = vec3(0.0);
+    for (int corner = 0; corner < 8; corner++) {
+        ivec3 step = ivec3(corner, corner >> 1, corner >> 2) & 1;
+        vec3 weight = mix(1.0 - way, way, equal(step, ivec3(1)));
+        ivec3 node = low + step;
+        sum += weight.x * weight.y * weight.z *
+               table[(node.z * POST_LUT_SIDE + node.y) * POST_LUT_SIDE + node.x].rgb;
+    }
+    return sum;
+}
+
+void main()
+{
+    ivec2 pixel;
+    if (!own_pixel(pixel))
+        return;
+    // Curves have products of several; the largest half is far beyond any white.
+    float exposure = exp2(setting(POST_EXPOSURE_EV)) * vignette(pixel);
+    vec3 exposed = min(exposure * fetch(pixel), BRIGHTEST);
+    vec3 colour = choice(POST_LUT) != 0 ? looked_up(exposed) : developed(exposed);
+    float noise = uniform_from(pcg4d(uvec4(pixel, view.frame, view.seed)).xyz).x;
+    colour += setting(POST_GRAIN) / 255.0 * (noise - 0.5);
+    put(pixel, clamp(colour, 0.0, 1.0));
+}

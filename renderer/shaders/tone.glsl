@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+//
+// From scene-linear Rec.709 to what a display shows: tone curves and the display's transfer. All
+// take and give colours >= 0; a grey stays grey.
+#ifndef NEPH_TONE_GLSL
+#define NEPH_TONE_GLSL
+
+#include "post.glsl"
+
+// --- curves of one channel ----------------------------------------------------------------------
+
+// E. Reinhard et al., "Photographic tone reproduction for digital images", SIGGRAPH 2002, eq. 3.
+vec3 reinhard(vec3 x) { return x / (1.0 + x); }
+
+// K. Narkowicz, "ACES Filmic Tone Mapping Curve" (2016). Its supremum is 1.033: held to 1. Beyond
+// 1e6, where squares could overflow, it is 1 to the last digit anyhow.
+vec3 narkowicz(vec3 x)
+{
+    x = min(x, vec3(1e6));
+    vec3 y = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+    return min(y, vec3(1.0));
+}
+
+// --- Khronos PBR Neutral (2024) -----------------------------------------------------------------
+
+// The identity, less what a dielectric reflects, up to 0.76; above that the peak is compressed and
+// the colour fades to white.
+vec3 neutral(vec3 colour)
+{
+    const float FRESNEL = 0.04, START = 0.8 - FRESNEL, DESATURATION = 0.15;
+    float least = min(colour.r, min(colour.g, colour.b));
+    colour -= least < 2.0 * FRESNEL ? least - least * least / (4.0 * FRESNEL) : FRESNEL;
+    float peak = max(colour.r, max(colour.g, colour.b));
+    if (peak < START)
+        return colour;
+    const float ROOM = 1.0 - START;
+    float compressed = 1.0 - ROOM * ROOM / (peak + ROOM - START);
+    float faded = 1.0 - 1.0 / (DESATURATION * (peak - compressed) + 1.0);
+    return mix(colour * (compressed / peak), vec3(compressed), faded);
+}
+
+// --- Unreal Engine 4.26's film curve -----------------------------------------------------------
+//
+// After ACES 1.0 (Academy S-2014-004): glow and the red modifier in AP0, then a curve in AP1 whose
+// toe and shoulder are logistic in log10 and meet a straight part.
+
+const vec3 AP1_LUMINANCE = vec3(0.2722287168, 0.6740817658, 0.0536895174);
+
+float saturation_of(vec3 ap0)
+{
+    const float LEAST = 1e-10, LEAST_PEAK = 1e-2;
+    float peak = max(ap0.r, max(ap0.g, ap0.b)), least = min(ap0.r, min(ap0.g, ap0.b));
+    return (max(peak, LEAST) - max(least, LEAST)) / max(peak, LEAST_PEAK);
+}
+
+// Luminance with a part of the chroma.
+float luminance_with_chroma(vec3 c)
+{
+    float chroma = c.b * (c.b - c.g) + c.g * (c.g - c.r) + c.r * (c.r - c.b);
+    // It is >= 0 but for rounding.
+    return (c.r + c.g + c.b + 1.75 * sqrt(max(chroma, 0.0))) / 3.0;
+}
+
+// 0 .. 1 over -2 .. 2, by two parabolas.
+float shaped(float x)
+{
+    float t = max(1.0 - abs(0.5 * x), 0.0);
+    return 0.5 * (1.0 + sign(x) * (1.0 - t * t));
+}
+
+// Dark saturated colours glow.
+vec3 with_glow(vec3 ap0)
+{
+    const float MIDDLE = 0.08;
+    float gain = 0.05 * shaped((saturation_of(ap0) - 0.4) / 0.2);
+    float luminance = luminance_with_chroma(ap0);
+    float part = luminance <= 2.0 / 3.0 * MIDDLE ? 1.0
+                 : luminance >= 2.0 * MIDDLE     ? 0.0
+                                                 : MIDDLE / luminance - 0.5;
+    return ap0 * (1.0 + gain * part);
+}
+
+// Degrees from red, -180 .. 180; 0 for a grey.
+float hue_from_red(vec3 c)
+{
+    float y = sqrt(3.0) * (c.g - c.b), x = 2.0 * c.r - c.g - c.b;
+    return y == 0.0 && x == 0.0 ? 0.0 : degrees(atan(y, x));
+}
+
+// Saturated reds are held back. ACES weights the hue by a B-spline, Unreal by this square.
+vec3 with_less_red(vec3 ap0)
+{
+    const float SCALE = 0.82, PIVOT = 0.03, WIDTH_DEG = 135.0;
+    float nearness = smoothstep(0.0, 1.0, 1.0 - abs(2.0 * hue_from_red(ap0) / WIDTH_DEG));
+    float weight = nearness * nearness * saturation_of(ap0);
+    ap0.r += weight * (PIVOT - ap0.r) * (1.0 - SCALE);
+    return ap0;
+}
+
+// A logistic function from -1 to 1 of its exponent; exp() overflows to an infinity, which is right.
+float logistic(float exponent) { return 2.0 / (1.0 + exp(exponent)); }
+
+float film_of(float x)
+{
+    float slope = setting(POST_FILM_SLOPE), black = setting(POST_FILM_BLACK_CLIP),
+          white = setting(POST_FILM_WHITE_CLIP);
+    float toe_scale = 1.0 + black - setting(POST_FILM_TOE);
+    float shoulder_scale = 1.0 + white - setting(POST_FILM_SHOULDER);
+    if (x <= 0.0)
+        return -black;
+    float place = log2(x) * 0.30102999566; // log10
+    float straight = slope * (place + view.straight_match);
+    float toe = straight, shoulder = straight;
+    if (place < view.toe_match)
+        toe = toe_scale * logistic(-2.0 * slope / toe_scale * (place - view.toe_match)) - black;
+    if (place > view.shoulder_match)
+        shoulder = 1.0 + white - shoulder_scale * logistic(2.0 * slope / shoulder_scale *
+                                                           (place - view.shoulder_match));
+    float way = clamp((place - view.toe_match) / (view.shoulder_match - view.toe_match), 0.0, 1.0);
+    way = view.shoulder_match < view.toe_match ? 1.0 - way : way;
+    return mix(toe, shoulder, way * way * (3.0 - 2.0 * way));
+}
+
+vec3 unreal(vec3 rec709)
+{
+    const float BEFORE = 0.96, AFTER = 0.93; // of the saturation that stays
+    vec3 ap0 = multiplied(view.ap1_to_ap0, multiplied(view.rec709_to_ap1, rec709));
+    ap0 = with_less_red(with_glow(ap0));
+    vec3 colour = max(multiplied(view.ap0_to_ap1, ap0), vec3(0.0));
+    colour = mix(vec3(dot(colour, AP1_LUMINANCE)), colour, BEFORE);
+    colour = vec3(film_of(colour.r), film_of(colour.g), film_of(colour.b));
+    colour = mix(vec3(dot(colour, AP1_LUMINANCE)), colour, AFTER);
+    return max(multiplied(view.ap1_to_rec709, max(colour, vec3(0.0))), vec3(0.0));
+}
+
+// --- the whole ----------------------------------------------------------------------------------
+
+vec3 mapped(vec3 colour)
+{
+    switch (choice(POST_TONE_MAP)) {
+    case POST_MAP_REINHARD:
+        return reinhard(colour);
+    case POST_MAP_NARKOWICZ:
+        return narkowicz(colour);
+    case POST_MAP_UNREAL:
+        return unreal(colour);
+    case POST_MAP_NEUTRAL:
+        return neutral(colour);
+    default:
+        return colour;
+    }
+}
+
+// IEC 61966-2-1.
+float srgb(float x)
+{
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
+}
+
+vec3 encoded(vec3 colour)
+{
+    colour = min(colour, vec3(1.0));
+    return choice(POST_ENCODE) == POST_ENCODE_SRGB
+               ? vec3(srgb(colour.r), srgb(colour.g), srgb(colour.b))
+               : colour;
+}
+
+// Scene-linear, exposed, to what the display is sent.
+vec3 developed(vec3 colour)
+{
+    return encoded(mapped(max(multiplied(view.white_balance, colour), vec3(0.0))));
+}
+
+// --- the table of colours -----------------------------------------------------------------------
+//
+// Unreal's: 32^3 nodes at equal steps of the logarithm, 14 stops with 0.18 at 444 of 1023. What
+// lies at the first node is taken from all, so that black is at it.
+
+const float LUT_STOPS = 14.0, LUT_GREY = 0.18, LUT_GREY_AT = 444.0 / 1023.0;
+
+vec3 from_place(vec3 place) { return LUT_GREY * exp2((place - LUT_GREY_AT) * LUT_STOPS); }
+
+vec3 to_place(vec3 colour)
+{
+    return clamp(log2(colour / LUT_GREY) / LUT_STOPS + LUT_GREY_AT, 0.0, 1.0);
+}
+
+// What a place stands for, and back.
+vec3 colour_at(vec3 place) { return from_place(place) - from_place(vec3(0.0)); }
+vec3 place_of(vec3 colour) { return to_place(colour + from_place(vec3(0.0))); }
+
+#endif

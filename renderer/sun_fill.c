@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/sun_fill.h"
+
+#include <string.h>
+
+static const char counters_name[] = "sun counters";
+
+enum neph_status neph_sun_fill_create(struct neph_vulkan *vulkan,
+                                      const struct neph_sun_fill_shader *shader,
+                                      const struct neph_march_params *params, int pictures,
+                                      const struct neph_march_cut *cut, struct neph_sun_fill *fill,
+                                      struct neph_diag *diag)
+{
+    fill->vulkan = vulkan;
+    fill->shader = *shader;
+    fill->params = *params;
+    fill->part_count = pictures > 1 ? pictures : 1;
+    fill->cut = *cut;
+    const enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD,
+                                                       sizeof(struct neph_gpu_sun_counters),
+                                                       counters_name, &fill->counters, diag);
+    return status ? status
+                  : neph_turns_create(vulkan, &fill->counters, counters_name, &fill->counter_turns,
+                                      diag);
+}
+
+void neph_sun_fill_destroy(struct neph_sun_fill *fill)
+{
+    if (!fill->vulkan)
+        return;
+    neph_turns_destroy(fill->vulkan, &fill->counter_turns);
+    neph_buffer_destroy(fill->vulkan, &fill->counters);
+    *fill = (struct neph_sun_fill){0};
+}
+
+/* --- filling -------------------------------------------------------------------------------- */
+
+/* A fill in work. */
+struct work {
+    struct neph_sun_fill *fill;
+    const struct neph_kernel *kernel;
+    struct neph_dispatch dispatch;
+    uint64_t first_entry;
+    struct neph_sun_fill_cost *cost; /* borrowed */
+};
+
+static enum neph_status send_run(const struct neph_gpu_march_run *run, void *context,
+                                 struct neph_diag *diag)
+{
+    struct work *work = context;
+    struct neph_gpu_march_run entries = *run;
+    struct neph_batch batch;
+    entries.first_ray += (uint32_t)work->first_entry;
+    work->dispatch.push = &entries;
+    work->dispatch.group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) /
+                                 NEPH_MARCH_LOCAL_SIZE;
+    enum neph_status status = neph_batch_begin(work->fill->vulkan, &batch, diag);
+    if (!status)
+        status = neph_batch_dispatch(&batch, work->kernel, &work->dispatch, diag);
+    if (status)
+        return status;
+    neph_batch_stamp(&batch, &work->cost->gpu_s[work->fill->shader.table]);
+    work->cost->dispatches++;
+    return neph_batch_send(&batch, work->fill->shader.name, diag);
+}
+
+static enum neph_status get_kernel(struct neph_sun_fill *fill, const struct neph_gpu_scene *gpu,
+                                   const struct neph_kernel **kernel, struct neph_diag *diag)
+{
+    struct neph_kernel_params params = {
+        .name = fill->shader.name,
+        .spirv = fill->shader.spirv,
+        .spirv_size_bytes = fill->shader.spirv_size_bytes,
+        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .image_count = NEPH_GPU_MEDIA_MAX,
+        .push_size_bytes = sizeof(struct neph_gpu_march_run),
+        .constant_count = NEPH_MARCH_CONSTANTS,
+    };
+    neph_march_constants(gpu, &fill->params, params.constants);
+    return neph_kernel_get(fill->vulkan, &params, kernel, diag);
+}
+
+static void begin_count(struct neph_sun_fill *fill, struct neph_sun_fill_cost *cost)
+{
+    neph_turns_take(&fill->counter_turns, &fill->counters);
+    memset(fill->counters.mapped, 0, sizeof(struct neph_gpu_sun_counters));
+    cost->counters[fill->shader.table] = fill->counters.mapped;
+}
+
+/* Entries from one up to another. */
+static enum neph_status run(struct neph_sun_fill *fill, const uint64_t entries[2],
+                            const struct neph_gpu_scene *gpu, const struct neph_skip_cells *skip,
+                            const struct neph_buffer *table, struct neph_sun_fill_cost *cost,
+                            struct neph_diag *diag)
+{
+    struct work work = {.fill = fill, .first_entry = entries[0], .cost = cost};
+    struct neph_march_cut cut = fill->cut;
+    cut.ray_count = entries[1] - entries[0];
+    begin_count(fill, cost);
+    neph_gpu_scene_bind(gpu, &work.dispatch);
+    neph_skip_cells_bind(skip, &work.dispatch);
+    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = table;
+    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &fill->counters;
+    const enum neph_status status = get_kernel(fill, gpu, &work.kernel, diag);
+    return status ? status : neph_march_cut_run(&cut, send_run, &work, diag);
+}
+
+/* --- what is stale --------------------------------------------------------------------------- */
+
+/* Sun or media have moved since the newest filling: all parts are stale, from the next on. */
+static void find_stale(struct neph_sun_fill *fill, const struct neph_scene *scene)
+{
+    struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
+    neph_gpu_scene_media(scene, media);
+    if (neph_gpu_same_sun(&scene->sun, &fill->sun) &&
+        memcmp(media, fill->media, sizeof(media)) == 0)
+        return;
+    fill->sun = scene->sun;
+    memcpy(fill->media, media, sizeof(media));
+    fill->stale_parts = fill->part_count;
+}
+
+/* The entries to fill for this picture: all of them at first. */
+static void take_part(struct neph_sun_fill *fill, uint64_t entries[2])
+{
+    const uint64_t all = fill->cut.ray_count, parts = (uint64_t)fill->part_count;
+    entries[0] = fill->is_filled ? all * (uint64_t)fill->part / parts : 0;
+    entries[1] = fill->is_filled ? all * ((uint64_t)fill->part + 1) / parts : all;
+    fill->stale_parts = fill->is_filled ? fill->stale_parts - 1 : 0;
+    fill->part = (fill->part + 1) % fill->part_count;
+}
+
+enum neph_status neph_sun_fill_run(struct neph_sun_fill *fill, const struct neph_scene *scene,
+                                   const struct neph_gpu_scene *gpu,
+                                   const struct neph_skip_cells *skip,
+                                   const struct neph_buffer *table, bool anew,
+                                   struct neph_sun_fill_cost *cost, struct neph_diag *diag)
+{
+    uint64_t entries[2];
+    fill->is_filled = fill->is_filled && !anew;
+    find_stale(fill, scene);
+    if (fill->is_filled && fill->stale_parts == 0)
+        return NEPH_OK;
+    take_part(fill, entries);
+    const enum neph_status status =
+        entries[0] < entries[1] ? run(fill, entries, gpu, skip, table, cost, diag) : NEPH_OK;
+    fill->is_filled = !status;
+    return status;
+}
+
+/* --- costs ----------------------------------------------------------------------------------- */
+
+double neph_sun_fill_gpu_s(const struct neph_sun_fill_cost *cost)
+{
+    double sum_s = 0.0;
+    for (int t = 0; t < NEPH_SUN_TABLES; t++)
+        sum_s += cost->gpu_s[t];
+    return sum_s;
+}
+
+static uint64_t whole_number(const uint32_t halves[2])
+{
+    return halves[0] | (uint64_t)halves[1] << 32;
+}
+
+void neph_sun_fill_counts(const struct neph_sun_fill_cost *cost, uint64_t *density_evaluations,
+                          uint64_t *closed_forms)
+{
+    *density_evaluations = *closed_forms = 0;
+    for (int t = 0; t < NEPH_SUN_TABLES; t++) {
+        const struct neph_gpu_sun_counters *counters = cost->counters[t];
+        *density_evaluations += counters ? whole_number(counters->density_evaluations) : 0;
+        *closed_forms += counters ? whole_number(counters->closed_forms) : 0;
+    }
+}

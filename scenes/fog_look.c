@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The controls of a fog's look: their names in three worlds, and what they do that no medium does.
+ */
+#include "scenes/fog_look.h"
+
+#define LOOK(member) offsetof(struct neph_fog_look, member)
+
+const char *const neph_fog_model_words[] = {"unreal", "filament", NULL};
+
+static const struct neph_fog_control_row rows[NEPH_FOG_CONTROL_COUNT] = {
+    [NEPH_FOG_SKY_LIGHT] = {"sky_light", "sky_light", "Sky Atmosphere Ambient Contribution",
+                            "fogColorFromIbl",
+                            "the sky's light arrives everywhere as if there were no fog over it: "
+                            "right where the fog is a white furnace, too bright in its depth",
+                            LOOK(sky_light), 3, 0.0},
+    [NEPH_FOG_START] = {"start_distance", "start_distance_m", "Start Distance", "distance",
+                        "a ball around the camera, and wherever it goes, has no fog: too much "
+                        "light comes through, none is scattered there",
+                        LOOK(start_distance_m), 1, 0.0},
+    [NEPH_FOG_END] = {"end_distance", "end_distance_m", "End Distance", NULL,
+                      "fog ends at a ball around the camera: what lies behind is seen too well",
+                      LOOK(end_distance_m), 1, 0.0},
+    [NEPH_FOG_CUTOFF] = {"cutoff_distance", "cutoff_distance_m", "Fog Cutoff Distance",
+                         "cutOffDistance",
+                         "behind a ball around the camera there is no fog at all, also none "
+                         "before it: things pop as they cross it",
+                         LOOK(cutoff_distance_m), 1, 0.0},
+    [NEPH_FOG_MAX_OPACITY] = {"max_opacity", "max_opacity", "Fog Max Opacity", "maximumOpacity",
+                              "no depth of fog is opaque: what it hides shines through, and its "
+                              "own light is dimmed as much",
+                              LOOK(max_opacity), 1, 1.0},
+    [NEPH_FOG_HAND_OVER] = {"volumetric_fog_distance", "volumetric_fog_distance_m",
+                            "Volumetric Fog View Distance", NULL,
+                            "fog nearer than that is another renderer's, and missing where "
+                            "nobody renders it",
+                            LOOK(volumetric_fog_distance_m), 1, 0.0},
+    [NEPH_FOG_OBSERVER] = {"observer_height_max", "observer_height_max_m",
+                           "(fixed: 65536 cm above the fog)", NULL,
+                           "a camera above it looks from a lower place, into denser fog, and "
+                           "along other rays",
+                           LOOK(observer_height_max_m), 1, NEPH_FOG_NO_OBSERVER_M},
+    [NEPH_FOG_DIRECTIONAL] = {"directional", "directional_w_per_m2_sr",
+                              "Directional Inscattering Color", "(the light's own colour)",
+                              "a glow around the sun that is added: cos^e over the sphere is "
+                              "2 pi / (e + 1) and not 1, no light is taken for it, no shadow "
+                              "falls on it, max_opacity does not dim it",
+                              LOOK(directional_w_per_m2_sr), 3, 0.0},
+    [NEPH_FOG_DIRECTIONAL_START] = {"directional_start", "directional_start_m",
+                                    "Directional Inscattering Start Distance", "inScatteringStart",
+                                    "that glow begins later than the fog, with a kink",
+                                    LOOK(directional_start_m), 1, 0.0},
+};
+
+const struct neph_fog_control_row *neph_fog_controls(void)
+{
+    return rows;
+}
+
+bool neph_fog_control_is_on(const struct neph_fog_look *look, enum neph_fog_control control)
+{
+    const struct neph_fog_control_row *row = &rows[control];
+    const double *values = (const double *)((const char *)look + row->at);
+    for (int i = 0; i < row->count; i++)
+        if (values[i] != row->off)
+            return true;
+    return false;
+}
+
+struct neph_fog_look neph_fog_look_only(const struct neph_fog_look *look, unsigned controls)
+{
+    struct neph_fog_look only = *look;
+    for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {
+        double *values = (double *)((char *)&only + rows[c].at);
+        for (int i = 0; i < rows[c].count && !(controls & 1u << c); i++)
+            values[i] = rows[c].off;
+    }
+    return only;
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenes/fog_translation.h"
+
+#include "scenes/emission.h"
+#include "scenes/media.h"
+
+#include <stdio.h>
+
+const struct neph_medium *neph_fog_look_medium(const struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (scene->media[m].kind == NEPH_MEDIUM_HEIGHT_FOG)
+            return &scene->media[m];
+    return NULL;
+}
+
+/* albedo times the sun's irradiance times a phase function. */
+static struct neph_rgb scattered_once(const struct neph_scene *scene, struct neph_rgb albedo,
+                                      double per_sr)
+{
+    const struct neph_rgb sun = scene->sun.irradiance_w_per_m2;
+    if (!scene->sun.present || scene->scattering == NEPH_SCATTERING_NONE)
+        return (struct neph_rgb){0.0, 0.0, 0.0};
+    return (struct neph_rgb){albedo.r * sun.r * per_sr, albedo.g * sun.g * per_sr,
+                             albedo.b * sun.b * per_sr};
+}
+
+struct neph_fog_look neph_fog_look_of_physics(const struct neph_scene *scene,
+                                              const struct neph_medium *fog)
+{
+    const struct neph_fog_look none = {.present = true, .directional_exponent = 4.0};
+    struct neph_fog_look look = neph_fog_look_only(&none, 0);
+    const double g = fog->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN ? fog->phase.g : 0.0;
+    const struct neph_rgb glow = neph_medium_glow(fog);
+    look.inscattering_w_per_m2_sr = glow;
+    if (g > 0.5) {
+        look.directional_exponent = fmin((2.0 * g - 1.0) / (1.0 - g), NEPH_FOG_EXPONENT_MAX);
+        look.directional_w_per_m2_sr = scattered_once(
+            scene, fog->albedo, (look.directional_exponent + 1.0) / (2.0 * M_PI));
+        return look;
+    }
+    const struct neph_rgb even = scattered_once(scene, fog->albedo, 0.25 / M_PI);
+    look.inscattering_w_per_m2_sr = (struct neph_rgb){glow.r + even.r, glow.g + even.g,
+                                                      glow.b + even.b};
+    return look;
+}
+
+static bool has_ends(const struct neph_bounds *bounds)
+{
+    return isfinite(bounds->min_m.x) || isfinite(bounds->min_m.y) || isfinite(bounds->min_m.z) ||
+           isfinite(bounds->max_m.x) || isfinite(bounds->max_m.y) || isfinite(bounds->max_m.z);
+}
+
+/* NULL when there is none. */
+static const char *find_obstacle(const struct neph_scene *scene, enum neph_fog_model model)
+{
+    if (!scene->fog_look.present)
+        return "a scene without a look of its fog: fog_look says what it is";
+    if (scene->medium_count != 1)
+        return "media beside the fog: the look of a height fog is all that it has";
+    if (has_ends(&scene->media[0].bounds))
+        return "fog that has bounds: a look fills all space";
+    if (neph_medium_is_coloured(&scene->media[0]))
+        return "extinction that differs between the channels: a look has one opacity";
+    if (model == NEPH_FOG_FILAMENT && scene->media[0].layer_count > 1)
+        return "a second layer of fog: Filament has one";
+    if (scene->orthographic_height_m > 0.0)
+        return "an orthographic camera: a look has one observer, whom all distances are from";
+    return NULL;
+}
+
+bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
+                         size_t reason_size)
+{
+    const char *obstacle = find_obstacle(scene, model);
+    if (!obstacle)
+        return true;
+    snprintf(reason, reason_size, "%s", obstacle);
+    return false;
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * An entry of `lights`.
+ */
+#include "scenes/load.h"
+#include "scenes/solids.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#define LIGHT(member) offsetof(struct neph_light, member)
+
+/* A cone as it is written. */
+struct cone {
+    struct neph_vec3 axis;
+    double inner_deg, outer_deg;
+};
+
+static const struct neph_field cone_fields[] = {
+    {"axis", NEPH_THREE, offsetof(struct cone, axis), "", -1e6, 1e6,
+     .note = "from the light; its length does not matter"},
+    {"inner_deg", NEPH_NUMBER, offsetof(struct cone, inner_deg), "degrees", 0, 179,
+     .note = "from the axis; in full up to here"},
+    {"outer_deg", NEPH_NUMBER, offsetof(struct cone, outer_deg), "degrees", 0.1, 179.9,
+     .note = "nothing from here on; smoothstep of the cosine between"},
+    {0},
+};
+
+static enum neph_status read_cone(struct neph_reader *reader, const yaml_node_t *node,
+                                  const struct neph_record *record, void *target)
+{
+    struct neph_light *light = target;
+    struct cone cone = {.axis = {0, 0, 0}};
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, &cone);
+    if (status)
+        return status;
+    if (!(neph_vec3_length(cone.axis) > 1e-9))
+        return neph_refuse(reader, "axis", "an axis has a length; this one is 0");
+    /* Steeper, single precision would not know the edge from a step. */
+    if (!(cone.outer_deg >= cone.inner_deg + 0.1))
+        return neph_refuse(reader, "outer_deg",
+                           "%g degrees must be inner_deg, %g, plus 0.1 or more", cone.outer_deg,
+                           cone.inner_deg);
+    light->is_spot = true;
+    light->axis = neph_vec3_normalize(cone.axis);
+    light->inner_cosine = cos(cone.inner_deg * NEPH_RAD_PER_DEG);
+    light->outer_cosine = cos(cone.outer_deg * NEPH_RAD_PER_DEG);
+    return NEPH_OK;
+}
+
+static const struct neph_record cone_record = {sizeof(struct neph_light), cone_fields, read_cone};
+
+static const struct neph_field light_fields[] = {
+    {"position_m", NEPH_THREE, LIGHT(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "of a point: lights have no size"},
+    {"intensity_w_per_sr", NEPH_THREE, LIGHT(intensity_w_per_sr), "W/sr", 0, 1e9,
+     .note = "the same into all directions, or within the inner angle"},
+    {"cone", NEPH_RECORD, .record = &cone_record, .standard = "all around"},
+    {0},
+};
+
+const struct neph_record neph_light_record = {sizeof(struct neph_light), light_fields, NULL};
+
+enum neph_status neph_check_lights(const struct neph_reader *reader, const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->light_count; i++)
+        for (int s = 0; s < scene->solid_count; s++)
+            if (neph_solid_contains(&scene->solids[s], scene->lights[i].position_m))
+                return neph_refuse(reader, neph_at("lights[%d].position_m", i).text,
+                                   "the light is inside a solid, which would hide all of it; move "
+                                   "it out");
+    return NEPH_OK;
+}

@@ -1,0 +1,497 @@
+// SPDX-License-Identifier: MIT
+//
+// Lays out a night from window.NEPH_NIGHT (data.js; README.md beside this file is the contract).
+// Findings come the worst first, and so does everything here. Strings of the data reach the page as
+// text nodes and attribute values alone, never as markup.
+(function () {
+  "use strict";
+
+  const night = window.NEPH_NIGHT;
+
+  // A sign, a word and a colour each: none speaks by its colour.
+  const FOUND = {
+    "step failed": ["✗", "fail-word"],
+    "not the same bits": ["✗", "fail-word"],
+    "reference stale": ["✗", "fail-word"],
+    "blank picture": ["✗", "fail-word"],
+    missing: ["✗", "fail-word"],
+    "another size": ["✗", "fail-word"],
+    worse: ["✗", "fail-word"],
+    better: ["✓", "pass-word"],
+    environment: ["○", "open-word"],
+    moved: ["○", "open-word"],
+  };
+  const JUDGED = { worse: "wrong", better: "agrees", moved: "known" };
+  const KINDS = {
+    fixed: "the same program gives the same bits, so any change is more than chance; an interval " +
+      "is over the pixels of the picture",
+    drawn: "drawn by chance: the interval is tonight's, 95 %",
+    timed: "multiples of the calibration kernel; the range is where 95 % of nights without a " +
+      "change lie",
+    mean: "relative to the accepted night; the range is where 95 % of nights without a change lie",
+    picture: "range of radiance over its mean",
+  };
+  const FAILED = ["failed", "timeout"];
+  const LISTED = 16, SHOWN = 8; // groups of findings, in the verdict and at length; others fold
+
+  // ------------------------------------------------------------------------------------- elements
+
+  function append(element, children) {
+    for (const child of children.flat(Infinity))
+      if (child !== null && child !== undefined && child !== false) element.append(child);
+    return element;
+  }
+
+  function attributed(element, attributes) {
+    for (const [name, value] of Object.entries(attributes ?? {}))
+      if (value !== null && value !== undefined && value !== false)
+        element.setAttribute(name, String(value));
+    return element;
+  }
+
+  const el = (tag, attributes, ...children) =>
+    append(attributed(document.createElement(tag), attributes), children);
+
+  const svg = (tag, attributes, ...children) => append(attributed(
+    document.createElementNS("http://www.w3.org/2000/svg", tag), attributes), children);
+
+  const plural = (count, one, many) => `${count} ${count === 1 ? one : many}`;
+  const unique = (list) => [...new Set(list)];
+  const fact = (name, value) => el("div", null, el("dt", null, name), el("dd", null, value));
+
+  // -------------------------------------------------------------------------------------- numbers
+
+  function written(value, digits = 4) {
+    const size = Math.abs(value);
+    if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(digits - 1)
+      .replace("e+", "e").replace("e-", "e−");
+    return String(Number(value.toPrecision(digits))).replace("-", "−");
+  }
+
+  /** A number: all its digits are a matter of pointing at it. */
+  const number = (value, digits) => el("data", { value, "data-value": value, title: value },
+    written(value, digits));
+
+  const percent = (value, sign = true) => (sign && value > 0 ? "+" : "") +
+    `${written(100 * value, 3)} %`;
+
+  function word(found) {
+    const [sign, kind] = FOUND[found] ?? ["○", "open-word"];
+    return el("span", { class: kind }, el("span", { "aria-hidden": "true" }, `${sign} `), found);
+  }
+
+  // --------------------------------------------------------------------------------------- groups
+
+  const fails = (found) => (FOUND[found] ?? [])[1] === "fail-word";
+  const sceneName = (scene) => scene.split(/[ @]/)[0];
+  const sceneText = (scene) => scene.split("@")[0];
+
+  /** What a finding is of: an engine in a scene, or a mean, a step, a truth. */
+  const ofFinding = (finding) => (finding.kind === "mean" || !finding.scene ? finding.series
+    : [finding.suite, finding.scene, finding.engine].join("/"));
+
+  /** Numbers of one engine in one scene stand together, where the worst of them does. */
+  function groups() {
+    const all = new Map();
+    for (const finding of night.findings) {
+      const key = `${finding.found}\n${ofFinding(finding)}`;
+      all.set(key, [...(all.get(key) ?? []), finding]);
+    }
+    return [...all.values()];
+  }
+
+  function titleOf([first]) {
+    if (first.kind === "mean" || !first.scene) return first.series;
+    return `${first.engine} in ${sceneText(first.scene)}` +
+      `${first.suite === "catalog" ? "" : `, ${first.suite}`}`;
+  }
+
+  // ----------------------------------------------------------------------------------------- head
+
+  const VERDICTS = { pass: ["Pass", "pass"], fail: ["Fail", "fail"],
+    "nothing compared": ["No verdict", "open"] };
+
+  function sentence() {
+    const bad = groups().filter(([first]) => fails(first.found));
+    if (night.state !== "finished")
+      return `${night.steps.filter((step) => step.outcome !== "not run").length} of ` +
+        `${plural(night.steps.length, "step", "steps")} are over; what changed is said at the end.`;
+    if (night.compared === 0)
+      return "Nothing was compared: accept a night, and the next is held against it.";
+    if (bad.length === 0)
+      return `Nothing got worse in ${plural(night.compared, "comparison", "comparisons")} with ` +
+        `night ${night.baseline}.`;
+    const { found, words } = bad[0][0];
+    return `${titleOf(bad[0])} is ${found === "worse" ? "the worst" : found}: ` +
+      `${bad[0][0].metric && found === "worse" ? `${bad[0][0].metric} ` : ""}${words}` +
+      `${bad.length > 1 ? `; ${plural(bad.length - 1, "other", "others")} below` : ""}.`;
+  }
+
+  function counts() {
+    const found = unique(night.findings.map((finding) => finding.found));
+    return [`${plural(night.compared, "comparison", "comparisons")}, ${night.chances} with chance ` +
+      "in them", found.map((name) => `; ${night.findings.filter((finding) =>
+      finding.found === name).length} ${name}`), `; ${night.new} new, ${night.elsewhere} of ` +
+      `another environment, ${night.young} with too few nights, ${night.not_run} not run.`];
+  }
+
+  /** A line for each group, to be seen at a glance. */
+  function newsItem(group, n) {
+    const [first] = group;
+    return el("li", null, word(first.found), " ",
+      el("a", { href: `#finding-${n + 1}` }, titleOf(group)),
+      first.change !== null && [`: ${first.kind !== "mean" && first.metric ? `${first.metric} ` : ""}`,
+        el("b", null, changeText(first))],
+      group.length > 1 && `, and ${plural(group.length - 1, "number", "numbers")} more`);
+  }
+
+  function news() {
+    const items = groups().map(newsItem);
+    if (night.state !== "finished" || items.length === 0) return null;
+    return [el("ul", null, items.slice(0, LISTED)),
+      items.length > LISTED && el("details", null,
+        el("summary", null, `${items.length - LISTED} more`), el("ul", null, items.slice(LISTED)))];
+  }
+
+  function verdict() {
+    const running = night.state !== "finished";
+    const [said, kind] = running ? ["Running", "open"]
+      : VERDICTS[night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail"];
+    return el("div", { class: `verdict ${kind}` },
+      el("p", { class: "word" }, said),
+      el("div", { class: "said" }, el("p", null, el("b", null, sentence())),
+        !running && el("p", { class: "small" }, counts())),
+      news());
+  }
+
+  function head() {
+    const done = night.steps.filter((step) => step.done).length;
+    return el("header", null,
+      el("p", { class: "eyebrow" }, "Nephelometer night"),
+      el("h1", null, `Night ${night.night}`),
+      verdict(),
+      el("dl", { class: "facts" },
+        fact("Held against", night.baseline > 0 ? `night ${night.baseline}` : "nothing yet"),
+        fact("Tier", night.tier), night.revision && fact("Revision", night.revision),
+        fact("Program", night.program), fact("Host", night.host),
+        fact("Steps", `${done} of ${night.steps.length}, ${written(night.seconds / 60, 3)} min`),
+        fact("Written", night.created_utc), fact("Version", `neph ${night.neph_version}`)));
+  }
+
+  // --------------------------------------------------------------------------------------- trends
+
+  const PLOT = { width: 300, height: 84, left: 8, right: 10, top: 8, bottom: 18 };
+
+  /** A number over the nights; tonight is the large mark, the accepted night the open one. */
+  function trend(finding) {
+    const points = (finding.trend ?? []).filter(({ value }) => value !== null);
+    if (points.length < 2) return el("p", { class: "small soft" }, "No nights before this one.");
+    const nights = points.map((point) => point.night);
+    const reach = (point) => 1.96 * (point.standard_error ?? 0);
+    const values = points.flatMap((point) => [point.value - reach(point),
+      point.value + reach(point)]);
+    if (finding.range) values.push(finding.range.low, finding.range.high);
+    const [low, high] = [Math.min(...values), Math.max(...values)];
+    const [first, last] = [Math.min(...nights), Math.max(...nights)];
+    const x = (n) => PLOT.left + (PLOT.width - PLOT.left - PLOT.right) * (n - first) / (last - first);
+    const y = (value) => PLOT.top + (PLOT.height - PLOT.top - PLOT.bottom) *
+      (high > low ? (high - value) / (high - low) : 0.5);
+    const line = points.map((point, n) =>
+      `${n ? "L" : "M"}${x(point.night).toFixed(1)} ${y(point.value).toFixed(1)}`);
+    const tonight = points[points.length - 1];
+    return svg("svg", { class: "plot trend", role: "img", width: PLOT.width, height: PLOT.height,
+      viewBox: `0 0 ${PLOT.width} ${PLOT.height}`,
+      "aria-label": `${finding.metric ?? finding.series} over ${points.length} nights, from ` +
+        `${written(points[0].value)} to ${written(tonight.value)}` },
+    finding.range && svg("rect", { class: "zone", x: PLOT.left, y: y(finding.range.high),
+      width: PLOT.width - PLOT.left - PLOT.right,
+      height: Math.max(1, y(finding.range.low) - y(finding.range.high)) }),
+    svg("path", { d: line.join(""), class: "course" }),
+    points.map((point) => point.standard_error && svg("line", { class: "course",
+      x1: x(point.night), x2: x(point.night), y1: y(point.value - reach(point)),
+      y2: y(point.value + reach(point)) })),
+    points.map((point) => svg("circle", { cx: x(point.night), cy: y(point.value),
+      r: point === tonight ? 4.5 : point.night === finding.accepted_night ? 4 : 2,
+      class: point === tonight ? "tonight" : point.night === finding.accepted_night ? "accepted"
+        : point.judgement ? "aside" : "night" })),
+    svg("text", { x: PLOT.left, y: PLOT.height - 4 }, `night ${first}`),
+    svg("text", { x: PLOT.width - PLOT.right, y: PLOT.height - 4, "text-anchor": "end" },
+      `night ${last}`));
+  }
+
+  // ------------------------------------------------------------------------------------- findings
+
+  const fitted = []; // {element, width}: pictures whose pixels become whole device pixels
+
+  function pixels(source, alt, size) {
+    const image = el("img", { class: "pixels", src: source, alt, width: size[0], height: size[1] });
+    image.addEventListener("error", () => image.replaceWith(
+      el("div", { class: "hole" }, el("span", null, `${source} is not in this page's folder`))));
+    return image;
+  }
+
+  function fit(element, size) {
+    element.style.setProperty("--image-width", size[0]);
+    element.style.setProperty("--image-height", size[1]);
+    fitted.push({ element, width: size[0] });
+    return element;
+  }
+
+  function figure(frame, alt, caption, size) {
+    if (!frame) return null;
+    return el("figure", null, frame.picture ? pixels(frame.picture, alt, size)
+      : el("div", { class: "hole" }, el("span", null, "the limit of the page is reached")),
+    el("figcaption", null, caption));
+  }
+
+  function differenceScale(scale) {
+    const made = el("figure", { class: "difference-scale" },
+      el("div", { class: "bar", role: "img", "aria-label": "from darker tonight to brighter" }),
+      el("div", { class: "ticks" }, el("span", null, `−${written(scale, 1)} darker`),
+        el("span", null, "0"), el("span", null, `+${written(scale, 1)} brighter`)));
+    made.querySelector(".bar").style.background =
+      `linear-gradient(90deg, ${night.difference_colours.join(", ")})`;
+    return made;
+  }
+
+  function pictures({ shown, found, kind, scene, series }) {
+    if (!shown) return null;
+    const what = kind === "mean" ? `${series}, shown by ${sceneText(scene)}` : sceneText(scene);
+    const { accepted, tonight, difference, size_px: size } = shown;
+    const made = fit(el("div", { class: "pictures" },
+      figure(accepted, `${what}: the accepted night`, "accepted night", size),
+      figure(tonight, `${what}: tonight`, "tonight", size),
+      difference?.scale > 0 && figure(difference, `${what}: tonight less the accepted night`,
+        ["tonight − accepted, luminance: ", `${percent(difference.mean, false)} on average, `,
+          `${percent(difference.changed, false)} of the pixels`], size)), size);
+    return [made, difference?.scale > 0 && differenceScale(difference.scale),
+      difference?.scale === 0 && el("p", { class: "small" }, "No pixel of this picture changed: " +
+        (found === "moved" ? "the number follows another picture." : "the number is not of it alone.")),
+      accepted && !tonight && el("p", { class: "small" }, "Tonight has no such picture.")];
+  }
+
+  function rangeText(finding) {
+    if (finding.interval)
+      return [`95 % interval${finding.kind === "fixed" ? " over the pixels" : ""} `, number(finding.interval[0]), " to ", number(finding.interval[1])];
+    if (finding.range)
+      return [`without a change 95 % of nights lie in `, number(finding.range.low), " to ",
+        number(finding.range.high), ` (${finding.range.nights} nights)`];
+    return finding.kind === "fixed" ? "no interval: fixed, it has no chance in it" : null;
+  }
+
+  /** Its number and the accepted one stand above it. */
+  const changeText = ({ words, tonight, baseline }) => (tonight !== null && baseline !== null
+    ? words.slice(words.indexOf(": ") + 2) : words);
+
+  function numbers(group) {
+    const own = group.filter((finding) => finding.tonight !== null || finding.change !== null
+      || (finding.trend ?? []).length > 0);
+    if (own.length === 0)
+      return group.map((finding) => el("p", null, `${finding.words}.`));
+    return el("div", { class: "changes" }, own.map((finding) => el("div", { class: "change" },
+      el("div", null,
+        el("p", { class: "what" }, el("b", null, finding.metric ?? finding.series),
+          finding.truth && finding.truth !== "none" && `, against ${finding.truth}`),
+        finding.tonight !== null && finding.baseline !== null
+          ? el("p", null, el("span", { class: "big" }, number(finding.tonight)), " accepted ",
+            number(finding.baseline))
+          : null,
+        el("p", null, changeText(finding)),
+        el("p", { class: "small soft" }, rangeText(finding),
+          finding.floor !== null && [rangeText(finding) ? "; " : "", "seen from ",
+            percent(finding.floor, false), " on"])),
+      el("div", null, trend(finding)))));
+  }
+
+  /** What a shell takes for one word. */
+  const quoted = (text) => (/^[\w./:=@+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+
+  function commands([first], shown) {
+    const look = shown?.accepted?.exr && shown?.tonight?.exr
+      && `neph view ${quoted(shown.accepted.exr)} ${quoted(shown.tonight.exr)} -o look`;
+    const step = night.steps.find(({ name }) => name === first.step);
+    return el("dl", { class: "facts commands" },
+      first.command && fact("Again", el("code", null, first.command)),
+      look && fact("Look closer", el("code", null, look)),
+      step?.log && fact("Log", el("a", { href: `../${step.log}` }, step.log)));
+  }
+
+  function groupArticle(group, n) {
+    const [first] = group;
+    const shown = group.map((finding) => finding.shown).find((one) => one) ?? null;
+    const title = first.scene && night.scenes?.[sceneName(first.scene)]?.title;
+    return el("article", { class: "exhibit finding-group", id: `finding-${n + 1}`,
+      "data-of": ofFinding(first), "data-found": first.found },
+      el("h3", null, word(first.found), " ", titleOf(group)),
+      title && title !== sceneName(first.scene) && el("p", { class: "small soft" }, title),
+      numbers(group),
+      pictures({ ...first, shown }),
+      commands(group, shown));
+  }
+
+  function changes() {
+    if (night.state !== "finished") return null;
+    const all = groups();
+    const made = all.map(groupArticle);
+    return el("section", { "aria-labelledby": "changes" },
+      el("h2", { id: "changes" }, "What changed"),
+      all.length === 0 && el("p", null, night.compared > 0
+        ? `Nothing: ${plural(night.compared, "number is", "numbers are")} as accepted.`
+        : "Nothing can be said before a night is accepted."),
+      made.slice(0, SHOWN),
+      made.length > SHOWN && el("details", null,
+        el("summary", null, `${made.length - SHOWN} more, less bad`), made.slice(SHOWN)));
+  }
+
+  function help() {
+    const entry = (term, ...text) => el("div", null, el("dt", null, term), el("dd", null, text));
+    return el("aside", { class: "help", "aria-labelledby": "help" },
+      el("h2", { id: "help" }, "How to read this"),
+      el("dl", null,
+        entry("Worse", "The change is more than chance, after a correction for all comparisons of ",
+          "the night, and large enough to matter."),
+        entry("Trend", "The number over the last nights: an open ring is the accepted night, the ",
+          "large dot tonight. Crosses of grey are nights that had changed, too, and are no part ",
+          "of what durations are held against."),
+        entry("Pictures", "Both nights at the exposure of the scene, of a sequence the last ",
+          "frame. Blue is darker tonight, red brighter, cyan and yellow beyond the scale."),
+        entry("Numbers", unique(night.findings.map((finding) => finding.kind).filter((kind) =>
+          KINDS[kind])).map((kind) => `${kind}: ${KINDS[kind]}. `),
+        "“Seen from”: the least change that the number could have shown tonight."),
+        entry("Was it meant?", el("code", null, "neph baseline accept --why TEXT"), " makes this ",
+          "night what the next is held against; nothing is overwritten.")));
+  }
+
+  // --------------------------------------------------------------------------------------- scenes
+
+  function partsOf(series) {
+    const [suite, scene, engine, metric, truth] = series.split("/");
+    return { suite, scene, engine, metric, truth };
+  }
+
+  /** A table that may be wider than the screen scrolls by itself, also from the keyboard. */
+  function scrolling(label, table) {
+    table.prepend(el("caption", { class: "hidden" }, label));
+    return el("div", { class: "scroll", role: "region", "aria-label": `Table: ${label}`,
+      tabindex: "0" }, table);
+  }
+
+  function numberCell(row) {
+    if (!row) return el("td", { class: "num soft" }, "·");
+    return el("td", { class: `num ${JUDGED[row.judged] ?? ""}`, title: row.why || null },
+      row.tonight !== null && number(row.tonight, 3),
+      ["worse", "better", "moved"].includes(row.judged)
+        && el("small", null, `${row.judged}, ${percent(row.change)}`),
+      row.judged === "not judged" && el("small", null, "not judged"));
+  }
+
+  function sceneTable(suite, scene, rows) {
+    const metrics = unique(rows.map(({ metric }) => metric));
+    const engines = unique(rows.map(({ engine }) => engine));
+    return scrolling(`${scene}, ${suite}`, el("table", { class: "findings" },
+      el("thead", null, el("tr", null, el("th", { scope: "col" }, "Engine"),
+        metrics.map((metric) => el("th", { scope: "col", class: "num" }, metric)))),
+      el("tbody", null, engines.map((engine) => el("tr", null,
+        el("th", { scope: "row" }, engine),
+        metrics.map((metric) => numberCell(rows.find((row) => row.engine === engine
+          && row.metric === metric))))))));
+  }
+
+  function sceneCard(suite, scene, rows) {
+    const of = `${suite}/${scene}/`;
+    const shown = Object.keys(night.pictures ?? {}).filter((key) => key.startsWith(of)
+      && night.pictures[key]);
+    const counted = rows.filter((row) => row.metric !== "contrast");
+    if (counted.length === 0) return null;
+    const changed = rows.filter((row) => ["worse", "better"].includes(row.judged));
+    const size = shown.length > 0 && night.pictures[shown[0]].size_px;
+    return el("details", { class: "scene", open: changed.length > 0 && suite === "catalog" },
+      el("summary", null, sceneText(scene), changed.length > 0
+        && ` · ${plural(changed.length, "number", "numbers")} changed`),
+      shown.length > 0 && fit(el("div", { class: "pictures" }, shown.map((key) => el("figure", null,
+        pixels(night.pictures[key].picture, `${sceneText(scene)} by ${key.slice(of.length)}`,
+          night.pictures[key].size_px), el("figcaption", null, key.slice(of.length))))), size),
+      sceneTable(suite, scene, counted));
+  }
+
+  function scenes() {
+    const rows = (night.series ?? []).map((row) => ({ ...row, ...partsOf(row.series) }));
+    const suites = unique(rows.map((row) => row.suite));
+    if (rows.length === 0) return null;
+    return el("section", { "aria-labelledby": "scenes" },
+      el("h2", { id: "scenes" }, "Every number of tonight"),
+      suites.map((suite) => [el("h3", null, suite),
+        unique(rows.filter((row) => row.suite === suite).map((row) => row.scene)).map((scene) =>
+          sceneCard(suite, scene, rows.filter((row) => row.suite === suite
+            && row.scene === scene)))]));
+  }
+
+  function steps() {
+    const failed = night.steps.filter((step) => FAILED.includes(step.outcome));
+    const row = (step) => el("tr", { class: FAILED.includes(step.outcome) ? "failing" : null },
+      el("th", { scope: "row" }, step.name),
+      el("td", null, step.outcome, step.log && [" ", el("a", { href: `../${step.log}` }, "log")]),
+      el("td", { class: "words" }, step.reason));
+    return el("section", { "aria-labelledby": "steps" },
+      el("h2", { id: "steps" }, "Steps"),
+      failed.length > 0 && el("ul", null, failed.map((step) => el("li", null, step.name, ": ",
+        step.outcome, ", ", step.reason, " ", step.log && el("a", { href: `../${step.log}` },
+          "log")))),
+      el("details", { open: night.state !== "finished" },
+        el("summary", null, plural(night.steps.length, "step", "steps")),
+        scrolling("Steps", el("table", null,
+          el("thead", null, el("tr", null, ["Step", "Outcome", "Reason"].map((name) =>
+            el("th", { scope: "col" }, name)))),
+          el("tbody", null, night.steps.map(row))))));
+  }
+
+  // ----------------------------------------------------------------------------------------- page
+
+  /** Image pixels become a whole number of device pixels. */
+  function fitPictures(main) {
+    const style = getComputedStyle(main);
+    const room = Math.min(300,
+      main.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
+    const dots = window.devicePixelRatio || 1;
+    for (const { element, width } of fitted)
+      element.style.setProperty("--scale", Math.max(1, Math.floor((room * dots) / width)) / dots);
+  }
+
+  /** What a link leads to may be folded away. */
+  function unfold(href) {
+    if (!href?.startsWith("#")) return;
+    const details = document.getElementById(href.slice(1))?.closest("details");
+    if (details) details.open = true;
+  }
+
+  function foot() {
+    return el("footer", null,
+      night.page.left_out > 0 && el("p", null, "The limit of the page is reached: ",
+        plural(night.page.left_out, "picture is", "pictures are"), " left out."),
+      el("p", null, "Every number of this page is in ", el("a", { href: "data.json" }, "data.json"),
+        "; the same without pictures in ", el("a", { href: "../nightly.json" }, "nightly.json"),
+        "."));
+  }
+
+  function complaint(main, title, text) {
+    main.replaceChildren(el("h1", null, title), el("p", null, text));
+  }
+
+  const main = document.getElementById("report");
+  if (!night) {
+    complaint(main, "This page has no data",
+      "data.js, which lies beside it in a complete folder, is missing or cannot be read.");
+  } else if (night.format !== "neph-night-page-1") {
+    complaint(main, "This page is of another version",
+      `Its data say “${night.format}”; this page reads “neph-night-page-1”.`);
+  } else {
+    document.title = `Night ${night.night}: ` + (night.state !== "finished" ? night.state
+      : night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail");
+    main.replaceChildren();
+    append(main, [head(), changes(), help(), scenes(), steps(), foot()]);
+    fitPictures(main);
+    window.addEventListener("resize", () => fitPictures(main));
+    main.addEventListener("click", ({ target }) => unfold(target.getAttribute?.("href")));
+    document.documentElement.dataset.ready = "yes";
+  }
+})();

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""scripts/fuzz with programs that stand for the fuzzers: what it counts, keeps and says."""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR")
+                    or pathlib.Path(__file__).resolve().parents[2])
+
+# As libFuzzer speaks; a corpus of one file more each time.
+QUIET = """#!/bin/sh
+for word; do case $word in -*) ;; *) corpus=$word; break ;; esac; done
+echo x > "$corpus/$(ls "$corpus" | wc -l)"
+printf '#%s\\tDONE cov: 1\\nstat::number_of_executed_units: %s\\n' 1200 1200 >&2
+"""
+BROKEN = """#!/bin/sh
+for word; do case $word in -artifact_prefix=*) found=${word#*=} ;; esac; done
+echo x > "${found}crash-0123"
+printf '#77\\tNEW cov: 1\\n==1==ERROR: AddressSanitizer\\n' >&2
+exit 77
+"""
+
+
+class Fuzz(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.programs = self.folder / "programs"
+        self.programs.mkdir()
+
+    def program(self, name, text):
+        path = self.programs / f"fuzz_{name}"
+        path.write_text(text)
+        path.chmod(0o755)
+
+    def fuzz(self, *arguments, code=0, **options):
+        done = subprocess.run([sys.executable, ROOT / "scripts/fuzz", *arguments],
+                              capture_output=True, text=True, timeout=60, **options)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def run_over(self, *readers, **options):
+        return self.fuzz("--seconds", "2", "--build", self.programs, "--output", self.folder,
+                         *readers, **options).stdout
+
+    def readers(self):
+        return json.loads((self.folder / "fuzz/fuzz.json").read_text())["readers"]
+
+    def test_inputs_are_counted_over_the_week_and_the_corpus_is_kept(self):
+        self.program("exr", QUIET)
+        self.program("plan", QUIET)
+        self.run_over("exr", "plan")
+        said = self.run_over("exr", "plan")
+        for run in self.readers():
+            self.assertEqual((run["executions"], run["week"], run["corpus"]), (1200, 2400, 2))
+            self.assertAlmostEqual(run["seconds_a_night"],
+                                   1e7 / 7 / run["per_processor_second"])
+            self.assertFalse(run["reaches"])
+        self.assertIn("Fuzz: 2400 inputs to 2 readers, none broke; 0 of 2 reach",
+                      said.splitlines()[-1])
+
+    def test_what_breaks_is_kept_and_fails(self):
+        self.program("exr", QUIET)
+        self.program("png", BROKEN)
+        said = self.run_over("exr", "png", code=1)
+        found = self.folder.resolve() / "fuzz/png/found/crash-0123"
+        self.assertTrue(found.is_file())
+        self.assertIn(f"png breaks: fuzz_png {found}", said)
+        self.assertIn("png BROKE", said.splitlines()[-1])
+        self.assertEqual([run["executions"] for run in self.readers()], [1200, 77])
+
+    def test_each_reader_has_a_corpus_and_a_replay(self):
+        names = {path.stem.removeprefix("fuzz_") for path in
+                 (ROOT / "tests/fuzz").glob("fuzz_*.c")}
+        self.assertGreaterEqual(len(names), 12)
+        for name in names:
+            self.assertTrue(any((ROOT / "tests/fuzz/corpus" / name).iterdir()), name)
+        listed = re.search(r"set\(of_the_harness ([a-z ]+)\)",
+                           (ROOT / "tests/fuzz/CMakeLists.txt").read_text())[1].split()
+        self.assertLessEqual(set(listed), names)
+
+    def test_what_is_missing_or_asked_wrongly_is_said(self):
+        self.assertIn("there is no reader 'pdf'", self.fuzz("pdf", code=2).stderr)
+        self.fuzz("--seconds", "0", code=2)
+        empty = self.folder / "empty"
+        empty.mkdir()
+        told = self.fuzz(code=69, env={**os.environ, "PATH": str(empty)}).stderr
+        self.assertIn("clang is not installed: apt-get install", told)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph post`: pictures of frames, what they are called, and what is refused."""
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import frames  # noqa: E402
+
+NEPH = os.environ["NEPH"]
+WIDTH, HEIGHT = 8, 4
+
+
+def reds(path):
+    return frames.read_exr(path)[2]["R"]
+
+
+def neph(*words, code=0):
+    done = subprocess.run([NEPH, *map(str, words)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == code, f"exit {done.returncode}: {done.stdout}{done.stderr}"
+    return done
+
+
+def png_rows(path):
+    """Bytes of an 8-bit RGB PNG, row by row, for the filters that libpng may take."""
+    data, at, packed = path.read_bytes(), 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + size]
+        at += 12 + size
+    raw, rows, stride = zlib.decompress(packed), [], 3 * WIDTH
+    above = bytes(stride)
+    for y in range(HEIGHT):
+        filter_kind, line = raw[y * (stride + 1)], raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)]
+        row = bytearray(stride)
+        for i, value in enumerate(line):
+            left, up = row[i - 3] if i > 2 else 0, above[i]
+            corner = above[i - 3] if i > 2 else 0
+            guess = left + up - corner
+            nearest = min((abs(guess - left), 0, left), (abs(guess - up), 1, up),
+                          (abs(guess - corner), 2, corner))[2]
+            row[i] = (value + (0, left, up, (left + up) // 2, nearest)[filter_kind]) & 255
+        rows.append(bytes(row))
+        above = row
+    return rows
+
+
+def srgb(linear):
+    return 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
+
+
+class Post(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.root = pathlib.Path(self.folder.name)
+        self.values = [i / (WIDTH * HEIGHT) for i in range(WIDTH * HEIGHT)]
+        self.frame = self.root / "in" / "frame.0003.exr"
+        self.frame.parent.mkdir()
+        self.write(self.frame, self.values)
+
+    def write(self, path, values):
+        frames.grey_exr(path, WIDTH, HEIGHT, values, Z=[100.0] * len(values))
+
+    def test_the_list_teaches_every_stage_and_setting(self):
+        listed = json.loads(neph("post", "--list", "--json").stdout)
+        names = [stage["name"] for stage in listed["stages"]]
+        self.assertLess(names.index("tone mapping"), names.index("upscale"))
+        settings = {setting["name"] for setting in listed["settings"]}
+        for stage in listed["stages"]:
+            self.assertIn(stage["setting"], settings)
+        text = neph("post", "--list").stdout
+        for word in [*names, *settings, *(preset["name"] for preset in listed["presets"])]:
+            self.assertIn(word, text)
+
+    def test_a_picture_is_what_the_display_shows(self):
+        out = self.root / "out"
+        neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "--png", "-q", "-o", out)
+        shown = reds(out / self.frame.name)
+        for value, seen in zip(self.values, shown):
+            self.assertAlmostEqual(seen, value, delta=2e-6)  # encoded and back, in float32
+        codes = [round(255 * srgb(value)) for value in self.values]
+        for y, row in enumerate(png_rows(out / "frame.0003.png")):
+            for x in range(WIDTH):
+                self.assertEqual(row[3 * x], codes[y * WIDTH + x])
+        self.assertEqual(list(frames.read_exr(out / self.frame.name)[2]["Z"]),
+                         [100.0] * WIDTH * HEIGHT)
+        # It is a display's picture: it cannot be mapped twice, nor held against radiance.
+        again = neph("post", out / self.frame.name, "-p", "plain", "-q", "-o", self.root / "2",
+                     code=65)
+        self.assertIn("display", again.stderr)
+        neph("compare", self.frame, out / self.frame.name, code=65)
+
+    def test_sizes_and_times_are_told(self):
+        done = neph("post", self.frame, "-s", "upscale=bilinear", "-s", "screen_percent=50",
+                    "--json", "-o", self.root / "out")
+        [result] = json.loads(done.stdout)
+        self.assertEqual((result["width_px"], result["height_px"]), (2 * WIDTH, 2 * HEIGHT))
+        self.assertEqual([stage["name"] for stage in result["stages"]], ["upscale"])
+        self.assertEqual(len(reds(self.root / "out" / self.frame.name)),
+                         4 * WIDTH * HEIGHT)
+
+    def test_grain_follows_frame_and_seed_alone(self):
+        self.write(self.root / "in" / "frame.0004.exr", self.values)
+        words = ["-p", "plain", "-s", "grain=16", "-q"]
+        for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+            neph("post", self.root / "in", *words, "--seed", seed, "-o", self.root / name)
+        first, same, other = (reds(self.root / name / "frame.0003.exr")
+                              for name in "abc")
+        later = reds(self.root / "a" / "frame.0004.exr")
+        self.assertEqual(first, same)
+        self.assertNotEqual(first, other)
+        self.assertNotEqual(first, later)
+
+    def test_what_makes_no_sense_is_refused(self):
+        for words, said in (
+                (["post"], "which frames"),
+                (["post", self.frame], "all stages of the chain are off"),
+                (["post", self.frame, "-p", "none_such"], "unreal"),
+                (["post", self.frame, "-s", "upscale=cubic"], "catmull_rom"),
+                (["post", self.frame, "-p", "plain", "-o", self.frame.parent], "over itself"),
+                (["post", "--list", self.frame], "takes no frames")):
+            done = neph(*words, code=64)
+            self.assertIn(said, done.stderr)
+        other = self.root / "other" / self.frame.name
+        other.parent.mkdir()
+        self.write(other, self.values)
+        done = neph("post", self.frame, other, "-p", "plain", "-o", self.root / "out", code=64)
+        self.assertIn("both be", done.stderr)
+        self.assertFalse((self.root / "out").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

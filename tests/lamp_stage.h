@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A stage with lights that all transports are held against.
+ */
+#ifndef NEPH_TESTS_LAMP_STAGE_H
+#define NEPH_TESTS_LAMP_STAGE_H
+
+#include "tests/scene_builders.h"
+
+/* Two lights, one a spot, in three media of unlike kinds and colours, with a ball and boxes. */
+static inline struct test_scene *lamp_stage(struct test_scene *test)
+{
+    test_scene_init(test);
+    struct neph_scene *scene = &test->scene;
+    scene->sun.present = false;
+    scene->background_w_per_m2_sr = make_grey(0.0);
+    struct neph_medium *fog = test_add_medium(test, 0.1, 0.3, 0.0);
+    fog->bounds = (struct neph_bounds){{-6, -1, -14}, {6, 7, 2}};
+    fog->extinction_color = (struct neph_rgb){0.7, 1.0, 1.4};
+    *test_add(test, make_blob(0.4, (struct neph_vec3){0.5, 2, -6}, 0.8)) = make_blob(
+        0.4, (struct neph_vec3){0.5, 2, -6}, 0.8);
+    struct neph_medium *block = test_add(
+        test, make_homogeneous(0.2, (struct neph_bounds){{-3, 0, -9}, {-1, 3, -5}}));
+    block->phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
+    test_add_box(test, (struct neph_vec3){0.6, 0, -5}, (struct neph_vec3){0.8, 2.4, -4.5});
+    test_add_box(test, (struct neph_vec3){-9, -1, -30}, (struct neph_vec3){9, 0, 3});
+    test_add_sphere(test, (struct neph_vec3){-0.7, 1.7, -4.0}, 0.5);
+    scene->light_count = 2;
+    scene->lights[0] = (struct neph_light){.position_m = {1.1, 2.1, -6.5},
+                                           .intensity_w_per_sr = {5, 3, 1}};
+    scene->lights[1] = (struct neph_light){
+        .position_m = {-1.5, 2.6, -8},
+        .intensity_w_per_sr = {1, 4, 9},
+        .is_spot = true,
+        .axis = neph_vec3_normalize((struct neph_vec3){2, -1, 4}),
+        .inner_cosine = 0.9,
+        .outer_cosine = 0.7};
+    return test;
+}
+
+static inline struct neph_vec3 lamp_direction(int i)
+{
+    return neph_vec3_normalize(
+        (struct neph_vec3){-0.45 + 0.13 * (i % 8), 0.2 - 0.11 * (i / 8), -1.0});
+}
+
+#endif

@@ -1,0 +1,608 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The shadow map of clouds: what it tells of the ground, held against closed forms, and against its
+ * twin, which interpolates between them in double; what it tells between clouds; and that it stays
+ * where the clouds are.
+ */
+#include "tests/renderer/march_test.h"
+
+#include "renderer/cloud_shadow.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
+
+enum { SIDE_PX = 48, PIXELS = SIDE_PX * SIDE_PX };
+
+static const double ground_m = -2.0;
+
+/* --- the ground ------------------------------------------------------------------------------ */
+
+/* Seen from straight above, below all clouds: a pixel is a place, and nothing is in between. */
+static void look_down(struct test_scene *test, double side_m)
+{
+    test_scene_init(test);
+    test->key.look_at_m = (struct neph_vec3){0.0, ground_m, 0.0};
+    test->scene.camera_up = (struct neph_vec3){0.0, 0.0, -1.0};
+    test->scene.vertical_fov_rad = 0.0;
+    test->scene.orthographic_height_m = side_m;
+    test_add_box(test, (struct neph_vec3){-1e3, ground_m - 1.0, -1e3},
+                 (struct neph_vec3){1e3, ground_m, 1e3});
+}
+
+static struct neph_vec3 place_of(const struct test_scene *test, int pixel)
+{
+    const double pixel_m = test->scene.orthographic_height_m / SIDE_PX;
+    const double column = pixel % SIDE_PX + 0.5, row = pixel / SIDE_PX + 0.5;
+    return (struct neph_vec3){test->key.position_m.x + (column - 0.5 * SIDE_PX) * pixel_m, ground_m,
+                              test->key.position_m.z + (row - 0.5 * SIDE_PX) * pixel_m};
+}
+
+static struct neph_march_params mapped(int texels, int layers)
+{
+    return (struct neph_march_params){
+        .width_px = SIDE_PX,
+        .height_px = SIDE_PX,
+        .steps = 1,
+        .sun_steps = 64,
+        .shortcuts = {.cloud_shadow = true,
+                      .shadow = {.texels = texels, .layers = layers, .levels = 1}}};
+}
+
+/* Channel c of sunlight on the ground, as a part of what the sun sends. */
+static void measure(struct neph_vulkan *vulkan, const struct test_scene *test,
+                    const struct neph_march_params *params, int c, double through[PIXELS])
+{
+    struct neph_diag diag = {0};
+    struct neph_image *image = NULL;
+    float *rgb[3];
+    const double sun[3] = {10.0, 9.0, 8.0}, albedo[3] = {0.5, 0.4, 0.3};
+    const double full = sun[c] * albedo[c] / M_PI * test->scene.sun.direction.y;
+    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &image, NULL, &diag), &diag);
+    assert_true(neph_image_rgb(image, NULL, rgb));
+    for (int p = 0; p < PIXELS; p++)
+        through[p] = (double)rgb[c][p] / full;
+    neph_image_destroy(image);
+}
+
+static double depth_of(const struct neph_scene *scene, struct neph_vec3 point_m, int c)
+{
+    const struct neph_rgb depth = neph_scene_optical_depth(scene, point_m, scene->sun.direction,
+                                                           0.0, 1e5);
+    return c == 0 ? depth.r : c == 1 ? depth.g : depth.b;
+}
+
+/* Largest and mean difference of all pixels. */
+struct difference {
+    double largest, mean;
+};
+
+static struct difference against_truth(const struct test_scene *test, int c,
+                                       const double through[PIXELS])
+{
+    struct difference off = {0.0, 0.0};
+    for (int p = 0; p < PIXELS; p++) {
+        const double truth = exp(-depth_of(&test->scene, place_of(test, p), c));
+        off.largest = fmax(off.largest, fabs(through[p] - truth));
+        off.mean += fabs(through[p] - truth) / PIXELS;
+    }
+    return off;
+}
+
+/* --- the twin: closed forms at the texels, transmittance between them ------------------------- */
+
+static double texel_through(const struct neph_shadow_space *space, const struct neph_scene *scene,
+                            int level, const double texel[2], int c)
+{
+    struct neph_vec3 point_m = neph_vec3_along(space->origin_m, scene->sun.direction,
+                                               space->start_m);
+    for (int axis = 0; axis < 2; axis++)
+        point_m = neph_vec3_along(point_m, space->side[axis],
+                                  space->levels[level].low_m[axis] +
+                                      texel[axis] * space->levels[level].texel_m[axis]);
+    return exp(-depth_of(scene, point_m, c));
+}
+
+/* Below all clouds, in the finest map that has the point. */
+static double twin_through(const struct neph_shadow_space *space, const struct neph_shadow_map *map,
+                           const struct neph_scene *scene, struct neph_vec3 point_m, int c)
+{
+    for (int level = 0; level < map->levels; level++) {
+        double place[2], low[2], sum = 0.0;
+        for (int axis = 0; axis < 2; axis++) {
+            const double at_m = neph_vec3_dot(neph_vec3_sub(point_m, space->origin_m),
+                                              space->across[axis]);
+            place[axis] = (at_m - space->levels[level].low_m[axis]) /
+                          space->levels[level].texel_m[axis];
+            low[axis] = floor(place[axis]);
+        }
+        if (place[0] < 0.0 || place[1] < 0.0 || place[0] > map->texels - 1 ||
+            place[1] > map->texels - 1)
+            continue;
+        for (int corner = 0; corner < 4; corner++) {
+            const int step[2] = {corner & 1, corner >> 1};
+            double weight = 1.0, texel[2];
+            for (int axis = 0; axis < 2; axis++) {
+                weight *= step[axis] ? place[axis] - low[axis] : 1.0 - place[axis] + low[axis];
+                texel[axis] = low[axis] + step[axis];
+            }
+            sum += weight * texel_through(space, scene, level, texel, c);
+        }
+        return sum;
+    }
+    return exp(-depth_of(scene, point_m, c));
+}
+
+static void check_twin(struct neph_vulkan *vulkan, const struct test_scene *test,
+                       const struct neph_shadow_map *map, const char *what)
+{
+    struct neph_march_params params = mapped(map->texels, 1);
+    double through[PIXELS], largest = 0.0, from_truth = 0.0;
+    params.shortcuts.shadow = *map;
+    const struct neph_shadow_space space = neph_shadow_space_of(map, &test->scene,
+                                                                test->key.position_m);
+    measure(vulkan, test, &params, 1, through);
+    for (int p = 0; p < PIXELS; p++) {
+        const struct neph_vec3 point_m = place_of(test, p);
+        const double twin = twin_through(&space, map, &test->scene, point_m, 1);
+        largest = fmax(largest, fabs(through[p] - twin));
+        from_truth = fmax(from_truth,
+                          fabs(twin - exp(-depth_of(&test->scene, point_m, 1))));
+    }
+    print_message("%s: off the twin by %.1e, which is off the truth by %.1e\n", what, largest,
+                  from_truth);
+    /* A place is a float32 of some 30 m, 2e-6 m; over a texel of a tenth of a metre that is 2e-5 of
+     * the difference between two of them. */
+    assert_true(largest < 3e-5);
+    assert_true(from_truth > 100.0 * largest);
+}
+
+/* --- clouds ---------------------------------------------------------------------------------- */
+
+static const double blob_per_m = 0.8, blob_width_m = 2.0;
+
+static void add_blob(struct test_scene *test, struct neph_vec3 at_m)
+{
+    struct neph_medium *blob = test_add_cloud(test, NEPH_MEDIUM_GAUSSIAN, blob_per_m);
+    const struct neph_vec3 reach_m = {9.0, 9.0, 9.0};
+    blob->gaussian = (struct neph_gaussian){at_m, blob_width_m};
+    blob->bounds = (struct neph_bounds){neph_vec3_sub(at_m, reach_m), neph_vec3_add(at_m, reach_m)};
+}
+
+static void test_the_twin_has_the_same(void **state)
+{
+    struct test_scene test;
+    look_down(&test, 40.0);
+    add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
+    add_blob(&test, (struct neph_vec3){13.0, 18.0, -14.0});
+    test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.6, 0.2};
+    struct neph_shadow_map map = {.texels = 64, .layers = 1, .levels = 1};
+    check_twin(*state, &test, &map, "a level plane");
+    map.plane = NEPH_SHADOW_SUN;
+    check_twin(*state, &test, &map, "across the sun");
+    map = (struct neph_shadow_map){.texels = 64, .layers = 3, .levels = 3};
+    check_twin(*state, &test, &map, "three maps");
+    map = (struct neph_shadow_map){.texels = 32, .layers = 1, .levels = 2, .extent_m = 20.0};
+    check_twin(*state, &test, &map, "around the camera");
+}
+
+/* Between texels a distance h apart transmittance T is off by h^2 / 8 times its second derivatives
+ * along both sides. On a plane that a sun ray meets at a right angle tau is that of a Gaussian of
+ * its width w and at most s w sqrt(2 pi), and no second derivative of e^-tau is above
+ * (tau' ^ 2 + |tau''|) e^-tau. With u = (r/w)^2 that is tau (u tau + |u - 1|) e^-tau / w^2, which
+ * is largest at the rim of the shadow: taken of it here where it is, by trying all. */
+static double blob_bound(double spacing_m)
+{
+    const double middle = blob_per_m * blob_width_m * sqrt(2.0 * M_PI);
+    double largest = 0.0;
+    for (double u = 0.0; u < 30.0; u += 1e-3) {
+        const double depth = middle * exp(-0.5 * u);
+        largest = fmax(largest, depth * (u * depth + fabs(u - 1.0)) * exp(-depth));
+    }
+    return spacing_m * spacing_m / 8.0 * 2.0 * largest / (blob_width_m * blob_width_m);
+}
+
+static void test_a_blob_is_of_second_order(void **state)
+{
+    struct test_scene test;
+    double through[PIXELS], before = INFINITY;
+    look_down(&test, 24.0);
+    test.scene.sun.direction = (struct neph_vec3){0.0, 1.0, 0.0};
+    add_blob(&test, (struct neph_vec3){1.0, 14.0, -2.0});
+    for (int texels = 16; texels <= 128; texels *= 2) {
+        struct neph_march_params params = mapped(texels, 1);
+        const struct neph_shadow_space space = neph_shadow_space_of(&params.shortcuts.shadow,
+                                                                    &test.scene,
+                                                                    test.key.position_m);
+        measure(*state, &test, &params, 0, through);
+        const struct difference off = against_truth(&test, 0, through);
+        const double bound = blob_bound(space.levels[0].texel_m[0]);
+        print_message("%d texels: off by %.2e, at most %.2e; mean %.1e\n", texels, off.largest,
+                      bound, off.mean);
+        assert_true(off.largest < bound && off.largest > 0.02 * bound);
+        assert_true(off.largest < before / 2.5); /* 4, but for steps of an eighth of an octave */
+        before = off.largest;
+    }
+}
+
+/* All texels are the same ray: nothing is left out between them. */
+static void test_a_slab_is_exact(void **state)
+{
+    enum { NODES = 3 * 2 * 3 };
+    struct test_scene test;
+    struct neph_diag diag = {0};
+    struct neph_grid *grid = NULL;
+    double through[PIXELS];
+    const struct neph_vec3 corner_m = {-200.0, 10.0, -200.0}, spacing_m = {200.0, 3.0, 200.0};
+    look_down(&test, 40.0);
+    neph_assert_ok(neph_grid_create((const int[3]){3, 2, 3}, corner_m, spacing_m, &grid, &diag),
+                   &diag);
+    for (int i = 0; i < NODES; i++)
+        grid->values[i] = 1.0f;
+    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
+    test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.2)->grid = grid;
+    const struct neph_march_params params = mapped(64, 2);
+    measure(*state, &test, &params, 0, through);
+    /* Half of each of the two cells beside it, in which the density falls to 0. */
+    const double truth = exp(-0.2 * (3.0 + 2.0 * 0.5 * 3.0) / test.scene.sun.direction.y);
+    for (int p = 0; p < PIXELS; p++)
+        assert_float_equal(through[p], truth, 2e-6);
+    neph_grid_destroy(grid);
+}
+
+/* Voxels from nothing to dense, as clouds are; 512 texels, and how it gets there. */
+static void test_voxels_are_within_two_per_cent(void **state)
+{
+    struct test_scene test;
+    uint64_t random = 5;
+    double through[PIXELS], sunlit = 0.0;
+    look_down(&test, 40.0);
+    struct neph_grid *grid = random_lattice((const int[3]){24, 6, 24},
+                                            (struct neph_vec3){0.0, 8.0, -28.0},
+                                            (struct neph_vec3){1.2, 0.8, 1.2}, -2.0, &random);
+    test_add_cloud(&test, NEPH_MEDIUM_GRID, 1.5)->grid = grid;
+    for (int p = 0; p < PIXELS; p++)
+        sunlit += exp(-depth_of(&test.scene, place_of(&test, p), 0)) / PIXELS;
+    assert_true(sunlit > 0.2 && sunlit < 0.8);
+    double before = INFINITY;
+    for (int texels = 64; texels <= 512; texels *= 8) {
+        const struct neph_march_params params = mapped(texels, 1);
+        measure(*state, &test, &params, 0, through);
+        const struct difference off = against_truth(&test, 0, through);
+        print_message("%d texels: mean error %.2e of a mean of %.2f, largest %.2e\n", texels,
+                      off.mean, sunlit, off.largest);
+        assert_true(off.mean < before / 8.0);
+        before = off.mean;
+    }
+    assert_true(before < 0.02 * sunlit);
+    struct neph_march_params skipping = mapped(512, 1);
+    double skipped[PIXELS];
+    skipping.shortcuts.skip = true;
+    measure(*state, &test, &skipping, 0, skipped);
+    assert_memory_equal(skipped, through, sizeof(through));
+    neph_grid_destroy(grid);
+}
+
+/* Where half of what the cloud takes comes through along a row of pixels [m]. */
+static double middle_of_edge(const struct test_scene *test, const double through[PIXELS], int row)
+{
+    const double half = 0.5 * (through[row] + through[row + SIDE_PX - 1]);
+    for (int p = row; p < row + SIDE_PX - 1; p++)
+        if (through[p] <= half && through[p + 1] > half) {
+            const double part = (half - through[p]) / (through[p + 1] - through[p]);
+            const double from_m = place_of(test, p).x, to_m = place_of(test, p + 1).x;
+            return from_m + part * (to_m - from_m);
+        }
+    return INFINITY;
+}
+
+/* A cloud that its bounds cut off: dark on one side of a line, and light on the other. The shadow's
+ * edge lies within half a texel of it, and a texel farther all is as it should be. */
+static void test_edges_keep_their_place(void **state)
+{
+    struct test_scene test;
+    double through[PIXELS];
+    look_down(&test, 10.0);
+    test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.0, 0.8, -0.6});
+    struct neph_medium *cloud = test_add_cloud(&test, NEPH_MEDIUM_GAUSSIAN, 3.0);
+    cloud->gaussian = (struct neph_gaussian){{0.0, 12.0, -10.0}, 20.0};
+    for (double edge_m = -0.5; edge_m < 0.5; edge_m += 0.173) {
+        cloud->bounds = (struct neph_bounds){{-15.3, 10.0, -30.0}, {edge_m, 14.0, 10.0}};
+        const struct neph_march_params params = mapped(32, 1);
+        const double texel_m =
+            neph_shadow_space_of(&params.shortcuts.shadow, &test.scene, test.key.position_m)
+                .levels[0]
+                .texel_m[0];
+        measure(*state, &test, &params, 0, through);
+        const int row = SIDE_PX / 2 * SIDE_PX;
+        const double off_texels = (middle_of_edge(&test, through, row) - edge_m) / texel_m;
+        print_message("an edge at %.3f m is off by %.2f texels\n", edge_m, off_texels);
+        assert_true(fabs(off_texels) <= 0.5 + 1e-3);
+        for (int p = row; p < row + SIDE_PX; p++) {
+            const double from_edge = (place_of(&test, p).x - edge_m) / texel_m;
+            const double truth = exp(-depth_of(&test.scene, place_of(&test, p), 0));
+            assert_true(fabs(from_edge) <= 1.5 || fabs(through[p] - truth) < 1e-4);
+        }
+    }
+}
+
+/* --- between clouds -------------------------------------------------------------------------- */
+
+/* Fog between the clouds of two floors, and a tower through both. */
+static double error_between(struct neph_vulkan *vulkan, const struct neph_scene *scene, int layers,
+                            double *full)
+{
+    struct neph_diag diag = {0};
+    struct neph_march_params params = mapped(256, layers);
+    struct neph_image *images[2] = {NULL, NULL};
+    float *rgb[2][3];
+    double error = 0.0, mean = 0.0;
+    params.steps = 48;
+    for (int i = 0; i < 2; i++) {
+        params.shortcuts.cloud_shadow = i == 0;
+        neph_assert_ok(test_march_frame(vulkan, scene, &params, &images[i], NULL, &diag), &diag);
+        assert_true(neph_image_rgb(images[i], NULL, rgb[i]));
+    }
+    for (int p = 0; p < PIXELS; p++) {
+        error += fabs((double)rgb[0][0][p] - (double)rgb[1][0][p]) / PIXELS;
+        mean += (double)rgb[1][0][p] / PIXELS;
+    }
+    neph_image_destroy(images[1]);
+    neph_image_destroy(images[0]);
+    *full = mean;
+    return error;
+}
+
+static void test_layers_tell_what_is_between(void **state)
+{
+    struct test_scene test;
+    uint64_t random = 21;
+    double full;
+    test_scene_init(&test);
+    struct neph_grid *floors[2];
+    for (int i = 0; i < 2; i++) {
+        floors[i] = random_lattice((const int[3]){10, 3, 10},
+                                   (struct neph_vec3){-12.0, i == 0 ? -1.0 : 9.0, -30.0},
+                                   (struct neph_vec3){2.0, 1.0, 2.0}, -1.5, &random);
+        test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.6)->grid = floors[i];
+    }
+    test_add_medium(&test, 0.02, 0.05, 0.0)->bounds = (struct neph_bounds){{-20.0, -4.0, -40.0},
+                                                                           {20.0, 20.0, 0.0}};
+    test_add_box(&test, (struct neph_vec3){-1.0, -4.0, -16.0}, (struct neph_vec3){1.0, 20.0, -14.0});
+    const double one = error_between(*state, &test.scene, 1, &full);
+    const double sixteen = error_between(*state, &test.scene, 16, &full);
+    print_message("one layer: off by %.2e of %.2e; sixteen: %.2e\n", one, full, sixteen);
+    assert_true(one > 2e-3 * full && sixteen < 0.2 * one);
+    neph_grid_destroy(floors[1]);
+    neph_grid_destroy(floors[0]);
+}
+
+/* Where there are but fogs there is no cloud, and without clouds no map. */
+static void test_fog_alone_keeps_the_bits(void **state)
+{
+    struct test_scene test;
+    double through[2][PIXELS];
+    look_down(&test, 20.0);
+    test_add_medium(&test, 0.02, 0.05, 0.0);
+    struct neph_march_params params = mapped(32, 1);
+    measure(*state, &test, &params, 0, through[0]);
+    params.shortcuts.cloud_shadow = false;
+    measure(*state, &test, &params, 0, through[1]);
+    assert_memory_equal(through[0], through[1], sizeof(through[0]));
+}
+
+/* --- at rest --------------------------------------------------------------------------------- */
+
+static bool is_whole(double value)
+{
+    return fabs(value - round(value)) < 1e-6;
+}
+
+/* Texels are the same columns of air whichever way camera and sun go, and go with the wind. */
+static void test_texels_stay_with_the_clouds(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    test_scene_init(&test);
+    add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
+    const struct neph_shadow_map map = {.texels = 64, .layers = 1, .levels = 2, .extent_m = 60.0};
+    const struct neph_shadow_space here = neph_shadow_space_of(&map, &test.scene,
+                                                               test.key.position_m);
+    uint64_t random = 3;
+    for (int i = 0; i < 200; i++) {
+        struct test_scene moved = test;
+        const struct neph_vec3 wind_m = random_point(&random, 30.0);
+        moved.key.position_m = random_point(&random, 50.0);
+        moved.scene.sun.direction = random_direction(&random);
+        neph_medium_drift(&moved.scene.media[0], wind_m);
+        if (fabs(moved.scene.sun.direction.y) < 0.02)
+            continue;
+        const struct neph_shadow_space there = neph_shadow_space_of(&map, &moved.scene,
+                                                                    moved.key.position_m);
+        const struct neph_vec3 gone_m = neph_vec3_sub(there.origin_m, here.origin_m);
+        assert_float_equal(neph_vec3_length(neph_vec3_sub(gone_m, wind_m)), 0.0, 1e-9);
+        for (int level = 0; level < 2; level++)
+            for (int axis = 0; axis < 2; axis++) {
+                const double texel_m = there.levels[level].texel_m[axis];
+                assert_float_equal(texel_m, here.levels[level].texel_m[axis], 0.0);
+                assert_true(is_whole(there.levels[level].low_m[axis] / texel_m));
+            }
+    }
+}
+
+/* A map of all clouds keeps the size of its texels while the sun goes some degrees. */
+static void test_texels_keep_their_size(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    int changes = 0;
+    double texel_m = 0.0;
+    test_scene_init(&test);
+    add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
+    const struct neph_shadow_map map = {.texels = 64, .layers = 1, .levels = 1};
+    for (int degrees = 90; degrees >= 30; degrees--) {
+        const double height_rad = degrees * M_PI / 180.0;
+        test.scene.sun.direction = (struct neph_vec3){cos(height_rad), sin(height_rad), 0.0};
+        const struct neph_shadow_space space = neph_shadow_space_of(&map, &test.scene,
+                                                                    test.key.position_m);
+        changes += space.levels[0].texel_m[0] != texel_m;
+        texel_m = space.levels[0].texel_m[0];
+    }
+    /* 1 + cot of 30 degrees is 1.45 octaves above 1: 12 steps, and the first. */
+    assert_in_range(changes, 12, 13);
+}
+
+/* --- over pictures --------------------------------------------------------------------------- */
+
+static struct neph_image *next(struct neph_march *march, const struct neph_scene *scene,
+                               struct neph_march_stats *stats)
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &frame, stats, &diag), &diag);
+    return frame;
+}
+
+static bool same_radiance(const struct neph_image *a, const struct neph_image *b)
+{
+    float *one[3], *other[3];
+    bool same = neph_image_rgb(a, NULL, one) && neph_image_rgb(b, NULL, other);
+    for (int c = 0; c < 3 && same; c++)
+        same = memcmp(one[c], other[c], neph_image_pixel_count(a) * sizeof(float)) == 0;
+    return same;
+}
+
+static struct neph_image *alone(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                const struct neph_march_params *params)
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    neph_assert_ok(test_march_frame(vulkan, scene, params, &frame, NULL, &diag), &diag);
+    return frame;
+}
+
+/* Filled once; over four pictures when the sun has moved; at once when the map has. */
+static void test_the_map_is_filled_over_pictures(void **state)
+{
+    enum { PICTURES = 4 };
+    struct test_scene test;
+    struct neph_march *march = NULL;
+    struct neph_diag diag = {0};
+    struct neph_march_stats first, rest, stats;
+    look_down(&test, 20.0);
+    add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
+    struct neph_march_params params = mapped(64, 1);
+    params.shortcuts.shadow.extent_m = 60.0;
+    params.shortcuts.shadow.frames = PICTURES;
+    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    neph_image_destroy(next(march, &test.scene, &first));
+    neph_image_destroy(next(march, &test.scene, &rest));
+    assert_int_equal(first.closed_forms - rest.closed_forms, 64 * 64);
+    for (int picture = -1; picture <= PICTURES; picture++) {
+        if (picture == 0)
+            test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.49, 0.7, -0.6});
+        struct neph_image *frame = next(march, &test.scene, &stats);
+        struct neph_image *fresh = alone(*state, &test.scene, &params);
+        const bool is_filling = picture >= 0 && picture < PICTURES;
+        assert_int_equal(stats.closed_forms - rest.closed_forms,
+                         is_filling ? 64 * 64 / PICTURES : 0);
+        assert_true(same_radiance(frame, fresh) || (is_filling && picture < PICTURES - 1));
+        assert_false(picture == 0 && same_radiance(frame, fresh));
+        neph_image_destroy(fresh);
+        neph_image_destroy(frame);
+    }
+    test.key.position_m.x += 20.0;
+    test.key.look_at_m.x += 20.0;
+    neph_image_destroy(next(march, &test.scene, &stats));
+    assert_int_equal(stats.closed_forms - rest.closed_forms, 64 * 64);
+    neph_march_destroy(march);
+}
+
+/* --- in real time ---------------------------------------------------------------------------- */
+
+/* What is behind all media is the march's, to the bit: of the march itself by day, of the split
+ * frame, whose kernels take seconds to make, by night. */
+static void test_in_real_time_the_ground_is_the_same(void **state)
+{
+    const char *const assignments[] = {
+        "cloud_shadow=map",       "taa=off",
+        "ray_dither=none",        "upscale_dither=none",
+        "cloud_shadow_texels=64", "cloud_shadow_layers=2",
+        "cloud_shadow_levels=2",  "cloud_shadow_plane=sun",
+        "steps=1",                neph_test_is_night() ? "split=four" : "split=none",
+        NULL};
+    struct test_scene test;
+    struct neph_diag diag = {0};
+    struct neph_realtime *realtime = NULL;
+    struct neph_image *image = NULL;
+    struct neph_realtime_stats stats;
+    struct neph_settings settings = neph_options_default(neph_rt_options);
+    look_down(&test, 20.0);
+    add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
+    for (int i = 0; assignments[i]; i++)
+        neph_assert_ok(
+            neph_options_set(neph_rt_options, "realtime", assignments[i], &settings, &diag), &diag);
+    const struct neph_realtime_params params = {SIDE_PX, SIDE_PX, &settings, 7, NULL};
+    const struct neph_realtime_frame picture = {&test.scene, 0, NULL};
+    neph_assert_ok(neph_realtime_create(*state, &test.scene, &params, &realtime, &diag), &diag);
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, &stats, &diag), &diag);
+    struct neph_march_params march = mapped(64, 2);
+    march.shortcuts.shadow.levels = 2;
+    march.shortcuts.shadow.plane = NEPH_SHADOW_SUN;
+    struct neph_image *marched = alone(*state, &test.scene, &march);
+    assert_true(same_radiance(image, marched));
+    if (neph_test_is_night())
+        assert_true(stats.shadow_gpu_s > 0.0 || isnan(stats.shadow_gpu_s));
+    neph_image_destroy(marched);
+    neph_image_destroy(image);
+    neph_realtime_destroy(realtime);
+}
+
+/* --- refusals -------------------------------------------------------------------------------- */
+
+static void assert_refused(const struct neph_scene *scene, struct neph_shadow_map map,
+                           const char *name)
+{
+    struct neph_diag diag = {0};
+    struct neph_march_params params = mapped(64, 1);
+    params.shortcuts.shadow = map;
+    assert_int_equal(neph_march_check(scene, &params, &diag), NEPH_ERR_USAGE);
+    assert_non_null(strstr(diag.message, name));
+}
+
+static void test_what_is_out_of_range_is_refused(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    look_down(&test, 20.0);
+    add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
+    assert_refused(&test.scene, (struct neph_shadow_map){15, 1, 1, 0.0, 0, 1},
+                   "cloud_shadow_texels");
+    assert_refused(&test.scene, (struct neph_shadow_map){64, 0, 1, 0.0, 0, 1},
+                   "cloud_shadow_layers");
+    assert_refused(&test.scene, (struct neph_shadow_map){64, 1, 5, 0.0, 0, 1},
+                   "cloud_shadow_levels");
+    assert_refused(&test.scene, (struct neph_shadow_map){64, 1, 1, -1.0, 0, 1},
+                   "cloud_shadow_extent_m");
+    assert_refused(&test.scene, (struct neph_shadow_map){64, 1, 1, 0.0, 0, 257},
+                   "cloud_shadow_frames");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_twin_has_the_same),
+        cmocka_unit_test(test_a_blob_is_of_second_order),
+        cmocka_unit_test(test_a_slab_is_exact),
+        cmocka_unit_test(test_voxels_are_within_two_per_cent),
+        cmocka_unit_test(test_edges_keep_their_place),
+        cmocka_unit_test(test_layers_tell_what_is_between),
+        cmocka_unit_test(test_fog_alone_keeps_the_bits),
+        cmocka_unit_test(test_texels_stay_with_the_clouds),
+        cmocka_unit_test(test_texels_keep_their_size),
+        cmocka_unit_test(test_the_map_is_filled_over_pictures),
+        cmocka_unit_test(test_in_real_time_the_ground_is_the_same),
+        cmocka_unit_test(test_what_is_out_of_range_is_refused),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

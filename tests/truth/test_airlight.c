@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The airlight of point lights against closed forms, against plain quadrature without the
+ * substitution, and paths against both; all orders by what leaves a white medium.
+ */
+#include "tests/lamp_stage.h"
+
+#include "scenes/lights.h"
+#include "scenes/media.h"
+#include "scenes/quadrature.h"
+#include "scenes/solids.h"
+#include "truth/directions.h"
+#include "truth/lamp_draw.h"
+#include "truth/path.h"
+#include "truth/transport.h"
+
+static struct neph_scene make_lamplit(struct neph_medium medium, struct neph_vec3 position_m)
+{
+    return (struct neph_scene){
+        .scattering = NEPH_SCATTERING_SINGLE,
+        .light_count = 1,
+        .lights = {{.position_m = position_m, .intensity_w_per_sr = {1, 1, 1}}},
+        .medium_count = 1,
+        .media = {medium},
+    };
+}
+
+/* ---- closed forms ---- */
+
+/* E1 by its series (Abramowitz & Stegun 5.1.11), for x up to 8 or so: digits of e^x are lost. */
+static double exponential_integral(double x)
+{
+    const double euler = 0.57721566490153286061;
+    double sum = -euler - log(x), term = 1.0;
+    for (int n = 1; n < 80; n++) {
+        term *= -x / n;
+        sum -= term / n;
+    }
+    return sum;
+}
+
+/* A lamp at the distance b behind the camera, seen away from: the integral over t of
+ * sigma/(4 pi) e^(-sigma (2 t + b)) / (t + b)^2 is sigma e^(sigma b) E2(2 sigma b) / (4 pi b). */
+static void test_away_from_a_lamp(void **state)
+{
+    (void)state;
+    for (double depth = 1e-6; depth < 4.0; depth *= 7.0) {
+        const double sigma = 0.3, b_m = depth / sigma, x = 2.0 * depth;
+        const double e2 = exp(-x) - x * exponential_integral(x);
+        const struct neph_scene scene = make_lamplit(make_homogeneous(sigma, everywhere),
+                                                     (struct neph_vec3){0, 0, b_m});
+        const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 0, 0},
+                                                               (struct neph_vec3){0, 0, -1});
+        neph_assert_close(light.volume.r, sigma * exp(depth) * e2 / (4.0 * M_PI * b_m), 1e-10, 0.0);
+        assert_true(light.quadrature_error <= 1e-10 * light.volume.r);
+    }
+}
+
+/* B. Sun et al., SIGGRAPH 2005: isotropic and without end, a lamp at the distance D and an angle,
+ * L = sigma e^(-sigma D cos) / (2 pi D sin) (F(u, pi/2) - F(u, angle/2)), u = sigma D sin, of
+ * F(u, v) = the integral of e^(-u tan x) from 0 to v. */
+struct sun_et_al {
+    double u;
+};
+
+/* x counted from pi/2 down. */
+static double sun_integrand(double x, const void *context)
+{
+    return exp(-((const struct sun_et_al *)context)->u / tan(x));
+}
+
+/* Finer and finer towards pi/2, where the exponent goes to infinity. */
+static double sun_airlight(double sigma, double distance_m, double angle_rad)
+{
+    const struct sun_et_al f = {sigma * distance_m * sin(angle_rad)};
+    double sum = 0.0, high = 0.5 * M_PI - 0.5 * angle_rad;
+    for (int i = 0; i < 400; i++, high *= 0.9)
+        sum += neph_gauss(sun_integrand, &f, 0.9 * high, high);
+    return sigma * exp(-sigma * distance_m * cos(angle_rad)) /
+           (2.0 * M_PI * distance_m * sin(angle_rad)) * sum;
+}
+
+static void test_the_airlight_model_of_sun_et_al(void **state)
+{
+    (void)state;
+    const double sigmas[] = {1e-4, 0.05, 0.4, 3.0}, angles_deg[] = {0.01, 2, 30, 90, 130, 179};
+    for (size_t s = 0; s < COUNT(sigmas); s++)
+        for (size_t a = 0; a < COUNT(angles_deg); a++) {
+            const double distance_m = 2.5, rad = angles_deg[a] * NEPH_RAD_PER_DEG;
+            const struct neph_scene scene = make_lamplit(
+                make_homogeneous(sigmas[s], everywhere),
+                (struct neph_vec3){distance_m * sin(rad), 0, -distance_m * cos(rad)});
+            const double found = neph_transport_ray(&scene, (struct neph_vec3){0, 0, 0},
+                                                    (struct neph_vec3){0, 0, -1})
+                                     .volume.r;
+            neph_assert_close(found, sun_airlight(sigmas[s], distance_m, rad), 1e-10, 0.0);
+        }
+}
+
+/* Thin air between two planes: sigma/(4 pi) I (theta1 - theta0) / h. */
+static void test_thin_air_by_hand(void **state)
+{
+    (void)state;
+    const double sigma = 1e-13, heights_m[] = {3.0, 1e-2, 1e-7};
+    for (size_t i = 0; i < COUNT(heights_m); i++) {
+        const double h_m = heights_m[i];
+        const struct neph_scene scene = make_lamplit(
+            make_homogeneous(sigma, (struct neph_bounds){{-9, -9, -6}, {9, 9, -1}}),
+            (struct neph_vec3){0, h_m, -3});
+        const double found = neph_transport_ray(&scene, (struct neph_vec3){0, 0, 0},
+                                                (struct neph_vec3){0, 0, -1})
+                                 .volume.r;
+        neph_assert_close(found, sigma / (4.0 * M_PI) * (atan(3.0 / h_m) + atan(2.0 / h_m)) / h_m,
+                          1e-11, 0.0);
+    }
+}
+
+/* ---- plain quadrature ---- */
+
+struct plain {
+    const struct neph_scene *scene;
+    struct neph_vec3 origin_m, direction;
+};
+
+static void plain_source(double t_m, void *context, double value[3])
+{
+    const struct plain *plain = context;
+    const struct neph_scene *scene = plain->scene;
+    const struct neph_vec3 point_m = neph_vec3_along(plain->origin_m, plain->direction, t_m);
+    struct neph_rgb sum = {0, 0, 0};
+    for (int l = 0; l < scene->light_count; l++) {
+        const struct neph_lit lit = neph_light_at(&scene->lights[l], point_m);
+        if (!neph_scene_sees(scene, point_m, scene->lights[l].position_m))
+            continue;
+        const struct neph_rgb depth = neph_rgb_add(
+            neph_scene_optical_depth(scene, plain->origin_m, plain->direction, 0.0, t_m),
+            neph_scene_optical_depth(scene, point_m, lit.direction, 0.0, lit.distance_m));
+        const struct neph_rgb through = {exp(-depth.r), exp(-depth.g), exp(-depth.b)};
+        for (int m = 0; m < scene->medium_count; m++) {
+            const struct neph_medium *medium = &scene->media[m];
+            const double per_m_sr =
+                neph_medium_extinction_per_m(medium, point_m) *
+                neph_phase_per_sr(&medium->phase, neph_vec3_dot(plain->direction, lit.direction));
+            sum = neph_rgb_add(
+                sum,
+                neph_rgb_scale(neph_rgb_mul(neph_rgb_mul(medium->albedo, medium->extinction_color),
+                                            neph_rgb_mul(lit.irradiance_w_per_m2, through)),
+                               per_m_sr));
+        }
+    }
+    value[0] = sum.r;
+    value[1] = sum.g;
+    value[2] = sum.b;
+}
+
+/* The midpoint rule on 6e4 places: edges of shadows are first order, 1e-4 of the whole. */
+static void test_a_stage_against_plain_quadrature(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    const struct neph_scene *scene = &lamp_stage(&test)->scene;
+    for (int i = 0; i < 24; i += 3) {
+        struct plain plain = {scene, test.key.position_m, lamp_direction(i)};
+        const struct neph_ray_light light = neph_transport_ray(scene, plain.origin_m,
+                                                               plain.direction);
+        const double end_m = fmin(light.hit_m, 40.0);
+        enum { PLACES = 60000 };
+        double sum[3] = {0}, value[3];
+        for (int p = 0; p < PLACES; p++) {
+            plain_source(end_m * (p + 0.5) / PLACES, &plain, value);
+            for (int j = 0; j < 3; j++)
+                sum[j] += value[j] * end_m / PLACES;
+        }
+        neph_assert_close(light.volume.r, sum[0], 3e-4, 1e-9);
+        neph_assert_close(light.volume.g, sum[1], 3e-4, 1e-9);
+        neph_assert_close(light.volume.b, sum[2], 3e-4, 1e-9);
+    }
+}
+
+/* A plate under a lamp and a spot, in fog: albedo / pi I cos / d^2 e^-depth. */
+static void test_a_lamplit_surface_by_hand(void **state)
+{
+    (void)state;
+    struct neph_solid plate = make_box(-9, -1, -9, 9, 0, 9);
+    plate.albedo = (struct neph_rgb){0.5, 0.25, 1.0};
+    struct neph_scene scene = make_lamplit(make_homogeneous(0.2, everywhere),
+                                           (struct neph_vec3){3, 4, 0});
+    scene.scattering = NEPH_SCATTERING_NONE;
+    scene.solids = &plate;
+    scene.solid_count = 1;
+    const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){0, 1, 0},
+                                                           (struct neph_vec3){0, -1, 0});
+    neph_assert_close(light.radiance.r,
+                      0.5 / M_PI * (4.0 / 5.0) / 25.0 * exp(-0.2 * 5.0) * exp(-0.2), 1e-12, 0.0);
+    scene.lights[0].is_spot = true; /* looks away */
+    scene.lights[0].axis = (struct neph_vec3){0, 1, 0};
+    scene.lights[0].inner_cosine = 0.9;
+    scene.lights[0].outer_cosine = 0.8;
+    assert_true(
+        neph_transport_ray(&scene, (struct neph_vec3){0, 1, 0}, (struct neph_vec3){0, -1, 0})
+            .radiance.r == 0.0);
+}
+
+/* ---- paths ---- */
+
+struct estimate {
+    double mean[3], error[3];
+};
+
+static void add_path(struct estimate *sums, struct neph_rgb light)
+{
+    const double value[3] = {light.r, light.g, light.b};
+    for (int j = 0; j < 3; j++) {
+        assert_true(isfinite(value[j]) && value[j] >= 0.0);
+        sums->mean[j] += value[j];
+        sums->error[j] += value[j] * value[j];
+    }
+}
+
+static void finish(struct estimate *sums, int samples)
+{
+    for (int j = 0; j < 3; j++) {
+        const double mean = sums->mean[j] / samples;
+        sums->error[j] = sqrt(fmax(0.0, sums->error[j] / samples - mean * mean) / (samples - 1));
+        sums->mean[j] = mean;
+    }
+}
+
+/* 4.5 standard errors, as in test_path.c. */
+static void test_paths_against_the_stage(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    struct neph_scene *scene = &lamp_stage(&test)->scene;
+    struct neph_tracker *tracker;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_tracker_create(scene, &tracker, &diag), &diag);
+    const int samples = neph_test_paths(3000);
+    struct neph_tracking_cost cost = {0, 0};
+    for (int with_sun = 0; with_sun < 2; with_sun++)
+        for (int i = 0; i < 24; i += 5) {
+            scene->sun.present = with_sun;
+            const struct neph_view view = neph_view_create(scene, test.key.position_m,
+                                                           lamp_direction(i));
+            const struct neph_ray_light truth = neph_transport_ray(scene, view.origin_m,
+                                                                   view.direction);
+            struct neph_flight flight;
+            const struct neph_ray ray = {view.origin_m, view.direction, view.hit.t_m};
+            neph_flight_init(&flight, scene, &ray);
+            struct estimate sums = {{0}, {0}};
+            for (int n = 0; n < samples; n++) {
+                struct neph_random random = neph_random_stream(9, (uint64_t)i, (uint64_t)n);
+                add_path(&sums,
+                         neph_path_trace(scene, tracker, &view, &flight, &random, &cost).volume);
+            }
+            finish(&sums, samples);
+            neph_assert_close(view.unscattered.g, truth.radiance.g - truth.volume.g, 1e-9, 1e-12);
+            neph_assert_close(sums.mean[0], truth.volume.r, 0.0, 4.5 * sums.error[0] + 1e-12);
+            neph_assert_close(sums.mean[1], truth.volume.g, 0.0, 4.5 * sums.error[1] + 1e-12);
+            neph_assert_close(sums.mean[2], truth.volume.b, 0.0, 4.5 * sums.error[2] + 1e-12);
+            assert_true(sums.error[1] <= neph_test_noise(0.1) * truth.volume.g);
+        }
+    neph_tracker_destroy(tracker);
+}
+
+/* Into the sphere by the cosine, or half of them towards the lamp: lines that pass it at h bring 1/h,
+ * whose mean square would have no bound. */
+struct line {
+    struct neph_vec3 direction;
+    double weight;
+};
+
+static struct line random_line(const struct neph_scene *scene, struct neph_vec3 out,
+                               struct neph_random *random)
+{
+    const struct neph_vec3 at_m = neph_vec3_scale(out, 2.0), inward = neph_vec3_scale(out, -1.0);
+    struct line line = {.direction = neph_cosine_sample(inward, random)};
+    if (neph_random_uniform(random) < 0.5)
+        line.direction = neph_lamp_direction_draw(scene, at_m, random);
+    const double wanted = fmax(0.0, neph_vec3_dot(line.direction, inward)) / M_PI;
+    line.weight = wanted /
+                  (0.5 * wanted + 0.5 * neph_lamp_direction_per_sr(scene, at_m, line.direction));
+    return line;
+}
+
+/* All that a lamp in a white medium sends out comes out: what has been scattered crosses a sphere
+ * around it with the power pi 4 pi R^2 times the mean radiance of lines that enter by the cosine.
+ * A ball that reflects all light changes nothing. */
+static void assert_conserves(struct neph_phase phase, double extinction_per_m, bool ball)
+{
+    const double radius_m = 2.0; /* as random_line() has it */
+    struct neph_medium block = make_homogeneous(extinction_per_m,
+                                                (struct neph_bounds){{-1, -1, -1}, {1, 1, 1}});
+    block.phase = phase;
+    struct neph_scene scene = make_lamplit(block, (struct neph_vec3){0.3, -0.2, 0.1});
+    struct neph_solid white_ball = make_sphere(-0.4, 0.3, 0.2, 0.3);
+    white_ball.albedo = white;
+    scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    scene.solids = &white_ball;
+    scene.solid_count = ball;
+    struct neph_tracker *tracker;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_tracker_create(&scene, &tracker, &diag), &diag);
+    struct neph_tracking_cost cost = {0, 0};
+    struct estimate straight = {{0}, {0}}, scattered = {{0}, {0}};
+    const int samples = neph_test_paths(neph_test_by_day(60000, 1000000));
+    for (int n = 0; n < samples; n++) {
+        struct neph_random random = neph_random_stream(4, 0, (uint64_t)n);
+        const struct neph_phase isotropic = {NEPH_PHASE_ISOTROPIC, 0.0};
+        const struct neph_vec3 up = {0, 0, 1};
+        const struct neph_vec3 out = neph_phase_sample(&isotropic, up, &random);
+        const bool hits = neph_scene_hit(&scene, scene.lights[0].position_m, out).solid;
+        const struct neph_rgb depth = neph_scene_optical_depth(&scene, scene.lights[0].position_m,
+                                                               out, 0.0, INFINITY);
+        add_path(&straight, make_grey(hits ? 0.0 : 4.0 * M_PI * exp(-depth.r)));
+        const struct line line = random_line(&scene, out, &random);
+        const struct neph_view view = neph_view_create(&scene, neph_vec3_scale(out, radius_m),
+                                                       line.direction);
+        const struct neph_path_light light = neph_path_trace(&scene, tracker, &view, NULL, &random,
+                                                             &cost);
+        const struct neph_rgb all = neph_rgb_add(neph_rgb_add(light.volume, light.surface),
+                                                 view.unscattered);
+        add_path(&scattered,
+                 neph_rgb_scale(all, line.weight * 4.0 * M_PI * M_PI * radius_m * radius_m));
+    }
+    finish(&straight, samples);
+    finish(&scattered, samples);
+    neph_tracker_destroy(tracker);
+    print_message("of 4 pi: straight %.4f, scattered %.4f +- %.4f\n",
+                  straight.mean[0] / (4.0 * M_PI), scattered.mean[0] / (4.0 * M_PI),
+                  scattered.error[0] / (4.0 * M_PI));
+    neph_assert_close(straight.mean[0] + scattered.mean[0], 4.0 * M_PI, 0.0,
+                      4.5 * hypot(straight.error[0], scattered.error[0]));
+    assert_true(scattered.error[0] < neph_test_noise(0.08) * 4.0 * M_PI);
+}
+
+static void test_white_media_keep_all_lamplight(void **state)
+{
+    (void)state;
+    assert_conserves((struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0}, 0.7, false);
+    assert_conserves((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.4}, 2.0, true);
+    assert_conserves((struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0}, 4.0, false);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_away_from_a_lamp),
+        cmocka_unit_test(test_the_airlight_model_of_sun_et_al),
+        cmocka_unit_test(test_thin_air_by_hand),
+        cmocka_unit_test(test_a_stage_against_plain_quadrature),
+        cmocka_unit_test(test_a_lamplit_surface_by_hand),
+        cmocka_unit_test(test_paths_against_the_stage),
+        cmocka_unit_test(test_white_media_keep_all_lamplight),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

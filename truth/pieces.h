@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The pieces of a ray over which light is integrated, and what lies before each. Private to truth/.
+ */
+#ifndef NEPH_TRUTH_PIECES_H
+#define NEPH_TRUTH_PIECES_H
+
+#include "scenes/cuts.h"
+#include "scenes/quadrature.h"
+
+struct neph_pieces {
+    const struct neph_scene *scene;
+    struct neph_vec3 origin_m, direction;
+    int count;
+    struct neph_interval at_m[NEPH_CUTS_MAX];
+    struct neph_rgb depth_before[NEPH_CUTS_MAX]; /* optical depth from the origin to its start */
+};
+
+/* Fill in `depth_before` once the rest is there. */
+void neph_pieces_sum_depths(struct neph_pieces *pieces);
+
+/* Optical depth from the origin to t, of which only the last piece is walked. */
+struct neph_rgb neph_pieces_depth_to(const struct neph_pieces *pieces, double t_m);
+
+#endif
