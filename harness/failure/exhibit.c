@@ -14,8 +14,8 @@
 /* Part of the key: raise it when pictures change. */
 enum { DRAWN_REVISION = 2 };
 
-enum neph_status neph_exhibit_key(const char *take_key, double exposure_ev, char key[NEPH_HASH_HEX_SIZE],
-                                  struct neph_diag *diag)
+enum neph_status neph_exhibit_key(const char *take_key, double exposure_ev,
+                                  char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
 {
     char *text = neph_format("neph-exhibit-%d\n%s\nexposure_ev %.17g\n", DRAWN_REVISION, take_key,
                              exposure_ev);

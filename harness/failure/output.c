@@ -186,13 +186,12 @@ char *neph_failure_command(const struct neph_failure_suite *suite,
                           !strchr(of->name, '+') && !suite->on_device;
     if (!is_plain)
         return suite_command(suite, row, of);
-    return neph_format("neph render %s -e realtime --preset %s -s steps=%d --seed %llu --frames %d "
-                       "--size %dx%d -o %s",
-                       row->scene->name, of->name, failing->steps,
-                       (unsigned long long)neph_seed_of(row->scene, 1), failing->frame_count,
-                       suite->width_px > 0 ? suite->width_px : failing->width_px,
-                       suite->width_px > 0 ? suite->height_px : failing->height_px,
-                       row->scene->name);
+    return neph_format(
+        "neph render %s -e realtime --preset %s -s steps=%d --seed %llu --frames %d "
+        "--size %dx%d -o %s",
+        row->scene->name, of->name, failing->steps, (unsigned long long)neph_seed_of(row->scene, 1),
+        failing->frame_count, suite->width_px > 0 ? suite->width_px : failing->width_px,
+        suite->width_px > 0 ? suite->height_px : failing->height_px, row->scene->name);
 }
 
 /* ---- for programs ---------------------------------------------------------------------------- */
