@@ -135,6 +135,7 @@
 #define RT_ORIGIN_SHIFT 109
 // Traced light, once more.
 #define RT_LIGHT_AHEAD 110
+#define RT_LIGHT_SIMILAR 118
 // The shadow map of clouds.
 #define RT_CLOUD_SHADOW 111
 #define RT_CLOUD_SHADOW_TEXELS 112
@@ -144,9 +145,9 @@
 #define RT_CLOUD_SHADOW_PLANE 116
 #define RT_CLOUD_SHADOW_FRAMES 117
 // What is made of changes of the light.
-#define RT_RELIGHT 118
-#define RT_CHANGE_HOLD 119
-#define RT_SETTING_COUNT 120
+#define RT_RELIGHT 119
+#define RT_CHANGE_HOLD 120
+#define RT_SETTING_COUNT 121
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
