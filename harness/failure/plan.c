@@ -283,6 +283,7 @@ enum neph_status neph_failure_plan(const struct neph_failure_params *params,
 {
     suite->full = params->full;
     suite->width_px = params->width_px;
+    suite->on_device = params->on_device;
     suite->height_px = params->height_px;
     enum neph_status status = choose_scenes(params, suite, diag);
     if (!status)
