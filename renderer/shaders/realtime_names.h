@@ -144,16 +144,19 @@
 #define RT_CLOUD_SHADOW_EXTENT_M 116
 #define RT_CLOUD_SHADOW_PLANE 117
 #define RT_CLOUD_SHADOW_FRAMES 118
+// What is made of changes of the light.
+#define RT_RELIGHT 119
+#define RT_CHANGE_HOLD 120
 // Near froxels.
-#define RT_FROXEL_VOLUME 119
-#define RT_FROXEL_PX 120
-#define RT_FROXEL_SLICES 121
-#define RT_FROXEL_NEAR_M 122
-#define RT_FROXEL_END_M 123
-#define RT_FROXEL_JITTER 124
-#define RT_FROXEL_HISTORY 125
-#define RT_FROXEL_HOLD 126
-#define RT_SETTING_COUNT 127
+#define RT_FROXEL_VOLUME 121
+#define RT_FROXEL_PX 122
+#define RT_FROXEL_SLICES 123
+#define RT_FROXEL_NEAR_M 124
+#define RT_FROXEL_END_M 125
+#define RT_FROXEL_JITTER 126
+#define RT_FROXEL_HISTORY 127
+#define RT_FROXEL_HOLD 128
+#define RT_SETTING_COUNT 129
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -265,6 +268,10 @@
 #define RT_PAIR_SHARED 0
 #define RT_PAIR_INDEPENDENT 1
 
+#define RT_AROUND_OFF 0
+#define RT_AROUND_ON 1
+#define RT_AROUND_MOVED 2
+
 #define RT_JITTER_NONE 0
 #define RT_JITTER_UE 1
 #define RT_JITTER_HALTON 2
@@ -313,17 +320,26 @@
 // jittered_depth is on.
 #define RT_STEADY_DEPTH 16
 #define RT_SHARPENED 17 // RGB: the picture after sharpening
-// What the same rays saw when they were marched before, and by how much that differs
-// (rt_gradient.comp).
-#define RT_KEPT_RAY 18    // half resolution; R: luminance of the medium, G: transmittance
-#define RT_KEPT_BEHIND 19 // R: luminance of what is behind all media
-#define RT_CHANGE 20      // quarter resolution; R: of the medium, below 0: unknown; G: behind it
 // RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move
-#define RT_MOVED 21
+#define RT_MOVED 18
 // Froxels (froxels.glsl). RGB: light that is scattered per metre, A: extinction [1/m]; of the sums
 // in-scattered radiance and transmittance
-#define RT_FROXELS 22
-#define RT_TARGET_COUNT 23
+#define RT_FROXELS 19
+#define RT_RAY_TARGET_COUNT 20 // passes with rays know those before, which leaves room for a scene
+// What the same rays saw when they were marched before (rt_gradient.comp).
+#define RT_KEPT_RAY 20    // half resolution; RGB: radiance of the medium, A: transmittance
+#define RT_KEPT_BEHIND 21 // RGB: radiance of what is behind all media
+// Quarter resolution. Two looks at the same thing: RGB: what a tile's ray sees of the medium; A: a
+// change that no light explains.
+#define RT_LOOK_NOW 22
+#define RT_LOOK_THEN 23        // RGB: what it saw; A: 1 where it was marched before, else 0
+#define RT_LOOK_BEHIND_NOW 24  // the same of what is behind, sums of the pixels that were looked at
+#define RT_LOOK_BEHIND_THEN 25 // A: how many there are
+// What has changed around a tile (rt_change.comp). RGB: the light of a frame over that of the frame
+// before; A: the change that this does not explain.
+#define RT_CHANGE 26        // of the medium
+#define RT_CHANGE_BEHIND 27 // of what is behind all media
+#define RT_TARGET_COUNT 28
 
 // Groups of solids that move, each as one.
 #define RT_MOVERS_MAX 16
@@ -361,10 +377,15 @@
     {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_BEFORE */ \
     {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_STEADY_DEPTH */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */ \
-    {RT_HALF, RT_FIXED, RT_RG16F, RT_RG16F},                /* RT_KEPT_RAY */ \
-    {RT_FULL, RT_FIXED, RT_R16F, RT_R16F},                  /* RT_KEPT_BEHIND */ \
-    {RT_QUARTER, RT_FIXED, RT_RG16F, RT_RG16F},             /* RT_CHANGE */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */ \
-    {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},          /* RT_FROXELS */
+    {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},          /* RT_FROXELS */ \
+    {RT_HALF, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_RAY */ \
+    {RT_FULL, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_BEHIND */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_NOW */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_THEN */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_BEHIND_NOW */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_BEHIND_THEN */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE_BEHIND */
 
 #endif

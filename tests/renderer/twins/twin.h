@@ -32,9 +32,6 @@ void twin_put_tile(const struct twin *twin, int target, int x, int y, const floa
 /* is_sound() of shaders/realtime.glsl. */
 bool twin_is_sound(const float value[4]);
 
-/* The most of RT_CHANGE in 3x3 tiles: of the medium, 1 where that is unknown, and behind it. */
-void twin_change_around(const struct twin *twin, int tile_x, int tile_y, double change[2]);
-
 /* Depth of an edge of the froxels' slices [m]. */
 double twin_froxel_edge_m(const struct twin *twin, int edge);
 
@@ -42,6 +39,7 @@ double twin_froxel_edge_m(const struct twin *twin, int edge);
 void twin_min_max(const struct twin *twin);
 void twin_tile_index(const struct twin *twin);
 void twin_gradient(const struct twin *twin);
+void twin_change(const struct twin *twin);
 void twin_reconstruct(const struct twin *twin);
 void twin_upscale(const struct twin *twin);
 void twin_froxel_sum(const struct twin *twin);
