@@ -173,8 +173,8 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                                  .layers = (int)values[RT_CLOUD_SHADOW_LAYERS],
                                  .levels = (int)values[RT_CLOUD_SHADOW_LEVELS],
                                  .extent_m = values[RT_CLOUD_SHADOW_EXTENT_M],
-                                 .plane = (enum neph_shadow_plane)(int)
-                                     values[RT_CLOUD_SHADOW_PLANE],
+                                 .plane = (enum neph_shadow_plane)(
+                                     int)values[RT_CLOUD_SHADOW_PLANE],
                                  .frames = (int)values[RT_CLOUD_SHADOW_FRAMES]}},
         .light = {.texel_px = (int)values[RT_LIGHT_TEXEL_PX],
                   .paths = (int)values[RT_LIGHT_PATHS],
