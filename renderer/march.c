@@ -127,6 +127,14 @@ static enum neph_status check_range(const char *name, int value, int maximum,
     return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %d, outside 1..%d", name, value, maximum);
 }
 
+static enum neph_status check_real(const char *name, double value, double maximum,
+                                   struct neph_diag *diag)
+{
+    if (value >= 0.0 && value <= maximum)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %g, outside 0..%g", name, value, maximum);
+}
+
 static enum neph_status check_light(const struct neph_light_paths *light, struct neph_diag *diag)
 {
     enum neph_status status = check_range("light_texel_px", light->texel_px,
@@ -137,10 +145,9 @@ static enum neph_status check_light(const struct neph_light_paths *light, struct
         status = check_range("light_rounds", light->rounds, NEPH_LIGHT_ROUNDS_MAX, diag);
     if (!status)
         status = check_range("light_memory", light->memory, NEPH_LIGHT_MEMORY_MAX, diag);
-    if (status || (light->blur_texels >= 0.0 && light->blur_texels <= NEPH_LIGHT_BLUR_MAX))
-        return status;
-    return neph_fail(diag, NEPH_ERR_USAGE, "march: light_blur is %g, outside 0..%g",
-                     light->blur_texels, NEPH_LIGHT_BLUR_MAX);
+    if (!status)
+        status = check_real("light_blur", light->blur_texels, NEPH_LIGHT_BLUR_MAX, diag);
+    return status ? status : check_real("light_similar", light->similar, 1.0, diag);
 }
 
 static enum neph_status check_diffusion(const struct neph_light_diffusion *diffusion,

@@ -106,6 +106,7 @@ struct neph_light_paths {
     int rounds;         /* of all paths in a picture: 1..NEPH_LIGHT_ROUNDS_MAX */
     int memory;         /* pictures over which sums fade; 1: each picture is by itself */
     double blur_texels; /* standard deviation of the blur; 0: none */
+    double similar;     /* 0..1: how far media are changed for similar ones after two events */
     bool looks_ahead;   /* by diffused light, of which .diffusion says how fine (traced_light.h) */
     uint32_t seed;
 };

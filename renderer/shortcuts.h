@@ -118,6 +118,13 @@ extern const char *const neph_shadow_planes[];
             "lighting=traced: standard deviation of the blur in texels; 0: none"                   \
     }
 
+#define NEPH_OPTION_LIGHT_SIMILAR                                                                  \
+    {                                                                                              \
+        "light_similar", NEPH_OPTION_REAL, 0, 0, 1, NULL,                                          \
+            "lighting=traced: paths go on from their second event in media of a smaller mean "     \
+            "cosine and less extinction, on the way to delta-Eddington's similar ones: less "      \
+            "noise, and a bias; 0: in the media themselves"                                        \
+    }
 #define NEPH_OPTION_LIGHT_AHEAD                                                                    \
     {                                                                                              \
         "light_ahead", NEPH_OPTION_CHOICE, 0, 0, 0, neph_lights_ahead,                             \

@@ -4,6 +4,8 @@
 #include "base/interrupt.h"
 #include "renderer/relative.h"
 
+#include <string.h>
+
 static const uint32_t walk_spirv[] = {
 #include "shaders/light_walk.comp.inc"
 };
@@ -142,11 +144,13 @@ static enum neph_status get_walk(struct neph_traced_light *light, const struct n
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_light_run),
-        .constant_count = NEPH_MARCH_CONSTANTS + 1,
+        .constant_count = NEPH_MARCH_CONSTANTS + 2,
     };
     march.shortcuts.skip = march.shortcuts.grid_texture = false;
     neph_march_constants(gpu, &march, params.constants);
+    const float similar = (float)march.light.similar;
     params.constants[NEPH_MARCH_CONSTANTS] = march.light.looks_ahead;
+    memcpy(&params.constants[NEPH_MARCH_CONSTANTS + 1], &similar, sizeof(similar));
     return neph_kernel_get(light->vulkan, &params, kernel, diag);
 }
 

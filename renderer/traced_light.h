@@ -6,7 +6,8 @@
  * looked up where each place was, and paths go on from picture to picture.
  *
  * Unbiased but for the blur over a few texels, for what lies between two pictures while anything
- * moves, and for surfaces, which it does not light. At rest it converges to the tracer's.
+ * moves, for surfaces, which it does not light, and for similar media where it is told to take
+ * them (neph_light_paths.similar). At rest it converges to the tracer's.
  */
 #ifndef NEPH_RENDERER_TRACED_LIGHT_H
 #define NEPH_RENDERER_TRACED_LIGHT_H

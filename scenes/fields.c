@@ -407,7 +407,8 @@ static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t
         return read_number(reader, node, field, false, value);
     case NEPH_WHOLE:
         status = read_number(reader, node, field, false, &number);
-        *(int *)value = (int)number;
+        if (!status) /* else it may be more than an int holds */
+            *(int *)value = (int)number;
         return status;
     case NEPH_FLAG:
         return read_flag(reader, node, field, value);

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the page's pictures; a report is to stay under 60 MB with its numbers. */
+/* What the pictures of the page may take; a report is to stay under 60 MB with its numbers. */
 static const size_t pictures_limit_bytes = 50000000;
 
 struct request {

@@ -34,7 +34,8 @@ static const struct neph_cli_option options[] = {
      "and ENGINE+preset=NAME has a preset's values (default: all that engines offer)",
      NEPH_CLI_WORD, .at = offsetof(struct request, models)},
     {"suite", 0, "NAME",
-     "tuning: what models were fitted on; test: others (default, without a SCENE: test)",
+     "tuning: what models were fitted on; test: others (default, without a SCENE: test); test2: "
+     "others again",
      NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
     {"suns", 0, "E:A,E:A",
      "Elevations and azimuths of the sun in degrees; azimuth 0 is ahead of the camera, against the "
@@ -82,8 +83,9 @@ static void check(const void *request_, const struct argp_state *state)
     const struct request *request = request_;
     const bool has_sweep = request->suns || request->g || request->albedo || request->density;
     const char *suite = request->suite ? request->suite : "test";
-    if (request->fit && request->shared.operand_count == 0 && strcmp(suite, "test") == 0)
-        argp_error(state, "the suite test is what a fit is judged by: --fit has --suite tuning");
+    if (request->fit && request->shared.operand_count == 0 && strncmp(suite, "test", 4) == 0)
+        argp_error(state, "the suite %s is what a fit is judged by: --fit has --suite tuning",
+                   suite);
     if (request->suite && request->shared.operand_count > 0)
         argp_error(state, "a suite or scenes by name, not both");
     if (has_sweep && request->shared.operand_count == 0)

@@ -44,6 +44,7 @@ enum {
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
     OPTION_LIGHT_BLUR,
+    OPTION_LIGHT_SIMILAR,
     OPTION_LIGHT_AHEAD,
     OPTION_AHEAD_CELLS,
     OPTION_AHEAD_CYCLES,
@@ -103,6 +104,7 @@ static const struct neph_option options_of_traced[] = {
     [OPTION_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(8),
     [OPTION_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(64),
     [OPTION_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
+    [OPTION_LIGHT_SIMILAR] = NEPH_OPTION_LIGHT_SIMILAR,
     [OPTION_LIGHT_AHEAD] = NEPH_OPTION_LIGHT_AHEAD,
     [OPTION_AHEAD_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
     [OPTION_AHEAD_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(24),
@@ -169,6 +171,7 @@ static struct neph_light_paths light_of(const struct neph_shot *shot)
         .rounds = (int)values[OPTION_LIGHT_ROUNDS],
         .memory = 1,
         .blur_texels = values[OPTION_LIGHT_BLUR],
+        .similar = values[OPTION_LIGHT_SIMILAR],
         .looks_ahead = values[OPTION_LIGHT_AHEAD] != 0.0,
         .seed = (uint32_t)shot->seed,
     };

@@ -662,8 +662,11 @@ static enum neph_status run(struct work *work, struct neph_diag *diag)
     if (!status)
         status = end(work, diag);
     night->is_over = !status;
+    night->is_interrupted = status == NEPH_ERR_INTERRUPTED;
     if (!status)
         status = show(work, diag);
+    else if (night->is_interrupted)
+        show(work, NULL); /* that it was is what is to be told */
     neph_progress_end(&work->progress);
     return status;
 }

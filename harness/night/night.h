@@ -40,7 +40,7 @@ struct neph_night {
     struct neph_arena arena;
     struct neph_night_plan plan;
     int64_t id;
-    bool resumed, is_over;
+    bool resumed, is_over, is_interrupted;
     const char *revision, *host, *program, *started_utc;
     const struct neph_night_outcome *outcomes; /* of the plan's steps */
     int done_count;                            /* steps that gave their numbers */

@@ -188,7 +188,7 @@ static enum neph_status set_names(struct work *work, const struct neph_finding *
     return status;
 }
 
-/* Of a mean the step of the scene that it is shown by. */
+/* A mean has the step of the scene that it is shown by. */
 static const char *step_of(const struct work *work, const struct neph_finding *f)
 {
     const struct neph_night_comparison *c = &work->night->comparison;
@@ -323,6 +323,11 @@ static json_t *colours_json(void)
     return colours;
 }
 
+static const char *state_of(const struct neph_night *night)
+{
+    return night->is_over ? "finished" : night->is_interrupted ? "interrupted" : "running";
+}
+
 static enum neph_status set_head(const struct work *work, json_t *document, struct neph_diag *diag)
 {
     char created[32];
@@ -332,7 +337,7 @@ static enum neph_status set_head(const struct work *work, json_t *document, stru
         const char *key;
         json_t *value;
     } head[] = {{"format", json_string("neph-night-page-1")},
-                {"state", json_string(work->night->is_over ? "finished" : "running")},
+                {"state", json_string(state_of(work->night))},
                 {"created_utc", json_string(created)},
                 {"neph_version", json_string(NEPH_VERSION)},
                 {"summary", summary ? json_string(summary) : NULL},

@@ -2,7 +2,7 @@
  *
  * What a light study renders: scenes, each under several suns and with several phase functions,
  * albedos and densities; by suites (scenes/studies/light.json): "tuning", which models are fitted
- * on, and "test", which no fit sees. What is said of a model is said of the second.
+ * on, and "test" and "test2", which no fit sees. What is said of a model is said of these.
  */
 #ifndef NEPH_HARNESS_STUDY_LIGHT_SUITES_H
 #define NEPH_HARNESS_STUDY_LIGHT_SUITES_H

@@ -40,7 +40,7 @@ static const struct neph_engine *engine_of(const struct neph_job *test)
  * picture before, and a picture alone with so little would be noise, or dark. */
 static bool is_shared(const struct neph_option *option)
 {
-    static const char *const own[] = {"light_paths", "light_rounds", "light_ahead",
+    static const char *const own[] = {"light_paths", "light_rounds", "light_ahead", "light_similar",
                                       "diffusion_cycles"};
     for (size_t i = 0; i < sizeof(own) / sizeof(own[0]); i++)
         if (strcmp(option->name, own[i]) == 0)

@@ -376,6 +376,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                                "history follows where the world's origin is moved (inject.origin); "
                                "off: as if the camera had gone so far"),
     [RT_LIGHT_AHEAD] = NEPH_OPTION_LIGHT_AHEAD,
+    [RT_LIGHT_SIMILAR] = NEPH_OPTION_LIGHT_SIMILAR,
 
     [RT_CLOUD_SHADOW] = NEPH_OPTION_CLOUD_SHADOW,
     [RT_CLOUD_SHADOW_TEXELS] = NEPH_OPTION_CLOUD_SHADOW_TEXELS,

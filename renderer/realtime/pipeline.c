@@ -173,6 +173,7 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                   .rounds = (int)values[RT_LIGHT_ROUNDS],
                   .memory = (int)values[RT_LIGHT_MEMORY],
                   .blur_texels = values[RT_LIGHT_BLUR],
+                  .similar = values[RT_LIGHT_SIMILAR],
                   .looks_ahead = values[RT_LIGHT_AHEAD] != 0.0,
                   .seed = params->seed},
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],

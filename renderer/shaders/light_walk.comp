@@ -15,6 +15,11 @@
 // has no part in the mean of pictures at rest, whatever it is worth, and in those after a cut it
 // stands for the orders that nothing had time to find. (A potential that shapes rewards: A. Y. Ng,
 // D. Harada, S. Russell, ICML 1999.) It is the radiance of diffused light that comes to the path.
+//
+// With SIMILAR above 0 a path goes on from its second event in media of a smaller mean cosine g',
+// and a part 1 - (1 - g) / (1 - g') of what is scattered counts as going on as it came: as much
+// light turns round (the similarity relation of order one), with fewer collisions, whose phase
+// functions are less of a peak. What order one is not is the bias that docs/light.md measures.
 #extension GL_GOOGLE_include_directive : require
 
 #include "march_light.glsl"
@@ -25,6 +30,7 @@
 layout(local_size_x = 64) in;
 
 layout(constant_id = 6) const bool LOOKS_AHEAD = false;
+layout(constant_id = 7) const float SIMILAR = 0.0; // 1: the similar medium of delta-Eddington
 
 layout(push_constant) uniform LightRun {
     vec3 shift_m; // how far what stood still has gone past the camera since the round before
@@ -88,6 +94,38 @@ vec4 draw()
 
 uvec2 draw_bits() { return pcg4d(uvec4(thread, run.round, ~run.seed, drawn++)).xy; }
 
+// --- similar media ------------------------------------------------------------------------------
+
+// Events of a path after which media are similar ones.
+const uint SIMILAR_AFTER = 2;
+
+// Grey ones alone: a part that goes on as it came would be another for each channel.
+bool is_similar(uint m, uint events)
+{
+    vec3 albedo = frame.media[m].albedo;
+    return SIMILAR > 0.0 && events >= SIMILAR_AFTER && albedo.r == albedo.g &&
+           albedo.g == albedo.b && mean_cosine_of(m) > 0.0;
+}
+
+float similar_cosine_of(uint m)
+{
+    return mix(frame.media[m].g, smooth_g_of(m), SIMILAR);
+}
+
+// The part of scattering that is left.
+float turning_of(uint m) { return (1.0 - frame.media[m].g) / (1.0 - similar_cosine_of(m)); }
+
+// Optical depths after so many events, by those of the medium.
+float thinness(uint m, uint events)
+{
+    return is_similar(m, events) ? 1.0 - frame.media[m].albedo.r * (1.0 - turning_of(m)) : 1.0;
+}
+
+float extinction_color_of(uint m)
+{
+    return frame.media[m].extinction_color.x * thinness(m, path.events);
+}
+
 // --- segments -----------------------------------------------------------------------------------
 
 Hit hit_but(uint except)
@@ -110,7 +148,7 @@ void look_for_fog(uint m)
     if (!clip_medium(m, path.origin_m, path.direction, t0_m, t1_m))
         return;
     for (uint l = 0; l < layer_count_of(m); l++) {
-        float depth = -log(draw().x) / max(frame.media[m].extinction_color.x, 1e-20);
+        float depth = -log(draw().x) / max(extinction_color_of(m), 1e-20);
         float t_m = fog_layer_free_path_m(frame.media[m].layers[l], path.origin_m, path.direction,
                                           t0_m, depth);
         if (t_m < min(t1_m, fog_m)) {
@@ -157,7 +195,7 @@ void end()
 void happen(uint m, uint solid)
 {
     vec4 u = draw();
-    float per_sr;
+    float per_sr, sun_thinness = 1.0;
     vec3 next;
     events++;
     if (m == MEDIA_MAX) {
@@ -167,15 +205,21 @@ void happen(uint m, uint solid)
         next = sample_cosine(normal, u.xy);
     } else {
         uint kind = own(frame.media[m].phase_kind);
+        float g = frame.media[m].g;
         path.throughput *= frame.media[m].albedo;
-        per_sr = phase_per_sr(kind, frame.media[m].g, path.direction, to_sun());
-        next = sample_phase(kind, frame.media[m].g, path.direction, u.xy);
+        if (is_similar(m, path.events)) {
+            g = similar_cosine_of(m);
+            path.throughput *= turning_of(m) / thinness(m, path.events);
+        }
+        per_sr = phase_per_sr(kind, g, path.direction, to_sun());
+        next = sample_phase(kind, g, path.direction, u.xy);
+        sun_thinness = thinness(m, path.events + 1u); // sunlight comes the way the path goes on
     }
     path.solid = solid;
     if (path.events > 0u && per_sr > 0.0 && own(frame.scatters) != 0u &&
         sees_sun(path.origin_m, solid))
         sums.light += path.throughput * per_sr * frame.sun_irradiance *
-                      fraction_through(sample_sun_depth(path.origin_m));
+                      fraction_through(sun_thinness * sample_sun_depth(path.origin_m));
     path.events++;
     path.direction = next;
     float most = max(path.throughput.r, max(path.throughput.g, path.throughput.b));
@@ -243,7 +287,7 @@ void stride_in(uint m, inout Stride stride)
     uvec3 at = uvec3(cell);
     stride.length_m = min(stride.length_m, face_m + hair_m);
     stride.majorant_per_m +=
-        frame.media[m].extinction_color.x *
+        extinction_color_of(m) *
         majorants[frame.media[m].majorant_first + at.x + size.x * (at.y + size.y * at.z)];
 }
 
@@ -264,7 +308,7 @@ void tentative(float majorant_per_m, float u)
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
         if (by != MEDIA_MAX || is_fog(m) || !medium_contains(m, path.origin_m))
             continue;
-        left_per_m -= frame.media[m].extinction_color.x * frame.media[m].extinction_per_m *
+        left_per_m -= extinction_color_of(m) * frame.media[m].extinction_per_m *
                       shape_random_density(kind_of(m), frame.media[m].shape, path.origin_m,
                                            draw_bits());
         if (left_per_m < 0.0)

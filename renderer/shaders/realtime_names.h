@@ -135,15 +135,16 @@
 #define RT_ORIGIN_SHIFT 109
 // Traced light, once more.
 #define RT_LIGHT_AHEAD 110
+#define RT_LIGHT_SIMILAR 111
 // The shadow map of clouds.
-#define RT_CLOUD_SHADOW 111
-#define RT_CLOUD_SHADOW_TEXELS 112
-#define RT_CLOUD_SHADOW_LAYERS 113
-#define RT_CLOUD_SHADOW_LEVELS 114
-#define RT_CLOUD_SHADOW_EXTENT_M 115
-#define RT_CLOUD_SHADOW_PLANE 116
-#define RT_CLOUD_SHADOW_FRAMES 117
-#define RT_SETTING_COUNT 118
+#define RT_CLOUD_SHADOW 112
+#define RT_CLOUD_SHADOW_TEXELS 113
+#define RT_CLOUD_SHADOW_LAYERS 114
+#define RT_CLOUD_SHADOW_LEVELS 115
+#define RT_CLOUD_SHADOW_EXTENT_M 116
+#define RT_CLOUD_SHADOW_PLANE 117
+#define RT_CLOUD_SHADOW_FRAMES 118
+#define RT_SETTING_COUNT 119
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

@@ -57,7 +57,8 @@ function survey() {
     text: document.querySelector("main").innerText,
     foreign: document.querySelectorAll("main img:not(.pixels), main script, main iframe").length,
     groups: [...document.querySelectorAll("article.finding-group")].map((article) => ({
-      of: article.dataset.of, found: article.dataset.found, text: text(article), title: text(article.querySelector("h3")), values: values(article),
+      of: article.dataset.of, found: article.dataset.found, text: text(article),
+      title: text(article.querySelector("h3")), values: values(article),
       trends: article.querySelectorAll("svg.trend").length,
       pictures: [...article.querySelectorAll("img.pixels")].map((image) =>
         image.getAttribute("src")),

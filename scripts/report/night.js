@@ -108,6 +108,7 @@
 
   // ----------------------------------------------------------------------------------------- head
 
+  const STATES = { running: "Running", interrupted: "Interrupted" };
   const VERDICTS = { pass: ["Pass", "pass"], fail: ["Fail", "fail"],
     "nothing compared": ["No verdict", "open"] };
 
@@ -115,7 +116,8 @@
     const bad = groups().filter(([first]) => fails(first.found));
     if (night.state !== "finished")
       return `${night.steps.filter((step) => step.outcome !== "not run").length} of ` +
-        `${plural(night.steps.length, "step", "steps")} are over; what changed is said at the end.`;
+        `${plural(night.steps.length, "step", "steps")} are over; what changed is said at the end` +
+        `${night.state === "interrupted" ? ": the same command goes on" : ""}.`;
     if (night.compared === 0)
       return "Nothing was compared: accept a night, and the next is held against it.";
     if (bad.length === 0)
@@ -129,8 +131,8 @@
 
   function counts() {
     const found = unique(night.findings.map((finding) => finding.found));
-    return [`${plural(night.compared, "comparison", "comparisons")}, ${night.chances} with chance ` +
-      "in them", found.map((name) => `; ${night.findings.filter((finding) =>
+    return [`${plural(night.compared, "comparison", "comparisons")}, ${night.chances} with ` +
+      "chance in them", found.map((name) => `; ${night.findings.filter((finding) =>
       finding.found === name).length} ${name}`), `; ${night.new} new, ${night.elsewhere} of ` +
       `another environment, ${night.young} with too few nights, ${night.not_run} not run.`];
   }
@@ -140,7 +142,7 @@
     const [first] = group;
     return el("li", null, word(first.found), " ",
       el("a", { href: `#finding-${n + 1}` }, titleOf(group)),
-      first.change !== null && [`: ${first.kind !== "mean" && first.metric ? `${first.metric} ` : ""}`,
+      first.change !== null && [": ", first.kind !== "mean" && first.metric && `${first.metric} `,
         el("b", null, changeText(first))],
       group.length > 1 && `, and ${plural(group.length - 1, "number", "numbers")} more`);
   }
@@ -155,7 +157,7 @@
 
   function verdict() {
     const running = night.state !== "finished";
-    const [said, kind] = running ? ["Running", "open"]
+    const [said, kind] = running ? [STATES[night.state] ?? night.state, "open"]
       : VERDICTS[night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail"];
     return el("div", { class: `verdict ${kind}` },
       el("p", { class: "word" }, said),
@@ -193,7 +195,8 @@
     if (finding.range) values.push(finding.range.low, finding.range.high);
     const [low, high] = [Math.min(...values), Math.max(...values)];
     const [first, last] = [Math.min(...nights), Math.max(...nights)];
-    const x = (n) => PLOT.left + (PLOT.width - PLOT.left - PLOT.right) * (n - first) / (last - first);
+    const room = PLOT.width - PLOT.left - PLOT.right;
+    const x = (n) => PLOT.left + room * (n - first) / (last - first);
     const y = (value) => PLOT.top + (PLOT.height - PLOT.top - PLOT.bottom) *
       (high > low ? (high - value) / (high - low) : 0.5);
     const line = points.map((point, n) =>
@@ -266,13 +269,15 @@
           `${percent(difference.changed, false)} of the pixels`], size)), size);
     return [made, difference?.scale > 0 && differenceScale(difference.scale),
       difference?.scale === 0 && el("p", { class: "small" }, "No pixel of this picture changed: " +
-        (found === "moved" ? "the number follows another picture." : "the number is not of it alone.")),
+        (found === "moved" ? "the number follows another picture."
+          : "the number is not of it alone.")),
       accepted && !tonight && el("p", { class: "small" }, "Tonight has no such picture.")];
   }
 
   function rangeText(finding) {
     if (finding.interval)
-      return [`95 % interval${finding.kind === "fixed" ? " over the pixels" : ""} `, number(finding.interval[0]), " to ", number(finding.interval[1])];
+      return [`95 % interval${finding.kind === "fixed" ? " over the pixels" : ""} `,
+        number(finding.interval[0]), " to ", number(finding.interval[1])];
     if (finding.range)
       return [`without a change 95 % of nights lie in `, number(finding.range.low), " to ",
         number(finding.range.high), ` (${finding.range.nights} nights)`];
@@ -304,7 +309,8 @@
   }
 
   /** What a shell takes for one word. */
-  const quoted = (text) => (/^[\w./:=@+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+  const quoted = (text) => (/^[\w./:=@+-]+$/.test(text) ? text
+    : `'${text.replaceAll("'", "'\\''")}'`);
 
   function commands([first], shown) {
     const look = shown?.accepted?.exr && shown?.tonight?.exr
@@ -358,6 +364,8 @@
         entry("Numbers", unique(night.findings.map((finding) => finding.kind).filter((kind) =>
           KINDS[kind])).map((kind) => `${kind}: ${KINDS[kind]}. `),
         "“Seen from”: the least change that the number could have shown tonight."),
+        entry("Every number", "Point at a number of the tables below: it tells all its digits, ",
+          "what was accepted, and from which change on it would have been seen tonight."),
         entry("Was it meant?", el("code", null, "neph baseline accept --why TEXT"), " makes this ",
           "night what the next is held against; nothing is overwritten.")));
   }
@@ -378,8 +386,12 @@
 
   function numberCell(row) {
     if (!row) return el("td", { class: "num soft" }, "·");
-    return el("td", { class: `num ${JUDGED[row.judged] ?? ""}`, title: row.why || null },
-      row.tonight !== null && number(row.tonight, 3),
+    return el("td", { class: `num ${JUDGED[row.judged] ?? ""}` },
+      row.tonight !== null && el("data", { value: row.tonight, "data-value": row.tonight,
+        title: [String(row.tonight), row.why, row.baseline !== null
+          && `accepted ${row.baseline}`, row.floor !== null
+          && `a change is seen from ${percent(row.floor, false)} on`].filter((text) => text)
+          .join("; ") }, written(row.tonight, 3)),
       ["worse", "better", "moved"].includes(row.judged)
         && el("small", null, `${row.judged}, ${percent(row.change)}`),
       row.judged === "not judged" && el("small", null, "not judged"));

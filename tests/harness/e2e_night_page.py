@@ -9,6 +9,7 @@ somebody changed are found, named and shown.
 
     e2e_night_page.py                  run the tests
     e2e_night_page.py --fixture DIR    only write the page, to look at it
+    e2e_night_page.py --sample DIR     only run those nights: DIR/nightly/report is a real page
 """
 import json
 import os
@@ -190,6 +191,7 @@ class Page(unittest.TestCase):
     @night.of_the_night
     def test_a_page_of_a_night_that_goes_on_and_of_the_first(self):
         for name, more in (("running", {"state": "running", "findings": [], "series": []}),
+                           ("stopped", {"state": "interrupted", "findings": [], "series": []}),
                            ("first", {"compared": 0, "findings": [], "baseline": 0})):
             with self.subTest(name):
                 folder = pathlib.Path(self.temporary.name, name)
@@ -247,36 +249,44 @@ made.rename("frame.exr")
 """
 
 
+STEPS = ["--tier", "full", "--only", "catalog turned_solids", "--only", "catalog gaussian_blob",
+         "-e", "command", "-q", "--once"]
+
+
+def neph(folder, *arguments):
+    """Its exit code and all that it said, without other people's renderers."""
+    environment = {**os.environ, "PATH": "/nonexistent", "NEPH_COMMAND": str(folder / "guest")}
+    done = subprocess.run([os.environ["NEPH"], *arguments, "-o", str(folder)],
+                          capture_output=True, text=True, timeout=300, env=environment)
+    return done.returncode, done.stdout + done.stderr
+
+
+def plant(folder):
+    """Nights of which the third upscales with a threshold of depth of 35 % and not 25 %, and has a
+    renderer whose phase function is g + 0.01: after each what it said."""
+    guest = folder / "guest"
+    guest.write_text(GUEST.format(python=sys.executable, neph=os.environ["NEPH"]))
+    guest.chmod(0o755)
+    yield neph(folder, "nightly", *STEPS)
+    yield neph(folder, "baseline", "accept", "--why", "looked at")
+    yield neph(folder, "nightly", *STEPS)
+    yield neph(folder, "nightly", *STEPS, "-s", "realtime:upscale_depth=0.35", "-s",
+               "command:a=0.01")
+
+
 class PlantedChanges(unittest.TestCase):
-    """Two nights: the second upscales with a threshold of depth of 35 % and not 25 %, and has a
-    renderer whose phase function is g + 0.01."""
-
-    STEPS = ["--tier", "full", "--only", "catalog turned_solids", "--only",
-             "catalog gaussian_blob", "-e", "command", "-q", "--once"]
-
     @night.of_the_night
     def test_both_are_found_named_and_shown(self):
         skip_without_a_browser()
         with tempfile.TemporaryDirectory() as folder:
             self.folder = pathlib.Path(folder)
-            guest = self.folder / "guest"
-            guest.write_text(GUEST.format(python=sys.executable, neph=os.environ["NEPH"]))
-            guest.chmod(0o755)
-            self.environment = {**os.environ, "PATH": "/nonexistent", "NEPH_COMMAND": str(guest)}
-            self.neph("nightly", *self.STEPS, code=1)
-            self.neph("baseline", "accept", "--why", "looked at")
-            self.neph("nightly", *self.STEPS)  # nothing changed, nothing is found
-            self.assertEqual(self.data()["findings"], [])
-            self.neph("nightly", *self.STEPS, "-s", "realtime:upscale_depth=0.35", "-s",
-                      "command:a=0.01", code=1)
+            for wanted, (code, said) in zip((1, 0, 0, 1), plant(self.folder)):
+                self.assertEqual(code, wanted, said)
+                if wanted == 0 and "Night 2" in said:  # nothing changed, nothing is found
+                    self.assertEqual(self.data()["findings"], [])
             self.hold(self.data())
             told = check(self.folder / "nightly/report")
             self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
-
-    def neph(self, *arguments, code=0):
-        done = subprocess.run([os.environ["NEPH"], *arguments, "-o", str(self.folder)],
-                              capture_output=True, text=True, timeout=300, env=self.environment)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
 
     def data(self):
         return json.loads((self.folder / "nightly/report/data.json").read_text())
@@ -307,5 +317,10 @@ class PlantedChanges(unittest.TestCase):
 if __name__ == "__main__":
     if len(sys.argv) == 3 and sys.argv[1] == "--fixture":
         build(pathlib.Path(sys.argv[2]))
+    elif len(sys.argv) == 3 and sys.argv[1] == "--sample":
+        sample = pathlib.Path(sys.argv[2]).resolve()
+        sample.mkdir(parents=True)
+        for _, words in plant(sample):
+            print(words)
     else:
         unittest.main(verbosity=2)

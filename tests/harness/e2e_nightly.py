@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import signal
+import sqlite3
 import subprocess
 import tempfile
 import time
@@ -50,8 +51,23 @@ class Nightly(unittest.TestCase):
                                text=True, timeout=60)
         self.assertEqual(again.returncode, 69, again.stderr)  # one at a time
         self.assertIn("another night is at work", again.stderr)
+        page = json.loads((self.folder / "nightly/report/data.json").read_text())
+        self.assertEqual((page["state"], [step["outcome"] for step in page["steps"]].count("done")),
+                         ("running", 1))
         child.send_signal(signal.SIGKILL)
         child.wait()
+
+    @night.of_the_night
+    def test_an_interrupted_night_says_so(self):
+        child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)], stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.DEVNULL)
+        logs = self.folder / "nightly/logs"
+        while child.poll() is None and len(list(logs.glob("*.log"))) < 2:
+            time.sleep(0.01)
+        child.send_signal(signal.SIGINT)
+        self.assertEqual(child.wait(timeout=120), 130)
+        page = json.loads((self.folder / "nightly/report/data.json").read_text())
+        self.assertEqual(page["state"], "interrupted")
 
     def test_a_killed_night_goes_on_is_accepted_and_the_next_is_compared(self):
         self.kill_a_night()
@@ -94,6 +110,27 @@ class Nightly(unittest.TestCase):
         self.neph("store", "gc", "--limit", "0", "--spare-hours", "0", code=1)  # it is a baseline
         self.assertEqual(keys, {job["key"] for job in
                                 json.loads(self.neph("store", "export").stdout)["jobs"]})
+
+        self.assert_a_database_of_before_is_taken_over()
+
+    def assert_a_database_of_before_is_taken_over(self):
+        """From before numbers knew their pictures."""
+        def numbers():
+            document = json.loads(self.neph("store", "export").stdout)
+            return [[(m["series"], m["value"]) for m in row["measurements"]]
+                    for row in document["nights"]]
+        before = numbers()
+        database = sqlite3.connect(self.folder / "store/index/neph.sqlite")
+        database.execute("ALTER TABLE measurements DROP COLUMN frame")
+        database.execute("PRAGMA user_version = 1")
+        database.commit()
+        database.close()
+        self.assertEqual(numbers(), before)
+        database = sqlite3.connect(self.folder / "store/index/neph.sqlite")
+        self.assertEqual(database.execute("PRAGMA user_version").fetchone(), (2,))
+        self.assertEqual(database.execute("SELECT DISTINCT frame FROM measurements").fetchall(),
+                         [("",)])
+        database.close()
 
     def kill_what_works_in(self, folder):
         """Whether there was anything."""

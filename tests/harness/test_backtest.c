@@ -295,58 +295,76 @@ struct sample {
     double level[SAMPLE_SERIES][SAMPLE_NIGHTS];
 };
 
-static double value_of(const json_t *night, const char *series, const char *kind)
+/* NaN: the night has none. `busy` durations are those of a step during which the machine was, which
+ * a night does not use. */
+static double value_of(const json_t *night, const char *series, bool with_busy)
 {
     size_t i;
     const json_t *m;
-    json_array_foreach(json_object_get(night, "measurements"), i,
-                       m) if (strcmp(neph_json_text(m, "series"), series) == 0 &&
-                              strcmp(neph_json_text(m, "kind"), kind) ==
-                                  0) return json_number_value(json_object_get(m, "value"));
+    json_array_foreach(json_object_get(night, "measurements"), i, m)
+    {
+        const char *kind = neph_json_text(m, "kind");
+        const bool counts = strcmp(kind, "timed") == 0 || (with_busy && strcmp(kind, "busy") == 0);
+        if (counts && strcmp(neph_json_text(m, "series"), series) == 0)
+            return json_number_value(json_object_get(m, "value"));
+    }
     return NAN;
 }
 
-/* Those series of the last night that the nights before it have, too. False: one is missing. */
-static bool take_series(struct sample *sample, const json_t *nights, const char *series)
+/* False: it has too few nights. */
+static bool take_series(struct sample *sample, const json_t *nights, const char *series,
+                        bool with_busy)
 {
-    double mean = 0.0, *level = sample->level[sample->series];
+    double sum = 0.0, *level = sample->level[sample->series];
+    int count = 0;
     for (int n = 0; n < sample->nights; n++) {
-        level[n] = log(value_of(json_array_get(nights, (size_t)n), series, "timed"));
-        mean += level[n] / sample->nights;
+        level[n] = log(value_of(json_array_get(nights, (size_t)n), series, with_busy));
+        sum += isfinite(level[n]) ? level[n] : 0.0;
+        count += isfinite(level[n]);
     }
     for (int n = 0; n < sample->nights; n++)
-        level[n] -= mean;
-    return isfinite(mean);
+        level[n] -= sum / count;
+    return count >= SAMPLE_LEAST;
 }
 
-/* Nights on which the machine was quiet enough to time anything. */
+static bool is_timed(const json_t *m)
+{
+    const char *kind = neph_json_text(m, "kind");
+    return strcmp(kind, "timed") == 0 || strcmp(kind, "busy") == 0;
+}
+
+/* Nights on which something was to be timed: also those on which the machine was too busy. */
 static json_t *timed_nights(const json_t *document)
 {
     size_t n, i;
     json_t *night, *kept = json_array();
-    const json_t *m;
+    const json_t *m, *step;
     json_array_foreach(json_object_get(document, "nights"), n, night)
     {
-        bool is_timed = false;
-        json_array_foreach(json_object_get(night, "measurements"), i, m)
-            is_timed = is_timed || strcmp(neph_json_text(m, "kind"), "timed") == 0;
-        if (is_timed && json_array_size(kept) < SAMPLE_NIGHTS)
+        bool timed = false;
+        json_array_foreach(json_object_get(night, "measurements"), i, m) timed |= is_timed(m);
+        json_array_foreach(json_object_get(night, "steps"), i, step)
+            timed |= strncmp(neph_json_text(step, "name"), "speed ", 6) == 0;
+        if (timed && json_array_size(kept) < SAMPLE_NIGHTS)
             neph_json_add(&kept, json_incref(night));
     }
     return kept;
 }
 
-static void take_sample(struct sample *sample, const json_t *document)
+static void take_sample(struct sample *sample, const json_t *document, bool with_busy)
 {
-    json_t *nights = timed_nights(document);
-    const size_t count = json_array_size(nights);
-    const json_t *last = count > 0 ? json_array_get(nights, count - 1) : NULL, *m;
-    size_t i;
-    *sample = (struct sample){.nights = (int)count};
-    json_array_foreach(json_object_get(last, "measurements"), i,
-                       m) if (strcmp(neph_json_text(m, "kind"), "timed") == 0 &&
-                              sample->series < SAMPLE_SERIES)
-        sample->series += take_series(sample, nights, neph_json_text(m, "series"));
+    json_t *nights = timed_nights(document), *names = json_object();
+    size_t n, i;
+    const json_t *night, *m;
+    const char *series;
+    json_t *unused;
+    *sample = (struct sample){.nights = (int)json_array_size(nights)};
+    json_array_foreach(nights, n, night)
+        json_array_foreach(json_object_get(night, "measurements"), i, m) if (is_timed(m))
+            neph_json_set(&names, neph_json_text(m, "series"), json_true());
+    json_object_foreach(names, series, unused) if (sample->series < SAMPLE_SERIES)
+        sample->series += take_series(sample, nights, series, with_busy);
+    json_decref(names);
     json_decref(nights);
 }
 
@@ -384,48 +402,62 @@ static bool alarms_resampled(const struct sample *sample, double past[SAMPLE_SER
     return alarm;
 }
 
-/* Alarms in nights on which nothing changed, and of runs in which all durations grew by `factor`
- * how many were found within the two weeks that are left. */
-static void resample(const struct sample *sample, int runs, double factor, int *quiet,
-                     int *false_alarms, int *found)
+/* What came of it. */
+struct rehearsal {
+    int quiet, false_alarms; /* nights on which nothing had changed */
+    int runs, found;         /* in which all durations grew, within the two weeks that are left */
+    int delays[64];          /* of those found, the nights until then; sorted */
+};
+
+static struct rehearsal resample(const struct sample *sample, int runs, double factor)
 {
     static double past[SAMPLE_SERIES][RESAMPLED];
+    struct rehearsal made = {.runs = runs};
     uint64_t random = 77;
-    *quiet = *false_alarms = *found = 0;
     for (int run = 0; run < runs; run++) {
         bool is_found = false;
         draw_nights(sample, &random, factor, past);
         for (int night = 1; night < RESAMPLED; night++) {
             const bool alarm = alarms_resampled(sample, past, night);
-            *quiet += night < PLANTED_AT;
-            *false_alarms += alarm && night < PLANTED_AT;
+            made.quiet += night < PLANTED_AT;
+            made.false_alarms += alarm && night < PLANTED_AT;
+            if (alarm && night >= PLANTED_AT && !is_found)
+                made.delays[made.found++] = night - PLANTED_AT + 1;
             is_found = is_found || (alarm && night >= PLANTED_AT);
         }
-        *found += is_found;
     }
+    qsort(made.delays, (size_t)made.found, sizeof(made.delays[0]), by_delay);
+    return made;
+}
+
+static void print_rehearsal(const struct sample *sample, const struct rehearsal *made, int percent)
+{
+    double low, high;
+    clopper_pearson(made->false_alarms, made->quiet, &low, &high);
+    print_message("%d nights, %d durations: %d false alarms in %d nights, %.4f a night, 95 %% %.4f "
+                  "to %.4f (Clopper-Pearson); all %d %% slower: found in %d of %d within two weeks",
+                  sample->nights, sample->series, made->false_alarms, made->quiet,
+                  (double)made->false_alarms / made->quiet, low, high, percent, made->found,
+                  made->runs);
+    if (made->found > 0)
+        print_message(", median on night %d", made->delays[made->found / 2]);
+    print_message("\n");
 }
 
 static int rehearse(const char *path)
 {
     static struct sample sample;
     json_t *document = json_load_file(path, 0, NULL);
-    take_sample(&sample, document);
+    take_sample(&sample, document, false);
     json_decref(document);
-    if (sample.nights < SAMPLE_LEAST || sample.series == 0) {
-        fprintf(stderr,
-                "'%s' has %d nights with %d durations in all of them: %d nights and one "
-                "duration are the least\n",
-                path, sample.nights, sample.series, SAMPLE_LEAST);
+    if (sample.series == 0) {
+        fprintf(stderr, "'%s' has %d nights, and no duration in %d of them, which is the least\n",
+                path, sample.nights, SAMPLE_LEAST);
         return 66;
     }
     for (int percent = 5; percent <= 20; percent *= 2) {
-        int quiet, false_alarms, found;
-        double low, high;
-        resample(&sample, 50, 1.0 + 0.01 * percent, &quiet, &false_alarms, &found);
-        clopper_pearson(false_alarms, quiet, &low, &high);
-        printf("%d nights, %d durations: %d false alarms in %d nights, 95 %% %.4f to %.4f; all %d "
-               "%% slower: found in %d of 50 within two weeks\n",
-               sample.nights, sample.series, false_alarms, quiet, low, high, percent, found);
+        const struct rehearsal made = resample(&sample, 50, 1.0 + 0.01 * percent);
+        print_rehearsal(&sample, &made, percent);
     }
     return 0;
 }
@@ -454,22 +486,20 @@ static void test_nights_are_drawn_from_a_store(void **state)
     (void)state;
     static struct sample sample;
     struct world *world = malloc(sizeof(*world));
-    int quiet, false_alarms, found;
     begin_world(world, 5);
     json_t *document = document_of(world, 30);
-    take_sample(&sample, document);
+    take_sample(&sample, document, false);
     assert_int_equal(sample.nights, 30);
     assert_int_equal(sample.series, SERIES / 2);
     const double first = sample.level[0][3] - sample.level[0][4];
     neph_assert_close(first, log(world->past[MARCH_TIME][3] / world->past[MARCH_TIME][4]), 1e-9,
                       0.0);
     const int runs = neph_test_by_day(4, 50);
-    resample(&sample, runs, 1.2, &quiet, &false_alarms, &found);
-    print_message("drawn from 30 nights: %d false alarms in %d, 20 %% slower found in %d of %d\n",
-                  false_alarms, quiet, found, runs);
-    assert_int_equal(quiet, runs * (PLANTED_AT - 1));
-    assert_true(false_alarms < 0.02 * quiet);
-    assert_int_equal(found, runs);
+    const struct rehearsal made = resample(&sample, runs, 1.2);
+    print_rehearsal(&sample, &made, 20);
+    assert_int_equal(made.quiet, runs * (PLANTED_AT - 1));
+    assert_true(made.false_alarms < 0.02 * made.quiet);
+    assert_int_equal(made.found, runs);
     json_decref(document);
     free(world);
 }
