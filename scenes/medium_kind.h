@@ -69,7 +69,7 @@ struct neph_medium_row {
 
 extern const struct neph_medium_row neph_medium_homogeneous, neph_medium_height_fog,
     neph_medium_gaussian, neph_medium_shell, neph_medium_grid, neph_medium_horizon,
-    neph_medium_plume;
+    neph_medium_plume, neph_medium_tent;
 
 const struct neph_medium_row *neph_medium_row(enum neph_medium_kind kind);
 
