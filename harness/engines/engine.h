@@ -118,7 +118,11 @@ struct neph_engine_pass {
     const char *resolution; /* of what it writes */
     char condition[64];     /* the setting that it needs: "split=four" */
     char reads[256], writes[256];
-    char hands_on[256]; /* what the next frame reads of it */
+    char hands_on[256]; /* So long a study or a suite waits for a picture of a user's program [s]. A choice, no measurement:
+ * enough for a path tracer at the size of a study, and one that hangs costs a night one column. */
+#define NEPH_GUEST_LIMIT_S 600.0
+
+/* what the next frame reads of it */
 };
 
 struct neph_engine {
