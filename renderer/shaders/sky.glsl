@@ -16,7 +16,7 @@ struct SkyLayer {
     float scale_m;  // scale height, or half the width of a tent
     uint phase_kind;
     float g;
-    float unused;
+    float legendre[NEPH_GPU_SKY_DEGREE_MAX + 1]; // what it scatters of the moments of a degree
 };
 
 struct SkyAir {
@@ -145,17 +145,6 @@ float sky_distance_m(SkyLeg leg, float climb_m)
 
 // --- what is scattered --------------------------------------------------------------------------
 
-// Of what a layer scatters of the moments of a degree.
-float sky_legendre(SkyLayer layer, uint degree)
-{
-    if (degree == 0u)
-        return 1.0;
-    if (layer.phase_kind == PHASE_HENYEY_GREENSTEIN)
-        return degree == 1u ? layer.g : sign(layer.g) * (degree % 2u == 0u ? sign(layer.g) : 1.0) *
-                                            pow(abs(layer.g), float(degree));
-    return layer.phase_kind == PHASE_RAYLEIGH && degree == 2u ? 0.1 : 0.0;
-}
-
 float sky_density(SkyLayer layer, float altitude_m)
 {
     return layer.is_tent != 0u
@@ -217,7 +206,7 @@ void sky_step(SkyRay ray, float altitude_m, float cosine, float sun_cosine, floa
         extinction_per_m += density * air.layers[n].extinction_per_m;
         source += ray.phases[n] * scattering_per_m;
         for (uint l = 0u; l <= air.degree; l++)
-            by_degree[l] += sky_legendre(air.layers[n], l) * scattering_per_m;
+            by_degree[l] += air.layers[n].legendre[l] * scattering_per_m;
     }
     source *= scatters ? sky_sun_transmittance(altitude_m, sun_cosine) : vec3(0.0);
     if (has_field) {

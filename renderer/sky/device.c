@@ -162,6 +162,8 @@ static struct neph_gpu_sky_air air_of(const struct work *work)
                                                     .g = (float)layer->phase.g};
         copy_rgb(air.layers[i].extinction_per_m, layer->extinction_per_m);
         copy_rgb(air.layers[i].scattering_per_m, layer->scattering_per_m);
+        for (int l = 0; l <= NEPH_SKY_DEGREE_MAX; l++)
+            air.layers[i].legendre[l] = (float)layer->legendre[l];
     }
     for (int l = 0; l <= NEPH_SKY_DEGREE_MAX; l++)
         for (int m = 0; m <= l; m++)

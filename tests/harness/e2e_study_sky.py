@@ -25,7 +25,8 @@ class StudySky(unittest.TestCase):
             capture_output=True, text=True, timeout=60)
 
     def test_cells_files_and_reuse(self):
-        models = f"sky+{TABLES},sky+multiple=closure+{TABLES},march"
+        models = (f"sky+{TABLES},sky+multiple=closure+{TABLES},march,"
+                  f"sky+on=device+{TABLES}")
         table = self.folder / "sky.md"
         arguments = ("--suns", "30,-30", "--altitudes", "2", "--models", models, "--markdown",
                      table, "--json")
@@ -35,12 +36,13 @@ class StudySky(unittest.TestCase):
         day, night = found["cells"]
         self.assertEqual([day["held"], night["held"]], [True, False])
         self.assertEqual(day["directions"], 2 * 2 * 2)
-        orders, closure, march = day["models"].values()
+        orders, closure, march, device = day["models"].values()
         # An eighth of a direction's noise, at 64 samples of 16 pixels, is left in the mean.
         self.assertLess(abs(orders["bias"]), 0.05 + day["noise"])
         self.assertGreater(orders["mean"], 0.0)
         self.assertGreaterEqual(orders["worst"], orders["mean"])
         self.assertNotEqual(orders["bias"], closure["bias"])
+        self.assertAlmostEqual(device["bias"], orders["bias"], delta=1e-5)
         self.assertIn("multiple scattering", march["cannot"])
         text = table.read_text()
         self.assertIn("| 30 | 0.002 |", text)
@@ -48,6 +50,15 @@ class StudySky(unittest.TestCase):
         self.assertIn("no light", text)
         again = self.run_neph(*arguments)
         self.assertEqual(again.stdout, done.stdout)
+
+    def test_finer_tables_are_a_truth(self):
+        done = self.run_neph("--altitudes", "2", "--truth", f"sky+{TABLES}", "--models",
+                             f"sky+{TABLES},sky+{TABLES}+degree=0", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        cell = json.loads(done.stdout)["cells"][0]
+        same, coarser = cell["models"].values()
+        self.assertEqual([cell["noise"], same["mean"], same["worst"]], [0, 0, 0])
+        self.assertGreater(coarser["mean"], 0.001)
 
     def test_refusals(self):
         for arguments, words in ((("--suns", "high"), "no number"),

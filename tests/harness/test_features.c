@@ -38,6 +38,7 @@ static void change_medium(struct stage *stage, enum neph_medium_kind kind)
     medium->extinction_per_m = 0.1;
     medium->gaussian = (struct neph_gaussian){center_m, 0.5};
     medium->shell = (struct neph_shell){{0, -1000, 0}, 1000, 50};
+    medium->tent = (struct neph_tent){{0, -1000, 0}, 1000, 100, 50};
     medium->plume = (struct neph_plume){center_m, {0, 1, 0}, 0.5, 20};
     medium->layer_count = neph_medium_is_fog(medium);
     medium->layers[0].falloff_per_m = kind == NEPH_MEDIUM_HEIGHT_FOG ? 0.01 : 0.0;
@@ -100,6 +101,14 @@ static void look(struct stage *stage)
 {
     medium_of(stage)->bounds = everywhere;
     stage->test.scene.fog_look = (struct neph_fog_look){.present = true, .max_opacity = 1.0};
+}
+
+/* The ground and its air, and nothing else: what is for skies alone. */
+static void planet(struct stage *stage)
+{
+    medium_of(stage)->bounds = (struct neph_bounds){{-1e4, -1e4, -1e4}, {1e4, 1e4, 1e4}};
+    stage->test.scene.background_w_per_m2_sr = (struct neph_rgb){0, 0, 0};
+    test_add_sphere(&stage->test, medium_of(stage)->shell.center_m, 1000.0);
 }
 
 static void emission(struct stage *stage)
@@ -194,6 +203,8 @@ static const struct feature {
     {"`fog_look`, or physics in its place", KIND(HEIGHT_FOG), ANY_LIGHT, look},
     {"`gaussian`", KIND(GAUSSIAN), ANY_LIGHT, NULL},
     {"`shell`", KIND(SHELL), ANY_LIGHT, NULL},
+    {"`tent`", KIND(TENT), ANY_LIGHT, NULL},
+    {"`shell` around the ground, nothing else", KIND(SHELL), ANY_LIGHT, planet},
     {"`grid`, `volume`, `voxels`", KIND(GRID), ANY_LIGHT, NULL},
     {"`horizon`", KIND(HORIZON), ANY_LIGHT, NULL},
     {"`plume`", KIND(PLUME), ANY_LIGHT, NULL},
