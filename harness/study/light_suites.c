@@ -30,7 +30,7 @@ static double take(const double *list, int count, int *index)
 
 struct neph_relight neph_light_sweep_at(const struct neph_light_sweep *sweep, int index)
 {
-    struct neph_relight light = {NAN, NAN, NAN, NAN, NAN};
+    struct neph_relight light = {NAN, NAN, NAN, NAN, NAN, 0.0};
     light.density = take(sweep->density, sweep->density_count, &index);
     light.albedo = take(sweep->albedo, sweep->albedo_count, &index);
     light.g = take(sweep->g, sweep->g_count, &index);
@@ -127,13 +127,12 @@ static enum neph_status read_sweeps(const json_t *list, struct neph_light_entry 
     return status;
 }
 
-/* With a slash it is a file of the project, not of the catalogue. */
 static enum neph_status read_entry(const json_t *entry, struct neph_light_entry *made,
                                    struct neph_diag *diag)
 {
     const char *scene = neph_json_text(entry, "scene");
     made->may_be_absent = true;
-    made->scene = strchr(scene, '/') ? neph_data_path(scene) : strdup(scene);
+    made->scene = neph_suite_scene(entry);
     if (!made->scene)
         return neph_fail_memory(diag);
     struct neph_diag why;
