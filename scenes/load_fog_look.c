@@ -11,7 +11,7 @@
 
 #define LOOK(member) offsetof(struct neph_fog_look, member)
 
-_Static_assert(NEPH_FOG_NO_OBSERVER_M == NEPH_FAR_M, "as the table says");
+_Static_assert((int)NEPH_FOG_NO_OBSERVER_M == (int)NEPH_FAR_M, "as the table says");
 
 static const struct neph_field fields[] = {
     {"inscattering_w_per_m2_sr", NEPH_THREE, LOOK(inscattering_w_per_m2_sr), "W/m2/sr", 0, 1e9,

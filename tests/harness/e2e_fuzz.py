@@ -1,17 +1,24 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """scripts/fuzz with programs that stand for the fuzzers: what it counts, keeps and says."""
+import concurrent.futures
 import json
 import os
 import pathlib
 import re
+import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
+import night
+
 ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR")
                     or pathlib.Path(__file__).resolve().parents[2])
+
+BUILD = pathlib.Path(os.environ.get("NEPH", ROOT / "build/release/neph")).parent
 
 # As libFuzzer speaks; a corpus of one file more each time.
 QUIET = """#!/bin/sh
@@ -85,6 +92,25 @@ class Fuzz(unittest.TestCase):
         listed = re.search(r"set\(of_the_harness ([a-z ]+)\)",
                            (ROOT / "tests/fuzz/CMakeLists.txt").read_text())[1].split()
         self.assertLessEqual(set(listed), names)
+
+    @night.of_the_night
+    def test_what_the_fuzzers_are_made_of_is_C_to_clang_too(self):
+        """Else scripts/fuzz does not build; gcc takes what is no constant for one."""
+        clang, commands = shutil.which("clang"), BUILD / "compile_commands.json"
+        if not clang or not commands.exists():
+            self.skipTest("clang is not installed, or the build has no compile_commands.json")
+        def refusal(entry):
+            words = [word for word in shlex.split(entry["command"]) if word != "-Werror"]
+            words = words[next(n for n, word in enumerate(words) if word.startswith("-")):]
+            at = words.index("-o")
+            done = subprocess.run([clang, "-fsyntax-only", "-w", *words[:at], *words[at + 2:]],
+                                  cwd=entry["directory"], capture_output=True, text=True)
+            return done.stderr if done.returncode else ""
+        entries = [entry for entry in json.loads(commands.read_text())
+                   if entry["file"].endswith(".c") and "/tests/" not in entry["file"]]
+        self.assertGreater(len(entries), 200)
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            self.assertEqual([said for said in pool.map(refusal, entries) if said], [])
 
     def test_what_is_missing_or_asked_wrongly_is_said(self):
         self.assertIn("there is no reader 'pdf'", self.fuzz("pdf", code=2).stderr)
