@@ -10,6 +10,7 @@
 /* One block, so that it is freed at once; the scene comes first. */
 struct made {
     struct neph_scene scene;
+    struct neph_sun_key sun_keys[2];
     struct neph_solid solids[];
 };
 
@@ -46,6 +47,9 @@ static enum neph_status check(const struct neph_scene *scene, const struct neph_
     if (is_outside(light->sun_elevation_rad, -0.5 * M_PI, 0.5 * M_PI))
         return neph_fail(diag, NEPH_ERR_USAGE, "a sun %g degrees above the horizon is none",
                          light->sun_elevation_rad / NEPH_RAD_PER_DEG);
+    if (!(light->sun_sinks_rad >= 0.0 && light->sun_sinks_rad <= 0.5))
+        return neph_fail(diag, NEPH_ERR_USAGE, "a sun that sinks by %g radians, outside 0..0.5",
+                         light->sun_sinks_rad);
     if (is_outside(light->g, -0.999, 0.999))
         return neph_fail(diag, NEPH_ERR_USAGE, "g is %g, outside -0.999..0.999", light->g);
     if (is_outside(light->albedo, 0.0, 1.0))
@@ -90,7 +94,7 @@ static double azimuth_rad_of(const struct neph_scene *scene, struct neph_vec3 su
 
 struct neph_relight neph_relight_of(const struct neph_scene *scene)
 {
-    struct neph_relight light = {NAN, NAN, NAN, NAN, NAN};
+    struct neph_relight light = {NAN, NAN, NAN, NAN, NAN, 0.0};
     if (scene->sun.present) {
         light.sun_elevation_rad = elevation_rad_of(scene->sun.direction);
         light.sun_azimuth_rad = azimuth_rad_of(scene, scene->sun.direction);
@@ -149,6 +153,26 @@ static void hold_still(struct neph_scene *scene)
     scene->camera_key_count = 1;
 }
 
+/* To where the sun stands, along the circle through the zenith. */
+static void let_sink(struct made *made, const struct neph_relight *light)
+{
+    struct neph_scene *scene = &made->scene;
+    const double elevation_rad = elevation_rad_of(scene->sun.direction);
+    const struct neph_relight before = {
+        .sun_elevation_rad = elevation_rad + light->sun_sinks_rad,
+        .sun_azimuth_rad = azimuth_rad_of(scene, scene->sun.direction),
+    };
+    for (int i = 0; i < 2; i++)
+        made->sun_keys[i] = (struct neph_sun_key){.frame = i * (NEPH_RELIT_FRAMES - 1),
+                                                  .direction = i ? scene->sun.direction
+                                                                 : sun_direction(scene, &before),
+                                                  .irradiance_w_per_m2 = white};
+    scene->sun_keys = made->sun_keys;
+    scene->sun_key_count = 2;
+    scene->frame_count = NEPH_RELIT_FRAMES;
+    scene->frame_rate_hz = 60.0;
+}
+
 enum neph_status neph_scene_relit(const struct neph_scene *scene, const struct neph_relight *light,
                                   enum neph_scattering scattering, struct neph_scene **made,
                                   struct neph_diag *diag)
@@ -171,6 +195,8 @@ enum neph_status neph_scene_relit(const struct neph_scene *scene, const struct n
     }
     hold_still(&created->scene);
     light_scene(&created->scene, light);
+    if (light->sun_sinks_rad > 0.0)
+        let_sink(created, light);
     for (int m = 0; m < scene->medium_count; m++)
         change_medium(&created->scene.media[m], light);
     status = neph_scene_hash(&created->scene, diag);

@@ -4,7 +4,8 @@
  * what a lighting model is measured with, many times over, without a file for each.
  *
  * Nothing but the sun lights it: it is 1 W/m2 in all channels, so that radiances of all scenes are
- * of one scale; solids are black, and there is no background. All media are grey. Nothing moves.
+ * of one scale; solids are black, and there is no background. All media are grey. Nothing moves but
+ * a sun that is told to.
  */
 #ifndef NEPH_SCENES_RELIT_H
 #define NEPH_SCENES_RELIT_H
@@ -19,7 +20,12 @@ struct neph_relight {
     double g;                 /* mean cosine of Henyey-Greenstein, -0.999..0.999 */
     double albedo;            /* 0..1 */
     double density;           /* factor of every extinction, > 0 */
+    /* Above 0: the sun sinks by so much over NEPH_RELIT_FRAMES, 60 a second, and is in the last of
+     * them where it stands above; it is 0 where nothing is said. */
+    double sun_sinks_rad;
 };
+
+enum { NEPH_RELIT_FRAMES = 32 };
 
 /* With `scattering` as given, and a hash of its own. It borrows all large data from `scene`, which
  * must outlive it. Free with neph_scene_destroy(). NEPH_ERR_UNSUPPORTED: the scene has no sun and

@@ -17,7 +17,7 @@
 struct request {
     struct neph_cli_shared shared; /* operands: scenes */
     const char *models, *suite, *suns, *g, *albedo, *density, *csv, *markdown, *fit;
-    double noise;
+    double noise, sun_speed;
     int samples, steps;
     bool laws;
 };
@@ -47,6 +47,11 @@ static const struct neph_cli_option options[] = {
      .group = 1},
     {"density", 0, "A,B", "Factors of the extinction", NEPH_CLI_WORD,
      .at = offsetof(struct request, density), .group = 1},
+    {"sun-speed", 0, "DEG",
+     "What remembers pictures sees the sun sink to its place by so many degrees a second, in 32 "
+     "pictures, 60 a second",
+     NEPH_CLI_REAL, .at = offsetof(struct request, sun_speed), .otherwise = "0", .minimum = 0,
+     .maximum = 50},
     {.name = "size", .otherwise = "48x27"},
     {"steps", 0, "N", "Steps of every view ray", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, steps), .otherwise = "128", .minimum = 1, .maximum = 65536},
@@ -334,6 +339,8 @@ enum neph_status neph_cli_study_light(int argc, char **argv, struct neph_diag *d
                                              .steps = request.steps,
                                              .noise = request.noise,
                                              .samples = request.samples,
+                                             .sun_speed_rad_per_s = request.sun_speed *
+                                                                    NEPH_RAD_PER_DEG,
                                              .with_lit = request.fit != NULL,
                                              .quiet = shared->quiet};
     enum neph_status status = words ? neph_cli_split(words, "models", NEPH_LIGHT_MODELS_MAX, models,

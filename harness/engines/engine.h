@@ -143,6 +143,8 @@ struct neph_engine {
     const char *shortcut_of; /* the engine of whose model it is a cheaper rendering, which is what
                                 it is measured against; it takes part in comparisons with physics
                                 only when it is named. NULL: it is no shortcut */
+    bool is_narrow; /* it is for one kind of scene alone: no study of models in all scenes offers
+                       it */
     bool rests;              /* it leaves its work in a checkpoint and goes on from there */
     bool is_guest; /* a program of the user's: takes part where it is named, and nobody lacks it */
     double typical_s; /* about how long a picture of the catalogue takes on two cores: for the time

@@ -112,6 +112,12 @@ static enum neph_status measure(struct work *work, const struct neph_light_cell 
     return NEPH_OK;
 }
 
+/* A cell's scene: with all orders of scattering, with one, and with all under a sun that has sunk
+ * to its place; NULL where it stands still. */
+struct scenes {
+    struct neph_scene *multiple, *single, *moving;
+};
+
 /* The scene as the model takes it: with all orders of scattering, else with one; NULL, with the
  * reason of the first, where it takes neither. */
 static const struct neph_scene *fitting(const struct work *work, int model,
@@ -126,19 +132,25 @@ static const struct neph_scene *fitting(const struct work *work, int model,
     return engine->can_render(single, settings, other, sizeof(other)) ? single : NULL;
 }
 
+static bool remembers(const struct neph_light_model *model)
+{
+    return neph_option_find(model->engine->options, "warm_up") >= 0;
+}
+
 static enum neph_status run_model(struct work *work, struct neph_light_cell *cell, int model,
-                                  const struct neph_scene *multiple,
-                                  const struct neph_scene *single, struct neph_diag *diag)
+                                  const struct scenes *scenes, struct neph_diag *diag)
 {
     struct neph_light_gap *gap = &cell->gaps[model];
     struct neph_image *picture = NULL;
-    const struct neph_scene *scene = fitting(work, model, multiple, single, gap->because,
-                                             sizeof(gap->because));
+    const struct neph_scene *scene = fitting(work, model, scenes->multiple, scenes->single,
+                                             gap->because, sizeof(gap->because));
     if (!scene)
         return NEPH_OK;
     gap->because[0] = '\0';
-    gap->once = scene == single;
-    struct neph_job job = make_job(work, scene);
+    gap->once = scene == scenes->single;
+    const bool is_moved = scenes->moving && !gap->once && remembers(&work->models[model]);
+    struct neph_job job = make_job(work, is_moved ? scenes->moving : scene);
+    job.shot.frame = is_moved ? NEPH_RELIT_FRAMES - 1 : 0;
     job.engine = work->models[model].engine;
     job.info = &work->models[model].info;
     job.shot.settings = work->models[model].settings;
@@ -214,21 +226,35 @@ static enum neph_status trace_cell(struct work *work, const struct neph_scene *s
     return status;
 }
 
-static enum neph_status run_cell(struct work *work, const struct neph_scene *multiple,
-                                 const struct neph_scene *single, struct neph_light_cell *cell,
-                                 struct neph_diag *diag)
+static enum neph_status run_cell(struct work *work, const struct scenes *scenes,
+                                 struct neph_light_cell *cell, struct neph_diag *diag)
 {
-    cell->light = neph_relight_of(multiple);
-    if (!work->tracer->can_render(multiple, NULL, cell->left_out, sizeof(cell->left_out)))
+    cell->light = neph_relight_of(scenes->multiple);
+    if (!work->tracer->can_render(scenes->multiple, NULL, cell->left_out, sizeof(cell->left_out)))
         return NEPH_OK;
     cell->left_out[0] = '\0';
-    enum neph_status status = trace_cell(work, multiple, cell, diag);
+    enum neph_status status = trace_cell(work, scenes->multiple, cell, diag);
     for (int model = 0; model < work->params->model_count && !status; model++)
-        status = run_model(work, cell, model, multiple, single, diag);
+        status = run_model(work, cell, model, scenes, diag);
     if (!work->params->with_lit) {
         free(cell->pixels);
         cell->pixels = NULL;
     }
+    return status;
+}
+
+static enum neph_status light_anew(const struct work *work, const struct neph_scene *scene,
+                                   const struct neph_relight *light, struct scenes *scenes,
+                                   struct neph_diag *diag)
+{
+    struct neph_relight sinking = *light;
+    sinking.sun_sinks_rad = work->params->sun_speed_rad_per_s * (NEPH_RELIT_FRAMES - 1) / 60.0;
+    enum neph_status status = neph_scene_relit(scene, light, NEPH_SCATTERING_MULTIPLE,
+                                               &scenes->multiple, diag);
+    if (!status)
+        status = neph_scene_relit(scene, light, NEPH_SCATTERING_SINGLE, &scenes->single, diag);
+    if (!status && sinking.sun_sinks_rad > 0.0)
+        status = neph_scene_relit(scene, &sinking, NEPH_SCATTERING_MULTIPLE, &scenes->moving, diag);
     return status;
 }
 
@@ -239,17 +265,14 @@ static enum neph_status try_cell(struct work *work, const struct neph_scene *sce
 {
     char what[200];
     struct neph_diag why = {.line = 0};
-    struct neph_scene *multiple = NULL, *single = NULL;
+    struct scenes scenes = {.multiple = NULL};
     const double start_s = neph_wall_s();
-    enum neph_status status = neph_scene_relit(scene, light, NEPH_SCATTERING_MULTIPLE, &multiple,
-                                               &why);
-    if (!status)
-        status = neph_scene_relit(scene, light, NEPH_SCATTERING_SINGLE, &single, &why);
+    enum neph_status status = light_anew(work, scene, light, &scenes, &why);
     snprintf(what, sizeof(what), "%s, cell %d of %d", cell->scene,
              (int)(cell - work->study->cells) + 1, work->study->cell_count);
     neph_progress_begin(&work->progress, what);
     if (!status)
-        status = run_cell(work, multiple, single, cell, &why);
+        status = run_cell(work, &scenes, cell, &why);
     if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED) {
         work->study->failed_count += status == NEPH_ERR_ENGINE;
         snprintf(cell->left_out, sizeof(cell->left_out), "%.*s", NEPH_LIGHT_WHY_SIZE - 1,
@@ -261,8 +284,9 @@ static enum neph_status try_cell(struct work *work, const struct neph_scene *sce
     if (!status)
         neph_progress_step(&work->progress, what, cell->left_out[0] ? "left out" : "measured",
                            neph_wall_s() - start_s);
-    neph_scene_destroy(single);
-    neph_scene_destroy(multiple);
+    neph_scene_destroy(scenes.moving);
+    neph_scene_destroy(scenes.single);
+    neph_scene_destroy(scenes.multiple);
     return status;
 }
 

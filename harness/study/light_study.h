@@ -25,10 +25,11 @@ struct neph_light_study_params {
     const struct neph_light_entry *entries;
     int entry_count;
     int width_px, height_px;
-    int steps;     /* of every view ray, unless a model says otherwise */
-    double noise;  /* of a picture of the tracer: its target_error */
-    int samples;   /* its most */
-    bool with_lit; /* keep what a fit needs of every pixel */
+    int steps;                  /* of every view ray, unless a model says otherwise */
+    double noise;               /* of a picture of the tracer: its target_error */
+    int samples;                /* its most */
+    double sun_speed_rad_per_s; /* before what remembers pictures the sun sinks so to its place */
+    bool with_lit;              /* keep what a fit needs of every pixel */
     bool quiet;
 };
 

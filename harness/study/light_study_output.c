@@ -39,6 +39,11 @@ static void print_head(const struct neph_light_study *study, FILE *out)
             "noise.\n",
             NEPH_VERSION, study->device, params->width_px, params->height_px, params->steps,
             params->noise, params->samples);
+    if (params->sun_speed_rad_per_s > 0.0)
+        fprintf(out,
+                "What remembers pictures has seen the sun sink by %g degrees a second, 60 "
+                "pictures a second, to its place.\n",
+                degrees(params->sun_speed_rad_per_s));
 }
 
 /* ---- verdicts -------------------------------------------------------------------------------- */
@@ -521,10 +526,11 @@ static json_t *maps_json(const struct neph_light_study *study)
 json_t *neph_light_study_json(const struct neph_light_study *study)
 {
     const struct neph_light_study_params *params = study->params;
-    return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:f, s:i, s:i, s:o, s:o, s:o, s:o}", "format",
-                     "neph-light-study-2", "version", NEPH_VERSION, "device", study->device,
-                     "size_px", params->width_px, params->height_px, "steps", params->steps,
-                     "noise", params->noise, "samples", params->samples, "broken",
+    return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:f, s:i, s:f, s:i, s:o, s:o, s:o, s:o}",
+                     "format", "neph-light-study-2", "version", NEPH_VERSION, "device",
+                     study->device, "size_px", params->width_px, params->height_px, "steps",
+                     params->steps, "noise", params->noise, "samples", params->samples,
+                     "sun_speed_deg_per_s", degrees(params->sun_speed_rad_per_s), "broken",
                      study->failed_count, "verdicts", verdicts_json(study), "cells",
                      cells_json(study), "axes", axes_json(), "maps", maps_json(study));
 }

@@ -30,7 +30,7 @@ static double take(const double *list, int count, int *index)
 
 struct neph_relight neph_light_sweep_at(const struct neph_light_sweep *sweep, int index)
 {
-    struct neph_relight light = {NAN, NAN, NAN, NAN, NAN};
+    struct neph_relight light = {NAN, NAN, NAN, NAN, NAN, 0.0};
     light.density = take(sweep->density, sweep->density_count, &index);
     light.albedo = take(sweep->albedo, sweep->albedo_count, &index);
     light.g = take(sweep->g, sweep->g_count, &index);

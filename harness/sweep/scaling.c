@@ -101,7 +101,7 @@ struct work {
 static enum neph_status make_scene(struct work *work, enum neph_scaling_axis_id axis, double value,
                                    struct scene_at *at, struct neph_diag *diag)
 {
-    struct neph_relight denser = {NAN, NAN, NAN, NAN, value};
+    struct neph_relight denser = {NAN, NAN, NAN, NAN, value, 0.0};
     struct neph_diag why = {.line = 0};
     enum neph_status status = NEPH_OK;
     at->x = value;

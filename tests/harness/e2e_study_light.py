@@ -10,6 +10,8 @@ import tempfile
 import unittest
 import xml.etree.ElementTree
 
+import night
+
 NEPH = os.environ["NEPH"]
 ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
 
@@ -88,6 +90,20 @@ class StudyLight(unittest.TestCase):
         self.assertEqual(json.loads(again.stdout), found)
         self.assertEqual(sorted((p.name, p.stat().st_mtime_ns) for p in store.iterdir()), before)
 
+    @night.of_the_night
+    def test_a_sun_that_sinks_is_seen_by_who_remembers(self):
+        bias = {}
+        for speed in (0, 50):
+            done = self.run_neph(self.slab, "--models", "realtime+lighting=octaves,march_octaves",
+                                 "--suns", "8:0", "--sun-speed", speed, "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(done.stdout)
+            self.assertEqual(found["sun_speed_deg_per_s"], speed)
+            bias[speed] = [m["all"]["bias"] for m in found["cells"][0]["models"]]
+        self.assertEqual(bias[0][1], bias[50][1])
+        # A sun of 34 degrees half a second ago lights what it now stands 8 degrees over.
+        self.assertGreater(bias[50][0], bias[0][0] + 0.02)
+
     def test_refusals(self):
         for arguments, words in (
                 (("--suite", "both"), "there is no suite 'both'"),
@@ -95,6 +111,7 @@ class StudyLight(unittest.TestCase):
                 (("--fit", "x.inc"), "what a fit is judged by"),
                 (("--suns", "50:180"), "are of a SCENE"),
                 ((self.slab, "--suns", "50"), "no elevation and azimuth"),
+                ((self.slab, "--sun-speed", "51"), "--sun-speed"),
                 ((self.slab, "--g", "much"), "is no number"),
                 ((self.slab, "--models", "tracer"), "is no lighting model"),
                 ((self.slab, "--g", "1.5"), "outside -0.999..0.999"),

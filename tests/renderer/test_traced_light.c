@@ -346,8 +346,8 @@ static void test_texels_are_what_the_tracer_finds(void **state)
     check_texels(ahead, wanted);
 }
 
-/* A sky that lights media, or a bright ground in the sun: by the tracer, as above. (Both at once are
- * refused: nothing brings the sky's light to what is seen of the ground.) */
+/* A sky that lights media, or a bright ground in the sun: by the tracer, as above. (Both at once
+ * are refused: nothing brings the sky's light to what is seen of the ground.) */
 static void test_sky_and_ground(void **state)
 {
     for (int ground = neph_test_by_day(1, 0); ground < 2; ground++) {

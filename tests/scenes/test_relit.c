@@ -4,9 +4,10 @@
  */
 #include "tests/neph_test.h"
 
+#include "scenes/motion.h"
 #include "scenes/relit.h"
 
-static const struct neph_relight as_it_was = {NAN, NAN, NAN, NAN, NAN};
+static const struct neph_relight as_it_was = {NAN, NAN, NAN, NAN, NAN, 0.0};
 
 static struct neph_scene *load(const char *name)
 {
@@ -55,6 +56,31 @@ static void test_where_the_sun_is(void **state)
     neph_scene_destroy(scene);
 }
 
+/* A sun that sinks ends where it is said to stand, and comes down evenly, in one plane. */
+static void test_a_sun_that_sinks(void **state)
+{
+    (void)state;
+    enum { LAST = NEPH_RELIT_FRAMES - 1 };
+    struct neph_scene *scene = load("gaussian_blob");
+    struct neph_relight light = as_it_was;
+    light.sun_elevation_rad = 0.6;
+    light.sun_azimuth_rad = 2.0;
+    struct neph_scene *still = relight(scene, &light);
+    light.sun_sinks_rad = 0.3;
+    struct neph_scene *made = relight(scene, &light);
+    const struct neph_vec3 end = neph_scene_sun(made, LAST).direction;
+    assert_true(neph_vec3_length(neph_vec3_sub(end, still->sun.direction)) < 1e-12);
+    assert_true(neph_scene_moves(made) && !neph_scene_moves(still));
+    for (int frame = 0; frame <= LAST; frame++) {
+        const struct neph_vec3 sun = neph_scene_sun(made, frame).direction;
+        neph_assert_close(asin(sun.y), 0.9 - 0.3 * frame / LAST, 1e-12, 0.0);
+        neph_assert_close(atan2(sun.x, sun.z), atan2(end.x, end.z), 1e-12, 0.0);
+    }
+    neph_scene_destroy(made);
+    neph_scene_destroy(still);
+    neph_scene_destroy(scene);
+}
+
 static void test_what_stays_and_what_changes(void **state)
 {
     (void)state;
@@ -65,7 +91,7 @@ static void test_what_stays_and_what_changes(void **state)
     assert_true(same->background_w_per_m2_sr.g == 0.0 && !same->environment_light);
     assert_true(same->solid_count == 1 && same->solids[0].albedo.g == 0.0);
     assert_true(same->media[0].phase.g == 0.6 && same->media[0].extinction_color.g == 1.0);
-    const struct neph_relight light = {NAN, NAN, 0.2, 0.9, 3.0};
+    const struct neph_relight light = {NAN, NAN, 0.2, 0.9, 3.0, 0.0};
     struct neph_scene *other = relight(scene, &light);
     assert_string_not_equal(other->hash, same->hash);
     assert_true(other->media[0].phase.g == 0.2 && other->media[0].albedo.b == 0.9);
@@ -105,17 +131,20 @@ static void test_refusals(void **state)
     refuse("glowing_slab", &as_it_was, NEPH_ERR_UNSUPPORTED);
     refuse("coloured_fog", &as_it_was, NEPH_ERR_UNSUPPORTED);
     refuse("white_furnace", &as_it_was, NEPH_ERR_UNSUPPORTED); /* no sun */
-    refuse("gaussian_blob", &(struct neph_relight){2.0, NAN, NAN, NAN, NAN}, NEPH_ERR_USAGE);
-    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, 1.0, NAN, NAN}, NEPH_ERR_USAGE);
-    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, NAN, 1.1, NAN}, NEPH_ERR_USAGE);
-    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, NAN, NAN, -1.0}, NEPH_ERR_USAGE);
-    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, INFINITY, NAN, NAN}, NEPH_ERR_USAGE);
+    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, NAN, NAN, NAN, -0.1}, NEPH_ERR_USAGE);
+    refuse("gaussian_blob", &(struct neph_relight){2.0, NAN, NAN, NAN, NAN, 0.0}, NEPH_ERR_USAGE);
+    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, 1.0, NAN, NAN, 0.0}, NEPH_ERR_USAGE);
+    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, NAN, 1.1, NAN, 0.0}, NEPH_ERR_USAGE);
+    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, NAN, NAN, -1.0, 0.0}, NEPH_ERR_USAGE);
+    refuse("gaussian_blob", &(struct neph_relight){NAN, NAN, INFINITY, NAN, NAN, 0.0},
+           NEPH_ERR_USAGE);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_where_the_sun_is),
+        cmocka_unit_test(test_a_sun_that_sinks),
         cmocka_unit_test(test_what_stays_and_what_changes),
         cmocka_unit_test(test_nothing_moves),
         cmocka_unit_test(test_refusals),

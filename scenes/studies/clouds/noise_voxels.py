@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Write noise_voxels.yaml and noise_lumps.yaml beside this file: smoothed noise, cut to a ball, each
-from a fixed seed."""
+"""Write noise_voxels.yaml and noise_lumps.yaml beside this file: smoothed noise, cut to a ball,
+each from a fixed seed."""
 import pathlib
 import random
 
@@ -10,8 +10,8 @@ HEAD = """# SPDX-License-Identifier: MIT
 name: {name}
 title: A ball of noise in {size} voxels
 physics: >
-  Lumps, holes and hard edges at the scale of the cloud itself; optical depth of some {depth}. Truth:
-  tracer.
+  Lumps, holes and hard edges at the scale of the cloud itself; optical depth of some {depth}.
+  Truth: tracer.
 camera: {{position_m: {camera_m}, look_at_m: [0, 0, 0], vertical_fov_deg: 34}}
 sun: {{direction: [-0.3, 0.8, 0.5], irradiance_w_per_m2: [3, 3, 3]}}
 scattering: multiple
