@@ -105,7 +105,7 @@ const struct neph_ablation_part neph_ablation_parts[] = {
     {"own_depth", "what has not moved is void where its very texel's depth has changed",
      "ours, second generation: no rim of what a solid uncovers", "reject_around=on",
      .needs = "disocclusion"},
-    {"medium_motion", "the anti-aliasing follows the medium by its distance and the wind",
+    {"medium_motion", "the anti-aliasing follows what the wind carries, by its distance",
      "ours, second generation: clouds are no part of the sky", "taa_medium=off", .needs = "taa"},
     {"stand_in", "without history a texel is the mean of nine rays by place and depth",
      "Unity HDRP: no single ray where a cloud comes into view",

@@ -350,10 +350,11 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "each number of ray_dither serves two turns of the slots, tiles of a checkerboard by "
         "turns: what differs the second time is light that has changed, not noise. box_change and "
         "taa_change go by it; counts with split=four and jittered_depth=off"),
-    [RT_TAA_MEDIUM] = CHOICE("taa_medium", 0, switches,
-                             "history of the anti-aliasing follows the medium, by its distance and "
-                             "the wind, before the sky and where it hides more than half of what "
-                             "is behind; off: it follows the scene everywhere"),
+    [RT_TAA_MEDIUM] = CHOICE(
+        "taa_medium", 0, switches,
+        "where the wind blows history of the anti-aliasing follows the medium, "
+        "by its distance, before the sky and where it hides more than half of "
+        "what is behind, and where it changes; off: it follows the scene"),
     [RT_TAA_AGE_MAX] = WHOLE(
         "taa_age_max", 0, 0,
         2048,

@@ -127,10 +127,12 @@ void find_change(ivec2 tile)
 
 float change() { return max(of_medium.residue, of_behind.residue); }
 
+// What the wind carries is followed. What stands still has its distance, but that is a mean over
+// all that a ray sees, by which a camera that moves finds no better history than by the scene's.
 // What does not change does not move, whatever the wind: a veil that looks the same everywhere.
 bool follows_medium()
 {
-    return choice(RT_TAA_MEDIUM) != 0 &&
+    return choice(RT_TAA_MEDIUM) != 0 && choice(RT_WIND) != 0 && wind_m() != vec3(0.0) &&
            (!asks_for_change() || beyond(change(), setting(RT_TAA_CHANGE)) > 0.0);
 }
 
@@ -138,7 +140,7 @@ bool follows_medium()
 vec3 medium_from_m()
 {
     precise vec3 from_m = view_before.position_m + wind_m();
-    return choice(RT_WIND) != 0 ? from_m : view_before.position_m;
+    return from_m;
 }
 
 // What it sees stays where it is: motions would come out as 0.

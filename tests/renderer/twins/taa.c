@@ -150,7 +150,7 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
     twin_fetch_full(twin, RT_VOLUME, x, y, volume);
     twin_fetch_full(twin, RT_VOLUME_DISTANCE, x, y, distance);
     for (int c = 0; c < 3; c++)
-        from_m[c] = view->before.position_m[c] + (choice(twin, RT_WIND) ? view->wind_m[c] : 0.0f);
+        from_m[c] = view->before.position_m[c] + view->wind_m[c];
     const float scene_m = depth_of_motion(twin, x, y, moved_m);
     const float depth_m = distance[0] / sqrtf(dot(ray, ray));
     const bool is_mover = moved_m[0] != 0.0f || moved_m[1] != 0.0f || moved_m[2] != 0.0f;
@@ -174,7 +174,10 @@ static bool find_before(const struct twin *twin, int x, int y, float place_px[2]
         ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
         from_m[c] = view->before.position_m[c] + moved_m[c];
     }
-    const bool is_before = (choice(twin, RT_TAA_MEDIUM) && is_changing(twin, x, y) &&
+    const bool has_wind = view->wind_m[0] != 0.0f || view->wind_m[1] != 0.0f ||
+                          view->wind_m[2] != 0.0f;
+    const bool is_carried = choice(twin, RT_TAA_MEDIUM) && choice(twin, RT_WIND) && has_wind;
+    const bool is_before = (is_carried && is_changing(twin, x, y) &&
                             goes_with_medium(twin, x, y, ray, motion_px)) ||
                            find_motion(view, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
