@@ -165,8 +165,8 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                                  .layers = (int)values[RT_CLOUD_SHADOW_LAYERS],
                                  .levels = (int)values[RT_CLOUD_SHADOW_LEVELS],
                                  .extent_m = values[RT_CLOUD_SHADOW_EXTENT_M],
-                                 .plane = (enum neph_shadow_plane)(int)
-                                     values[RT_CLOUD_SHADOW_PLANE],
+                                 .plane = (enum neph_shadow_plane)(
+                                     int)values[RT_CLOUD_SHADOW_PLANE],
                                  .frames = (int)values[RT_CLOUD_SHADOW_FRAMES]}},
         .light = {.texel_px = (int)values[RT_LIGHT_TEXEL_PX],
                   .paths = (int)values[RT_LIGHT_PATHS],
@@ -175,6 +175,7 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                   .blur_texels = values[RT_LIGHT_BLUR],
                   .similar = values[RT_LIGHT_SIMILAR],
                   .looks_ahead = values[RT_LIGHT_AHEAD] != 0.0,
+                  .ends_ahead = values[RT_LIGHT_AHEAD] == 2.0,
                   .seed = params->seed},
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
                       .cycles = (int)values[RT_DIFFUSION_CYCLES]},
