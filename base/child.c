@@ -125,6 +125,29 @@ static bool add_variables(const struct neph_child_params *params, struct environ
     return added;
 }
 
+static bool begins_with_one_of(const char *variable, const char *const *names)
+{
+    for (; *names; names++)
+        if (strncmp(variable, *names, strlen(*names)) == 0)
+            return true;
+    return false;
+}
+
+int neph_child_inherit(const char **variables, int room, const char *const *but)
+{
+    static const char *const made_anew[] = {"PATH=", "LANG=", "HOME=", "TMPDIR=", NULL};
+    int count = 0;
+    for (char **entry = environ; entry && *entry; entry++) {
+        if (begins_with_one_of(*entry, made_anew) || begins_with_one_of(*entry, but))
+            continue;
+        if (count == room - 1)
+            return -1;
+        variables[count++] = *entry;
+    }
+    variables[count] = NULL;
+    return count;
+}
+
 /* free_environment() whatever the status. */
 static enum neph_status make_environment(const struct neph_child_params *params,
                                          struct environment *environment, struct neph_diag *diag)

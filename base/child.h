@@ -38,6 +38,11 @@ struct neph_child_params {
 enum neph_status neph_child_run(const struct neph_child_params *params,
                                 struct neph_child_result *result, struct neph_diag *diag);
 
+/* What of this process's own environment a child may have, for `environment`: all but what is made
+ * anew, and but variables that begin with one of `but` ("NAME=", NULL-terminated). At most `room`
+ * entries, the last of which is NULL; -1: there are more. */
+int neph_child_inherit(const char **variables, int room, const char *const *but);
+
 /* The path of the file that argv[0] = `program` means, for the caller to free; NULL when there is
  * none that can be executed, or no memory. */
 char *neph_child_find_program(const char *program);

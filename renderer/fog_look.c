@@ -2,9 +2,11 @@
 #include "renderer/fog_look.h"
 
 #include "renderer/gpu_scene.h"
+#include "renderer/in_flight.h"
 #include "scenes/fog_translation.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const uint32_t fog_look_spirv[] = {
 #include "shaders/fog_look.comp.inc"
@@ -94,6 +96,86 @@ struct neph_gpu_fog_look neph_gpu_fog_look_from(const struct neph_scene *scene,
     return gpu;
 }
 
+/* --- pictures --------------------------------------------------------------------------------- */
+
+struct neph_fog_looks {
+    struct neph_vulkan *vulkan; /* borrowed */
+    struct neph_fog_look_params params;
+    const struct neph_kernel *kernel;
+    struct neph_gpu_scene gpu;
+    struct neph_turns frame_turns, solid_turns;
+    struct neph_buffer pixels, readback;
+    struct neph_in_flight flight;
+    double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES];
+};
+
+static enum neph_status get_kernel(struct neph_fog_looks *looks, struct neph_diag *diag)
+{
+    const struct neph_kernel_params kernel = {
+        .name = "fog_look",
+        .spirv = fog_look_spirv,
+        .spirv_size_bytes = sizeof(fog_look_spirv),
+        .buffer_count = BUFFERS,
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .push_size_bytes = sizeof(struct neph_gpu_fog_look_run),
+        .constant_count = CONSTANTS,
+        .constants = {looks->gpu.constants[0], looks->gpu.constants[1], looks->params.sun_is_clear},
+    };
+    return neph_kernel_get(looks->vulkan, &kernel, &looks->kernel, diag);
+}
+
+static enum neph_status create_buffers(struct neph_fog_looks *looks, struct neph_diag *diag)
+{
+    const size_t pixels = (size_t)looks->params.width_px * (size_t)looks->params.height_px;
+    const size_t bytes = (pixels < RAYS_MAX ? pixels : RAYS_MAX) *
+                         sizeof(struct neph_gpu_fog_look_pixel);
+    enum neph_status status = neph_turns_create(looks->vulkan, &looks->gpu.buffers[0],
+                                                "scene frame", &looks->frame_turns, diag);
+    if (!status)
+        status = neph_turns_create(looks->vulkan, &looks->gpu.buffers[1], "scene solids",
+                                   &looks->solid_turns, diag);
+    if (!status)
+        status = neph_buffer_create(looks->vulkan, NEPH_BUFFER_DEVICE, bytes, "fog pixels",
+                                    &looks->pixels, diag);
+    return status ? status
+                  : neph_buffer_create(looks->vulkan, NEPH_BUFFER_READBACK, bytes, "fog readback",
+                                       &looks->readback, diag);
+}
+
+enum neph_status neph_fog_looks_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                       const struct neph_fog_look_params *params,
+                                       struct neph_fog_looks **looks, struct neph_diag *diag)
+{
+    struct neph_fog_looks *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->vulkan = vulkan;
+    made->params = *params;
+    enum neph_status status = neph_gpu_scene_create(vulkan, scene, params->frame, params->width_px,
+                                                    params->height_px, false, &made->gpu, diag);
+    if (!status)
+        status = create_buffers(made, diag);
+    if (!status)
+        status = get_kernel(made, diag);
+    if (status)
+        neph_fog_looks_destroy(made);
+    else
+        *looks = made;
+    return status;
+}
+
+void neph_fog_looks_destroy(struct neph_fog_looks *looks)
+{
+    if (!looks)
+        return;
+    neph_buffer_destroy(looks->vulkan, &looks->readback);
+    neph_buffer_destroy(looks->vulkan, &looks->pixels);
+    neph_turns_destroy(looks->vulkan, &looks->solid_turns);
+    neph_turns_destroy(looks->vulkan, &looks->frame_turns);
+    neph_gpu_scene_destroy(looks->vulkan, &looks->gpu);
+    free(looks);
+}
+
 /* --- one picture ------------------------------------------------------------------------------ */
 
 /* The channels of the frame; they point into the image. */
@@ -102,13 +184,10 @@ struct layers {
 };
 
 struct work {
-    struct neph_vulkan *vulkan;
-    const struct neph_kernel *kernel;
-    struct neph_gpu_scene gpu;
+    struct neph_fog_looks *looks;
     struct neph_gpu_fog_look_run run;
-    struct neph_buffer pixels, readback;
-    struct layers layers;
-    double gpu_s;
+    const struct layers *layers; /* NULL: nothing comes back */
+    double *gpu_s;               /* borrowed; one of neph_fog_looks.flights_gpu_s */
 };
 
 static enum neph_status create_image(const struct neph_fog_look_params *params,
@@ -125,43 +204,6 @@ static enum neph_status create_image(const struct neph_fog_look_params *params,
     return status ? status : neph_image_add_channel(*image, "Z", &layers->eye_depth_m, diag);
 }
 
-static enum neph_status set_up(struct work *work, const struct neph_scene *scene,
-                               const struct neph_fog_look_params *params, struct neph_diag *diag)
-{
-    const size_t pixels = (size_t)params->width_px * (size_t)params->height_px;
-    const size_t bytes = (pixels < RAYS_MAX ? pixels : RAYS_MAX) *
-                         sizeof(struct neph_gpu_fog_look_pixel);
-    enum neph_status status = neph_gpu_scene_create(work->vulkan, scene, params->frame,
-                                                    params->width_px, params->height_px, false,
-                                                    &work->gpu, diag);
-    if (!status)
-        status = neph_buffer_create(work->vulkan, NEPH_BUFFER_DEVICE, bytes, "fog pixels",
-                                    &work->pixels, diag);
-    if (!status)
-        status = neph_buffer_create(work->vulkan, NEPH_BUFFER_READBACK, bytes, "fog readback",
-                                    &work->readback, diag);
-    if (status)
-        return status;
-    const struct neph_kernel_params kernel = {
-        .name = "fog_look",
-        .spirv = fog_look_spirv,
-        .spirv_size_bytes = sizeof(fog_look_spirv),
-        .buffer_count = BUFFERS,
-        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
-        .push_size_bytes = sizeof(struct neph_gpu_fog_look_run),
-        .constant_count = CONSTANTS,
-        .constants = {work->gpu.constants[0], work->gpu.constants[1], params->sun_is_clear},
-    };
-    return neph_kernel_get(work->vulkan, &kernel, &work->kernel, diag);
-}
-
-static void finish(struct work *work)
-{
-    neph_buffer_destroy(work->vulkan, &work->readback);
-    neph_buffer_destroy(work->vulkan, &work->pixels);
-    neph_gpu_scene_destroy(work->vulkan, &work->gpu);
-}
-
 static void unpack(const struct neph_gpu_fog_look_pixel *pixel, const struct layers *layers,
                    size_t index)
 {
@@ -174,59 +216,110 @@ static void unpack(const struct neph_gpu_fog_look_pixel *pixel, const struct lay
                                                                      : INFINITY;
 }
 
-/* The rays of one dispatch. */
-static enum neph_status render_run(struct work *work, struct neph_diag *diag)
+static enum neph_status read_pixels(const struct work *work, struct neph_diag *diag)
 {
-    struct neph_dispatch dispatch = {
-        .buffers = {[NEPH_GPU_SCENE_BUFFERS] = &work->pixels},
-        .push = &work->run,
-        .group_count = (work->run.ray_count + LOCAL_SIZE - 1) / LOCAL_SIZE,
-        .copy_from = &work->pixels,
-        .copy_to = &work->readback,
-        .copy_size_bytes = work->run.ray_count * sizeof(struct neph_gpu_fog_look_pixel),
-    };
-    double gpu_s = NAN;
-    neph_gpu_scene_bind(&work->gpu, &dispatch);
-    const enum neph_status status = neph_kernel_run(work->vulkan, work->kernel, &dispatch, &gpu_s,
-                                                    diag);
-    const struct neph_gpu_fog_look_pixel *pixels = work->readback.mapped;
+    const struct neph_fog_looks *looks = work->looks;
+    const enum neph_status status = neph_buffer_download(
+        looks->vulkan, &looks->pixels, &looks->readback,
+        work->run.ray_count * sizeof(struct neph_gpu_fog_look_pixel), diag);
+    const struct neph_gpu_fog_look_pixel *pixels = looks->readback.mapped;
     for (uint32_t i = 0; i < work->run.ray_count && !status; i++)
-        unpack(&pixels[i], &work->layers, (size_t)work->run.first_ray + i);
-    work->gpu_s += gpu_s;
+        unpack(&pixels[i], work->layers, (size_t)work->run.first_ray + i);
     return status;
 }
 
-static enum neph_status render(struct work *work, uint32_t pixels, struct neph_diag *diag)
+/* The rays of one dispatch, sent on their way. */
+static enum neph_status send_run(const struct work *work, struct neph_diag *diag)
 {
+    struct neph_fog_looks *looks = work->looks;
+    struct neph_batch batch;
+    struct neph_dispatch dispatch = {
+        .buffers = {[NEPH_GPU_SCENE_BUFFERS] = &looks->pixels},
+        .push = &work->run,
+        .group_count = (work->run.ray_count + LOCAL_SIZE - 1) / LOCAL_SIZE,
+    };
+    neph_gpu_scene_bind(&looks->gpu, &dispatch);
+    enum neph_status status = neph_batch_begin(looks->vulkan, &batch, diag);
+    if (!status)
+        status = neph_batch_dispatch(&batch, looks->kernel, &dispatch, diag);
+    if (status)
+        return status;
+    neph_batch_stamp(&batch, work->gpu_s);
+    status = neph_batch_send(&batch, "fog_look", diag);
+    return !status && work->layers ? read_pixels(work, diag) : status;
+}
+
+static enum neph_status send_picture(struct work *work, struct neph_diag *diag)
+{
+    struct neph_fog_looks *looks = work->looks;
+    const uint32_t pixels = (uint32_t)(looks->params.width_px * looks->params.height_px);
     enum neph_status status = NEPH_OK;
     for (uint32_t first = 0; first < pixels && !status; first += RAYS_MAX) {
         work->run.first_ray = first;
         work->run.ray_count = pixels - first < RAYS_MAX ? pixels - first : RAYS_MAX;
-        status = render_run(work, diag);
+        status = send_run(work, diag);
     }
-    return status ? status : neph_vulkan_check(work->vulkan, diag);
+    if (!status)
+        status = neph_vulkan_check(looks->vulkan, diag);
+    if (!status)
+        neph_in_flight_end(looks->vulkan, &looks->flight);
+    return status;
 }
 
-enum neph_status neph_fog_look_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                     const struct neph_fog_look_params *params,
-                                     struct neph_image **image, double *gpu_s,
+static enum neph_status read_picture(struct work *work, struct neph_image **image, double *gpu_s,
                                      struct neph_diag *diag)
 {
-    struct work work = {.vulkan = vulkan};
+    struct layers layers = {.eye_depth_m = NULL};
     struct neph_image *made = NULL;
-    const struct neph_camera camera = neph_scene_camera(scene, params->frame);
-    work.run.look = neph_gpu_fog_look_from(scene, &params->look, params->model, camera.position_m);
-    enum neph_status status = create_image(params, &made, &work.layers, diag);
+    work->layers = &layers;
+    enum neph_status status = create_image(&work->looks->params, &made, &layers, diag);
     if (!status)
-        status = set_up(&work, scene, params, diag);
+        status = send_picture(work, diag);
     if (!status)
-        status = render(&work, (uint32_t)(params->width_px * params->height_px), diag);
-    finish(&work);
+        status = neph_in_flight_land(work->looks->vulkan, &work->looks->flight, diag);
     if (status) {
         neph_image_destroy(made);
         return status;
     }
     *image = made;
-    *gpu_s = work.gpu_s;
+    *gpu_s = *work->gpu_s;
     return NEPH_OK;
+}
+
+/* In memory that no other picture reads. */
+static void show(struct neph_fog_looks *looks, const struct neph_scene *scene, double frame)
+{
+    neph_turns_take(&looks->frame_turns, &looks->gpu.buffers[0]);
+    neph_turns_take(&looks->solid_turns, &looks->gpu.buffers[1]);
+    looks->gpu.frame = looks->gpu.buffers[0].mapped;
+    neph_gpu_scene_move(&looks->gpu, scene, frame, looks->params.width_px, looks->params.height_px);
+}
+
+enum neph_status neph_fog_looks_frame(struct neph_fog_looks *looks, const struct neph_scene *scene,
+                                      double frame, struct neph_image **image, double *gpu_s,
+                                      struct neph_diag *diag)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, frame);
+    struct work work = {.looks = looks};
+    int slot;
+    const enum neph_status status = neph_in_flight_begin(looks->vulkan, &looks->flight, &slot,
+                                                         diag);
+    if (status)
+        return status;
+    work.gpu_s = &looks->flights_gpu_s[slot];
+    *work.gpu_s = 0.0;
+    work.run.look = neph_gpu_fog_look_from(scene, &looks->params.look, looks->params.model,
+                                           camera.position_m);
+    show(looks, scene, frame);
+    return image ? read_picture(&work, image, gpu_s, diag) : send_picture(&work, diag);
+}
+
+enum neph_status neph_fog_looks_home(struct neph_fog_looks *looks, double *gpu_s,
+                                     struct neph_diag *diag)
+{
+    int slot;
+    const enum neph_status status = neph_in_flight_home(looks->vulkan, &looks->flight, &slot, diag);
+    if (!status)
+        *gpu_s = looks->flights_gpu_s[slot];
+    return status;
 }

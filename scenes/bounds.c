@@ -65,6 +65,18 @@ struct neph_vec3 neph_bounds_nearest(const struct neph_bounds *box, struct neph_
                               fmin(box->max_m.z, fmax(box->min_m.z, point_m.z))};
 }
 
+static double farther(double center, double low, double high)
+{
+    return center - low > high - center ? low : high;
+}
+
+struct neph_vec3 neph_bounds_farthest(const struct neph_bounds *box, struct neph_vec3 point_m)
+{
+    return (struct neph_vec3){farther(point_m.x, box->min_m.x, box->max_m.x),
+                              farther(point_m.y, box->min_m.y, box->max_m.y),
+                              farther(point_m.z, box->min_m.z, box->max_m.z)};
+}
+
 struct neph_bounds neph_bounds_moved(struct neph_bounds bounds, struct neph_vec3 by_m)
 {
     return (struct neph_bounds){neph_vec3_add(bounds.min_m, by_m),

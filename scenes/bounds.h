@@ -33,6 +33,9 @@ struct neph_bounds neph_bounds_narrow(struct neph_bounds a, struct neph_bounds b
 /* The place of a box that is nearest to a point. */
 struct neph_vec3 neph_bounds_nearest(const struct neph_bounds *box, struct neph_vec3 point_m);
 
+/* The corner that is farthest from a point. */
+struct neph_vec3 neph_bounds_farthest(const struct neph_bounds *box, struct neph_vec3 point_m);
+
 /* Both corners moved; infinite sides stay. */
 struct neph_bounds neph_bounds_moved(struct neph_bounds bounds, struct neph_vec3 by_m);
 

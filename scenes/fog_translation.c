@@ -64,6 +64,8 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_fog_m
         return "extinction that differs between the channels: a look has one opacity";
     if (model == NEPH_FOG_FILAMENT && scene->media[0].layer_count > 1)
         return "a second layer of fog: Filament has one";
+    if (scene->light_count > 0)
+        return "lights: a look knows the sun alone";
     if (scene->orthographic_height_m > 0.0)
         return "an orthographic camera: a look has one observer, whom all distances are from";
     return NULL;

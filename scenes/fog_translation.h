@@ -8,8 +8,9 @@
 
 #include "scenes/scene.h"
 
-/* False, with the reason in words, when a scene has no look, or a fog that the model does not
- * know: there is one height fog, grey and without bounds, and for Filament of one layer. */
+/* False, with the reason in words, when a scene has no look, or what the model does not know: there
+ * is one height fog, grey and without bounds, for Filament of one layer, and no light but the sun.
+ */
 bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
                          size_t reason_size);
 

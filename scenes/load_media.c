@@ -14,7 +14,10 @@
 #define AT(member) offsetof(struct neph_medium, member)
 #define BOUNDS(member) offsetof(struct neph_bounds, member)
 
-enum { FORMS_MAX = 2 * NEPH_MEDIUM_KIND_COUNT, FIELDS_MAX = 32 /* of a form and of all */ };
+enum {
+    FORMS_MAX = NEPH_MEDIUM_FORMS * NEPH_MEDIUM_KIND_COUNT,
+    FIELDS_MAX = 32 /* of a form and of all */
+};
 
 static const char *const phase_words[] = {
     [NEPH_PHASE_ISOTROPIC] = "isotropic",
@@ -171,7 +174,7 @@ static void list_choices(struct choice choices[FORMS_MAX], struct neph_field fie
 {
     int count = 0;
     for (int kind = 0; kind < NEPH_MEDIUM_KIND_COUNT; kind++)
-        for (int i = 0; i < 2; i++) {
+        for (int i = 0; i < NEPH_MEDIUM_FORMS; i++) {
             const struct neph_medium_form *form = &neph_medium_row(kind)->forms[i];
             if (!form->key)
                 continue;

@@ -18,6 +18,7 @@ static const struct neph_medium_row *const rows[NEPH_MEDIUM_KIND_COUNT] = {
     [NEPH_MEDIUM_GRID] = &neph_medium_grid,
     [NEPH_MEDIUM_HORIZON] = &neph_medium_horizon,
     [NEPH_MEDIUM_PLUME] = &neph_medium_plume,
+    [NEPH_MEDIUM_TENT] = &neph_medium_tent,
 };
 
 const struct neph_medium_row *neph_medium_row(enum neph_medium_kind kind)
@@ -94,6 +95,7 @@ void neph_medium_shift(struct neph_medium *medium, struct neph_vec3 by_m)
     }
     medium->bounds = neph_bounds_moved(medium->bounds, by_m);
     medium->shell.center_m = neph_vec3_add(medium->shell.center_m, by_m);
+    medium->tent.center_m = neph_vec3_add(medium->tent.center_m, by_m);
     for (int i = 0; i < medium->layer_count; i++)
         medium->layers[i].height_m += by_m.y;
 }

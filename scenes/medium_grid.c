@@ -8,6 +8,7 @@
 #include "scenes/hash_text.h"
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
+#include "scenes/sheet.h"
 #include "scenes/solids.h"
 #include "scenes/volume_file.h"
 
@@ -19,6 +20,7 @@
 #define AT(member) offsetof(struct neph_medium, member)
 #define GRID(member) offsetof(struct written_grid, member)
 #define VOLUME(member) offsetof(struct written_volume, member)
+#define SHEET(member) offsetof(struct written_sheet, member)
 
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
@@ -116,6 +118,7 @@ struct written_grid {
     struct neph_written_medium common;
     int size[3];
     struct neph_vec3 origin_m, spacing_m;
+    int repeat[3];
     int value_count;
     double values[VALUES_MAX];
 };
@@ -127,10 +130,26 @@ static const struct neph_field grid_fields[] = {
     {"spacing_m", NEPH_THREE, GRID(spacing_m), "m", 1e-4, NEPH_FAR_M, .note = "between nodes"},
     {"values", NEPH_NUMBERS, GRID(values), "", 0, 1e6, .note = "x fastest, then y, then z",
      .least = 1, .most = VALUES_MAX, .count_at = GRID(value_count)},
+    {"repeat", NEPH_WHOLES, GRID(repeat), "", 1, NEPH_GRID_SIDE_MAX,
+     .note =
+         "so many copies side by side along x, y, z, the last node beside the first of the next",
+     .standard = "[1, 1, 1]"},
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
+
+/* Of all copies. */
+static void fill_copies(const struct written_grid *written, struct neph_grid *grid)
+{
+    const int *own = written->size, *all = grid->size;
+    float *value = grid->values;
+    for (int k = 0; k < all[2]; k++)
+        for (int j = 0; j < all[1]; j++)
+            for (int i = 0; i < all[0]; i++)
+                *value++ = (float)written
+                               ->values[((k % own[2]) * own[1] + j % own[1]) * own[0] + i % own[0]];
+}
 
 static enum neph_status finish_grid(struct neph_reader *reader, const yaml_node_t *node,
                                     void *written)
@@ -142,11 +161,15 @@ static enum neph_status finish_grid(struct neph_reader *reader, const yaml_node_
     if (wanted != grid->value_count)
         return neph_refuse(reader, "values", "%d values for %d x %d x %d = %ld nodes",
                            grid->value_count, grid->size[0], grid->size[1], grid->size[2], wanted);
-    const enum neph_status status = neph_grid_create(grid->size, grid->origin_m, grid->spacing_m,
+    int size[3];
+    for (int axis = 0; axis < 3; axis++)
+        size[axis] = grid->size[axis] * grid->repeat[axis]; /* 2^20 at most */
+    const enum neph_status status = neph_grid_create(size, grid->origin_m, grid->spacing_m,
                                                      &medium->grid, reader->diag);
-    for (int i = 0; i < grid->value_count && !status; i++)
-        medium->grid->values[i] = (float)grid->values[i];
-    return status ? status : neph_grid_seal(medium->grid, reader->diag);
+    if (status)
+        return status;
+    fill_copies(grid, medium->grid);
+    return neph_grid_seal(medium->grid, reader->diag);
 }
 
 /* Put in place by the block of voxels: nodes times spacing. */
@@ -237,6 +260,53 @@ static enum neph_status finish_volume(struct neph_reader *reader, const yaml_nod
     return status ? status : place_volume(medium->grid, volume, reader->diag);
 }
 
+static const char *const patterns[] = {
+    [NEPH_SHEET_EVEN] = "even", [NEPH_SHEET_STREAKS] = "streaks", NULL};
+
+struct written_sheet {
+    struct neph_written_medium common;
+    struct neph_sheet sheet;
+    double optical_depth;
+};
+
+static const struct neph_field sheet_fields[] = {
+    {"center_m", NEPH_THREE, SHEET(sheet.center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "its middle"},
+    {"side_m", NEPH_NUMBER, SHEET(sheet.side_m), "m", 1e-2, NEPH_FAR_M, .note = "along x and z"},
+    {"thickness_m", NEPH_NUMBER, SHEET(sheet.thickness_m), "m", 1e-3, 1e5,
+     .note = "between the faces, where the density is 0; it is largest in the middle"},
+    {"optical_depth", NEPH_NUMBER, SHEET(optical_depth), "", 0, 1e3,
+     .note = "straight through, where the pattern is 1"},
+    {"nodes", NEPH_WHOLE, SHEET(sheet.nodes), "nodes", 2, NEPH_GRID_SIDE_MAX,
+     .note = "of the pattern, along each side", .standard = "512"},
+    {"pattern", NEPH_WORD, SHEET(sheet.pattern), .words = patterns,
+     .note = "1 everywhere, or wisps with clear air between them", .standard = "even"},
+    {"seed", NEPH_WHOLE, SHEET(sheet.seed), "", 0, 1e9, .standard = "1"},
+    {"wisp_m", NEPH_NUMBER, SHEET(sheet.wisp_m), "m", 1e-2, NEPH_FAR_M,
+     .note = "between wisps, across them", .standard = "1000"},
+    {"stretch", NEPH_NUMBER, SHEET(sheet.stretch), "", 1, 100,
+     .note = "a wisp's length is so many times that", .standard = "6"},
+    {"along", NEPH_THREE, SHEET(sheet.along), "", -1e6, 1e6,
+     .note = "the wisps: a direction of which x and z count", .standard = "[1, 0, 0]"},
+    {"coverage", NEPH_NUMBER, SHEET(sheet.coverage), "", 0, 1,
+     .note = "how much of the pattern is not clear", .standard = "0.5"},
+    {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
+    {0},
+};
+
+static enum neph_status finish_sheet(struct neph_reader *reader, const yaml_node_t *node,
+                                     void *written)
+{
+    struct written_sheet *sheet = written;
+    struct neph_medium *medium = written;
+    (void)node;
+    if (sheet->sheet.along.x == 0.0 && sheet->sheet.along.z == 0.0)
+        return neph_refuse(reader, "along",
+                           "wisps lie along a level direction: its x or z is not 0");
+    medium->extinction_per_m = neph_sheet_extinction_per_m(&sheet->sheet, sheet->optical_depth);
+    return neph_sheet_make(&sheet->sheet, &medium->grid, reader->diag);
+}
+
 const struct neph_medium_row neph_medium_grid = {
     .facts = {.name = "voxel grid",
               .has_closed_form = true,
@@ -247,7 +317,9 @@ const struct neph_medium_row neph_medium_grid = {
                "voxels, trilinear between nodes, falling to 0 one cell beyond the outermost",
                grid_fields, sizeof(struct written_grid), finish_grid},
               {"volume", "voxels from a file", volume_fields, sizeof(struct written_volume),
-               finish_volume}},
+               finish_volume},
+              {"sheet", "a thin level layer, such as cirrus (scenes/sheet.h)", sheet_fields,
+               sizeof(struct written_sheet), finish_sheet}},
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,

@@ -28,9 +28,12 @@ struct neph_medium_form {
     enum neph_status (*finish)(struct neph_reader *reader, const yaml_node_t *node, void *written);
 };
 
+/* Ways to write one kind. */
+#define NEPH_MEDIUM_FORMS 3
+
 struct neph_medium_row {
     struct neph_medium_facts facts;
-    struct neph_medium_form forms[2]; /* without a key: none */
+    struct neph_medium_form forms[NEPH_MEDIUM_FORMS]; /* without a key: none */
     /* At a point inside the bounds. */
     double (*extinction_per_m)(const struct neph_medium *medium, struct neph_vec3 point_m);
     /* Over [t0, t1], t0 < t1, both inside the bounds; t1 may be +inf. */
@@ -66,7 +69,7 @@ struct neph_medium_row {
 
 extern const struct neph_medium_row neph_medium_homogeneous, neph_medium_height_fog,
     neph_medium_gaussian, neph_medium_shell, neph_medium_grid, neph_medium_horizon,
-    neph_medium_plume;
+    neph_medium_plume, neph_medium_tent;
 
 const struct neph_medium_row *neph_medium_row(enum neph_medium_kind kind);
 

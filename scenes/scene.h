@@ -51,6 +51,7 @@ enum neph_medium_kind {
     NEPH_MEDIUM_GRID,     /* voxels, trilinear (scenes/grid.h) */
     NEPH_MEDIUM_HORIZON,  /* procedural clouds (scenes/horizon.h) */
     NEPH_MEDIUM_PLUME,    /* smoke: thinner along an axis and across it (scenes/plume.c) */
+    NEPH_MEDIUM_TENT,     /* a layer around a ball, such as ozone (scenes/tent.c) */
     NEPH_MEDIUM_KIND_COUNT,
 };
 
@@ -85,6 +86,13 @@ struct neph_shell {
     double scale_height_m;
 };
 
+/* Density 1 at the peak, 0 at half_width_m above and below it. */
+struct neph_tent {
+    struct neph_vec3 center_m;
+    double radius_m;                 /* of the ground, > 0 */
+    double altitude_m, half_width_m; /* of the peak; > 0 */
+};
+
 /* Nothing below the foot. */
 struct neph_plume {
     struct neph_vec3 foot_m, axis;  /* unit */
@@ -103,11 +111,12 @@ struct neph_medium {
     struct neph_rgb albedo;               /* 0..1 per channel */
     struct neph_rgb emission_w_per_m2_sr; /* >= 0; of what is absorbed: scenes/emission.h */
     struct neph_phase phase;
-    /* Gaussian: at the centre. Shell: at its radius. Grid and Horizon: per unit of density. */
+    /* Gaussian: at the centre. Shell: at its radius. Tent: at its peak. Grid and Horizon: per unit of density. */
     double extinction_per_m;
     struct neph_gaussian gaussian;
     struct neph_shell shell;
     struct neph_plume plume;
+    struct neph_tent tent;
     struct neph_grid *grid;       /* owned by the scene; kind GRID alone */
     struct neph_horizon *horizon; /* owned by the scene; kind HORIZON alone */
     /* Homogeneous: one layer with falloff 0. Height fog: the layers add. */

@@ -122,18 +122,12 @@ static double extinction_per_m(const struct neph_medium *medium, struct neph_vec
     return extinction_at_radius(medium, neph_radial_distance_m(medium->shell.center_m, point_m));
 }
 
-static double farther(double center, double low, double high)
-{
-    return center - low > high - center ? low : high;
-}
-
 /* The density is largest at the place nearest to the ground, from above. */
 static double bound_per_m(const struct neph_medium *medium, const struct neph_bounds *box)
 {
-    const struct neph_vec3 c = medium->shell.center_m, low = box->min_m, high = box->max_m;
+    const struct neph_vec3 c = medium->shell.center_m;
     const struct neph_vec3 nearest_m = neph_bounds_nearest(box, c);
-    const struct neph_vec3 farthest_m = {farther(c.x, low.x, high.x), farther(c.y, low.y, high.y),
-                                         farther(c.z, low.z, high.z)};
+    const struct neph_vec3 farthest_m = neph_bounds_farthest(box, c);
     if (neph_radial_distance_m(c, farthest_m) < medium->shell.radius_m)
         return 0.0;
     return extinction_at_radius(

@@ -18,11 +18,13 @@ step() { # step NAME COMMAND...
     fi
 }
 
-# What is missing of the packages of a need: build, validate (and what that builds on) or test (all).
+# What is missing of the packages of a need: build, validate (and what that builds on), test (and
+# that), night (all).
 missing_packages() {
     local package command need needs=" build "
     if [ "$1" != build ]; then needs+="validate "; fi
-    if [ "$1" = test ]; then needs+="test "; fi
+    if [ "$1" = test ] || [ "$1" = night ]; then needs+="test "; fi
+    if [ "$1" = night ]; then needs+="night "; fi
     while read -r package command need _; do
         case $package in '' | '#'*) continue ;; esac
         if [[ $needs != *" $need "* ]]; then continue; fi
@@ -31,7 +33,7 @@ missing_packages() {
     done <"$root/scripts/packages.txt"
 }
 
-install_packages() { # install_packages build|validate|test
+install_packages() { # install_packages build|validate|test|night
     local missing line
     mapfile -t missing < <(missing_packages "$1")
     [ ${#missing[@]} -gt 0 ] || return 0

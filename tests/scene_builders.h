@@ -98,6 +98,13 @@ static inline struct neph_medium make_shell(double extinction_per_m, struct neph
     return medium;
 }
 
+static inline struct neph_medium make_tent(double extinction_per_m, struct neph_tent tent)
+{
+    struct neph_medium medium = make_medium(NEPH_MEDIUM_TENT, extinction_per_m);
+    medium.tent = tent;
+    return medium;
+}
+
 /* The grid is the caller's to destroy. */
 static inline struct neph_medium make_voxels(double extinction_per_m, struct neph_grid *grid)
 {

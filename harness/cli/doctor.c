@@ -47,6 +47,7 @@ static const struct {
      "apt-get install nodejs npm"},
     {"chromium", neph_child_program_exists, "the browser test of the report",
      "apt-get install chromium"},
+    {"sbatch", neph_child_program_exists, "nights by Slurm", "apt-get install slurm-client"},
     {"SDL 2", has_windows, "neph fly", "apt-get install libsdl2-dev, and build neph again"},
 };
 

@@ -7,22 +7,25 @@
 #include "base/files.h"
 #include "harness/night/output.h"
 #include "harness/night/page.h"
+#include "harness/night/send.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+static const size_t report_limit_bytes = 256 << 20;
+
 /* What the pictures of the page may take; a report is to stay under 60 MB with its numbers. */
 static const size_t pictures_limit_bytes = 50000000;
 
 struct request {
     struct neph_cli_shared shared;
-    const char *tier, *revision;
-    struct neph_cli_words only, engines;
+    const char *tier, *revision, *executor, *step;
+    struct neph_cli_words only, engines, slurm;
     double minutes;
     int against, seed;
-    bool lists, once;
+    bool lists, once, reports;
 };
 
 static const struct neph_cli_option options[] = {
@@ -40,6 +43,16 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {"once", 0, NULL, "Run no step a second time", NEPH_CLI_FLAG,
      .at = offsetof(struct request, once)},
+    {"executor", 0, "NAME", "Who runs the steps: local, one after the other, or slurm, as its jobs",
+     NEPH_CLI_WORD, .at = offsetof(struct request, executor), .otherwise = "local"},
+    {"slurm", 0, "KEY=VALUE",
+     "What Slurm is told: timing or gpu=FEATURE of the hosts that are for durations or have a GPU, "
+     "partition=NAME, at_once=COUNT, arguments=\"WORDS for sbatch\"",
+     NEPH_CLI_WORDS, .at = offsetof(struct request, slurm)},
+    {"step", 0, "NAME", "What a job of an executor does: run this step alone and leave its numbers",
+     NEPH_CLI_WORD, .at = offsetof(struct request, step)},
+    {"report", 0, NULL, "What the last of its jobs does: end the night with what the others left",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, reports)},
     {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
      .at = offsetof(struct request, lists)},
     {"engine", 'e', "NAME",
@@ -55,8 +68,20 @@ static const struct neph_cli_option options[] = {
     {.name = NULL},
 };
 
+static void check(const void *given, const struct argp_state *state)
+{
+    const struct request *request = given;
+    if (strcmp(request->executor, "local") != 0 && strcmp(request->executor, "slurm") != 0)
+        argp_error(state, "--executor %s: local or slurm", request->executor);
+    if (request->slurm.count > 0 && strcmp(request->executor, "slurm") != 0)
+        argp_error(state, "--slurm wants --executor slurm");
+    if (request->step && request->reports)
+        argp_error(state, "--step and --report are two jobs");
+}
+
 static const struct neph_cli_syntax syntax = {
     .options = options,
+    .check = check,
     .doc = "A night: measure, compare with the night that was accepted, say what changed.\v"
            "Steps run one after the other, those first that give the most numbers a second; what "
            "was not run for want of time comes first the next night. A night that was killed goes "
@@ -70,8 +95,14 @@ static const struct neph_cli_syntax syntax = {
            "Examples:\n"
            "  neph nightly\n"
            "  neph nightly --tier full --minutes 240 -o nights\n"
-           "  neph nightly --only voxel_grid --against 12",
+           "  neph nightly --only voxel_grid --against 12\n"
+           "  neph nightly --executor slurm --slurm partition=render --slurm timing=quiet",
 };
+
+static bool is_by_slurm(const struct request *request)
+{
+    return strcmp(request->executor, "slurm") == 0 && !request->reports;
+}
 
 /* Whether there is such a plan, before anything is made for it; and print it. */
 static enum neph_status look_at_plan(const struct neph_night_plan_params *params, bool prints,
@@ -110,18 +141,13 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
                      neph_night_verdict(&night->comparison).verb, output);
 }
 
-static enum neph_status run(const struct request *request, struct neph_night_params *params,
-                            struct neph_diag *diag)
+static enum neph_status run_here(const struct request *request, struct neph_night_params *params,
+                                 struct neph_store *store, struct neph_diag *diag)
 {
-    struct neph_store *store = NULL;
     struct neph_night_page *page = NULL;
     struct neph_night night = {.id = 0};
-    char *folder = neph_path_join(params->output, "store");
-    enum neph_status status = folder ? neph_store_open(folder, &store, diag)
-                                     : neph_fail_memory(diag);
-    if (!status)
-        status = neph_night_page_open(params->output, request->tier, store, pictures_limit_bytes,
-                                      &page, diag);
+    enum neph_status status = neph_night_page_open(params->output, request->tier, store,
+                                                   pictures_limit_bytes, &page, diag);
     params->show = neph_night_page_publish;
     params->context = page;
     if (!status)
@@ -129,7 +155,77 @@ static enum neph_status run(const struct request *request, struct neph_night_par
     if (!status)
         status = tell(request, &night, diag);
     neph_night_page_close(page);
+    const bool is_told = status == NEPH_OK || status == NEPH_ERR_GATE;
+    if (params->reports && is_told && neph_night_jobs_forget(params->output, NULL))
+        neph_progress_warn("'%s/nightly/jobs' could not be removed", params->output);
     neph_night_finish(&night);
+    return status;
+}
+
+static enum neph_status print_file(const char *output, const char *name, struct neph_diag *diag)
+{
+    char *path = neph_format("%s/nightly/%s", output, name), *text = NULL;
+    size_t size;
+    const enum neph_status status = path ? neph_file_read(path, report_limit_bytes, &text, &size,
+                                                          diag)
+                                         : neph_fail_memory(diag);
+    if (!status)
+        fputs(text, stdout);
+    free(text);
+    free(path);
+    return status;
+}
+
+/* What the job that ended the night has written. */
+static enum neph_status read_report(const char *output, int64_t night, json_t **report,
+                                    struct neph_diag *diag)
+{
+    char *path = neph_format("%s/nightly/nightly.json", output);
+    json_t *read = path ? json_load_file(path, 0, NULL) : NULL;
+    free(path);
+    if (read && json_integer_value(json_object_get(read, "night")) == night) {
+        *report = read;
+        return NEPH_OK;
+    }
+    json_decref(read);
+    return neph_fail(diag, NEPH_ERR_IO,
+                     "night %lld is over and in the store, and its report was not written",
+                     (long long)night);
+}
+
+static enum neph_status send(const struct request *request, const struct neph_night_params *params,
+                             char **words, struct neph_store *store, struct neph_diag *diag)
+{
+    struct neph_slurm_settings settings = {NULL};
+    int64_t night = 0;
+    json_t *report = NULL;
+    enum neph_status status = neph_slurm_read_settings(request->slurm.list, request->slurm.count,
+                                                       &settings, diag);
+    if (!status)
+        status = neph_night_send(params, &settings, (const char *const *)words, store, &night,
+                                 diag);
+    if (!status)
+        status = read_report(params->output, night, &report, diag);
+    if (!status)
+        status = print_file(params->output, request->shared.json ? "nightly.json" : "summary.txt",
+                            diag);
+    if (!status && !json_is_true(json_object_get(report, "passes")))
+        status = neph_fail(diag, NEPH_ERR_GATE, "the night does not pass; %s/nightly has all of it",
+                           params->output);
+    json_decref(report);
+    return status;
+}
+
+static enum neph_status run(const struct request *request, struct neph_night_params *params,
+                            char **words, struct neph_diag *diag)
+{
+    struct neph_store *store = NULL;
+    char *folder = neph_path_join(params->output, "store");
+    enum neph_status status = folder ? neph_store_open(folder, &store, diag)
+                                     : neph_fail_memory(diag);
+    if (!status)
+        status = is_by_slurm(request) ? send(request, params, words, store, diag)
+                                      : run_here(request, params, store, diag);
     neph_store_close(store);
     free(folder);
     return status;
@@ -138,6 +234,11 @@ static enum neph_status run(const struct request *request, struct neph_night_par
 enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
+    /* argp sorts them; a job says them again. */
+    char **words = calloc((size_t)argc + 1, sizeof(*words));
+    if (!words)
+        return neph_fail_memory(diag);
+    memcpy(words, argv + 1, (size_t)(argc - 1) * sizeof(*words));
     neph_cli_parse(&syntax, argc, argv, &request);
     const struct neph_cli_shared *shared = &request.shared;
     struct neph_night_params params = {.plan = {.tier = request.tier,
@@ -156,7 +257,13 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
                                                                           : 60.0 * request.minutes,
                                        .against = request.against > 0 ? request.against : 0,
                                        .once = request.once,
+                                       .reports = request.reports,
                                        .quiet = shared->quiet || shared->json};
-    const enum neph_status status = look_at_plan(&params.plan, request.lists, diag);
-    return status || request.lists ? status : run(&request, &params, diag);
+    enum neph_status status = look_at_plan(&params.plan, request.lists, diag);
+    if (!status && request.step)
+        status = neph_night_run_step(&params, request.step, diag);
+    else if (!status && !request.lists)
+        status = run(&request, &params, words, diag);
+    free(words);
+    return status;
 }

@@ -20,6 +20,8 @@ static const struct {
      "which preset of the real-time renderer flickers and lags less, with intervals"},
     {"light", neph_cli_study_light,
      "how far lighting models are from all orders of scattering, and where"},
+    {"sky", neph_cli_study_sky,
+     "how far models of a planet's atmosphere are from all orders of scattering, and where"},
     {"fog", neph_cli_study_fog,
      "what the controls of a fog's look give, take and break, each alone, against exact"},
 };

@@ -21,6 +21,7 @@
     of(march_diffused) \
     of(march_similarity) \
     of(march_slab) \
+    of(sky) \
     of(fog_look) \
     of(realtime) \
     of(cycles) \

@@ -6,6 +6,7 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 
+#include "base/clock.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/own_cost.h"
 #include "renderer/fog_look.h"
@@ -13,6 +14,7 @@
 #include "scenes/fog_translation.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* In the order of the controls, behind the first two. */
 static const char *const control_words[] = {"all",
@@ -89,8 +91,28 @@ static enum neph_status label(struct neph_image *frame, const struct neph_scene 
     return status;
 }
 
-static enum neph_status render_on(struct neph_vulkan *vulkan, const struct neph_shot *shot,
-                                  struct neph_image **frame, double *gpu_s, struct neph_diag *diag)
+/* ---- pictures in a row ----------------------------------------------------------------------- */
+
+struct sequence {
+    struct neph_vulkan *vulkan;
+    struct neph_fog_looks *looks; /* for pictures of this size */
+    int width_px, height_px;
+    int sent, home; /* pictures that went on their way, and those no longer on it */
+    double sent_s[NEPH_FLIGHT_PICTURES_MAX]; /* the CPU's part of each, by number */
+};
+
+static void close_sequence(void *opened)
+{
+    struct sequence *sequence = opened;
+    if (!sequence)
+        return;
+    neph_fog_looks_destroy(sequence->looks);
+    neph_vulkan_destroy(sequence->vulkan);
+    free(sequence);
+}
+
+static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
+                               struct neph_diag *diag)
 {
     const double *values = shot->settings.values;
     const struct neph_fog_look_params params = {
@@ -102,32 +124,102 @@ static enum neph_status render_on(struct neph_vulkan *vulkan, const struct neph_
         .model = (enum neph_fog_model)values[OPTION_MODEL],
         .sun_is_clear = values[OPTION_SUN] != 0.0,
     };
-    struct neph_image *image = NULL;
-    enum neph_status status = neph_fog_look_frame(vulkan, shot->scene, &params, &image, gpu_s,
-                                                  diag);
+    neph_fog_looks_destroy(sequence->looks);
+    sequence->looks = NULL;
+    sequence->width_px = shot->width_px;
+    sequence->height_px = shot->height_px;
+    return neph_fog_looks_create(sequence->vulkan, shot->scene, &params, &sequence->looks, diag);
+}
+
+static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
+                                      struct neph_diag *diag)
+{
+    struct sequence *sequence = calloc(1, sizeof(*sequence));
+    if (!sequence)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_vulkan_open(&sequence->vulkan, diag);
     if (!status)
-        status = label(image, shot->scene, *gpu_s, diag);
+        status = set_up(sequence, shot, diag);
     if (status)
-        neph_image_destroy(image);
+        close_sequence(sequence);
     else
-        *frame = image;
+        *opened = sequence;
     return status;
 }
 
+static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
+                                     struct neph_image **frame, struct neph_cost *cost,
+                                     struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    const struct neph_stopwatch start = neph_stopwatch_start();
+    struct neph_image *image = NULL;
+    double gpu_s = NAN;
+    sequence->home = sequence->sent; /* those in flight are forgotten */
+    const bool fits = shot->width_px == sequence->width_px &&
+                      shot->height_px == sequence->height_px && sequence->looks;
+    enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
+    if (!status)
+        status = neph_fog_looks_frame(sequence->looks, shot->scene, shot->frame, &image, &gpu_s,
+                                      diag);
+    if (!status)
+        status = label(image, shot->scene, gpu_s, diag);
+    if (status) {
+        neph_image_destroy(image);
+        return status;
+    }
+    *cost = neph_own_cost(start, gpu_s);
+    *frame = image;
+    return NEPH_OK;
+}
+
+static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    const double start_s = neph_wall_s();
+    const enum neph_status status = neph_fog_looks_frame(sequence->looks, shot->scene, shot->frame,
+                                                         NULL, NULL, diag);
+    if (!status)
+        sequence->sent_s[sequence->sent++ % NEPH_FLIGHT_PICTURES_MAX] = neph_wall_s() - start_s;
+    return status;
+}
+
+/* All is one pass: what it moves is a pixel's result. */
+static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    double gpu_s;
+    const enum neph_status status = neph_fog_looks_home(sequence->looks, &gpu_s, diag);
+    if (!status)
+        *cost = (struct neph_flight_cost){
+            .gpu_s = gpu_s,
+            .cpu_s = sequence->sent_s[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX],
+            .pass_count = 1,
+            .passes = {{.name = "fog look", .gpu_s = gpu_s, .traffic_bytes = NAN}},
+        };
+    return status;
+}
+
+/* A picture alone pays for what it is set up with. */
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag)
 {
     const struct neph_stopwatch start = neph_stopwatch_start();
-    struct neph_vulkan *vulkan = NULL;
-    double gpu_s = NAN;
-    enum neph_status status = neph_vulkan_open(&vulkan, diag);
+    void *sequence = NULL;
+    enum neph_status status = open_sequence(shot, &sequence, diag);
     if (!status)
-        status = render_on(vulkan, shot, frame, &gpu_s, diag);
-    neph_vulkan_destroy(vulkan);
+        status = next_picture(sequence, shot, frame, cost, diag);
+    close_sequence(sequence);
     if (!status)
-        *cost = neph_own_cost(start, gpu_s);
+        *cost = neph_own_cost(start, cost->render_s);
     return status;
 }
+
+static const struct neph_engine_sequence sequence_of_looks = {.open = open_sequence,
+                                                              .next = next_picture,
+                                                              .send = send,
+                                                              .home = home,
+                                                              .close = close_sequence};
 
 const struct neph_engine neph_engine_fog_look = {
     .name = "fog_look",
@@ -142,4 +234,5 @@ const struct neph_engine neph_engine_fog_look = {
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,
+    .sequence = &sequence_of_looks,
 };

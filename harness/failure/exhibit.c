@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "harness/compare/comparison.h"
 #include "metrics/extractors/extractors.h"
+#include "metrics/extractors/seen_spectrum.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,12 +14,11 @@
 /* Part of the key: raise it when pictures change. */
 enum { DRAWN_REVISION = 2 };
 
-enum { SEEN_FRAMES_MIN = 16 }; /* metrics/extractors/seen.c */
-
-enum neph_status neph_exhibit_key(const char *take_key, char key[NEPH_HASH_HEX_SIZE],
-                                  struct neph_diag *diag)
+enum neph_status neph_exhibit_key(const char *take_key, double exposure_ev,
+                                  char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
 {
-    char *text = neph_format("neph-exhibit-%d\n%s\n", DRAWN_REVISION, take_key);
+    char *text = neph_format("neph-exhibit-%d\n%s\nexposure_ev %.17g\n", DRAWN_REVISION, take_key,
+                             exposure_ev);
     const enum neph_status status = text ? neph_hash(text, strlen(text), key, diag)
                                          : neph_fail_memory(diag);
     free(text);
@@ -88,7 +88,7 @@ static enum neph_status draw(const struct neph_evidence_source *source,
 {
     enum neph_status status = neph_evidence_draw(source, evidence, folder, names, diag);
     if (!status && with_map && source->reference->count > 0 &&
-        source->files->count >= SEEN_FRAMES_MIN)
+        source->files->count >= NEPH_SEEN_FRAMES_MIN)
         status = draw_flicker(source, viewing, folder, names, diag);
     return status ? status : keep_worst(source, evidence->worst_frame, folder, diag);
 }

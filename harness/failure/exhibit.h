@@ -14,9 +14,9 @@
 /* Name of the map among the pictures. */
 #define NEPH_EXHIBIT_FLICKER_MAP "seen_contrast_radiance.png"
 
-/* The key of a take's exhibit. */
-enum neph_status neph_exhibit_key(const char *take_key, char key[NEPH_HASH_HEX_SIZE],
-                                  struct neph_diag *diag);
+/* The key of a take's exhibit, whose pictures are shown at an exposure. */
+enum neph_status neph_exhibit_key(const char *take_key, double exposure_ev,
+                                  char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag);
 
 /* Whether it is in the store: `*folder` (to free) has the pictures that `*record` (to json_decref)
  * names in "pictures", beside "frame_step", "worst_frame", "row", "slice_first", "slice_count",

@@ -163,20 +163,35 @@ enum neph_status neph_failure_print(const struct neph_failure_suite *suite, FILE
     return status;
 }
 
+/* A column of the suite alone, as it was asked for. */
+static char *suite_command(const struct neph_failure_suite *suite,
+                           const struct neph_failure_row *row,
+                           const struct neph_failure_column *column)
+{
+    char size[64] = "";
+    if (suite->width_px > 0)
+        snprintf(size, sizeof(size), " --size %dx%d", suite->width_px, suite->height_px);
+    return neph_format("neph validate --suite failure%s --only %s %s %s%s%s --pictures all -o %s",
+                       row->point[0] ? " --tier full" : "", row->scene->name,
+                       column->is_preset ? "--preset" : "--engine", column->name, size,
+                       suite->on_device ? " --on-device" : "", row->scene->name);
+}
+
 char *neph_failure_command(const struct neph_failure_suite *suite,
                            const struct neph_failure_row *row, int column)
 {
     const struct neph_failing *failing = &row->scene->failing;
     const struct neph_failure_column *of = &suite->columns[column];
-    if (of->is_preset && !of->engine->is_guest && !row->point[0] && !strchr(of->name, '+'))
-        return neph_format("neph render %s -e realtime --preset %s -s steps=%d --seed %llu "
-                           "--frames %d --size %dx%d -o %s",
-                           row->scene->name, of->name, failing->steps,
-                           (unsigned long long)neph_seed_of(row->scene, 1), failing->frame_count,
-                           failing->width_px, failing->height_px, row->scene->name);
-    return neph_format("neph validate --suite failure%s --only %s %s %s --pictures all -o %s",
-                       row->point[0] ? " --tier full" : "", row->scene->name,
-                       of->is_preset ? "--preset" : "--engine", of->name, row->scene->name);
+    const bool is_plain = of->is_preset && !of->engine->is_guest && !row->point[0] &&
+                          !strchr(of->name, '+') && !suite->on_device;
+    if (!is_plain)
+        return suite_command(suite, row, of);
+    return neph_format(
+        "neph render %s -e realtime --preset %s -s steps=%d --seed %llu --frames %d "
+        "--size %dx%d -o %s",
+        row->scene->name, of->name, failing->steps, (unsigned long long)neph_seed_of(row->scene, 1),
+        failing->frame_count, suite->width_px > 0 ? suite->width_px : failing->width_px,
+        suite->width_px > 0 ? suite->height_px : failing->height_px, row->scene->name);
 }
 
 /* ---- for programs ---------------------------------------------------------------------------- */

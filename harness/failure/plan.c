@@ -13,7 +13,7 @@
 static const char *const all_presets[] = {"off",  "seed",  "fixed", "ue",
                                           "c52e", "unity", "ours",  NULL};
 static const char *const quick_presets[] = {"seed", "fixed", "ours", NULL};
-static const char *const witnesses[] = {"march", "cycles", "povray", NULL};
+static const char *const witnesses[] = {"march", "fog_look", "cycles", "povray", NULL};
 
 /* Every scenario has it, whatever its file says. */
 static const struct neph_failing_limit no_bad_values = {
@@ -126,7 +126,7 @@ static enum neph_status choose_columns(const struct neph_failure_params *params,
     if (!status && params->preset_count == 0 && !has_engines(suite)) {
         neph_fail(diag, NEPH_ERR_USAGE, "none of the scenarios is of engines");
         neph_hint(diag, "those that are say `engines: true`: fog_seam, fog_none, fog_below, "
-                        "elevator; others are of presets (--preset)");
+                        "elevator, fog_look_...; others are of presets (--preset)");
         return NEPH_ERR_USAGE;
     }
     return status;
@@ -149,10 +149,12 @@ static bool is_chosen(const struct neph_failure_params *params, const struct nep
     return params->only_count > 0 || params->full || scene->failing.quick;
 }
 
-/* Presets that a scenario names are presets of the engine. */
+/* Presets that a scenario names are presets of the engine, or it is of none of them. */
 static enum neph_status check_scene(const struct neph_scene *scene, struct neph_diag *diag)
 {
     const struct neph_engine *engine;
+    if (strcmp(scene->failing.presets, "none") == 0)
+        return NEPH_OK;
     char *words = strdup(scene->failing.presets), *rest = words;
     enum neph_status status = words ? NEPH_OK : neph_fail_memory(diag);
     for (const char *word; !status && (word = strsep(&rest, " "));)
@@ -281,6 +283,7 @@ enum neph_status neph_failure_plan(const struct neph_failure_params *params,
 {
     suite->full = params->full;
     suite->width_px = params->width_px;
+    suite->on_device = params->on_device;
     suite->height_px = params->height_px;
     enum neph_status status = choose_scenes(params, suite, diag);
     if (!status)

@@ -90,6 +90,7 @@ struct neph_failure_suite {
     enum neph_failure_state state;
     bool full;
     int width_px, height_px; /* 0: those of the scenarios */
+    bool on_device;          /* bad values were counted there, and alone */
     char device[128];
     int column_count;
     struct neph_failure_column columns[NEPH_FAILURE_COLUMNS_MAX];

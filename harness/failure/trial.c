@@ -19,9 +19,6 @@
  * decide. */
 static const double engine_limit_s = 300.0;
 
-/* A picture of a user's program. */
-static const double guest_limit_s = 600.0;
-
 /* ---- points ---------------------------------------------------------------------------------- */
 
 static bool is_same_point(const struct neph_failure_row *a, const struct neph_failure_row *b)
@@ -94,7 +91,7 @@ static unsigned layers_of(const struct neph_failure_column *column)
 static double limit_of(const struct neph_failure_column *column)
 {
     if (column->engine->is_guest)
-        return guest_limit_s;
+        return NEPH_GUEST_LIMIT_S;
     return column->is_preset ? 0.0 : engine_limit_s;
 }
 
@@ -316,7 +313,7 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
     json_t *record = NULL;
     enum neph_status status = neph_take_key(take, key, diag);
     if (!status)
-        status = neph_exhibit_key(key, trial->exhibit_key, diag);
+        status = neph_exhibit_key(key, trial->point->at->exposure_ev, trial->exhibit_key, diag);
     if (!status)
         status = neph_take_run(take, trial->bench->store, &folder, &record, diag);
     if (!status)

@@ -57,6 +57,7 @@ static const struct row rows[] = {
     {"furnace_grid_16", FURNACE, LOOK_DOWN, NEPH_STAGE_GRID, 16.0, 1.0, RAYLEIGH, 0.7},
     {"furnace_fog_8", FURNACE, LOOK_DOWN, NEPH_STAGE_FOG_BOX, 8.0, 1.0, HG(0.5), 0.7},
     {"furnace_shell_8", FURNACE, LOOK_DOWN, NEPH_STAGE_SHELL, 8.0, 1.0, RAYLEIGH, 0.7},
+    {"furnace_tent_8", FURNACE, LOOK_DOWN, NEPH_STAGE_TENT, 8.0, 1.0, HG(0.5), 0.7},
     {"furnace_clouds_16", FURNACE, LOOK_DOWN, NEPH_STAGE_CLOUDS, 16.0, 1.0, HG(0.85), 0.7},
     {"furnace_glow_4", FURNACE, LOOK_DOWN, NEPH_STAGE_BOX, 4.0, 0.5, HG(0.5), 0.7},
     {"single_slab_thin", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
@@ -67,6 +68,7 @@ static const struct row rows[] = {
     {"single_gaussian_5", SINGLE, LOOK_DOWN, NEPH_STAGE_GAUSSIAN, 5.0, 1.0, HG(0.6), 0.7},
     {"single_grid_5", SINGLE, LOOK_UP, NEPH_STAGE_GRID, 5.0, 1.0, ISO, 0.7},
     {"single_shell_5", SINGLE, LOOK_DOWN, NEPH_STAGE_SHELL, 5.0, 1.0, HG(0.6), 0.7},
+    {"single_tent_5", SINGLE, LOOK_DOWN, NEPH_STAGE_TENT, 5.0, 1.0, RAYLEIGH, 0.7},
     {"single_slab_spike", SINGLE, LOOK_UP, NEPH_STAGE_SLAB, 1.0, 1.0, HG(0.999), 0.7},
     {"slab_iso_thin", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
     {"slab_iso_1", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 1.0, 1.0, ISO, 0.7},
@@ -209,6 +211,7 @@ static void describe(const struct row *row, char *text, size_t size)
         [NEPH_STAGE_GRID] = "a cube of 4 x 4 x 4 uneven voxels",
         [NEPH_STAGE_FOG_BOX] = "height fog in a cube",
         [NEPH_STAGE_SHELL] = "an atmosphere around a small ball, in a cube",
+        [NEPH_STAGE_TENT] = "a layer around a small ball, in a cube",
         [NEPH_STAGE_CLOUDS] = "Horizon clouds in a cube",
         [NEPH_STAGE_STEP_CLOUD] = "columns of optical depth 2 and 18 in turn, 8 km of each",
     };

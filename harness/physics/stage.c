@@ -16,6 +16,7 @@ static const double fog_camera_m = 300.0;
 static const double blob_width_m = 1.5;
 static const double shell_radius_m = 2.0;
 static const double shell_scale_m = 1.5;
+static const double tent_altitude_m = 1.5;
 
 /* As large as the cube; everywhere under cover. */
 static const struct neph_horizon_params small_clouds = {
@@ -187,6 +188,13 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
         medium->layer_count = 0;
         medium->shell = (struct neph_shell){cube_center(), shell_radius_m, shell_scale_m};
         medium->extinction_per_m = 0.5 * depth / shell_scale_m; /* a column on either side */
+        break;
+    case NEPH_STAGE_TENT:
+        medium->kind = NEPH_MEDIUM_TENT;
+        medium->layer_count = 0;
+        medium->tent = (struct neph_tent){cube_center(), shell_radius_m, tent_altitude_m,
+                                          tent_altitude_m};
+        medium->extinction_per_m = 0.5 * depth / tent_altitude_m; /* a column on either side */
         break;
     case NEPH_STAGE_CLOUDS:
         medium->kind = NEPH_MEDIUM_HORIZON;

@@ -19,6 +19,7 @@ enum neph_stage_medium {
     NEPH_STAGE_GRID,     /* 4^3 voxels of seeded density in a cube of 10 m */
     NEPH_STAGE_FOG_BOX,  /* height fog in a cube of 10 m */
     NEPH_STAGE_SHELL, /* an atmosphere around a ball of 2 m, in a cube of 10 m; the ball is empty */
+    NEPH_STAGE_TENT,  /* a layer from 2 m to 5 m from the middle of that cube */
     NEPH_STAGE_CLOUDS, /* Horizon clouds of seed 1, made small, in a cube of 10 m */
     /* Half a period of 8 km of each optical depth of truth/step_cloud.h in turn, three periods of
      * them: what lies beyond is far out of reach of light in 250 m of cloud. */

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/lock.h"
 #include "harness/progress.h"
 
 #include <ctype.h>
@@ -12,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const size_t document_limit_bytes = 256 << 20;
 
@@ -31,6 +33,11 @@ static char *document_path(const char *store_folder, enum document kind, int64_t
 {
     return neph_format("%s/history/%s%06lld.json", store_folder, documents[kind].prefix,
                        (long long)number);
+}
+
+char *neph_history_document_path(const char *store_folder, int64_t night)
+{
+    return document_path(store_folder, NIGHT, night);
 }
 
 /* -1: it is none of this kind. */
@@ -307,6 +314,15 @@ static enum neph_status forget_unfinished(struct neph_database *index, int64_t b
     return status;
 }
 
+static enum neph_status insert_beginning(struct neph_database *index,
+                                         const struct neph_history_night *night, int64_t id,
+                                         const char *started_utc, struct neph_diag *diag)
+{
+    return neph_database_do(index, diag, "INSERT INTO nights VALUES (?, ?, '', ?, ?, ?, ?, '')",
+                            "isssss", id, started_utc, night->plan, night->revision, night->program,
+                            night->host);
+}
+
 /* One of its own: acceptances know nights that have no rows. */
 static enum neph_status insert_new_night(struct neph_database *index, const char *store_folder,
                                          const struct neph_history_night *night, int64_t *id,
@@ -321,11 +337,7 @@ static enum neph_status insert_new_night(struct neph_database *index, const char
         "");
     if (!status)
         status = next_number(store_folder, NIGHT, id, diag);
-    return status ? status
-                  : neph_database_do(index, diag,
-                                     "INSERT INTO nights VALUES (?, ?, '', ?, ?, ?, ?, '')",
-                                     "isssss", *id, now, night->plan, night->revision,
-                                     night->program, night->host);
+    return status ? status : insert_beginning(index, night, *id, now, diag);
 }
 
 static enum neph_status find_or_insert_night(struct neph_database *index, const char *store_folder,
@@ -366,6 +378,28 @@ enum neph_status neph_history_begin(struct neph_database *index, const char *sto
         *id = found;
         *resumed = is_old;
     }
+    return status;
+}
+
+enum neph_status neph_history_adopt(struct neph_database *index, const char *store_folder,
+                                    const struct neph_history_night *night, int64_t id,
+                                    const char *started_utc, struct neph_diag *diag)
+{
+    bool taken = false;
+    enum neph_status status = is_taken(store_folder, NIGHT, id, &taken, diag);
+    if (!status && taken)
+        status = neph_fail(diag, NEPH_ERR_IO, "night %lld is over: its document is in '%s/history'",
+                           (long long)id, store_folder);
+    if (!status)
+        status = neph_database_begin(index, diag);
+    if (status)
+        return status;
+    status = forget_unfinished(index, 0, diag);
+    if (!status)
+        status = insert_beginning(index, night, id, started_utc, diag);
+    if (!status)
+        return neph_database_commit(index, diag);
+    neph_database_rollback(index);
     return status;
 }
 
@@ -577,6 +611,28 @@ static enum neph_status number_acceptance(struct neph_database *index, const cha
     return status ? status : insert_acceptance(index, number, document, diag);
 }
 
+/* Hosts have databases of their own, and one lock on the store. */
+static enum neph_status insert_accepted(struct neph_database *index, const char *store_folder,
+                                        json_t *document, struct neph_diag *diag)
+{
+    int lock = -1;
+    char *path = neph_path_join(store_folder, ".neph-lock");
+    enum neph_status status = path ? neph_lock_wait(path, &lock, diag) : neph_fail_memory(diag);
+    free(path);
+    if (status)
+        return status;
+    status = neph_database_begin(index, diag);
+    if (!status) {
+        status = number_acceptance(index, store_folder, document, diag);
+        if (!status)
+            status = neph_database_commit(index, diag);
+        else
+            neph_database_rollback(index);
+    }
+    close(lock);
+    return status;
+}
+
 enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag)
@@ -591,14 +647,7 @@ enum neph_status neph_history_accept(struct neph_database *index, const char *st
         "series", series, "night", (json_int_t)night, "who", who, "when_utc", now, "why", why);
     status = neph_json_check(document, diag);
     if (!status)
-        status = neph_database_begin(index, diag);
-    if (!status) {
-        status = number_acceptance(index, store_folder, document, diag);
-        if (!status)
-            status = neph_database_commit(index, diag);
-        else
-            neph_database_rollback(index);
-    }
+        status = insert_accepted(index, store_folder, document, diag);
     json_decref(document);
     return status;
 }

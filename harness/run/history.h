@@ -66,6 +66,13 @@ enum neph_status neph_history_begin(struct neph_database *index, const char *sto
                                     const struct neph_history_night *night, int64_t *id,
                                     bool *resumed, struct neph_diag *diag);
 
+/* Begin a night under the number and the time that it has from another database of the store. Other
+ * nights that did not end are forgotten. NEPH_ERR_IO also when a document of its number is there:
+ * it is over. */
+enum neph_status neph_history_adopt(struct neph_database *index, const char *store_folder,
+                                    const struct neph_history_night *night, int64_t id,
+                                    const char *started_utc, struct neph_diag *diag);
+
 /* A step is over, with all its numbers or not at all. */
 enum neph_status neph_history_add(struct neph_database *index, int64_t night,
                                   const struct neph_history_step *step,
@@ -87,6 +94,9 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
 enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag);
+
+/* Where the document of a night is, once it is over; to free. NULL: no memory. */
+char *neph_history_document_path(const char *store_folder, int64_t night);
 
 /* The document of a night, as it is now. To json_decref. */
 enum neph_status neph_history_document(struct neph_database *index, int64_t night,

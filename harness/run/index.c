@@ -215,6 +215,51 @@ static enum neph_status refresh(struct neph_database *index, const char *frames,
     return status;
 }
 
+/* ---- where it lies --------------------------------------------------------------------------- */
+
+enum neph_index_place neph_index_place(void)
+{
+    const char *named = getenv("NEPH_STORE_INDEX");
+    if (!named || !named[0])
+        return NEPH_INDEX_IN_STORE;
+    return strcmp(named, "none") == 0 ? NEPH_INDEX_NONE : NEPH_INDEX_OF_HOST;
+}
+
+/* A store that was removed and made again is another, also at the same path: its marker tells. */
+static enum neph_status name_of_store(const char *store_folder, char name[NEPH_HASH_HEX_SIZE],
+                                      struct neph_diag *diag)
+{
+    struct stat info;
+    char *real = realpath(store_folder, NULL);
+    char *marker = real ? neph_path_join(real, ".neph-owned") : NULL;
+    char *text = marker && stat(marker, &info) == 0
+                     ? neph_format("%s %llu %lld.%09ld", real, (unsigned long long)info.st_ino,
+                                   (long long)info.st_mtim.tv_sec, info.st_mtim.tv_nsec)
+                     : NULL;
+    const enum neph_status status = text ? neph_hash(text, strlen(text), name, diag)
+                                         : neph_fail(diag, NEPH_ERR_IO,
+                                                     "cannot tell which store '%s' is: %s",
+                                                     store_folder, strerror(errno));
+    free(text);
+    free(marker);
+    free(real);
+    return status;
+}
+
+/* The folder of the database, to free. */
+static enum neph_status find_folder(const char *store_folder, char **folder, struct neph_diag *diag)
+{
+    char name[NEPH_HASH_HEX_SIZE] = "";
+    enum neph_status status = NEPH_OK;
+    if (neph_index_place() == NEPH_INDEX_OF_HOST)
+        status = name_of_store(store_folder, name, diag);
+    if (status)
+        return status;
+    *folder = name[0] ? neph_format("%s/%.16s", getenv("NEPH_STORE_INDEX"), name)
+                      : neph_path_join(store_folder, "index");
+    return *folder ? NEPH_OK : neph_fail_memory(diag);
+}
+
 /* ---- opening --------------------------------------------------------------------------------- */
 
 /* A name that is free; NULL when memory is short. */
@@ -298,16 +343,22 @@ static bool is_damage(enum neph_status status)
 enum neph_status neph_index_open(const char *store_folder, bool reads, struct neph_database **index,
                                  struct neph_diag *diag)
 {
-    char *folder = neph_path_join(store_folder, "index"),
-         *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
-    const bool is_new = folder && !neph_path_exists(folder);
+    if (neph_index_place() == NEPH_INDEX_NONE)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "NEPH_STORE_INDEX is none: the database of '%s' is not opened here",
+                         store_folder);
+    char *folder = NULL;
     struct neph_diag why = {.line = 0};
-    enum neph_status status = path ? neph_dir_create(folder, &why) : neph_fail_memory(&why);
+    enum neph_status status = find_folder(store_folder, &folder, &why);
+    char *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
+    const bool is_new = folder && !neph_path_exists(folder);
+    if (!status)
+        status = path ? neph_dir_create(folder, &why) : neph_fail_memory(&why);
     if (!status)
         status = open_whole(path, store_folder, reads, index, &why);
-    if (!status && is_new)
+    if (!status && is_new && neph_index_place() == NEPH_INDEX_IN_STORE)
         tell_takeover(*index, store_folder);
-    if (is_damage(status)) {
+    if (path && is_damage(status)) {
         status = set_aside(path, folder, why.message, &why);
         if (!status)
             status = open_whole(path, store_folder, reads, index, &why);
@@ -363,10 +414,11 @@ enum neph_status neph_index_agrees(struct neph_database *index, const char *key,
 
 enum neph_status neph_index_renew(const char *store_folder, const char *why, struct neph_diag *diag)
 {
-    char *folder = neph_path_join(store_folder, "index"),
-         *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
-    const enum neph_status status = path ? set_aside(path, folder, why, diag)
-                                         : neph_fail_memory(diag);
+    char *folder = NULL;
+    enum neph_status status = find_folder(store_folder, &folder, diag);
+    char *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
+    if (!status)
+        status = path ? set_aside(path, folder, why, diag) : neph_fail_memory(diag);
     free(path);
     free(folder);
     return status;

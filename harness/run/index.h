@@ -7,12 +7,25 @@
  * each finished night and each acceptance is a document of its own. So a store of before the
  * database is taken over by reading it, a damaged database is set aside beside the new one, and a
  * run that is killed, or finds the disk full, loses no more than the next run reads again.
+ *
+ * A database is of one host: SQLite's log wants memory that all its users share. In a store that
+ * several hosts work in each has its own, on its own disk, made of the same files: the variable
+ * NEPH_STORE_INDEX names the folder for it (a folder in it for each store), or is "none" where
+ * frames are made and nothing is asked.
  */
 #ifndef NEPH_HARNESS_RUN_INDEX_H
 #define NEPH_HARNESS_RUN_INDEX_H
 
 #include "harness/json.h"
 #include "harness/run/database.h"
+
+enum neph_index_place {
+    NEPH_INDEX_IN_STORE,
+    NEPH_INDEX_OF_HOST, /* in the folder that NEPH_STORE_INDEX names */
+    NEPH_INDEX_NONE,    /* it is not to be opened */
+};
+
+enum neph_index_place neph_index_place(void);
 
 /* Open the database of a store, whose lock the caller holds, and bring it up to date with its
  * frames and documents. `reads`: all of it is read first (neph_database_check), which takes time;

@@ -210,6 +210,8 @@ static enum neph_status update_index(const struct neph_store *store, bool reads,
 {
     struct neph_database *index = NULL;
     struct neph_diag why = {.line = 0};
+    if (neph_index_place() == NEPH_INDEX_NONE)
+        return NEPH_OK;
     const enum neph_status status = neph_index_open(store->folder, reads, &index, &why);
     neph_database_close(index);
     if (status == NEPH_ERR_IO) {

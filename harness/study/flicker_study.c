@@ -21,9 +21,6 @@ enum { KIND_REFERENCE, KIND_TAKE }; /* of progress */
 /* Guesses before the first is over, on two cores. */
 static const double reference_typical_s = 10.0, take_typical_s = 30.0;
 
-/* A picture of a user's program. */
-static const double guest_limit_s = 600.0;
-
 struct work {
     const struct neph_flicker_study_params *params;
     struct neph_flicker_study *study;
@@ -59,7 +56,7 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
                                       .width_px = params->width_px,
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .time_limit_s = guest_limit_s,
+                                      .time_limit_s = NEPH_GUEST_LIMIT_S,
                                       .seed = scene ? neph_seed_of(scene, seed + 1) : 1}};
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", params->steps);

@@ -15,7 +15,7 @@ static enum neph_status copy_names(const json_t *entries, char ***scenes, int *c
     if (!names)
         return neph_fail_memory(diag);
     for (size_t i = 0; i < entry_count; i++)
-        if (!(names[i] = strdup(neph_json_text(json_array_get(entries, i), "scene")))) {
+        if (!(names[i] = neph_suite_scene(json_array_get(entries, i)))) {
             neph_data_free_names(names);
             return neph_fail_memory(diag);
         }

@@ -127,13 +127,12 @@ static enum neph_status read_sweeps(const json_t *list, struct neph_light_entry 
     return status;
 }
 
-/* With a slash it is a file of the project, not of the catalogue. */
 static enum neph_status read_entry(const json_t *entry, struct neph_light_entry *made,
                                    struct neph_diag *diag)
 {
     const char *scene = neph_json_text(entry, "scene");
     made->may_be_absent = true;
-    made->scene = strchr(scene, '/') ? neph_data_path(scene) : strdup(scene);
+    made->scene = neph_suite_scene(entry);
     if (!made->scene)
         return neph_fail_memory(diag);
     struct neph_diag why;

@@ -83,3 +83,9 @@ enum neph_status neph_suite_find(const char *file, const char *format, const cha
     json_decref(content);
     return status;
 }
+
+char *neph_suite_scene(const json_t *entry)
+{
+    const char *scene = neph_json_text(entry, "scene");
+    return strchr(scene, '/') ? neph_data_path(scene) : strdup(scene);
+}

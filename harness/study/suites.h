@@ -15,4 +15,8 @@
 enum neph_status neph_suite_find(const char *file, const char *format, const char *name,
                                  json_t **entries, struct neph_diag *diag);
 
+/* Where an entry's scene is: a name of the catalogue, or, with a slash, a file of the project. The
+ * caller frees it; NULL without memory. */
+char *neph_suite_scene(const json_t *entry);
+
 #endif

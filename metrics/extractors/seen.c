@@ -30,7 +30,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LANES = NEPH_SEEN_LANES, FRAME_COUNT_MIN = 16, CONDITIONS = 3 };
+enum { LANES = NEPH_SEEN_LANES, FRAME_COUNT_MIN = NEPH_SEEN_FRAMES_MIN, CONDITIONS = 3 };
 
 /* The display shows no less than this of its white (a contrast of 1000:1, as desk monitors have),
  * so that flicker in what is darker is not divided by almost nothing. */

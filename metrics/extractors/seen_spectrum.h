@@ -15,7 +15,8 @@
 
 #include <stddef.h>
 
-enum { NEPH_SEEN_LANES = 32 }; /* series that are worked on side by side */
+enum { NEPH_SEEN_LANES = 32 };      /* series that are worked on side by side */
+enum { NEPH_SEEN_FRAMES_MIN = 16 }; /* fewer tell next to no frequencies apart */
 
 /* All owned. */
 struct neph_seen_window {

@@ -9,6 +9,7 @@ static const struct neph_gpu_kind *const kinds[NEPH_MEDIUM_KIND_COUNT] = {
     [NEPH_MEDIUM_GRID] = &neph_gpu_grid,
     [NEPH_MEDIUM_HORIZON] = &neph_gpu_horizon,
     [NEPH_MEDIUM_PLUME] = &neph_gpu_plume,
+    [NEPH_MEDIUM_TENT] = &neph_gpu_tent,
 };
 
 const struct neph_gpu_kind *neph_gpu_kind_of(const struct neph_medium *medium)

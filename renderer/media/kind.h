@@ -50,7 +50,7 @@ struct neph_gpu_kind {
 };
 
 extern const struct neph_gpu_kind neph_gpu_homogeneous, neph_gpu_height_fog, neph_gpu_gaussian,
-    neph_gpu_shell, neph_gpu_grid, neph_gpu_horizon, neph_gpu_plume;
+    neph_gpu_shell, neph_gpu_grid, neph_gpu_horizon, neph_gpu_plume, neph_gpu_tent;
 
 /* NULL: the shaders do not know the kind. */
 const struct neph_gpu_kind *neph_gpu_kind_of(const struct neph_medium *medium);

@@ -162,12 +162,12 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     params->buffer_count = first + 2;
     if (first == 0)
         params->uniform_count = 1; /* the view, where no scene is before it */
-    params->array_count = RT_TARGET_COUNT;
+    params->array_count = pass->rays ? RT_RAY_TARGET_COUNT : RT_TARGET_COUNT;
     set_choices(device, params);
     dispatch->buffers[first] = &device->view_buffer;
     dispatch->buffers[first + 1] = &device->noise;
     const uint32_t touched = neph_rt_targets_touched(device->view, pass);
-    for (int t = 0; t < RT_TARGET_COUNT; t++)
+    for (int t = 0; t < (int)params->array_count; t++)
         dispatch->buffers[first + 2 + t] = touched & NEPH_RT_BIT(t) ? &device->targets[t]
                                                                     : &device->nothing;
 }

@@ -39,6 +39,7 @@ static const char *const upscales[] = {"nearest", "bilinear", "mean", "bilateral
 static const char *const laws[] = {"constant", "opacity", NULL};
 static const char *const pairs[] = {"shared", "independent", NULL};
 static const char *const jitters[] = {"none", "ue", "halton", NULL};
+static const char *const arounds[] = {"off", "on", "moved", NULL};
 static const char *const motions[] = {"centre", "cross", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
@@ -237,9 +238,10 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                                  "change of the nearest depth of its tile beyond which a "
                                  "half-resolution texel's history is void [m]; 0: never"),
     [RT_REJECT_AROUND] = CHOICE(
-        "reject_around", 1, switches,
+        "reject_around", RT_AROUND_ON, arounds,
         "history is kept if one of the 3x3 half-resolution texels about its place passes "
-        "reject_depth and reject_scene_m; off: its own alone decides"),
+        "reject_depth and reject_scene_m; off: its own alone decides; moved: its own where history "
+        "has moved by less than an eighth of a pixel, and so is of that very texel"),
 
     [RT_UPSCALE] = CHOICE(
         "upscale", RT_UPSCALE_MEAN, upscales,
@@ -387,5 +389,13 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_CLOUD_SHADOW_FRAMES] = WHOLE("cloud_shadow_frames", 1, 1, NEPH_SUN_CACHE_FRAMES_MAX,
                                      "pictures that it takes to fill that map anew when sun or "
                                      "clouds have moved, a part of it in each; 1: all of it"),
+    [RT_RELIGHT] = REAL(
+        "relight", 0, 0, 0.5,
+        "history at rest takes the change of light along that 3x3 tiles have in common, by "
+        "gradient=on, up to this part of it between two looks: what it explains is no change"),
+    [RT_CHANGE_HOLD] = REAL(
+        "change_hold", 0, 0, 0.99,
+        "part of a change, by gradient=on, that still counts in the next frame: not every place is "
+        "looked at in every frame"),
     {.name = NULL},
 };

@@ -18,6 +18,9 @@ static const uint32_t march_spirv[] = {
 static const uint32_t gradient_spirv[] = {
 #include "shaders/rt_gradient.comp.inc"
 };
+static const uint32_t change_spirv[] = {
+#include "shaders/rt_change.comp.inc"
+};
 static const uint32_t reconstruct_spirv[] = {
 #include "shaders/rt_reconstruct.comp.inc"
 };
@@ -81,12 +84,24 @@ const struct neph_rt_pass neph_rt_passes[] = {
     },
     {
         .name = "gradient",
-        .note = "what has changed since the same rays were marched before",
+        .note = "what the same rays see that were marched before",
         .shader = {"rt_gradient", gradient_spirv, sizeof(gradient_spirv)},
         .condition = {RT_GRADIENT, 1},
         .resolution = RT_QUARTER,
-        .reads = BIT(RT_RAY) | BIT(RT_BEHIND) | BIT(RT_KEPT_RAY) | BIT(RT_KEPT_BEHIND),
-        .writes = BIT(RT_KEPT_RAY) | BIT(RT_KEPT_BEHIND) | BIT(RT_CHANGE),
+        .reads = BIT(RT_RAY) | BIT(RT_BEHIND) | BIT(RT_KEPT_RAY) | BIT(RT_KEPT_BEHIND) |
+                 BIT(RT_HALF_DEPTH) | BIT(RT_HALF_DEPTH_BEFORE),
+        .writes = BIT(RT_KEPT_RAY) | BIT(RT_KEPT_BEHIND) | BIT(RT_LOOK_NOW) | BIT(RT_LOOK_THEN) |
+                  BIT(RT_LOOK_BEHIND_NOW) | BIT(RT_LOOK_BEHIND_THEN),
+    },
+    {
+        .name = "change",
+        .note = "what has changed around a tile",
+        .shader = {"rt_change", change_spirv, sizeof(change_spirv)},
+        .condition = {RT_GRADIENT, 1},
+        .resolution = RT_QUARTER,
+        .reads = BIT(RT_LOOK_NOW) | BIT(RT_LOOK_THEN) | BIT(RT_LOOK_BEHIND_NOW) |
+                 BIT(RT_LOOK_BEHIND_THEN) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND),
+        .writes = BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND),
     },
     {
         .name = "reconstruction",
@@ -137,9 +152,10 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .resolution = RT_FULL,
         .column = RT_TAA_COLUMN,
         .reads = BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) |
-                 BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_MOVED),
-        .spared = {{{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE)},
-                   {{RT_GRADIENT, 1}, BIT(RT_CHANGE)},
+                 BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) | BIT(RT_MOVED),
+        .spared = {{{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME_DISTANCE)},
+                   {{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME), .or = {RT_GRADIENT, 1}},
+                   {{RT_GRADIENT, 1}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},
                    {{RT_SOLID_MOTION, 1}, BIT(RT_MOVED)}},
         .writes = BIT(RT_TAA_OUT),
         .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
@@ -182,6 +198,11 @@ static const char *const target_names[RT_TARGET_COUNT] = {
     [RT_KEPT_RAY] = "kept ray",
     [RT_KEPT_BEHIND] = "kept radiance behind",
     [RT_CHANGE] = "change",
+    [RT_CHANGE_BEHIND] = "change behind",
+    [RT_LOOK_NOW] = "look now",
+    [RT_LOOK_THEN] = "look then",
+    [RT_LOOK_BEHIND_NOW] = "look behind now",
+    [RT_LOOK_BEHIND_THEN] = "look behind then",
     [RT_MOVED] = "moved",
 };
 
@@ -207,7 +228,8 @@ uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct 
 {
     uint32_t touched = pass->reads | pass->writes;
     for (int i = 0; i < NEPH_RT_SPARED_MAX && pass->spared[i].targets; i++)
-        if (!neph_rt_holds(view, pass->spared[i].unless))
+        if (!neph_rt_holds(view, pass->spared[i].unless) &&
+            !neph_rt_holds(view, pass->spared[i].or))
             touched &= ~pass->spared[i].targets;
     return touched;
 }

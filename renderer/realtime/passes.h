@@ -32,13 +32,14 @@ enum neph_rt_rays {
     NEPH_RT_RAYS_THROUGH_MEDIA /* of all steps */
 };
 
-/* Targets that a pass leaves alone unless this holds. */
+/* Targets that a pass leaves alone unless one of these holds. {0} never does: there is a step. */
 struct neph_rt_spared {
     struct neph_rt_condition unless;
     uint32_t targets;
+    struct neph_rt_condition or ;
 };
 
-enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 3, NEPH_RT_PASSES_MAX = 32 };
+enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 4, NEPH_RT_PASSES_MAX = 32 };
 
 #define NEPH_RT_BIT(target) (1u << (target))
 

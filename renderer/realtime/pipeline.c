@@ -20,9 +20,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-_Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_TARGET_COUNT - NEPH_GPU_SCENE_UNIFORMS <=
+_Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_RAY_TARGET_COUNT - NEPH_GPU_SCENE_UNIFORMS <=
                    NEPH_KERNEL_STORAGE_MAX,
                "room for all that a pass with rays is bound to");
+_Static_assert(2 + RT_TARGET_COUNT <= NEPH_KERNEL_STORAGE_MAX, "and a pass without");
 
 struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */

@@ -42,8 +42,8 @@
  *        the light has changed, and voided where the scene behind it has; no dither in the upscale,
  *        so that the anti-aliasing can be quick. docs/realtime.md holds what it was measured at.
  * ours2  its second generation: change is told from noise by rays that are marched twice, so that
- *        what is at rest and in the same light is the mean of all its frames, at half resolution
- *        and in the anti-aliasing, which is quick elsewhere and follows the medium.
+ *        what is at rest is the mean of all its frames, at half resolution and in the
+ *        anti-aliasing, and takes slow light along; elsewhere that is quick and follows the medium.
  */
 #include "renderer/realtime/options.h"
 
@@ -79,10 +79,10 @@ const struct neph_preset neph_rt_presets[] = {
     {"ours", "no box for what is at rest and in the same light; quick anti-aliasing",
      "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
      "taa_box=variance taa_sigma=1"},
-    {"ours2", "the mean of all that is at rest and in the same light, told from noise",
-     "reject_depth=0.1 gradient=on box_motion_px=0.05 box_change=0.002 history_age_max=32 "
-     "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
-     "taa_change=0.002 taa_alpha=0.1 taa_box=variance taa_sigma=1 upscale=bilateral "
-     "upscale_dither=none"},
+    {"ours2", "the mean of all that is at rest, told from noise, in the light that there is",
+     "reject_depth=0.1 reject_around=moved gradient=on relight=0.1 change_hold=0.75 "
+     "box_motion_px=0.05 box_change=0.1 history_age_max=32 box_age=0 fallback=bilateral "
+     "fallback_rejected=bilateral taa_medium=on taa_age_max=256 taa_change=0.1 taa_alpha=0.1 "
+     "taa_box=variance taa_sigma=1 upscale=bilateral upscale_dither=none"},
     {.name = NULL},
 };

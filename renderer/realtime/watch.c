@@ -9,8 +9,8 @@ static const uint32_t spirv[] = {
 #include "shaders/rt_watch.comp.inc"
 };
 
-/* Directions, and what is below 0 where it is not known. */
-#define SIGNED_TARGETS (NEPH_RT_BIT(RT_MOVED) | NEPH_RT_BIT(RT_CHANGE))
+/* Directions. */
+#define SIGNED_TARGETS NEPH_RT_BIT(RT_MOVED)
 
 enum { local_size = 64 }; /* of shaders/rt_watch.comp */
 

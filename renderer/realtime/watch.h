@@ -8,8 +8,8 @@
 #include "renderer/realtime/device.h"
 
 /* Values of the view's part of some targets (NEPH_RT_BIT() of each) that are not finite, or
- * negative; of RT_MOVED and RT_CHANGE, where that means something, those that are not finite. Waits
- * for all that was sent before. */
+ * negative; of RT_MOVED, where that means something, those that are not finite. Waits for all that
+ * was sent before. */
 enum neph_status neph_rt_watch(struct neph_rt_device *device, uint32_t targets, uint64_t *bad,
                                struct neph_diag *diag);
 

@@ -62,6 +62,10 @@
 #define NEPH_HALVES_READ 1u
 #define NEPH_HALVES_WRITTEN 2u
 
+// The sky: the highest degree of its moments, and how many there are up to it.
+#define NEPH_GPU_SKY_DEGREE_MAX 8
+#define NEPH_GPU_SKY_MOMENTS_MAX 45
+
 // Maps of the shadow of clouds, one within the other (cloud_shadow.glsl).
 #define NEPH_GPU_SHADOW_LEVELS_MAX 4
 #define NEPH_GPU_SHADOW_SAMPLES 16 // by which a texel's ray finds where clouds begin and end

@@ -23,6 +23,7 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 #include "plume.glsl"
 #include "shell.glsl"
 #include "solids.glsl"
+#include "tent.glsl"
 
 // What the scene is made of, known before the shader is compiled: code for what is not there costs
 // nothing, not even the loop turns (renderer/compute.h) of loops that no thread takes.
@@ -38,6 +39,7 @@ const uint MEDIUM_SHELL = 3;
 const uint MEDIUM_GRID = 4;
 const uint MEDIUM_HORIZON = 5;
 const uint MEDIUM_PLUME = 6;
+const uint MEDIUM_TENT = 7;
 
 // Fogs are layers, whose free paths have a closed form. The others are shapes: a density, times the
 // medium's extinction; they are tracked through majorants.
@@ -64,6 +66,7 @@ struct Shape {
     Grid grid;
     Horizon horizon;
     Plume plume;
+    Tent tent;
 };
 
 struct Medium {
@@ -109,6 +112,8 @@ float shape_density(uint kind, Shape shape, vec3 point_m)
         density = horizon_density(shape.horizon, point_m);
     else if (is_a(MEDIUM_PLUME, kind))
         density = plume_density(shape.plume, point_m);
+    else if (is_a(MEDIUM_TENT, kind))
+        density = tent_density(shape.tent, point_m);
     return density;
 }
 
@@ -132,6 +137,8 @@ float shape_integral_m(uint kind, Shape shape, vec3 origin_m, vec3 direction, fl
         integral_m = grid_integral_m(shape.grid, origin_m, direction, t0_m, t1_m);
     else if (is_a(MEDIUM_PLUME, kind))
         integral_m = plume_integral_m(shape.plume, origin_m, direction, t0_m, t1_m);
+    else if (is_a(MEDIUM_TENT, kind))
+        integral_m = tent_integral_m(shape.tent, origin_m, direction, t0_m, t1_m);
     return integral_m;
 }
 
@@ -146,6 +153,8 @@ void shape_narrow(uint kind, Shape shape, vec3 origin_m, vec3 direction, inout S
         horizon_narrow(shape.horizon, origin_m, direction, inside);
     else if (is_a(MEDIUM_PLUME, kind))
         plume_narrow(shape.plume, origin_m, direction, inside);
+    else if (is_a(MEDIUM_TENT, kind))
+        tent_narrow(shape.tent, origin_m, direction, inside);
 }
 
 // --- media: by place in the frame, for reading all of one costs more than most answers ----------

@@ -20,8 +20,10 @@
 #ifndef REALTIME_BINDING
 #define REALTIME_BINDING 0
 #define VIEW_BLOCK uniform
+#define KNOWN_TARGETS RT_TARGET_COUNT
 #else // behind the scene's buffers in passes that look at the scene
 #define VIEW_BLOCK readonly buffer
+#define KNOWN_TARGETS RT_RAY_TARGET_COUNT
 #endif
 
 // The camera of one frame; positions are relative to this frame's camera.
@@ -85,17 +87,17 @@ layout(std430, binding = REALTIME_BINDING + 1) readonly buffer NoiseRanks {
 
 layout(std430, binding = REALTIME_BINDING + 2) buffer Targets {
     uint words[];
-} targets[RT_TARGET_COUNT];
+} targets[KNOWN_TARGETS];
 
 // The same words by twos and by fours, for elements of as many: one access each. A target is seen
 // through one of the three alone.
 layout(std430, binding = REALTIME_BINDING + 2) buffer TargetPairs {
     uvec2 words[];
-} target_pairs[RT_TARGET_COUNT];
+} target_pairs[KNOWN_TARGETS];
 
 layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
     uvec4 words[];
-} target_fours[RT_TARGET_COUNT];
+} target_fours[KNOWN_TARGETS];
 
 // The view once more, read at the start of main(): there lavapipe knows that all threads are at
 // work, and reads for all at once. Behind a return or a branch it reads for one after the other.

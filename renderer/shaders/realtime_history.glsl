@@ -142,6 +142,8 @@ bool is_same_depth(float expected_m, float before_m)
     return !far_off && !off_by_metres;
 }
 
+const float MOVED_PX = 0.125; // history is of another texel, in part
+
 // Whether the scene behind that history had the depth that this texel's scene had there and then.
 // One of 3x3 texels is enough (reject_around): in the depth map nearest and farthest take turns
 // from one texel to the next, so that the very one may be of the other kind wherever the image
@@ -158,7 +160,10 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
     if (!(expected_m > 0.0))
         return false;
     ivec2 nearest = ivec2(floor(0.5 * before_px));
-    int count = choice(RT_REJECT_AROUND) != 0 ? 9 : 1;
+    bool is_around = choice(RT_REJECT_AROUND) == RT_AROUND_ON ||
+                     (choice(RT_REJECT_AROUND) == RT_AROUND_MOVED &&
+                      distance(before_px, place_px) >= MOVED_PX);
+    int count = is_around ? 9 : 1;
     for (int i = 0; i < count; i++) {
         int tap = (i + 4) % 9; // the very one first: it is enough nearly everywhere
         float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(tap % 3, tap / 3) - 1).x;

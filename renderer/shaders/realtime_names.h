@@ -144,7 +144,10 @@
 #define RT_CLOUD_SHADOW_EXTENT_M 116
 #define RT_CLOUD_SHADOW_PLANE 117
 #define RT_CLOUD_SHADOW_FRAMES 118
-#define RT_SETTING_COUNT 119
+// What is made of changes of the light.
+#define RT_RELIGHT 119
+#define RT_CHANGE_HOLD 120
+#define RT_SETTING_COUNT 121
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -256,6 +259,10 @@
 #define RT_PAIR_SHARED 0
 #define RT_PAIR_INDEPENDENT 1
 
+#define RT_AROUND_OFF 0
+#define RT_AROUND_ON 1
+#define RT_AROUND_MOVED 2
+
 #define RT_JITTER_NONE 0
 #define RT_JITTER_UE 1
 #define RT_JITTER_HALTON 2
@@ -304,14 +311,23 @@
 // jittered_depth is on.
 #define RT_STEADY_DEPTH 16
 #define RT_SHARPENED 17 // RGB: the picture after sharpening
-// What the same rays saw when they were marched before, and by how much that differs
-// (rt_gradient.comp).
-#define RT_KEPT_RAY 18    // half resolution; R: luminance of the medium, G: transmittance
-#define RT_KEPT_BEHIND 19 // R: luminance of what is behind all media
-#define RT_CHANGE 20      // quarter resolution; R: of the medium, below 0: unknown; G: behind it
 // RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move
-#define RT_MOVED 21
-#define RT_TARGET_COUNT 22
+#define RT_MOVED 18
+#define RT_RAY_TARGET_COUNT 19 // passes with rays know those before, which leaves room for a scene
+// What the same rays saw when they were marched before (rt_gradient.comp).
+#define RT_KEPT_RAY 19    // half resolution; RGB: radiance of the medium, A: transmittance
+#define RT_KEPT_BEHIND 20 // RGB: radiance of what is behind all media
+// Quarter resolution. Two looks at the same thing: RGB: what a tile's ray sees of the medium; A: a
+// change that no light explains.
+#define RT_LOOK_NOW 21
+#define RT_LOOK_THEN 22        // RGB: what it saw; A: 1 where it was marched before, else 0
+#define RT_LOOK_BEHIND_NOW 23  // the same of what is behind, sums of the pixels that were looked at
+#define RT_LOOK_BEHIND_THEN 24 // A: how many there are
+// What has changed around a tile (rt_change.comp). RGB: the light of a frame over that of the frame
+// before; A: the change that this does not explain.
+#define RT_CHANGE 25        // of the medium
+#define RT_CHANGE_BEHIND 26 // of what is behind all media
+#define RT_TARGET_COUNT 27
 
 // Groups of solids that move, each as one.
 #define RT_MOVERS_MAX 16
@@ -344,9 +360,14 @@
     {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_BEFORE */ \
     {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_STEADY_DEPTH */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */ \
-    {RT_HALF, RT_FIXED, RT_RG16F, RT_RG16F},                /* RT_KEPT_RAY */ \
-    {RT_FULL, RT_FIXED, RT_R16F, RT_R16F},                  /* RT_KEPT_BEHIND */ \
-    {RT_QUARTER, RT_FIXED, RT_RG16F, RT_RG16F},             /* RT_CHANGE */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */
+    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */ \
+    {RT_HALF, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_RAY */ \
+    {RT_FULL, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_BEHIND */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_NOW */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_THEN */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_BEHIND_NOW */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_BEHIND_THEN */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE */ \
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE_BEHIND */
 
 #endif

@@ -233,22 +233,33 @@ float change_at_ray(ivec2 tile, int ray)
     return then.is_void ? 1.0 : max(change, abs(now.a - then.value.a));
 }
 
-// With gradient = on it is had without noise (rt_gradient.comp). What has changed by box_change is
-// then no older than this frame, and of what changes slowly no more rays count than see it change
-// by that.
+// With gradient = on it is had without noise (rt_gradient.comp).
 float change_at(ivec2 tile, int nearest)
 {
-    return choice(RT_GRADIENT) != 0 ? change_around(tile).x : change_at_ray(tile, nearest);
+    return choice(RT_GRADIENT) != 0 ? change_of(RT_CHANGE, tile).residue
+                                    : change_at_ray(tile, nearest);
 }
 
+// What has changed by box_change is no older than this frame, and of what changes slowly no more
+// rays count than see it change by that.
 float age_after_change(ivec2 tile, bool is_fresh, float age)
 {
     if (choice(RT_GRADIENT) == 0)
         return age;
-    float change = change_around(tile).x;
+    float change = change_of(RT_CHANGE, tile).residue;
     float unchanged = 1.0 - beyond(change, setting(RT_BOX_CHANGE));
     age = min(unchanged * age, lasting(change, setting(RT_BOX_CHANGE)));
     return max(age, is_fresh ? 0.0 : 1.0);
+}
+
+// Where it rests history has the light of this frame: what that has been multiplied with since the
+// frame before.
+vec3 relit(vec3 radiance, ivec2 tile, float motion_px)
+{
+    if (choice(RT_GRADIENT) == 0 || !is_set(RT_RELIGHT))
+        return radiance;
+    vec3 gain = change_of(RT_CHANGE, tile).gain;
+    return mix(gain, vec3(1.0), beyond(motion_px, setting(RT_BOX_MOTION_PX))) * radiance;
 }
 
 // How much of the neighbourhood clamp applies, 0..1. What is at rest and in unchanged light needs
@@ -365,6 +376,7 @@ void main()
     History history = history_of(half_pixel, depth_m, distance_m);
     float part = 1.0; // of its age that counts
     if (!history.is_void) {
+        history.value.rgb = relit(history.value.rgb, tile, history.motion_px);
         vec4 boxed = held_among_rays(history.value, nearest, own_m, is_sky(depth_m));
         float share = box_share(history.motion_px, tile, nearest);
         if (boxed.rgb != history.value.rgb)

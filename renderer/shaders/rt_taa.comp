@@ -115,7 +115,24 @@ float depth_of_motion(ivec2 pixel, out vec3 moved_m)
     return nearest_m;
 }
 
-bool follows_medium() { return choice(RT_TAA_MEDIUM) != 0; }
+Change of_medium, of_behind; // around the column of this thread
+
+bool asks_for_change() { return choice(RT_GRADIENT) != 0 && is_set(RT_TAA_AGE_MAX); }
+
+void find_change(ivec2 tile)
+{
+    of_medium = change_of(RT_CHANGE, tile);
+    of_behind = change_of(RT_CHANGE_BEHIND, tile);
+}
+
+float change() { return max(of_medium.residue, of_behind.residue); }
+
+// What does not change does not move, whatever the wind: a veil that looks the same everywhere.
+bool follows_medium()
+{
+    return choice(RT_TAA_MEDIUM) != 0 &&
+           (!asks_for_change() || beyond(change(), setting(RT_TAA_CHANGE)) > 0.0);
+}
 
 // Where the medium stood for the camera of the frame before, off from where it is now.
 vec3 medium_from_m()
@@ -151,17 +168,20 @@ bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
     return depth_before > 0.0;
 }
 
-// A pixel goes with the medium where that hides more than half of what is behind, and before the
-// sky, which has nothing that could smear. A mix of both motions is that of neither: it drags
-// solids along in the haze before them. False, too, where the medium was behind the camera.
-bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, out vec2 motion_px)
+const float HARDLY_SEEN = 0.0625; // what moves by itself, behind a medium that lets less through
+
+// A pixel goes with the medium where that hides more than half of what is behind, nearly all of
+// what moves by itself, and before the sky, which has nothing that could smear; not at the rim of
+// what is before the medium. A mix of both motions is that of neither: it drags solids along in the
+// haze before them. False, too, where the medium was behind the camera.
+bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, bool has_moved, out vec2 motion_px)
 {
     float through = fetch_full(RT_VOLUME, pixel).a;
     float distance_m = fetch_full(RT_VOLUME_DISTANCE, pixel).x;
-    bool is_seen = through >= 0.0 && through < (is_sky(scene_m) ? 1.0 : 0.5) &&
-                   distance_m > 0.0 && distance_m < FAR_M;
+    float most = has_moved ? HARDLY_SEEN : is_sky(scene_m) ? 1.0 : 0.5;
+    bool is_seen = through >= 0.0 && through < most && distance_m > 0.0 && distance_m < FAR_M;
     precise float depth_m = distance_m / sqrt(dot_in_order(ray, ray));
-    return is_seen && find_motion(ray, depth_m, medium_from_m(), motion_px);
+    return is_seen && depth_m < scene_m && find_motion(ray, depth_m, medium_from_m(), motion_px);
 }
 
 // The place of the pixel's content in the frame before; false when that was out of the picture.
@@ -179,7 +199,9 @@ bool find_before(ivec2 pixel, out vec2 place_px, out float speed_px)
     bool has_moved = view_before.position_m != vec3(0.0) || follows_solids();
     float scene_m = has_moved || follows_medium() ? depth_of_motion(pixel, moved_m) : FAR_M;
     precise vec3 from_m = view_before.position_m + moved_m;
-    bool is_before = (follows_medium() && goes_with_medium(pixel, ray, scene_m, motion_px)) ||
+    bool is_mover = moved_m != vec3(0.0);
+    bool is_before = (follows_medium() &&
+                      goes_with_medium(pixel, ray, scene_m, is_mover, motion_px)) ||
                      find_motion(ray, has_moved ? scene_m : FAR_M, from_m, motion_px);
     precise vec2 before_px = centre_px - motion_px;
     place_px = before_px;
@@ -458,25 +480,34 @@ float frame_weight(float luma, float history_luma, float speed_px)
     return least > 1.0 ? 1.0 : least; // or NaN
 }
 
-float change; // of the light around the column of this thread
-float frames_alike; // it does not change by taa_change in so many
-
-// Rays look again after four frames, and at what is behind all media after those of the jitter.
-void find_change(ivec2 tile)
+// It does not change by taa_change in so many. Rays look again after four frames, and at what is
+// behind all media after those of the jitter.
+float frames_alike()
 {
-    vec2 most = change_around(tile);
     float limit = setting(RT_TAA_CHANGE);
-    change = max(most.x, most.y);
-    frames_alike = min(4.0 * lasting(most.x, limit),
-                       setting(RT_TAA_JITTER_LENGTH) * lasting(most.y, limit));
+    return min(4.0 * lasting(of_medium.residue, limit),
+               setting(RT_TAA_JITTER_LENGTH) * lasting(of_behind.residue, limit));
+}
+
+// Where it rests history has the light of this frame, by the shares that both have in the pixel.
+vec3 relit(vec3 history, ivec2 pixel, Surroundings around, float speed_px)
+{
+    if (!asks_for_change() || !is_set(RT_RELIGHT) || !is_counted(around.counted, CENTRE))
+        return history;
+    vec3 colour = around.colours[CENTRE];
+    vec3 medium = hold(fetch_full(RT_VOLUME, pixel).rgb, vec3(0.0), colour);
+    vec3 then = medium / of_medium.gain + (colour - medium) / of_behind.gain;
+    vec3 gain = mix(vec3(1.0), colour / then, greaterThan(then, vec3(0.0)));
+    return mix(gain, vec3(1.0), beyond(speed_px, setting(RT_TAA_REST_PX))) * history;
 }
 
 // How far a pixel is from being at rest, 0..1.
 float unrest(float speed_px)
 {
-    if (choice(RT_GRADIENT) == 0 || !is_set(RT_TAA_AGE_MAX))
+    if (!asks_for_change())
         return 1.0;
-    return max(beyond(speed_px, setting(RT_TAA_REST_PX)), beyond(change, setting(RT_TAA_CHANGE)));
+    return max(beyond(speed_px, setting(RT_TAA_REST_PX)),
+               beyond(change(), setting(RT_TAA_CHANGE)));
 }
 
 // At rest the weight of one frame more. The age counts frames since the last change, so that what
@@ -486,7 +517,7 @@ float weight_with_age(float alpha, float unrest, inout float age)
     if (!is_set(RT_TAA_AGE_MAX))
         return alpha;
     if (choice(RT_GRADIENT) != 0)
-        age = max(min(age, frames_alike), 1.0);
+        age = max(min(age, frames_alike()), 1.0);
     alpha = mix(1.0 / (age + 1.0), alpha, unrest);
     age = min(mix(age + 1.0, 1.0, unrest), setting(RT_TAA_AGE_MAX));
     return alpha;
@@ -541,6 +572,7 @@ vec4 resolved(ivec2 pixel, Surroundings around)
     if (!filter_frame(around, colour)) {
         colour = has_history ? history : vec3(0.0);
     } else if (has_history) {
+        history = relit(history, pixel, around, speed_px);
         float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
         float part = unrest(speed_px);
         alpha = weight_with_age(alpha, part, age);
@@ -558,7 +590,7 @@ void main()
     pixel.y *= RT_TAA_COLUMN;
     int end = min(pixel.y + RT_TAA_COLUMN, size.y);
     find_nearness();
-    if (choice(RT_GRADIENT) != 0 && is_set(RT_TAA_AGE_MAX))
+    if (asks_for_change())
         find_change(pixel / 4);
     Surroundings around = look_above(pixel);
     for (; pixel.y < end; pixel.y++) {

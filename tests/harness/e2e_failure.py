@@ -210,6 +210,20 @@ class Engines(unittest.TestCase):
         self.assertEqual((found["verdict"], found["value"]), ("missing", None))
         self.assertIn("povray", found["why"])
 
+    def test_looks_of_fog(self):
+        """What their controls break is found, and nothing without them."""
+        scenes = [f"fog_look_{name}" for name in ("below", "none", "start", "cutoff", "glow")]
+        words = [word for scene in scenes for word in ("--only", scene)]
+        done = suite(TEMPORARY.name, "--tier", "full", "-e", "fog_look", *words, "--json")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        results = json.loads(done.stdout)["results"]
+        self.assertEqual({r["verdict"] for r in results}, {"pass", "known_fail"})
+        failing = {(r["scene"], r["point"]) for r in results if r["verdict"] != "pass"}
+        self.assertEqual({scene for scene, _ in failing},
+                         {"fog_look_start", "fog_look_cutoff", "fog_look_glow"})
+        self.assertFalse(failing & {("fog_look_start", "start_distance_m=0"),
+                                    ("fog_look_cutoff", "cutoff_distance_m=0")})
+
     @night.of_the_night
     def test_the_witnesses_in_the_fog(self):
         """In the seam of the height fog and in an elevator they are within its limits, and what
@@ -318,7 +332,7 @@ class Proofs(unittest.TestCase):
 
     def test_each_scenario_fails_for_somebody_or_is_listed(self):
         listed = json.loads((ROOT / "scenes/studies/failure_expectations.json").read_text())
-        engines = {"march", "cycles", "povray"}
+        engines = {"march", "cycles", "povray"}  # a look is what is under test
         proven = ({e["scene"] for e in listed["expectations"]
                    if e["is"] == "fails" and not engines & set(e["presets"])}
                   # a single step is a fault of what marches: it proves no history and no mask

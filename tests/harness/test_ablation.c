@@ -91,8 +91,8 @@ static void test_parts_of_the_plain_pipeline_keep_apart(void **state)
 /* What the second generation added. */
 static neph_ablation_set second_generation(void)
 {
-    return bit("true_gradient") | bit("rest") | bit("medium_motion") | bit("running_mean") |
-           bit("stand_in");
+    return bit("true_gradient") | bit("rest") | bit("relight") | bit("change_memory") |
+           bit("own_depth") | bit("medium_motion") | bit("running_mean") | bit("stand_in");
 }
 
 static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
@@ -462,7 +462,7 @@ static void test_output_holds_every_number(void **state)
     assert_int_equal(count_of(svg, ">&#60;-99 %</text>"), 1); /* beyond the axis: in words */
     neph_assert_ok(neph_ablation_list(&ablation, &list, NULL), NULL);
     assert_int_equal(count_of(list, "without it: "), neph_ablation_part_count());
-    assert_int_equal(count_of(list, "not in this preset"), 6);
+    assert_int_equal(count_of(list, "not in this preset"), 9);
     json_t *json = neph_ablation_json(&ablation);
     assert_int_equal(json_array_size(json_object_get(json, "parts")), neph_ablation_part_count());
     json_decref(json);

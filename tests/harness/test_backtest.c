@@ -504,6 +504,35 @@ static void test_nights_are_drawn_from_a_store(void **state)
     free(world);
 }
 
+/* Real nights of two cores that a dozen other programs were using (tests/data/README.md): as a
+ * night has them, without the durations of steps during which the machine was too busy, and with
+ * those, which are off by factors. */
+static void test_nights_of_a_loaded_machine(void **state)
+{
+    (void)state;
+    static struct sample sample;
+    json_t *document = json_load_file(NEPH_SOURCE_DIR "/tests/data/nights.json", 0, NULL);
+    double low, high;
+    for (int with_busy = 0; with_busy < 2; with_busy++) {
+        take_sample(&sample, document, with_busy);
+        assert_true(sample.nights >= 2 * SAMPLE_LEAST);
+        assert_int_equal(sample.series, with_busy ? 4 : 2);
+        print_message(with_busy ? "busy steps, too: " : "as nights have them: ");
+        for (int percent = 20; percent <= 100; percent += 80) {
+            const struct rehearsal made = resample(&sample, neph_test_by_day(4, 50),
+                                                   1.0 + 0.01 * percent);
+            print_rehearsal(&sample, &made, percent);
+            clopper_pearson(made.false_alarms, made.quiet, &low, &high);
+            assert_true(low < 0.01);
+            if (neph_test_is_night())
+                assert_true((double)made.false_alarms / made.quiet < 0.01);
+            if (neph_test_is_night() && with_busy && percent == 100)
+                assert_true(made.found > made.runs / 2);
+        }
+    }
+    json_decref(document);
+}
+
 int main(int argc, char **argv)
 {
     if (argc == 2)
@@ -513,6 +542,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_quiet_nights_are_quiet),
         cmocka_unit_test(test_planted_changes_are_found),
         cmocka_unit_test(test_nights_are_drawn_from_a_store),
+        cmocka_unit_test(test_nights_of_a_loaded_machine),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

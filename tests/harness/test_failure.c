@@ -296,6 +296,14 @@ static void test_every_expectation_is_of_something(void **state)
     neph_failure_finish(&suite);
 }
 
+/* A preset that a scenario is of, or an engine. */
+static const char *somebody_of(const struct neph_failing *failing)
+{
+    if (strcmp(failing->presets, "none") == 0)
+        return "march";
+    return strstr(failing->presets, "off") ? "off" : "fixed";
+}
+
 /* Every scene says what fails; each is told how many bad values it has; every point is a scene. */
 static void test_every_scenario_can_be_run(void **state)
 {
@@ -309,8 +317,8 @@ static void test_every_scenario_can_be_run(void **state)
     assert_int_equal(full.scene_count, count);
     assert_true(quick.scene_count > 0 && quick.scene_count < full.scene_count);
     for (int s = 0; s < full.scene_count; s++) {
-        const struct neph_failure_place place = {full.scenes[s]->name, "", "fixed", "bad_values",
-                                                 "all"};
+        const struct neph_failure_place place = {
+            full.scenes[s]->name, "", somebody_of(&full.scenes[s]->failing), "bad_values", "all"};
         assert_true(has_row(&full, &place));
         for (int p = 1; p < neph_failing_point_count(&full.scenes[s]->failing); p++) {
             struct neph_scene *at = NULL;
@@ -377,8 +385,8 @@ static void test_presets_and_engines_choose_columns(void **state)
         struct neph_failure_params params;
         int presets, engines;
     } cases[] = {
-        {{.only = fog, .only_count = 1}, 3, 3},
-        {{.only = fog, .only_count = 1, .full = true}, 7, 3},
+        {{.only = fog, .only_count = 1}, 3, 4},
+        {{.only = fog, .only_count = 1, .full = true}, 7, 4},
         {{.only = fence, .only_count = 1}, 3, 0},
         {{.only = fog, .only_count = 1, .presets = ours, .preset_count = 1}, 1, 0},
         {{.only = fog, .only_count = 1, .engines = march, .engine_count = 1}, 0, 1},
@@ -408,6 +416,7 @@ static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
             continue;
         assert_true(row->scene->failing.engines);
         assert_true(row->limit->measure == NEPH_FAILING_ERROR ||
+                    row->limit->measure == NEPH_FAILING_ENERGY ||
                     row->limit->measure == NEPH_FAILING_BAD_VALUES);
         asked++;
     }

@@ -582,6 +582,117 @@ static void test_gc_tells_what_it_could_not_remove(void **state)
     neph_store_close(store);
 }
 
+/* ---- several hosts --------------------------------------------------------------------------- */
+
+/* From now on this is the host whose disk is that folder; "": a host alone. */
+static void be_host(void **state, const char *disk)
+{
+    char path[SCRATCH_PATH_MAX];
+    setenv("NEPH_STORE_INDEX", disk[0] ? scratch_path(state, path, disk) : "", 1);
+}
+
+/* Each host has a database of its own, and all say the same. */
+static void test_hosts_with_databases_of_their_own_agree(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    json_t *none = json_array();
+    be_host(state, "disk_a");
+    struct neph_store *store = open_store(state);
+    must_publish(store, 1, 10);
+    accept(store, "*", make_night(store, "a", 0.25, none), NEPH_OK);
+    json_t *of_a = export_of(store);
+    be_host(state, "disk_b");
+    struct neph_store *other = open_store(state);
+    json_t *of_b = export_of(other);
+    assert_true(json_array_size(json_object_get(of_a, "nights")) == 1 && json_equal(of_a, of_b));
+    must_publish(other, 2, 10);
+    assert_int_equal(make_night(other, "b", 0.5, none), 2);
+    neph_store_close(other);
+    be_host(state, "disk_a");
+    assert_int_equal(count_rows(store, "jobs"), 2);
+    assert_int_equal(count_rows(store, "nights"), 2);
+    neph_store_close(store);
+    assert_false(neph_path_exists(scratch_path(state, path, "store/index")));
+    be_host(state, "");
+    json_decref(of_b);
+    json_decref(of_a);
+    json_decref(none);
+}
+
+/* Rows of a store that was removed are none of the next at its path. */
+static void test_a_store_that_was_made_again_is_another(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    json_t *none = json_array();
+    be_host(state, "disk");
+    struct neph_store *store = open_store(state);
+    make_night(store, "a", 0.25, none);
+    neph_store_close(store);
+    neph_assert_ok(neph_dir_remove(scratch_path(state, path, "store"), NULL), NULL);
+    store = open_store(state);
+    assert_int_equal(count_rows(store, "nights"), 0);
+    assert_int_equal(make_night(store, "a", 0.25, none), 1);
+    neph_store_close(store);
+    be_host(state, "");
+    json_decref(none);
+}
+
+static void test_where_no_database_is_wanted_frames_are_made_all_the_same(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_database *index = NULL;
+    struct neph_diag diag = {0};
+    setenv("NEPH_STORE_INDEX", "none", 1);
+    struct neph_store *store = open_store(state);
+    must_publish(store, 1, 10);
+    assert_true(has_frame(store, 1));
+    assert_int_equal(neph_store_index(store, &index, &diag), NEPH_ERR_USAGE);
+    assert_non_null(strstr(diag.message, "NEPH_STORE_INDEX is none"));
+    neph_store_close(store);
+    assert_false(neph_path_exists(scratch_path(state, path, "store/index")));
+    be_host(state, "");
+    store = open_store(state);
+    assert_int_equal(count_rows(store, "jobs"), 1);
+    neph_store_close(store);
+}
+
+/* The night of jobs: begun on one host, ended on another. */
+static void test_a_night_that_ends_on_another_host_is_one_night(void **state)
+{
+    struct neph_database *index = NULL;
+    const struct neph_history_night who = {"quick", "a", "program", "host"};
+    const struct neph_history_step step = {"validate fog", "done", "", "8x6", 1.5, NAN};
+    const struct neph_measurement number = {"fog", "fixed", 1.0, NAN, "device", ""};
+    int64_t night = 0;
+    bool resumed = true;
+    json_t *none = json_array();
+    be_host(state, "disk_a");
+    struct neph_store *store = open_store(state);
+    const char *folder = neph_store_folder(store);
+    neph_assert_ok(neph_store_index(store, &index, NULL), NULL);
+    neph_assert_ok(neph_history_begin(index, folder, &who, &night, &resumed, NULL), NULL);
+    neph_database_close(index);
+    be_host(state, "disk_b");
+    neph_assert_ok(neph_store_index(store, &index, NULL), NULL);
+    neph_assert_ok(neph_history_adopt(index, folder, &who, night, "2026-01-31T00:00:00Z", NULL),
+                   NULL);
+    neph_assert_ok(neph_history_add(index, night, &step, &number, 1, NULL), NULL);
+    neph_assert_ok(neph_history_end(index, folder, night, "pass", none, NULL), NULL);
+    assert_int_equal(neph_history_adopt(index, folder, &who, night, "2026-01-31T00:00:00Z", NULL),
+                     NEPH_ERR_IO); /* it is over */
+    neph_database_close(index);
+    be_host(state, "disk_a");
+    json_t *document = export_of(store);
+    const json_t *nights = json_object_get(document, "nights");
+    assert_int_equal(json_array_size(nights), 1);
+    assert_string_equal(neph_json_text(json_array_get(nights, 0), "started_utc"),
+                        "2026-01-31T00:00:00Z");
+    json_decref(document);
+    neph_store_close(store);
+    be_host(state, "");
+    json_decref(none);
+}
+
 /* ---- nights ---------------------------------------------------------------------------------- */
 
 static void test_a_night_that_was_killed_goes_on(void **state)
@@ -688,6 +799,7 @@ static void test_a_step_without_a_time_leaves_its_night_out(void **state)
 }
 
 /* Each has a number and a document. */
+/* On two hosts, which see of each other files alone. */
 static void test_acceptances_at_the_same_time_are_all_kept(void **state)
 {
     enum { RUNS = 4, EACH = 5 };
@@ -699,6 +811,7 @@ static void test_acceptances_at_the_same_time_are_all_kept(void **state)
         pids[run] = fork();
         if (pids[run] != 0)
             continue;
+        be_host(state, run % 2 == 0 ? "" : "disk_b");
         for (int i = 0; i < EACH; i++)
             accept(store, "*", 1, NEPH_OK);
         _exit(0);
@@ -730,6 +843,10 @@ int main(void)
         scratch_test(test_a_repair_writes_a_torn_document_from_its_rows),
         scratch_test(test_gc_takes_the_longest_unused_and_no_baseline),
         scratch_test(test_gc_tells_what_it_could_not_remove),
+        scratch_test(test_hosts_with_databases_of_their_own_agree),
+        scratch_test(test_a_store_that_was_made_again_is_another),
+        scratch_test(test_where_no_database_is_wanted_frames_are_made_all_the_same),
+        scratch_test(test_a_night_that_ends_on_another_host_is_one_night),
         scratch_test(test_a_night_that_was_killed_goes_on),
         scratch_test(test_acceptances_are_added_and_never_changed),
         scratch_test(test_numbers_of_torn_documents_are_not_given_again),

@@ -9,6 +9,7 @@
 #include "renderer/cloud_shadow.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
+#include "scenes/bounds.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 
@@ -146,8 +147,7 @@ static void check_twin(struct neph_vulkan *vulkan, const struct test_scene *test
         const struct neph_vec3 point_m = place_of(test, p);
         const double twin = twin_through(&space, map, &test->scene, point_m, 1);
         largest = fmax(largest, fabs(through[p] - twin));
-        from_truth = fmax(from_truth,
-                          fabs(twin - exp(-depth_of(&test->scene, point_m, 1))));
+        from_truth = fmax(from_truth, fabs(twin - exp(-depth_of(&test->scene, point_m, 1))));
     }
     print_message("%s: off the twin by %.1e, which is off the truth by %.1e\n", what, largest,
                   from_truth);
@@ -211,9 +211,8 @@ static void test_a_blob_is_of_second_order(void **state)
     add_blob(&test, (struct neph_vec3){1.0, 14.0, -2.0});
     for (int texels = 16; texels <= 128; texels *= 2) {
         struct neph_march_params params = mapped(texels, 1);
-        const struct neph_shadow_space space = neph_shadow_space_of(&params.shortcuts.shadow,
-                                                                    &test.scene,
-                                                                    test.key.position_m);
+        const struct neph_shadow_space space = neph_shadow_space_of(
+            &params.shortcuts.shadow, &test.scene, test.key.position_m);
         measure(*state, &test, &params, 0, through);
         const struct difference off = against_truth(&test, 0, through);
         const double bound = blob_bound(space.levels[0].texel_m[0]);
@@ -275,11 +274,13 @@ static void test_voxels_are_within_two_per_cent(void **state)
         before = off.mean;
     }
     assert_true(before < 0.02 * sunlit);
-    struct neph_march_params skipping = mapped(512, 1);
-    double skipped[PIXELS];
-    skipping.shortcuts.skip = true;
-    measure(*state, &test, &skipping, 0, skipped);
-    assert_memory_equal(skipped, through, sizeof(through));
+    if (neph_test_is_night()) { /* a kernel of its own, and one for the map */
+        struct neph_march_params skipping = mapped(512, 1);
+        double skipped[PIXELS];
+        skipping.shortcuts.skip = true;
+        measure(*state, &test, &skipping, 0, skipped);
+        assert_memory_equal(skipped, through, sizeof(through));
+    }
     neph_grid_destroy(grid);
 }
 
@@ -309,10 +310,10 @@ static void test_edges_keep_their_place(void **state)
     for (double edge_m = -0.5; edge_m < 0.5; edge_m += 0.173) {
         cloud->bounds = (struct neph_bounds){{-15.3, 10.0, -30.0}, {edge_m, 14.0, 10.0}};
         const struct neph_march_params params = mapped(32, 1);
-        const double texel_m =
-            neph_shadow_space_of(&params.shortcuts.shadow, &test.scene, test.key.position_m)
-                .levels[0]
-                .texel_m[0];
+        const double texel_m = neph_shadow_space_of(&params.shortcuts.shadow, &test.scene,
+                                                    test.key.position_m)
+                                   .levels[0]
+                                   .texel_m[0];
         measure(*state, &test, &params, 0, through);
         const int row = SIDE_PX / 2 * SIDE_PX;
         const double off_texels = (middle_of_edge(&test, through, row) - edge_m) / texel_m;
@@ -368,7 +369,8 @@ static void test_layers_tell_what_is_between(void **state)
     }
     test_add_medium(&test, 0.02, 0.05, 0.0)->bounds = (struct neph_bounds){{-20.0, -4.0, -40.0},
                                                                            {20.0, 20.0, 0.0}};
-    test_add_box(&test, (struct neph_vec3){-1.0, -4.0, -16.0}, (struct neph_vec3){1.0, 20.0, -14.0});
+    test_add_box(&test, (struct neph_vec3){-1.0, -4.0, -16.0},
+                 (struct neph_vec3){1.0, 20.0, -14.0});
     const double one = error_between(*state, &test.scene, 1, &full);
     const double sixteen = error_between(*state, &test.scene, 16, &full);
     print_message("one layer: off by %.2e of %.2e; sixteen: %.2e\n", one, full, sixteen);
@@ -428,6 +430,28 @@ static void test_texels_stay_with_the_clouds(void **state)
                 assert_true(is_whole(there.levels[level].low_m[axis] / texel_m));
             }
     }
+}
+
+/* Ten thousand kilometres away a map is the same: it is placed by differences, in double. */
+static void test_far_from_the_origin_it_is_the_same(void **state)
+{
+    struct test_scene test;
+    double here[PIXELS], there[PIXELS], largest = 0.0;
+    const struct neph_vec3 far_m = {1e7, 0.0, -1e7};
+    look_down(&test, 24.0);
+    add_blob(&test, (struct neph_vec3){1.0, 14.0, -2.0});
+    struct neph_march_params params = mapped(64, 1);
+    params.shortcuts.shadow.levels = 2;
+    measure(*state, &test, &params, 0, here);
+    neph_medium_drift(&test.scene.media[0], far_m);
+    test.solids[0].box = neph_bounds_moved(test.solids[0].box, far_m);
+    test.key.position_m = neph_vec3_add(test.key.position_m, far_m);
+    test.key.look_at_m = neph_vec3_add(test.key.look_at_m, far_m);
+    measure(*state, &test, &params, 0, there);
+    for (int p = 0; p < PIXELS; p++)
+        largest = fmax(largest, fabs(here[p] - there[p]));
+    print_message("1e7 m away: off by %.1e\n", largest);
+    assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
 }
 
 /* A map of all clouds keeps the size of its texels while the sun goes some degrees. */
@@ -524,13 +548,17 @@ static void test_the_map_is_filled_over_pictures(void **state)
  * frame, whose kernels take seconds to make, by night. */
 static void test_in_real_time_the_ground_is_the_same(void **state)
 {
-    const char *const assignments[] = {
-        "cloud_shadow=map",       "taa=off",
-        "ray_dither=none",        "upscale_dither=none",
-        "cloud_shadow_texels=64", "cloud_shadow_layers=2",
-        "cloud_shadow_levels=2",  "cloud_shadow_plane=sun",
-        "steps=1",                neph_test_is_night() ? "split=four" : "split=none",
-        NULL};
+    const char *const assignments[] = {"cloud_shadow=map",
+                                       "taa=off",
+                                       "ray_dither=none",
+                                       "upscale_dither=none",
+                                       "cloud_shadow_texels=64",
+                                       "cloud_shadow_layers=2",
+                                       "cloud_shadow_levels=2",
+                                       "cloud_shadow_plane=sun",
+                                       "steps=1",
+                                       neph_test_is_night() ? "split=four" : "split=none",
+                                       NULL};
     struct test_scene test;
     struct neph_diag diag = {0};
     struct neph_realtime *realtime = NULL;
@@ -599,6 +627,7 @@ int main(void)
         cmocka_unit_test(test_layers_tell_what_is_between),
         cmocka_unit_test(test_fog_alone_keeps_the_bits),
         cmocka_unit_test(test_texels_stay_with_the_clouds),
+        cmocka_unit_test(test_far_from_the_origin_it_is_the_same),
         cmocka_unit_test(test_texels_keep_their_size),
         cmocka_unit_test(test_the_map_is_filled_over_pictures),
         cmocka_unit_test(test_in_real_time_the_ground_is_the_same),

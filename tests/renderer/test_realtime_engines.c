@@ -251,17 +251,56 @@ static void test_a_change_of_the_nearest_depth(void **state)
     }
 }
 
-/* The very texel, or one of 3x3. */
+/* The very texel, or one of 3x3; or the very one where the wind has taken history by less than an
+ * eighth of a pixel: 1 m is a quarter here. */
 static void test_where_a_rejection_looks(void **state)
 {
-    static const char *const assignments[] = {"reject_depth=0.1 reject_around=on",
-                                              "reject_depth=0.1 reject_around=off"};
-    for (int i = 0; i < 2; i++) {
+    static const struct {
+        const char *around;
+        float wind_m;
+        int rejected;
+    } cases[] = {{"on", 0.0f, 0},    {"off", 0.0f, 1},   {"moved", 0.0f, 1},
+                 {"moved", 0.3f, 1}, {"moved", 1.0f, 0}, {"off", 1.0f, 1}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct test_passes test;
-        open_bright(*state, assignments[i], &test);
+        char words[64];
+        snprintf(words, sizeof(words), "reject_depth=0.1 reject_around=%s", cases[i].around);
+        open_bright(*state, words, &test);
+        test.view.wind_m[0] = cases[i].wind_m;
         twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){50});
         reconstruct_run(&test);
-        assert_int_equal(count_void(&test), i);
+        assert_int_equal(count_void(&test), cases[i].rejected);
+        test_passes_close(&test);
+    }
+}
+
+/* What rests is multiplied with what the light has been, each channel by itself; of what the wind
+ * takes along, by half at one and a half times box_motion_px, nothing is. */
+static void test_history_is_relit(void **state)
+{
+    static const struct {
+        const char *words;
+        double parts; /* of box_motion_px */
+        double expected[3];
+    } cases[] = {{"relight=0.1", 0.0, {0.98, 1.0, 1.04}},
+                 {"relight=0", 0.0, {1.0, 1.0, 1.0}},
+                 {"relight=0.1", 1.5, {0.99, 1.0, 1.02}},
+                 {"relight=0.1", 2.0, {1.0, 1.0, 1.0}}};
+    const double px_per_m = 32.0 / (2.0 * 100.0 * 0.4663077 * 32.0 / 24.0);
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct test_passes test;
+        char words[128];
+        snprintf(words, sizeof(words),
+                 "color_format=float gradient=on box_motion_px=1 box_change=1 %s", cases[i].words);
+        open_bright(*state, words, &test);
+        reconstruct_fill(&test, RT_CHANGE, 0.98f, 1.0f, 1.04f, 0.0f);
+        test.view.wind_m[0] = (float)(cases[i].parts / px_per_m);
+        reconstruct_run(&test);
+        float value[4];
+        twin_fetch_half(&test.twin, RT_HISTORY, 8, 6,
+                        value); /* in the middle, where rays are level */
+        for (int c = 0; c < 3; c++)
+            neph_assert_close(value[c], cases[i].expected[c], 0.0, 1e-3);
         test_passes_close(&test);
     }
 }
@@ -542,6 +581,7 @@ int main(void)
         cmocka_unit_test(test_rejected_is_not_absent),
         cmocka_unit_test(test_a_change_of_the_nearest_depth),
         cmocka_unit_test(test_where_a_rejection_looks),
+        cmocka_unit_test(test_history_is_relit),
         cmocka_unit_test(test_near_media_have_no_history),
         cmocka_unit_test(test_colours_are_clipped),
         cmocka_unit_test(test_a_fading_mean),

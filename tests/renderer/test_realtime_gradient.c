@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The temporal gradient: the pass against its twin, and what it promises of rays that are marched
- * twice: no change where nothing has changed, and all of it where something has.
+ * The temporal gradient: its passes against their twins, and what they promise of rays that are
+ * marched twice: no change where nothing has changed, all of it where something has, and the gain
+ * of light that changes everywhere alike.
  */
 #include "tests/renderer/march_test.h"
 #include "tests/renderer/realtime_test.h"
@@ -32,34 +33,75 @@ static void fill(struct test_passes *test, int target, uint64_t *seed)
 static void fill_kept(struct test_passes *test, int target, uint64_t *seed)
 {
     for (size_t i = 0; i < test_elements(test, target); i++) {
-        const float value[4] = {(float)test_uniform(seed), (float)test_uniform(seed)};
+        float value[4];
+        for (int c = 0; c < 4; c++)
+            value[c] = (float)test_uniform(seed);
         test_set(test, target, i, value);
     }
 }
 
-static void test_the_pass_equals_the_twin(void **state)
+/* Depths that differ by a tenth or more, or not, in both frames. */
+static void fill_depths(struct test_passes *test, int target, uint64_t *seed)
+{
+    static const float depths_m[] = {10.0f, 10.0f, 10.0f, 10.5f, 11.0f, 100.0f, NEPH_GPU_FAR_M};
+    for (size_t i = 0; i < test_elements(test, target); i++)
+        test_set(test, target, i, (float[4]){depths_m[test_random(seed) % 7]});
+}
+
+/* Looks of which some are not second ones. */
+static void fill_looks(struct test_passes *test, int now, int then, uint64_t *seed)
+{
+    fill_kept(test, now, seed);
+    fill_kept(test, then, seed);
+    for (size_t i = 0; i < test_elements(test, then); i++) {
+        float value[4];
+        test_get(test, then, i, value);
+        value[3] = (float)(test_random(seed) % 3 == 0);
+        test_set(test, then, i, value);
+        test_get(test, now, i, value);
+        value[3] *= (float)(test_random(seed) % 2);
+        test_set(test, now, i, value);
+    }
+}
+
+static void test_the_passes_equal_their_twins(void **state)
 {
     static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
     static const char *const settings_texts[] = {
-        "gradient=on", "gradient=on taa_jitter_length=1 color_format=float",
-        "gradient=on taa_jitter_length=8", "gradient=on taa_jitter_length=20"};
+        "gradient=on", "gradient=on taa_jitter_length=1 color_format=float relight=0.5",
+        "gradient=on taa_jitter_length=8 reject_depth=0.1",
+        "gradient=on taa_jitter_length=20 relight=0.1 change_hold=0.8"};
     uint64_t seed = 5;
-    for (int round = 0; round < 40; round++) {
+    for (int round = 0; round < 80; round++) {
         const uint64_t start = seed;
-        const struct neph_settings settings = test_settings(settings_texts[round % 4]);
+        const struct neph_settings settings = test_settings(settings_texts[round / 2 % 4]);
         struct test_passes test;
-        test_passes_open(*state, &settings, sizes_px[round % 5],
+        test_passes_open(*state, &settings, sizes_px[round / 2 % 5],
                          (int[2]){round % 3 * 4, round % 2 * 8}, start, &test);
         test.view.frame = (uint32_t)test_random(&seed);
         fill(&test, RT_RAY, &seed);
         fill(&test, RT_BEHIND, &seed);
         fill_kept(&test, RT_KEPT_RAY, &seed);
         fill_kept(&test, RT_KEPT_BEHIND, &seed);
-        test_passes_run(&test, "gradient");
-        twin_gradient(&test.twin);
-        test_same_words(&test, RT_KEPT_RAY, start);
-        test_same_words(&test, RT_KEPT_BEHIND, start);
-        test_same_words(&test, RT_CHANGE, start);
+        fill_depths(&test, RT_HALF_DEPTH, &seed);
+        fill_depths(&test, RT_HALF_DEPTH_BEFORE, &seed);
+        fill_looks(&test, RT_LOOK_NOW, RT_LOOK_THEN, &seed);
+        fill_looks(&test, RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN, &seed);
+        fill(&test, RT_CHANGE, &seed);
+        fill_kept(&test, RT_CHANGE_BEHIND, &seed);
+        test.view.has_history = round % 7 != 0;
+        test.view.is_cut = round % 11 == 3;
+        if (round % 2) {
+            test_passes_run(&test, "change");
+            twin_change(&test.twin);
+        } else {
+            test_passes_run(&test, "gradient");
+            twin_gradient(&test.twin);
+        }
+        const uint32_t writes = neph_rt_pass_named(round % 2 ? "change" : "gradient")->writes;
+        for (int target = 0; target < RT_TARGET_COUNT; target++)
+            if (writes & NEPH_RT_BIT(target))
+                test_same_words(&test, target, start);
         test_passes_close(&test);
     }
 }
@@ -99,35 +141,42 @@ static void test_it_needs_the_split(void **state)
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36, TILES = (WIDTH_PX / 4) * (HEIGHT_PX / 4) };
 
-/* What one frame has. */
+/* What one frame has, over all tiles. */
 struct changes {
-    int known, behind; /* tiles whose rays repeat; that see a change behind the medium */
-    int changed;       /* of the known */
-    double least, most;
+    int medium, behind; /* tiles that see a change */
+    int void_tiles;     /* ... of all of it */
+    double least, most; /* change of the medium */
+    double gain[2];     /* the least and the largest, of the medium */
 };
 
 static void take_changes(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                          void *context)
 {
     struct changes *changes = context;
-    if (strcmp(pass->name, "gradient") != 0)
+    if (strcmp(pass->name, "change") != 0)
         return;
-    uint32_t *words = malloc(neph_rt_device_words(device, RT_CHANGE) * sizeof(*words));
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_rt_device_download(device, RT_CHANGE, words, &diag), &diag);
-    *changes = (struct changes){.least = 2.0};
-    for (size_t i = 0; i < TILES; i++) {
-        float change[4];
-        neph_rt_load(&device->view->targets[RT_CHANGE], words, i, change);
-        changes->known += change[0] >= 0.0f;
-        changes->changed += change[0] > 0.0f;
-        changes->behind += change[1] > 0.0f;
-        if (change[0] >= 0.0f) {
-            changes->least = fmin(changes->least, change[0]);
-            changes->most = fmax(changes->most, change[0]);
+    *changes = (struct changes){.least = 2.0, .gain = {2.0, 0.0}};
+    for (int t = 0; t < 2; t++) {
+        const int target = t ? RT_CHANGE_BEHIND : RT_CHANGE;
+        uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_rt_device_download(device, target, words, &diag), &diag);
+        for (size_t i = 0; i < TILES; i++) {
+            float change[4];
+            neph_rt_load(&device->view->targets[target], words, i, change);
+            *(t ? &changes->behind : &changes->medium) += change[3] > 0.0f;
+            changes->void_tiles += change[3] == 1.0f && t == 0;
+            for (int c = 0; c < 3 && t == 0; c++) {
+                changes->gain[0] = fmin(changes->gain[0], change[c]);
+                changes->gain[1] = fmax(changes->gain[1], change[c]);
+            }
+            if (t == 0) {
+                changes->least = fmin(changes->least, change[3]);
+                changes->most = fmax(changes->most, change[3]);
+            }
         }
+        free(words);
     }
-    free(words);
 }
 
 /* Fog before a ground, the sun behind the camera. */
@@ -166,15 +215,15 @@ static struct neph_image *next(struct neph_realtime *realtime, const struct test
     return image;
 }
 
-static void halve_the_sun(struct test_scene *test)
+static void dim_the_sun(struct test_scene *test, double part)
 {
     struct neph_sun *sun = &test->scene.sun;
-    sun->irradiance_w_per_m2 = neph_rgb_scale(sun->irradiance_w_per_m2, 0.5);
+    sun->irradiance_w_per_m2 = neph_rgb_scale(sun->irradiance_w_per_m2, part);
 }
 
 /* Noise on the rays, jitter, and a slot that is overridden change nothing. From the frame on in
- * which the sun is half as bright, half the tiles see just that, for four frames; what is behind is
- * seen for as many as there are places of the jitter. */
+ * which the sun is half as bright, all tiles see just that, for four frames; what is behind is seen
+ * for as many as there are places of the jitter. */
 static void test_light_is_told_from_noise(void **state)
 {
     enum { BEFORE = 24, AFTER = 12 };
@@ -186,21 +235,72 @@ static void test_light_is_told_from_noise(void **state)
     neph_realtime_observe(realtime, take_changes, &changes);
     for (int frame = 0; frame < BEFORE + AFTER; frame++) {
         if (frame == BEFORE)
-            halve_the_sun(&test);
+            dim_the_sun(&test, 0.5);
         neph_image_destroy(next(realtime, &test, frame));
         const int since = frame - BEFORE;
-        assert_int_equal(changes.known, TILES / 2);
         if (frame >= 8 && (since < 0 || since >= 4))
-            assert_int_equal(changes.changed, 0);
+            assert_int_equal(changes.medium, 0);
         if (frame >= 8 && (since < 0 || since >= 7))
             assert_int_equal(changes.behind, 0);
         if (since >= 0 && since < 4) {
-            assert_int_equal(changes.changed, changes.known);
+            assert_int_equal(changes.medium, TILES);
             neph_assert_close(changes.least, 0.5, 0.0, 2e-3); /* of halves */
             neph_assert_close(changes.most, 0.5, 0.0, 2e-3);
         }
         if (since >= 0 && since < 7)
             assert_true(changes.behind > TILES / 4); /* the ground, not the sky */
+    }
+    neph_realtime_destroy(realtime);
+}
+
+/* A sun that loses a hundredth in each frame is a gain of 0.96 between two looks, which is 0.99 per
+ * frame but for (0.96 - 1) / 4 + 0.01 of them, and leaves nothing but what halves round: 1 in 2048
+ * of each look. A gain of less than relight allows is a change. */
+static void test_slow_light_is_a_gain(void **state)
+{
+    enum { BEFORE = 12, AFTER = 8 };
+    struct test_scene test;
+    scene_ground(&test);
+    const struct neph_settings settings = test_settings("gradient=on steps=4 relight=0.1");
+    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
+    struct changes changes = {0};
+    neph_realtime_observe(realtime, take_changes, &changes);
+    for (int frame = 0; frame < BEFORE + AFTER; frame++) {
+        if (frame >= BEFORE)
+            dim_the_sun(&test, frame < BEFORE + AFTER - 1 ? 0.99 : 0.5);
+        neph_image_destroy(next(realtime, &test, frame));
+        if (frame >= BEFORE + 4 && frame < BEFORE + AFTER - 1) {
+            const double expected = 1.0 + (pow(0.99, 4) - 1.0) / 4.0;
+            neph_assert_close(changes.gain[0], expected, 0.0, 1e-3 / 4.0);
+            neph_assert_close(changes.gain[1], expected, 0.0, 1e-3 / 4.0);
+            assert_true(changes.most < 2e-3);
+        }
+    }
+    neph_assert_close(changes.gain[0], 1.0 - 0.1 / 4.0, 0.0, 1e-6);
+    assert_true(changes.least > 0.4); /* 1 - 0.99^3 0.5 / 0.9 */
+    neph_realtime_destroy(realtime);
+}
+
+/* What a solid uncovers and hides all tiles there know in the same frame, and no others. */
+static void test_what_a_solid_uncovers_has_changed(void **state)
+{
+    struct test_scene test;
+    scene_ground(&test);
+    const struct neph_settings settings = test_settings("gradient=on steps=4 reject_depth=0.1");
+    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
+    struct changes changes = {0};
+    neph_realtime_observe(realtime, take_changes, &changes);
+    for (int frame = 0; frame < 12; frame++) {
+        struct neph_solid *box = &test.scene.solids[1];
+        if (frame == 10)
+            box->box.min_m.x += 1.0, box->box.max_m.x += 1.0;
+        neph_image_destroy(next(realtime, &test, frame));
+        if (frame == 9)
+            assert_int_equal(changes.void_tiles, 0);
+        if (frame == 10) /* a strip at each side, and the tiles around */
+            assert_in_range(changes.void_tiles, 8, TILES / 2);
+        if (frame == 11)
+            assert_int_equal(changes.void_tiles, 0);
     }
     neph_realtime_destroy(realtime);
 }
@@ -241,7 +341,7 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
         neph_image_destroy(before);
         before = image;
     }
-    halve_the_sun(&test);
+    dim_the_sun(&test, 0.5);
     for (int frame = BEFORE; frame < BEFORE + SETTLED; frame++) {
         struct neph_image *image = next(realtime, &test, frame);
         if (frame == BEFORE + AFTER)
@@ -282,10 +382,12 @@ static int teardown(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_pass_equals_the_twin),
+        cmocka_unit_test(test_the_passes_equal_their_twins),
         cmocka_unit_test(test_tiles_repeat_by_turns),
         cmocka_unit_test(test_it_needs_the_split),
         cmocka_unit_test(test_light_is_told_from_noise),
+        cmocka_unit_test(test_slow_light_is_a_gain),
+        cmocka_unit_test(test_what_a_solid_uncovers_has_changed),
         cmocka_unit_test(test_the_second_generation_rests_and_follows),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

@@ -46,7 +46,7 @@ static struct neph_settings random_settings(uint64_t *seed)
         {RT_BOX_HOLD, 2},
         {RT_JITTERED_DEPTH, 2},
         {RT_REPROJECT_JITTER, 2},
-        {RT_REJECT_AROUND, 2},
+        {RT_REJECT_AROUND, 3},
     };
     struct neph_settings settings = test_settings("");
     for (size_t i = 0; i < sizeof(choices) / sizeof(choices[0]); i++)
@@ -70,6 +70,7 @@ static struct neph_settings random_settings(uint64_t *seed)
     settings.values[RT_REJECT_DEPTH] = pick(seed, 0, 0, 0.3);
     settings.values[RT_REJECT_SCENE_M] = pick(seed, 0, 0, 50);
     settings.values[RT_GRADIENT] = test_random(seed) % 2 == 0;
+    settings.values[RT_RELIGHT] = pick(seed, 0, 0.1, 0.3);
     return settings;
 }
 
@@ -120,8 +121,11 @@ static void fill_at_random(struct test_passes *test, uint64_t *seed)
         test_set(test, RT_RAY_DISTANCE, i, (float[4]){random_distance_m(seed)});
     }
     for (size_t i = 0; i < test_elements(test, RT_CHANGE); i++) {
-        const float change = test_random(seed) % 4 ? -1.0f : (float)(0.2 * test_uniform(seed));
-        test_set(test, RT_CHANGE, i, (float[4]){change});
+        float change[4];
+        for (int c = 0; c < 3; c++)
+            change[c] = (float)(0.9 + 0.2 * test_uniform(seed));
+        change[3] = test_random(seed) % 4 ? 0.0f : (float)(0.2 * test_uniform(seed));
+        test_set(test, RT_CHANGE, i, change);
     }
     for (size_t i = 0; i < test_elements(test, RT_HISTORY); i++) {
         static const float ages[] = {1, 1, 7, 254, 255};

@@ -123,17 +123,24 @@ static void fill_medium(struct test_passes *test, uint64_t *seed)
     static const float ages[] = {0.0f, 1.0f, 3.0f, 100.0f, 255.0f, -1.0f, NAN};
     for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
         const float through = test_random(seed) % 8 ? (float)test_uniform(seed) : 1.0f;
-        test_set(test, RT_VOLUME, i, (float[4]){0.0f, 0.0f, 0.0f, through});
+        float colour[4]; /* of which the medium has a part, here and there more than all */
+        test_get(test, RT_COLOR, i, colour);
+        const float part = (float)(1.1 * test_uniform(seed));
+        test_set(test, RT_VOLUME, i,
+                 (float[4]){part * colour[0], part * colour[1], part * colour[2], through});
         test_set(test, RT_VOLUME_DISTANCE, i, (float[4]){random_depth_m(seed)});
         float before[4];
         test_get(test, RT_TAA_BEFORE, i, before);
         before[3] = ages[test_random(seed) % 7];
         test_set(test, RT_TAA_BEFORE, i, before);
     }
-    for (size_t i = 0; i < test_elements(test, RT_CHANGE); i++)
-        test_set(test, RT_CHANGE, i,
-                 (float[4]){test_random(seed) % 3 ? -1.0f : (float)(0.3 * test_uniform(seed)),
-                            (float)(0.3 * test_uniform(seed))});
+    for (size_t i = 0; i < 2 * test_elements(test, RT_CHANGE); i++) {
+        float change[4];
+        for (int c = 0; c < 3; c++)
+            change[c] = (float)between(seed, 0.9, 1.1);
+        change[3] = test_random(seed) % 3 ? 0.0f : (float)(0.3 * test_uniform(seed));
+        test_set(test, i % 2 ? RT_CHANGE : RT_CHANGE_BEHIND, i / 2, change);
+    }
     for (int c = 0; c < 3; c++)
         test->view.wind_m[c] = (float)between(seed, -5.0, 5.0);
 }
@@ -196,7 +203,9 @@ static struct neph_settings random_settings(uint64_t *seed, char *text, size_t t
         {"taa_rest_px", {"0", "0.1", "2"}},
         {"taa_change", {"0", "0.1", "0.5"}},
     };
-    size_t length = 0;
+    uint64_t own = *seed; /* draws of its own, so that others stay theirs */
+    size_t length = (size_t)snprintf(text, text_size, "relight=%s ",
+                                     test_random(&own) % 2 ? "0.1" : "0");
     for (size_t i = 0; i < sizeof(choices) / sizeof(choices[0]); i++) {
         size_t count = 0;
         while (count < 5 && choices[i].values[count])
@@ -234,14 +243,16 @@ static void compare(struct test_passes *test, double most, uint64_t seed, const 
         float actual[4], expected[4];
         neph_rt_load(shape, words, i, actual);
         test_get(test, RT_TAA_OUT, i, expected);
-        for (int c = 0; c < 4; c++)
-            if (!(fabs((double)actual[c] - (double)expected[c]) <=
-                  allowed(&test->view, expected[c], most)) &&
+        for (int c = 0; c < 4; c++) {
+            const double scale = c < 3 ? most : fabs((double)expected[c]); /* an age is no colour */
+            const double bound = allowed(&test->view, expected[c], scale);
+            if (!(fabs((double)actual[c] - (double)expected[c]) <= bound) &&
                 !(isnan(actual[c]) && isnan(expected[c]))) /* 0 / 0 without guard */
                 fail_msg("seed %llu, %s: element %zu channel %d is %.9g, %.9g in the twin, "
                          "allowed %.3g",
                          (unsigned long long)seed, settings, i, c, (double)actual[c],
-                         (double)expected[c], allowed(&test->view, expected[c], most));
+                         (double)expected[c], bound);
+        }
     }
     free(words);
 }
@@ -779,20 +790,26 @@ static void test_what_rests_is_the_mean_of_its_frames(void **state)
     test_passes_close(&test);
 }
 
-/* A change of the light, of the medium or behind it, and motion each bring back weight and box, in
- * the 3x3 tiles around: at twice the limit wholly, at one and a half by half. The age begins anew
- * by as much, and before it counts no more frames than are alike but for the limit. */
+static void put_change(struct test_passes *test, int target, float gain, float residue)
+{
+    for (size_t i = 0; i < test_elements(test, target); i++)
+        test_set(test, target, i, (float[4]){gain, gain, gain, residue});
+}
+
+/* A change of the light, of the medium or behind it, and motion each bring back weight and box: at
+ * twice the limit wholly, at one and a half by half. The age begins anew by as much, and before it
+ * counts no more frames than are alike but for the limit. */
 static void test_change_and_motion_end_the_rest(void **state)
 {
     static const struct {
         float medium, behind, motion_px;
         double part, age; /* what of the 19 counts: 4 frames, 7 behind, times 0.2 over the change */
-    } cases[] = {{0.0f, 0.0f, 0.0f, 0.0, 19.0},  {0.1f, 0.0f, 0.0f, 0.0, 8.0},
-                 {0.2f, 0.0f, 0.0f, 0.0, 4.0},   {0.3f, 0.0f, 0.0f, 0.5, 8.0 / 3.0},
-                 {0.4f, 0.0f, 0.0f, 1.0, 2.0},   {0.0f, 0.3f, 0.0f, 0.5, 14.0 / 3.0},
-                 {0.1f, 0.1f, 0.0f, 0.0, 8.0},   {-1.0f, 0.9f, 0.0f, 1.0, 14.0 / 9.0},
-                 {-1.0f, 0.0f, 0.0f, 0.0, 19.0}, {0.0f, 0.0f, 1.0f, 0.0, 19.0},
-                 {0.0f, 0.0f, 1.5f, 0.5, 19.0},  {0.0f, 0.0f, 2.0f, 1.0, 19.0}};
+    } cases[] = {{0.0f, 0.0f, 0.0f, 0.0, 19.0}, {0.1f, 0.0f, 0.0f, 0.0, 8.0},
+                 {0.2f, 0.0f, 0.0f, 0.0, 4.0},  {0.3f, 0.0f, 0.0f, 0.5, 8.0 / 3.0},
+                 {0.4f, 0.0f, 0.0f, 1.0, 2.0},  {0.0f, 0.3f, 0.0f, 0.5, 14.0 / 3.0},
+                 {0.1f, 0.1f, 0.0f, 0.0, 8.0},  {0.0f, 0.9f, 0.0f, 1.0, 14.0 / 9.0},
+                 {0.0f, 0.0f, 1.0f, 0.0, 19.0}, {0.0f, 0.0f, 1.5f, 0.5, 19.0},
+                 {0.0f, 0.0f, 2.0f, 1.0, 19.0}};
     struct test_passes test;
     open_wall(*state,
               "taa_filter=off taa_hdr_weight=off taa_contrast=0 taa_format=float taa_alpha=0.25 "
@@ -803,29 +820,55 @@ static void test_change_and_motion_end_the_rest(void **state)
         test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 19.0f});
     }
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        for (int y = 0; y < 16; y++)
-            for (int x = 0; x < 64; x++) {
-                const bool is_at = x == 20 && y == 8;
-                twin_put_tile(&test.twin, RT_CHANGE, x, y,
-                              (float[4]){is_at         ? cases[i].medium
-                                         : (x + y) % 2 ? 0.0f
-                                                       : -1.0f,
-                                         is_at ? cases[i].behind : 0.0f});
-            }
+        put_change(&test, RT_CHANGE, 1.0f, cases[i].medium);
+        put_change(&test, RT_CHANGE_BEHIND, 1.0f, cases[i].behind);
         test.view.before.position_m[0] = cases[i].motion_px;
         run(&test);
         take_output(&test);
-        for (int x = 15; x < 26; x++) {
-            const bool is_around = abs(x - 20) <= 1 || cases[i].motion_px > 0.0f;
-            const double part = is_around ? cases[i].part : 0.0;
-            const double age = is_around ? cases[i].age : 19.0;
-            const double alpha = part * 0.25 + (1.0 - part) / (age + 1.0);
-            /* the box of a flat frame is the frame */
-            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4 * x, 34, 0),
-                              2.0 - (1.0 - alpha) * (1.0 - part), 0.0, 1e-3); /* of halves */
-            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4 * x, 34, 3),
-                              (1.0 - part) * (age + 1.0) + part, 0.0, 0.02);
+        const double part = cases[i].part, age = cases[i].age;
+        const double alpha = part * 0.25 + (1.0 - part) / (age + 1.0);
+        /* the box of a flat frame is the frame */
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
+                          2.0 - (1.0 - alpha) * (1.0 - part), 0.0, 1e-5);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3),
+                          (1.0 - part) * (age + 1.0) + part, 0.0, 1e-4);
+    }
+    test_passes_close(&test);
+}
+
+/* History at rest is multiplied with what the light of the pixel has been: that of the medium and
+ * that behind it by their shares. What moves is not. */
+static void test_history_takes_the_light_along(void **state)
+{
+    static const struct {
+        double share, medium, behind, motion_px, gain; /* of the pixel's light */
+    } cases[] = {{1.0, 0.98, 1.0, 0.0, 0.98},
+                 {0.0, 0.98, 1.0, 0.0, 1.0},
+                 {0.5, 0.98, 1.02, 0.0, 1.0 / (0.5 / 0.98 + 0.5 / 1.02)},
+                 {0.25, 1.05, 1.0, 0.0, 1.0 / (0.25 / 1.05 + 0.75)},
+                 {1.0, 0.98, 0.98, 1.5, 0.99},
+                 {1.0, 0.98, 0.98, 2.0, 1.0}};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 taa_format=float "
+              "taa_alpha=0 taa_alpha_moving=0 gradient=on taa_age_max=64 taa_rest_px=1 relight=0.1",
+              &test);
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++) {
+            const float medium = (float)(2.0 * cases[i].share);
+            test_set(&test, RT_COLOR, e, (float[4]){2.0f, 2.0f, 2.0f});
+            test_set(&test, RT_VOLUME, e, (float[4]){medium, medium, medium, 0.5f});
+            test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 64.0f});
         }
+        put_change(&test, RT_CHANGE, (float)cases[i].medium, 0.0f);
+        put_change(&test, RT_CHANGE_BEHIND, (float)cases[i].behind, 0.0f);
+        test.view.before.position_m[0] = (float)cases[i].motion_px;
+        run(&test);
+        take_output(&test);
+        const double moved = fmax(cases[i].motion_px - 1.0, 0.0);
+        const double alpha = (1.0 - moved) / 65.0;
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
+                          cases[i].gain + alpha * (2.0 - cases[i].gain), 0.0, 1e-5);
     }
     test_passes_close(&test);
 }
@@ -846,28 +889,37 @@ static void test_without_a_gradient_nothing_rests(void **state)
     test_passes_close(&test);
 }
 
-/* The wind blows by 8 pixels at 128 m, where the wall stands; clouds at half that distance move by
- * twice as many. What goes with them is what they hide more than half of, and the sky. */
+/* The wind blows by 8 pixels at 128 m, where clouds before a wall at 200 m are; those at half that
+ * distance move by twice as many. What goes with them is what they hide more than half of, and the
+ * sky; not what is before them, and nothing that does not change. */
 static void test_the_history_goes_with_the_medium(void **state)
 {
     static const struct {
-        const char *wind;
+        const char *words;
         float through, distance_m, scene_m;
         int motion_px;
-    } cases[] = {{"on", 0.0f, 128.0f, 128.0f, 8},         {"on", 0.4f, 64.0f, 128.0f, 16},
-                 {"on", 0.6f, 64.0f, 128.0f, 0},          {"on", 0.9f, 64.0f, NEPH_GPU_FAR_M, 16},
-                 {"on", 1.0f, 128.0f, NEPH_GPU_FAR_M, 0}, {"off", 0.0f, 128.0f, 128.0f, 0},
-                 {"on", 0.5f, 0.0f, NEPH_GPU_FAR_M, 0}};
+    } cases[] = {
+        {"wind=on", 0.0f, 128.0f, 200.0f, 8},
+        {"wind=on", 0.4f, 64.0f, 128.0f, 16},
+        {"wind=on", 0.6f, 64.0f, 128.0f, 0},
+        {"wind=on", 0.9f, 64.0f, NEPH_GPU_FAR_M, 16},
+        {"wind=on", 1.0f, 128.0f, NEPH_GPU_FAR_M, 0},
+        {"wind=off", 0.0f, 128.0f, 200.0f, 0},
+        {"wind=on", 0.5f, 0.0f, NEPH_GPU_FAR_M, 0},
+        {"wind=on", 0.0f, 128.0f, 64.0f, 0},
+        {"gradient=on taa_age_max=1 taa_rest_px=0 taa_change=0.2", 0.0f, 64.0f, 128.0f, 0},
+        {"gradient=on taa_age_max=1 taa_rest_px=0 taa_change=0.01", 0.0f, 64.0f, 128.0f, 16}};
     uint64_t seed = 3;
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         char text[256];
         snprintf(text, sizeof(text),
                  "taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
-                 "taa_history=nearest taa_medium=on wind=%s",
-                 cases[i].wind);
+                 "taa_history=nearest taa_medium=on %s",
+                 cases[i].words);
         struct test_passes test;
         open_wall(*state, text, &test);
         fill_colours(&test, RT_TAA_BEFORE, 3.0, &seed);
+        put_change(&test, RT_CHANGE, 1.0f, 0.1f);
         for (int y = 0; y < 64; y++)
             for (int x = 0; x < 256; x++) {
                 twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){cases[i].scene_m});
@@ -985,6 +1037,7 @@ int main(void)
         cmocka_unit_test(test_the_weight_grows_with_speed),
         cmocka_unit_test(test_what_rests_is_the_mean_of_its_frames),
         cmocka_unit_test(test_change_and_motion_end_the_rest),
+        cmocka_unit_test(test_history_takes_the_light_along),
         cmocka_unit_test(test_without_a_gradient_nothing_rests),
         cmocka_unit_test(test_the_history_goes_with_the_medium),
         cmocka_unit_test(test_a_frame_of_full_weight_comes_out_as_it_is),

@@ -438,6 +438,83 @@ static void test_shells(void **state)
                   worst.extinction, worst.depth);
 }
 
+/* --- tents -------------------------------------------------------------------------------- */
+
+/* How much of a ray is below the top of the tent. */
+static double below_top_m(const struct neph_tent *tent, const struct ray *ray, double more_m)
+{
+    const struct neph_vec3 from_center_m = neph_vec3_sub(ray->origin_m, tent->center_m);
+    const double middle_m = -neph_vec3_dot(from_center_m, ray->direction);
+    const double low_m = neph_vec3_length(neph_vec3_along(from_center_m, ray->direction, middle_m));
+    const double top_m = tent->radius_m + tent->altitude_m + tent->half_width_m + more_m;
+    const double half_m = low_m < top_m ? sqrt((top_m - low_m) * (top_m + low_m)) : 0.0;
+    return fmax(0.0, fmin(ray->length_m, middle_m + half_m) - fmax(0.0, middle_m - half_m));
+}
+
+static void check_tent(struct neph_vulkan *vulkan, const struct test_scene *test, uint64_t *random,
+                       struct worst *worst)
+{
+    const struct neph_medium *medium = &test->scene.media[0];
+    const struct neph_tent *tent = &medium->tent;
+    static const double lengths[] = {1e-2, 1.0, 10.0, 1e3, 1e12};
+    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
+    assert_non_null(probes);
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const double reach_m = i % 7 == 0 ? 0.0
+                               : i % 3    ? 2.0 * tent->half_width_m
+                                          : sqrt(tent->radius_m * tent->altitude_m);
+        probes[i] = probe_from(test, point_near(random, test->key.position_m, reach_m),
+                               odd_direction(random), tent->half_width_m * PICK(random, lengths));
+    }
+    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const struct ray ray = ray_of(test, &probes[i]);
+        const double off_m = fabs(neph_vec3_length(neph_vec3_sub(ray.origin_m, tent->center_m)) -
+                                  tent->radius_m);
+        const double place_m = 2.0 * ray.place_m + 8.0 * epsilon * (off_m + tent->altitude_m);
+        const double per_m = medium->extinction_per_m;
+        hold(answers[i].extinction_per_m, neph_medium_extinction_per_m(medium, ray.origin_m),
+             per_m * (place_m / tent->half_width_m + 8.0 * epsilon), &worst->extinction,
+             "extinction", i);
+        /* Heights along the ray are off by roundings of its length, wherever the tent is. */
+        const double inside_m = below_top_m(tent, &ray, place_m);
+        const double height_m = place_m + 16.0 * epsilon * inside_m;
+        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
+                                                       ray.length_m);
+        const double allowed = 2e-6 * depth +
+                               per_m * (inside_m * height_m / tent->half_width_m + 4.0 * height_m);
+        assert_true(answers[i].optical_depth >= 0.0f && isfinite(answers[i].optical_depth));
+        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    }
+    free(answers);
+    free(probes);
+}
+
+static void test_tents(void **state)
+{
+    uint64_t random = seed;
+    struct worst worst = {0.0, 0.0};
+    static const struct {
+        double radius_m, altitude_m, half_width_m, camera_m;
+    } cases[] = {
+        {6.36e6, 25e3, 15e3, 1.6},    {6.36e6, 25e3, 15e3, 25e3}, {6.36e6, 25e3, 15e3, 4e5},
+        {1000.0, 200.0, 100.0, 30.0}, {100.0, 60.0, 50.0, 80.0},
+    };
+    for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
+        struct test_scene test;
+        const struct neph_vec3 center_m = {c % 2 ? 3e6 : 0.0, -cases[c].radius_m, 0.0};
+        look_from(&test, neph_vec3_along(center_m, (struct neph_vec3){0, 1, 0},
+                                         cases[c].radius_m + cases[c].camera_m));
+        struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_TENT,
+                                                    0.3 / cases[c].half_width_m);
+        medium->tent = (struct neph_tent){center_m, cases[c].radius_m, cases[c].altitude_m,
+                                          cases[c].half_width_m};
+        check_tent(*state, &test, &random, &worst);
+    }
+    print_message("tents: worst error is %.2f of what is allowed at points, %.2f on rays\n",
+                  worst.extinction, worst.depth);
+}
+
 /* --- grids -------------------------------------------------------------------------------- */
 
 static struct neph_vec3 random_node(uint64_t *random, const struct neph_grid *grid)
@@ -838,6 +915,7 @@ int main(void)
         cmocka_unit_test(test_gaussian_blobs),
         cmocka_unit_test(test_plumes),
         cmocka_unit_test(test_shells),
+        cmocka_unit_test(test_tents),
         cmocka_unit_test(test_grids),
         cmocka_unit_test(test_grids_beside_each_other),
         cmocka_unit_test(test_horizon_clouds),

@@ -155,6 +155,9 @@ static void test_what_a_look_does_not_know(void **state)
     struct neph_scene *scene = loaded("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}");
     struct neph_medium *medium = &scene->media[0];
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
+    scene->light_count = 1;
+    assert_cannot(scene, NEPH_FOG_UNREAL, "the sun alone");
+    scene->light_count = 0;
     medium->layers[medium->layer_count++] = medium->layers[0];
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_UNREAL, reason, sizeof(reason)));
     assert_cannot(scene, NEPH_FOG_FILAMENT, "second layer");

@@ -474,9 +474,12 @@ static bool is_same_scene(const struct twin *twin, const double place_px[2],
         expected_m = project(view, &view->before, point_m, unused_px);
     }
     const int x = (int)floor(before_px[0] / 2), y = (int)floor(before_px[1] / 2);
+    const double way_px = hypot(before_px[0] - place_px[0], before_px[1] - place_px[1]);
+    const bool is_around = choice(twin, RT_REJECT_AROUND) == RT_AROUND_ON ||
+                           (choice(twin, RT_REJECT_AROUND) == RT_AROUND_MOVED && way_px >= 0.125);
     bool found = false;
     for (int i = 0; i < 9; i++) {
-        if (i != 4 && !choice(twin, RT_REJECT_AROUND))
+        if (i != 4 && !is_around)
             continue;
         float before[4];
         twin_fetch_half(twin, RT_HALF_DEPTH_BEFORE, x + i % 3 - 1, y + i / 3 - 1, before);
@@ -567,27 +570,38 @@ static double box_share(const struct twin *twin, int x, int y, double motion_px,
                         const struct ray *nearest)
 {
     const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
-    double change[2] = {0.0};
-    if (choice(twin, RT_GRADIENT))
-        twin_change_around(twin, x / 2, y / 2, change);
-    else
-        change[0] = change_at_ray(twin, nearest);
-    return fmax(moved, beyond(change[0], setting(twin, RT_BOX_CHANGE)));
+    float found[4];
+    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, found);
+    const double change = choice(twin, RT_GRADIENT) ? found[3] : change_at_ray(twin, nearest);
+    return fmax(moved, beyond(change, setting(twin, RT_BOX_CHANGE)));
 }
 
 /* In float32: ages are kept in halves and compared as they are. */
 static float age_after_change(const struct twin *twin, int x, int y, bool is_fresh, float age)
 {
     const float least = setting(twin, RT_BOX_CHANGE);
-    double change[2];
+    float found[4];
     if (!choice(twin, RT_GRADIENT))
         return age;
-    twin_change_around(twin, x / 2, y / 2, change);
-    const float changed = least > 0.0f ? fminf(fmaxf((float)change[0] / least - 1.0f, 0.0f), 1.0f)
-                                       : 1.0f;
-    if (change[0] > 0.0)
-        age = fminf(age * (1.0f - changed), least / (float)change[0]);
+    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, found);
+    const float change = found[3];
+    const float changed = least > 0.0f ? fminf(fmaxf(change / least - 1.0f, 0.0f), 1.0f) : 1.0f;
+    age *= 1.0f - changed;
+    if (change > 0.0f)
+        age = fminf(age, least / change);
     return fmaxf(age, is_fresh ? 0.0f : 1.0f);
+}
+
+/* What rests has the light of this frame. */
+static void relight(const struct twin *twin, int x, int y, double motion_px, double value[4])
+{
+    const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
+    float change[4];
+    if (!choice(twin, RT_GRADIENT) || setting(twin, RT_RELIGHT) == 0.0f)
+        return;
+    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, change);
+    for (int c = 0; c < 3; c++)
+        value[c] *= (1.0 - moved) * change[c] + moved;
 }
 
 static double kept(const struct twin *twin, int format_setting, double value)
@@ -693,6 +707,7 @@ static void reconstruct(const struct twin *twin, int x, int y)
     struct history history = history_of(twin, x, y, depth[0], distance[0]);
     double part = 1.0;
     if (!history.is_void) {
+        relight(twin, x, y, history.motion_px, history.value);
         double boxed[4];
         memcpy(boxed, history.value, sizeof(boxed));
         hold_among_rays(twin, rays, nearest, own_m, is_sky(depth[0]), boxed);

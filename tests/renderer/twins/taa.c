@@ -118,7 +118,30 @@ static bool find_motion(const struct neph_gpu_view *view, const float ray[3], fl
     return depth_before > 0.0f;
 }
 
-/* The medium is what is seen, and is known to have been before the camera. */
+/* What has changed around the tile of a pixel, of the medium and behind it; false where nobody asks.
+ */
+static bool find_changes(const struct twin *twin, int x, int y, float changes[2][4])
+{
+    twin_fetch_tile(twin, RT_CHANGE, x / 4, y / 4, changes[0]);
+    twin_fetch_tile(twin, RT_CHANGE_BEHIND, x / 4, y / 4, changes[1]);
+    return choice(twin, RT_GRADIENT) && setting(twin, RT_TAA_AGE_MAX) != 0.0f;
+}
+
+static double beyond(double value, double least)
+{
+    return least > 0.0 ? hold(value / least - 1.0, 0.0, 1.0) : 1.0;
+}
+
+/* Whether light changes by more than what counts as a change, as far as anybody knows. */
+static bool is_changing(const struct twin *twin, int x, int y)
+{
+    float changes[2][4];
+    return !find_changes(twin, x, y, changes) ||
+           beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)) > 0.0;
+}
+
+/* The medium is what is seen, and before the solids around, and is known to have been before the
+ * camera. What moves by itself is seen through more of it. */
 static bool goes_with_medium(const struct twin *twin, int x, int y, const float ray[3],
                              float motion_px[2])
 {
@@ -128,10 +151,13 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
     twin_fetch_full(twin, RT_VOLUME_DISTANCE, x, y, distance);
     for (int c = 0; c < 3; c++)
         from_m[c] = view->before.position_m[c] + (choice(twin, RT_WIND) ? view->wind_m[c] : 0.0f);
-    const bool is_sky = depth_of_motion(twin, x, y, moved_m) >= NEPH_GPU_FAR_M;
-    return volume[3] >= 0.0f && volume[3] < (is_sky ? 1.0f : 0.5f) && distance[0] > 0.0f &&
-           distance[0] < NEPH_GPU_FAR_M &&
-           find_motion(view, ray, distance[0] / sqrtf(dot(ray, ray)), from_m, motion_px);
+    const float scene_m = depth_of_motion(twin, x, y, moved_m);
+    const float depth_m = distance[0] / sqrtf(dot(ray, ray));
+    const bool is_mover = moved_m[0] != 0.0f || moved_m[1] != 0.0f || moved_m[2] != 0.0f;
+    const float most = is_mover ? 0.0625f : scene_m >= NEPH_GPU_FAR_M ? 1.0f : 0.5f;
+    return volume[3] >= 0.0f && volume[3] < most && distance[0] > 0.0f &&
+           distance[0] < NEPH_GPU_FAR_M && depth_m < scene_m &&
+           find_motion(view, ray, depth_m, from_m, motion_px);
 }
 
 static bool find_before(const struct twin *twin, int x, int y, float place_px[2], double *speed_px)
@@ -148,7 +174,7 @@ static bool find_before(const struct twin *twin, int x, int y, float place_px[2]
         ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
         from_m[c] = view->before.position_m[c] + moved_m[c];
     }
-    const bool is_before = (choice(twin, RT_TAA_MEDIUM) &&
+    const bool is_before = (choice(twin, RT_TAA_MEDIUM) && is_changing(twin, x, y) &&
                             goes_with_medium(twin, x, y, ray, motion_px)) ||
                            find_motion(view, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
@@ -359,20 +385,14 @@ static double frame_weight(const struct twin *twin, double luma, double history_
     return least <= alpha ? alpha : least > 1.0 ? 1.0 : least;
 }
 
-static double beyond(double value, double least)
-{
-    return least > 0.0 ? hold(value / least - 1.0, 0.0, 1.0) : 1.0;
-}
-
 /* How far a pixel is from being at rest. */
 static double unrest(const struct twin *twin, int x, int y, double speed_px)
 {
-    double change[2];
-    if (!choice(twin, RT_GRADIENT) || setting(twin, RT_TAA_AGE_MAX) == 0.0f)
+    float changes[2][4];
+    if (!find_changes(twin, x, y, changes))
         return 1.0;
-    twin_change_around(twin, x / 4, y / 4, change);
     return fmax(beyond(speed_px, setting(twin, RT_TAA_REST_PX)),
-                beyond(fmax(change[0], change[1]), setting(twin, RT_TAA_CHANGE)));
+                beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)));
 }
 
 /* How many frames are alike but for taa_change. */
@@ -380,12 +400,33 @@ static double frames_alike(const struct twin *twin, int x, int y)
 {
     const double limit = setting(twin, RT_TAA_CHANGE);
     const double frames[2] = {4.0, setting(twin, RT_TAA_JITTER_LENGTH)};
-    double change[2], least = INFINITY;
-    twin_change_around(twin, x / 4, y / 4, change);
+    float changes[2][4];
+    double least = INFINITY;
+    if (!find_changes(twin, x, y, changes))
+        return least;
     for (int c = 0; c < 2; c++)
-        if (change[c] > 0.0)
-            least = fmin(least, frames[c] * limit / change[c]);
+        if (changes[c][3] > 0.0f)
+            least = fmin(least, frames[c] * limit / changes[c][3]);
     return least;
+}
+
+/* History of what rests, in the light of this frame. */
+static struct colour relit(const struct twin *twin, int x, int y, struct colour history,
+                           const struct surroundings *around, double speed_px)
+{
+    float changes[2][4], volume[4];
+    if (!find_changes(twin, x, y, changes) || setting(twin, RT_RELIGHT) == 0.0f ||
+        !around->counts[4])
+        return history;
+    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
+    const double moved = beyond(speed_px, setting(twin, RT_TAA_REST_PX));
+    for (int c = 0; c < 3; c++) {
+        const double colour = around->colours[4].c[c], medium = hold(volume[c], 0.0, colour);
+        const double then = medium / changes[0][c] + (colour - medium) / changes[1][c];
+        const double gain = then > 0.0 ? colour / then : 1.0;
+        history.c[c] *= (1.0 - moved) * gain + moved;
+    }
+    return history;
 }
 
 /* The age of the history at a place; 1 where it has none, 0 where none is kept. */
@@ -478,6 +519,7 @@ static struct colour pixel_colour(const struct twin *twin, int x, int y, double 
         return has_history ? history : (struct colour){{0.0}};
     if (!has_history)
         return filtered;
+    history = relit(twin, x, y, history, &around, speed_px);
     const double part = unrest(twin, x, y, speed_px), age_max = setting(twin, RT_TAA_AGE_MAX);
     double alpha = frame_weight(twin, luma_4(filtered), luma_4(history), speed_px);
     if (age_max > 0.0 && choice(twin, RT_GRADIENT))

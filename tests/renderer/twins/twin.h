@@ -32,13 +32,11 @@ void twin_put_tile(const struct twin *twin, int target, int x, int y, const floa
 /* is_sound() of shaders/realtime.glsl. */
 bool twin_is_sound(const float value[4]);
 
-/* The most of RT_CHANGE in 3x3 tiles: of the medium, 1 where that is unknown, and behind it. */
-void twin_change_around(const struct twin *twin, int tile_x, int tile_y, double change[2]);
-
 /* One for each shader, in the order of the pipeline. */
 void twin_min_max(const struct twin *twin);
 void twin_tile_index(const struct twin *twin);
 void twin_gradient(const struct twin *twin);
+void twin_change(const struct twin *twin);
 void twin_reconstruct(const struct twin *twin);
 void twin_upscale(const struct twin *twin);
 void twin_compose(const struct twin *twin);

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/work.h"
+
+#include "base/files.h"
+#include "base/hash.h"
+#include "base/lock.h"
+#include "harness/host.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A step that takes longer than this many times what is known of it hangs. */
+static const double patience = 20.0, least_limit_s = 600.0;
+
+enum { NEVER = 1000 };
+
+/* ---- a step ---------------------------------------------------------------------------------- */
+
+const char *neph_night_log(struct neph_night_work *work, int index, const char *ending)
+{
+    return neph_step_file(&work->night->arena, work->logs, &work->night->plan.steps[index], ending);
+}
+
+/* With frames from the store it costs less than without, as when it is run once more. */
+double neph_night_limit_s(const struct neph_night_work *work, int index)
+{
+    const struct neph_night_step *step = &work->night->plan.steps[index];
+    const double cost_s = neph_night_step_cost(step, &work->history[index]);
+    return fmax(patience * fmax(cost_s, work->longest_s[index]), least_limit_s);
+}
+
+/* It was run, tonight or by a run of this night that was killed. Texts are of the arena. */
+void neph_night_note(struct neph_night_work *work, int index, const char *outcome,
+                     const char *reason)
+{
+    work->outcomes[index] = (struct neph_night_outcome){outcome, reason};
+    work->ran[index] = true;
+    work->ran_count++;
+    work->night->done_count += strcmp(outcome, neph_step_done) == 0;
+}
+
+/* ---- history --------------------------------------------------------------------------------- */
+
+static enum neph_status read_cost(struct neph_night_work *work, struct neph_database *index,
+                                  int step, struct neph_diag *diag)
+{
+    struct neph_step_history *history = &work->history[step];
+    struct neph_query *query = NULL;
+    int64_t last = 0, series = 0;
+    bool same = false;
+    *history = (struct neph_step_history){NAN, 0, NEVER};
+    const char *name = work->night->plan.steps[step].name;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag,
+        "SELECT wall_s, night, program FROM steps JOIN nights ON nights.id = night WHERE name = ? "
+        "AND outcome = 'done' AND night < ? ORDER BY night DESC LIMIT 5",
+        "si", name, work->night->id);
+    /* The last time, when the program is the same and has its frames; else the worst of five. */
+    while (!status && !same && neph_query_next(query, &status, diag)) {
+        same = last == 0 && strcmp(neph_query_text(query, 2), work->night->program) == 0;
+        last = last ? last : neph_query_integer(query, 1);
+        history->cost_s = fmax(isfinite(history->cost_s) ? history->cost_s : 0.0,
+                               neph_query_real(query, 0));
+    }
+    neph_query_end(query);
+    if (!status && last > 0)
+        status = neph_database_count(
+            index, &series, diag, "SELECT count(*) FROM measurements WHERE night = ? AND step = ?",
+            "is", last, name);
+    history->series = (int)series;
+    history->nights = last > 0 ? (int)(work->night->id - last) : NEVER;
+    return status;
+}
+
+static enum neph_status read_longest(struct neph_night_work *work, struct neph_database *index,
+                                     int step, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag,
+        "SELECT coalesce(max(wall_s), 0.0) FROM steps WHERE name = ? AND outcome = 'done'", "s",
+        work->night->plan.steps[step].name);
+    if (!status && neph_query_next(query, &status, diag))
+        work->longest_s[step] = neph_query_real(query, 0);
+    neph_query_end(query);
+    return status;
+}
+
+static enum neph_status read_outcome(struct neph_night_work *work, struct neph_database *index,
+                                     int step, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->night->arena;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag, "SELECT outcome, reason FROM steps WHERE night = ? AND name = ?", "is",
+        work->night->id, work->night->plan.steps[step].name);
+    if (!status && neph_query_next(query, &status, diag))
+        neph_night_note(work, step, neph_arena_text(arena, neph_query_text(query, 0)),
+                        neph_arena_text(arena, neph_query_text(query, 1)));
+    neph_query_end(query);
+    return status;
+}
+
+struct neph_history_night neph_night_who(const struct neph_night *night)
+{
+    return (struct neph_history_night){night->plan.identity, night->revision, night->program,
+                                       night->host};
+}
+
+/* A night of jobs has its number from the host that sent them. */
+static enum neph_status begin_history(struct neph_night_work *work, struct neph_database *index,
+                                      struct neph_diag *diag)
+{
+    struct neph_night *night = work->night;
+    const struct neph_history_night who = neph_night_who(night);
+    const char *folder = neph_store_folder(work->store);
+    if (work->jobs.night == 0)
+        return neph_history_begin(index, folder, &who, &night->id, &night->resumed, diag);
+    night->id = work->jobs.night;
+    night->host = work->jobs.who.host;
+    return neph_history_adopt(index, folder, &work->jobs.who, night->id, work->jobs.started_utc,
+                              diag);
+}
+
+enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag *diag)
+{
+    struct neph_night *night = work->night;
+    struct neph_database *index = NULL;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = begin_history(work, index, diag);
+    for (int i = 0; i < night->plan.count && !status; i++) {
+        status = read_cost(work, index, i, diag);
+        if (!status)
+            status = read_longest(work, index, i, diag);
+        if (!status)
+            status = read_outcome(work, index, i, diag);
+    }
+    if (!status)
+        status = neph_query_begin(index, &query, diag,
+                                  "SELECT started_utc FROM nights WHERE id = ?", "i", night->id);
+    if (!status && neph_query_next(query, &status, diag))
+        night->started_utc = neph_arena_text(&night->arena, neph_query_text(query, 0));
+    neph_query_end(query);
+    neph_database_close(index);
+    return status;
+}
+
+/* ---- who and where --------------------------------------------------------------------------- */
+
+enum neph_status neph_night_lock(const struct neph_night_work *work, bool waits, int *lock,
+                                 struct neph_diag *diag)
+{
+    char *path = neph_path_join(work->folder, ".lock");
+    enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
+    if (!status) {
+        const int made = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (made < 0)
+            status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", path, strerror(errno));
+        else
+            close(made);
+    }
+    if (!status && waits) {
+        status = neph_lock_wait(path, lock, diag);
+    } else if (!status && (*lock = neph_lock_take_over(path)) < 0) {
+        status = neph_fail(diag, NEPH_ERR_UNAVAILABLE, "another night is at work in '%s'",
+                           work->params->output);
+        neph_hint(diag, "wait for it, or name another folder with -o");
+    }
+    free(path);
+    return status;
+}
+
+static enum neph_status identify(struct neph_night_work *work, struct neph_diag *diag)
+{
+    char host[NEPH_HOST_CLASS_SIZE], digest[NEPH_HASH_HEX_SIZE], path[4096];
+    struct neph_night *night = work->night;
+    const ssize_t length = readlink("/proc/self/exe", path, sizeof(path) - 1);
+    if (length <= 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot tell where neph itself lies: %s",
+                         strerror(errno));
+    path[length] = '\0';
+    const enum neph_status status = neph_hash_file("/proc/self/exe", digest, diag);
+    if (status)
+        return status;
+    neph_host_class(host);
+    work->place.program_path = neph_arena_text(&night->arena, path);
+    night->program = neph_arena_format(&night->arena, "%.16s", digest);
+    night->host = work->place.host = neph_arena_text(&night->arena, host);
+    night->revision = neph_arena_text(&night->arena, work->params->revision);
+    return neph_arena_check(&night->arena, diag);
+}
+
+static enum neph_status make_plan(struct neph_night_work *work, struct neph_diag *diag)
+{
+    struct neph_night *night = work->night;
+    work->folder = neph_arena_format(&night->arena, "%s/nightly", work->params->output);
+    work->logs = neph_arena_format(&night->arena, "%s/logs", work->folder);
+    work->place.arena = &night->arena;
+    enum neph_status status = neph_dir_create(work->logs, diag);
+    if (!status)
+        status = neph_night_plan_make(&work->params->plan, &night->arena, &night->plan, diag);
+    if (status)
+        return status;
+    const size_t count = (size_t)night->plan.count;
+    work->history = neph_arena_zeroed(&night->arena, count, sizeof(*work->history));
+    work->outcomes = neph_arena_zeroed(&night->arena, count, sizeof(*work->outcomes));
+    work->longest_s = neph_arena_zeroed(&night->arena, count, sizeof(*work->longest_s));
+    work->ran = neph_arena_zeroed(&night->arena, count, sizeof(*work->ran));
+    night->outcomes = work->outcomes;
+    status = neph_step_place_settle(&work->place, true, diag);
+    return status ? status : neph_arena_check(&night->arena, diag);
+}
+
+enum neph_status neph_night_prepare(struct neph_night_work *work, struct neph_diag *diag)
+{
+    const enum neph_status status = make_plan(work, diag);
+    return status ? status : identify(work, diag);
+}

@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/slurm.h"
+
+#include "base/child.h"
+#include "base/files.h"
+#include "base/interrupt.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char install_line[] = "apt-get install slurm-client";
+static const double patience_s = 120.0;
+static const size_t answer_limit_bytes = 16 << 20;
+enum { WORDS_MAX = 64, VARIABLES_MAX = 1024, ARRAY_SIZE_OF_SLURM = 1001 };
+
+/* ---- settings -------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    size_t at;
+} keys[] = {
+    {"timing", offsetof(struct neph_slurm_settings, timing)},
+    {"gpu", offsetof(struct neph_slurm_settings, gpu)},
+    {"partition", offsetof(struct neph_slurm_settings, partition)},
+    {"at_once", offsetof(struct neph_slurm_settings, at_once)},
+    {"arguments", offsetof(struct neph_slurm_settings, arguments)},
+};
+
+static enum neph_status read_setting(const char *word, struct neph_slurm_settings *settings,
+                                     struct neph_diag *diag)
+{
+    const size_t length = strcspn(word, "=");
+    for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); i++) {
+        if (strlen(keys[i].name) != length || strncmp(word, keys[i].name, length) != 0)
+            continue;
+        if (strlen(word) < length + 2)
+            return neph_fail(diag, NEPH_ERR_USAGE, "--slurm %s: no value; write %s=VALUE", word,
+                             keys[i].name);
+        *(const char **)((char *)settings + keys[i].at) = word + length + 1;
+        return NEPH_OK;
+    }
+    return neph_fail(diag, NEPH_ERR_USAGE, "--slurm %s: no such key: " NEPH_SLURM_KEYS, word);
+}
+
+enum neph_status neph_slurm_read_settings(const char *const *words, int count,
+                                          struct neph_slurm_settings *settings,
+                                          struct neph_diag *diag)
+{
+    struct neph_slurm_settings read = {NULL};
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++)
+        status = read_setting(words[i], &read, diag);
+    if (!status && read.at_once && atoi(read.at_once) < 1)
+        status = neph_fail(diag, NEPH_ERR_USAGE, "--slurm at_once=%s: a number from 1 on",
+                           read.at_once);
+    if (!status)
+        *settings = read;
+    return status;
+}
+
+/* ---- asking Slurm ---------------------------------------------------------------------------- */
+
+/* What a command of Slurm prints; to free. It gets all of the user's environment: how the cluster
+ * is reached stands there, and jobs inherit it. */
+static enum neph_status ask(const char *logs, const char *const *words, char **answer,
+                            struct neph_diag *diag)
+{
+    static const char *const nothing[] = {NULL};
+    const char *variables[VARIABLES_MAX];
+    char *log = neph_path_join(logs, "slurm-answer.log");
+    size_t size;
+    enum neph_status status = log ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && neph_child_inherit(variables, VARIABLES_MAX, nothing) < 0)
+        status = neph_fail(diag, NEPH_ERR_USAGE, "the environment has more than %d variables",
+                           VARIABLES_MAX - 1);
+    if (!status) {
+        const struct neph_child_params child = {.argv = words,
+                                                .log_path = log,
+                                                .home = getenv("HOME"),
+                                                .environment = variables,
+                                                .time_limit_s = patience_s};
+        struct neph_child_result result;
+        status = neph_child_run(&child, &result, diag);
+    }
+    if (status == NEPH_ERR_UNAVAILABLE)
+        neph_hint(diag, "%s", install_line);
+    if (!status)
+        status = neph_file_read(log, answer_limit_bytes, answer, &size, diag);
+    free(log);
+    return status;
+}
+
+/* Tasks in one array, which Slurm limits by their largest number and not by how many there are. */
+static enum neph_status read_array_limit(const char *logs, int *limit, struct neph_diag *diag)
+{
+    static const char name[] = "MaxArraySize";
+    const char *const words[] = {"scontrol", "show", "config", NULL};
+    char *answer = NULL;
+    const enum neph_status status = ask(logs, words, &answer, diag);
+    const char *found = answer ? strstr(answer, name) : NULL;
+    *limit = ARRAY_SIZE_OF_SLURM;
+    if (found)
+        sscanf(found + strlen(name), " = %d", limit);
+    free(answer);
+    if (status || *limit >= 1)
+        return status;
+    return neph_fail(diag, NEPH_ERR_ENGINE, "this Slurm has no arrays of jobs (MaxArraySize %d)",
+                     *limit);
+}
+
+/* "123" or "123;cluster", below warnings. */
+static bool find_id(const char *answer, long *id)
+{
+    bool found = false;
+    for (const char *line = answer; line; line = strchr(line, '\n')) {
+        line += *line == '\n';
+        char *end;
+        const long number = isdigit((unsigned char)*line) ? strtol(line, &end, 10) : 0;
+        if (number > 0 && (*end == '\0' || *end == '\n' || *end == ';')) {
+            *id = number;
+            found = true;
+        }
+    }
+    return found;
+}
+
+/* ---- a shell's line -------------------------------------------------------------------------- */
+
+static const char *quote(struct neph_arena *arena, const char *word)
+{
+    const char *quoted = "'";
+    for (size_t length; *word; word += length + (word[length] == '\'')) {
+        length = strcspn(word, "'");
+        quoted = neph_arena_format(arena, "%s%.*s%s", quoted, (int)length, word,
+                                   word[length] ? "'\\''" : "");
+    }
+    return neph_arena_format(arena, "%s'", quoted);
+}
+
+const char *neph_slurm_line(struct neph_arena *arena, const char *const *words)
+{
+    const char *line = "";
+    for (int i = 0; words[i]; i++)
+        line = neph_arena_format(arena, "%s%s%s", line, i ? " " : "", quote(arena, words[i]));
+    return line;
+}
+
+/* ---- submitting ------------------------------------------------------------------------------ */
+
+struct submission {
+    const struct neph_slurm_settings *settings;
+    const struct neph_slurm_batch *batch;
+    struct neph_arena arena;
+    const char *manifest; /* its path, quoted for a shell */
+    const char *dependency;
+    int array_limit;
+};
+
+static void add(const char **words, int *count, const char *word)
+{
+    if (*count < WORDS_MAX) /* the last stays NULL */
+        words[(*count)++] = word;
+}
+
+/* The hosts that a task may go to. */
+static enum neph_status add_hosts(struct submission *submission, const struct neph_slurm_task *task,
+                                  const char **words, int *count, struct neph_diag *diag)
+{
+    const struct neph_slurm_settings *settings = submission->settings;
+    const char *timing = task->is_timed ? settings->timing : "",
+               *gpu = task->wants_gpu ? settings->gpu : "";
+    if (!timing || !gpu) {
+        neph_fail(diag, NEPH_ERR_USAGE, "nobody has said which hosts %s",
+                  timing ? "have a GPU" : "are for durations");
+        neph_hint(diag, "--slurm %s=FEATURE, as in `sinfo -o '%%n %%f'`",
+                  timing ? "gpu" : "timing");
+        return NEPH_ERR_USAGE;
+    }
+    if (timing[0] || gpu[0])
+        add(words, count,
+            neph_arena_format(&submission->arena, "--constraint=%s%s%s", timing,
+                              timing[0] && gpu[0] ? "&" : "", gpu));
+    if (task->is_timed)
+        add(words, count, "--exclusive");
+    return NEPH_OK;
+}
+
+static enum neph_status add_arguments(struct submission *submission, const char **words, int *count,
+                                      struct neph_diag *diag)
+{
+    const char *arguments = submission->settings->arguments;
+    for (const char *at = arguments ? arguments : ""; *(at += strspn(at, " "));
+         at += strcspn(at, " "))
+        add(words, count, neph_arena_format(&submission->arena, "%.*s", (int)strcspn(at, " "), at));
+    return *count < WORDS_MAX - 2
+               ? NEPH_OK
+               : neph_fail(diag, NEPH_ERR_USAGE, "--slurm arguments: more than %d words",
+                           WORDS_MAX / 2);
+}
+
+/* One sbatch; `own` are the words that are of this job alone. */
+static enum neph_status submit(struct submission *submission, const struct neph_slurm_task *task,
+                               const char *const *own, const char *log_name, const char *script,
+                               long *id, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &submission->arena;
+    const struct neph_slurm_batch *batch = submission->batch;
+    const char *words[WORDS_MAX + 1] = {"sbatch", "--parsable", "--requeue", "--open-mode=append"};
+    int count = 4;
+    add(words, &count, neph_arena_format(arena, "--job-name=%s", batch->name));
+    add(words, &count, neph_arena_format(arena, "--output=%s/slurm-%s.log", batch->logs, log_name));
+    if (submission->settings->partition)
+        add(words, &count,
+            neph_arena_format(arena, "--partition=%s", submission->settings->partition));
+    for (; *own; own++)
+        add(words, &count, *own);
+    enum neph_status status = add_hosts(submission, task, words, &count, diag);
+    if (!status)
+        status = add_arguments(submission, words, &count, diag);
+    add(words, &count, "--wrap");
+    add(words, &count, script);
+    if (!status)
+        status = neph_arena_check(arena, diag);
+    char *answer = NULL;
+    if (!status)
+        status = ask(batch->logs, words, &answer, diag);
+    if (!status && !find_id(answer, id))
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "sbatch gave no number of a job: %.200s", answer);
+    free(answer);
+    return status;
+}
+
+/* Lines `first` .. `first` + `count` - 1 of the manifest, from 1 on. */
+static enum neph_status submit_array(struct submission *submission,
+                                     const struct neph_slurm_task *task, int first, int count,
+                                     struct neph_diag *diag)
+{
+    struct neph_arena *arena = &submission->arena;
+    const char *at_once = submission->settings->at_once;
+    const char *const own[] = {neph_arena_format(arena, "--array=0-%d%s%s", count - 1,
+                                                 at_once ? "%" : "", at_once ? at_once : ""),
+                               NULL};
+    long id = 0;
+    const enum neph_status status = submit(
+        submission, task, own, "%A_%a",
+        neph_arena_format(arena, "eval \"exec $(sed -n $((%d + SLURM_ARRAY_TASK_ID))p %s)\"", first,
+                          submission->manifest),
+        &id, diag);
+    if (!status)
+        submission->dependency = neph_arena_format(arena, "%s:%ld", submission->dependency, id);
+    return status;
+}
+
+static bool is_alike(const struct neph_slurm_task *a, const struct neph_slurm_task *b)
+{
+    return a->is_timed == b->is_timed && a->wants_gpu == b->wants_gpu;
+}
+
+/* Arrays of tasks for the same hosts, in the order of the manifest. */
+static enum neph_status submit_arrays(struct submission *submission,
+                                      const struct neph_slurm_task *tasks, int count,
+                                      struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int first = 0, size; first < count && !status; first += size) {
+        for (size = 1; first + size < count && size < submission->array_limit &&
+                       is_alike(&tasks[first], &tasks[first + size]);)
+            size++;
+        status = submit_array(submission, &tasks[first], first + 1, size, diag);
+    }
+    return status;
+}
+
+static enum neph_status submit_last(struct submission *submission, struct neph_diag *diag)
+{
+    const struct neph_slurm_batch *batch = submission->batch;
+    const bool waits = batch->task_count > 0;
+    const char *const own[] = {waits ? neph_arena_format(&submission->arena,
+                                                         "--dependency=afterany%s",
+                                                         submission->dependency)
+                                     : NULL,
+                               NULL};
+    long id;
+    return submit(submission, &batch->last, own, "%j",
+                  neph_arena_format(&submission->arena, "exec %s", batch->last.line), &id, diag);
+}
+
+/* Tasks by the hosts that they may go to, else in the order in which they were given. */
+static struct neph_slurm_task *sort(struct submission *submission)
+{
+    const struct neph_slurm_batch *batch = submission->batch;
+    struct neph_slurm_task *sorted = neph_arena_zeroed(
+        &submission->arena, (size_t)batch->task_count + 1, sizeof(*sorted));
+    int count = 0;
+    for (int kind = 0; sorted && kind < 4; kind++)
+        for (int i = 0; i < batch->task_count; i++)
+            if (batch->tasks[i].is_timed == kind / 2 && batch->tasks[i].wants_gpu == kind % 2)
+                sorted[count++] = batch->tasks[i];
+    return sorted;
+}
+
+static enum neph_status write_manifest(const struct neph_slurm_batch *batch,
+                                       const struct neph_slurm_task *tasks, struct neph_diag *diag)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    for (int i = 0; out && i < batch->task_count; i++)
+        fprintf(out, "%s\n", tasks[i].line);
+    const bool whole = out && fclose(out) == 0;
+    const enum neph_status status = whole ? neph_file_write(batch->manifest, text, size, diag)
+                                          : neph_fail_memory(diag);
+    free(text);
+    return status;
+}
+
+static enum neph_status check_lines(const struct neph_slurm_batch *batch, struct neph_diag *diag)
+{
+    bool is_line = strchr(batch->last.line, '\n') == NULL;
+    for (int i = 0; i < batch->task_count; i++)
+        is_line = is_line && strchr(batch->tasks[i].line, '\n') == NULL;
+    return is_line ? NEPH_OK
+                   : neph_fail(diag, NEPH_ERR_USAGE,
+                               "a word of the command has a line break in it, which the manifest "
+                               "of a batch cannot hold");
+}
+
+enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
+                                   const struct neph_slurm_batch *batch, struct neph_diag *diag)
+{
+    struct submission submission = {.settings = settings, .batch = batch, .dependency = ""};
+    const struct neph_slurm_task *tasks = sort(&submission);
+    submission.manifest = quote(&submission.arena, batch->manifest);
+    enum neph_status status = check_lines(batch, diag);
+    if (!status)
+        status = tasks ? write_manifest(batch, tasks, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = read_array_limit(batch->logs, &submission.array_limit, diag);
+    if (!status) {
+        status = submit_arrays(&submission, tasks, batch->task_count, diag);
+        if (!status)
+            status = submit_last(&submission, diag);
+        if (status)
+            neph_slurm_cancel(batch->name, batch->logs, NULL);
+    }
+    neph_arena_finish(&submission.arena);
+    return status;
+}
+
+/* ---- afterwards ------------------------------------------------------------------------------ */
+
+/* States, such as "PENDING", among what squeue prints; the rest are warnings. */
+static int count_states(const char *answer)
+{
+    int count = 0;
+    for (const char *at = answer; *at; at += *at == '\n') {
+        const size_t length = strcspn(at, "\n"), plain = strspn(at, "ABCDEFGHIJKLMNOPQRSTUVWXYZ_");
+        count += length > 0 && plain == length;
+        at += length;
+    }
+    return count;
+}
+
+enum neph_status neph_slurm_count(const char *name, const char *logs, int *count,
+                                  struct neph_diag *diag)
+{
+    const char *const words[] = {"squeue", "--noheader", "--array",     "--me",
+                                 "--name", name,         "--format=%T", NULL};
+    char *answer = NULL;
+    const enum neph_status status = ask(logs, words, &answer, diag);
+    if (!status)
+        *count = count_states(answer);
+    free(answer);
+    return status;
+}
+
+enum neph_status neph_slurm_cancel(const char *name, const char *logs, struct neph_diag *diag)
+{
+    const char *const words[] = {"scancel", "--quiet", "--name", name, NULL};
+    char *answer = NULL;
+    neph_interrupt_acknowledge();
+    const enum neph_status status = ask(logs, words, &answer, diag);
+    free(answer);
+    return status;
+}

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: MIT
+//
+// The sky of a planet, the twin of renderer/sky/: what the air is, its two tables, and light along
+// a ray. Who includes this declares the buffers of both tables, sky_sun_node() and sky_field_node()
+// reading them.
+#ifndef NEPH_SKY_GLSL
+#define NEPH_SKY_GLSL
+
+#include "phase.glsl"
+
+struct SkyLayer {
+    vec3 extinction_per_m; // where the density is 1
+    uint is_tent;          // else exponential
+    vec3 scattering_per_m;
+    float middle_m; // of a tent: the altitude of its peak
+    float scale_m;  // scale height, or half the width of a tent
+    uint phase_kind;
+    float g;
+    float unused;
+};
+
+struct SkyAir {
+    vec3 ground_albedo;
+    float radius_m; // of the ground
+    float top_m;    // altitude above which nothing is
+    uint layer_count;
+    uint degree;               // of the moments of the field
+    uint altitudes, suns;      // its nodes
+    uint sun_altitudes, sun_cosines; // nodes of the transmittance to the sun
+    float deepest_root;        // of the sun, where the field begins: sky_field_place()
+    SkyLayer layers[NEPH_GPU_MEDIA_MAX];
+    float norms[NEPH_GPU_SKY_MOMENTS_MAX]; // of the harmonics
+};
+
+layout(std430, binding = 0) readonly buffer Air {
+    SkyAir air;
+};
+
+vec3 sky_sun_node(uint index);
+vec3 sky_field_node(uint index);
+
+// Drivers may be off by 1e-4 in asin and acos. The series of asin where it is short, to 2e-7, and
+// asin x = pi / 2 - 2 asin(sqrt((1 - x) / 2)) where it is not.
+float sky_short_asin(float x)
+{
+    float s = x * x;
+    return x * (1.0 + s * (1.0 / 6.0 + s * (3.0 / 40.0 + s * (15.0 / 336.0 + s * (105.0 / 3456.0 +
+           s * (945.0 / 42240.0 + s * (10395.0 / 599040.0 + s * (135135.0 / 9676800.0))))))));
+}
+
+float sky_acos(float x)
+{
+    float a = min(abs(x), 1.0);
+    float angle = a > 0.5 ? 2.0 * sky_short_asin(sqrt(0.5 * (1.0 - a)))
+                          : 0.5 * PI - sky_short_asin(a);
+    return x < 0.0 ? PI - angle : angle;
+}
+
+float sky_asin(float x)
+{
+    return abs(x) > 0.5 ? 0.5 * PI - sky_acos(x) : sky_short_asin(x);
+}
+
+// --- places in tables ---------------------------------------------------------------------------
+
+// r^2 - radius^2, without its cancellation.
+float sky_growth_m2(float altitude_m) { return altitude_m * (2.0 * air.radius_m + altitude_m); }
+
+// The node below a part of an axis, and how far it is from there to the next.
+float sky_among(float part, uint nodes, out uint low)
+{
+    float place = clamp(part, 0.0, 1.0) * float(nodes - 1u);
+    low = min(uint(place), nodes - 2u);
+    return place - float(low);
+}
+
+float sky_length_to_top_m(float altitude_m, float cosine)
+{
+    float rise_m = (air.radius_m + altitude_m) * cosine;
+    float left_m2 = max(sky_growth_m2(air.top_m) - sky_growth_m2(altitude_m), 0.0);
+    float root_m = sqrt(rise_m * rise_m + left_m2);
+    return rise_m > 0.0 ? left_m2 / (rise_m + root_m) : root_m - rise_m;
+}
+
+// Transmittance to the sun; 0 where the ground hides it.
+vec3 sky_sun_transmittance(float altitude_m, float sun_cosine)
+{
+    float horizon_m = sqrt(sky_growth_m2(altitude_m)), most_m = sqrt(sky_growth_m2(air.top_m));
+    if (sun_cosine * (air.radius_m + altitude_m) < -horizon_m)
+        return vec3(0.0);
+    float shortest_m = air.top_m - altitude_m;
+    float spread_m = max(horizon_m + most_m - shortest_m, 1e-9);
+    uint i, j;
+    float x = sky_among((sky_length_to_top_m(altitude_m, sun_cosine) - shortest_m) / spread_m,
+                        air.sun_cosines, i);
+    float y = sky_among(horizon_m / most_m, air.sun_altitudes, j);
+    uint low = j * air.sun_cosines + i, high = low + air.sun_cosines;
+    return mix(mix(sky_sun_node(low), sky_sun_node(low + 1u), x),
+               mix(sky_sun_node(high), sky_sun_node(high + 1u), x), y);
+}
+
+uint sky_moments() { return (air.degree + 1u) * (air.degree + 2u) / 2u; }
+
+float sky_among_suns(float sun_cosine, out uint low)
+{
+    float part = sky_asin(sun_cosine) * (2.0 / PI);
+    float root = sqrt(abs(part)) * (part < 0.0 ? -1.0 : 1.0);
+    return sky_among((root - air.deepest_root) / (1.0 - air.deepest_root), air.suns, low);
+}
+
+// Irradiance of the ground by all but the sun itself: behind the moments.
+vec3 sky_field_ground(float sun_cosine)
+{
+    uint i;
+    float x = sky_among_suns(sun_cosine, i);
+    uint first = air.altitudes * air.suns * sky_moments();
+    return mix(sky_field_node(first + i), sky_field_node(first + i + 1u), x);
+}
+
+// --- where a ray goes ---------------------------------------------------------------------------
+
+struct SkyRay {
+    float altitude_m, cosine; // of its start, to the vertical there
+    float sun_cosine;         // of the sun to that vertical
+    float toward_sun;         // cosine between ray and sun
+    float phases[NEPH_GPU_MEDIA_MAX]; // of the layers, at that angle
+};
+
+// A part of a ray on which it rises or falls all the way, seen from its lower end.
+struct SkyLeg {
+    bool falls;
+    float low_m, climb_m; // altitude of the lower end, and how much higher the other one is
+    float rise_m;         // radius times |cosine| at the lower end
+    float low_t_m;        // where on the ray that is
+};
+
+// Distance from the lower end of a leg to where it has climbed.
+float sky_distance_m(SkyLeg leg, float climb_m)
+{
+    float growth_m2 = climb_m * (2.0 * (air.radius_m + leg.low_m) + climb_m);
+    return growth_m2 > 0.0
+               ? growth_m2 / (leg.rise_m + sqrt(leg.rise_m * leg.rise_m + growth_m2))
+               : 0.0;
+}
+
+// --- what is scattered --------------------------------------------------------------------------
+
+// Of what a layer scatters of the moments of a degree.
+float sky_legendre(SkyLayer layer, uint degree)
+{
+    if (degree == 0u)
+        return 1.0;
+    if (layer.phase_kind == PHASE_HENYEY_GREENSTEIN)
+        return degree == 1u ? layer.g : sign(layer.g) * (degree % 2u == 0u ? sign(layer.g) : 1.0) *
+                                            pow(abs(layer.g), float(degree));
+    return layer.phase_kind == PHASE_RAYLEIGH && degree == 2u ? 0.1 : 0.0;
+}
+
+float sky_density(SkyLayer layer, float altitude_m)
+{
+    return layer.is_tent != 0u
+               ? max(0.0, 1.0 - abs(altitude_m - layer.middle_m) / layer.scale_m)
+               : transmittance(max(0.0, altitude_m) / layer.scale_m);
+}
+
+// By light of all orders before, into a direction of coordinates x (towards the sun) and z (up).
+vec3 sky_scatter_field(float altitude_m, float sun_cosine, float x, float z,
+                       vec3 scattering_per_m[NEPH_GPU_SKY_DEGREE_MAX + 1])
+{
+    uint i, j, count = sky_moments();
+    float along = sky_among_suns(sun_cosine, i);
+    float up = sky_among(sqrt(max(0.0, altitude_m) / air.top_m), air.altitudes, j);
+    uint low = (j * air.suns + i) * count, high = low + air.suns * count;
+    float across2 = max(0.0, 1.0 - z * z), wave = 1.0, before = 0.0, start = 1.0;
+    vec3 source = vec3(0.0);
+    for (uint m = 0u; m <= air.degree; m++) {
+        float legendre = start, lower = 0.0;
+        for (uint l = m; l <= air.degree; l++) {
+            uint k = l * (l + 1u) / 2u + m;
+            vec3 moment = mix(mix(sky_field_node(low + k), sky_field_node(low + count + k), along),
+                              mix(sky_field_node(high + k), sky_field_node(high + count + k),
+                                  along), up);
+            source += air.norms[k] * legendre * wave * scattering_per_m[l] * moment;
+            float next = (float(2u * l + 1u) * z * legendre - float(l + m) * lower) /
+                         float(l + 1u - m);
+            lower = legendre;
+            legendre = next;
+        }
+        float next = m == 0u ? x : 2.0 * x * wave - across2 * before;
+        before = wave;
+        wave = next;
+        start *= float(2u * m + 1u);
+    }
+    return source;
+}
+
+// --- along a ray --------------------------------------------------------------------------------
+
+struct SkyLight {
+    vec3 radiance; // of the media alone; sky_walk() adds the ground's
+    vec3 volume;
+    vec3 transmittance;
+    float length_m; // to the ground; FAR_M: there is none
+};
+
+// The light of one step around a place, the source being the same all along it.
+void sky_step(SkyRay ray, float altitude_m, float cosine, float sun_cosine, float length_m,
+              bool scatters, bool has_field, inout SkyLight light)
+{
+    vec3 extinction_per_m = vec3(0.0), source = vec3(0.0);
+    vec3 by_degree[NEPH_GPU_SKY_DEGREE_MAX + 1];
+    for (uint l = 0u; l <= NEPH_GPU_SKY_DEGREE_MAX; l++)
+        by_degree[l] = vec3(0.0);
+    for (uint n = 0u; n < air.layer_count; n++) {
+        float density = sky_density(air.layers[n], altitude_m);
+        vec3 scattering_per_m = density * air.layers[n].scattering_per_m;
+        extinction_per_m += density * air.layers[n].extinction_per_m;
+        source += ray.phases[n] * scattering_per_m;
+        for (uint l = 0u; l <= air.degree; l++)
+            by_degree[l] += sky_legendre(air.layers[n], l) * scattering_per_m;
+    }
+    source *= scatters ? sky_sun_transmittance(altitude_m, sun_cosine) : vec3(0.0);
+    if (has_field) {
+        float sun_sine = sqrt(max(1e-12, 1.0 - sun_cosine * sun_cosine));
+        float across = sqrt(max(0.0, 1.0 - cosine * cosine));
+        float x = clamp((ray.toward_sun - cosine * sun_cosine) / sun_sine, -across, across);
+        source += sky_scatter_field(altitude_m, sun_cosine, x, cosine, by_degree);
+    }
+    vec3 depth = extinction_per_m * length_m;
+    vec3 reached_m = length_m * vec3(phi(depth.r), phi(depth.g), phi(depth.b));
+    light.volume += light.transmittance * source * reached_m;
+    light.transmittance *= transmittance(depth);
+}
+
+void sky_walk_leg(SkyRay ray, SkyLeg leg, uint steps, bool scatters, bool has_field,
+                  inout SkyLight light)
+{
+    float sun_m = (air.radius_m + ray.altitude_m) * ray.sun_cosine;
+    for (uint i = 0u; i < steps; i++) {
+        uint k = leg.falls ? steps - 1u - i : i;
+        float x0 = float(k) / float(steps), x1 = float(k + 1u) / float(steps);
+        float x = 0.5 * (x0 + x1), climb_m = leg.climb_m * x * x;
+        float length_m = sky_distance_m(leg, leg.climb_m * x1 * x1) -
+                         sky_distance_m(leg, leg.climb_m * x0 * x0);
+        float from_low_m = sky_distance_m(leg, climb_m);
+        float r_m = air.radius_m + leg.low_m + climb_m;
+        float t_m = leg.low_t_m + (leg.falls ? -from_low_m : from_low_m);
+        float cosine = (leg.rise_m + from_low_m) / r_m;
+        sky_step(ray, leg.low_m + climb_m, leg.falls ? -cosine : cosine,
+                 (sun_m + t_m * ray.toward_sun) / r_m, length_m, scatters, has_field, light);
+    }
+}
+
+void sky_add_ground(SkyRay ray, bool has_field, inout SkyLight light)
+{
+    float sun_m = (air.radius_m + ray.altitude_m) * ray.sun_cosine;
+    float sun_cosine = (sun_m + light.length_m * ray.toward_sun) / air.radius_m;
+    vec3 irradiance = max(0.0, sun_cosine) * sky_sun_transmittance(0.0, sun_cosine);
+    if (has_field)
+        irradiance += sky_field_ground(sun_cosine);
+    light.radiance += light.transmittance * air.ground_albedo / PI * irradiance;
+}
+
+// To the ground; FAR_M: the ray meets none.
+float sky_length_m(SkyRay ray)
+{
+    float rise_m = (air.radius_m + ray.altitude_m) * ray.cosine;
+    float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
+    return rise_m < 0.0 && slant_m2 >= 0.0 ? above_m2 / (sqrt(slant_m2) - rise_m) : FAR_M;
+}
+
+// Of a sun of irradiance 1. `scatters`: media scatter its light; `has_field`: and all that was
+// scattered before.
+SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
+{
+    SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), FAR_M);
+    float r_m = air.radius_m + ray.altitude_m, rise_m = r_m * ray.cosine;
+    float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
+    float high_m = min(ray.altitude_m, air.top_m), low_m = ray.altitude_m;
+    light.length_m = sky_length_m(ray);
+    bool grounded = light.length_m < FAR_M, turns = rise_m < 0.0 && !grounded;
+    SkyLeg leg = SkyLeg(false, low_m, 0.0, rise_m, 0.0);
+    if (grounded) {
+        leg = SkyLeg(true, 0.0, high_m, sqrt(slant_m2), light.length_m);
+    } else if (turns) {
+        low_m -= rise_m * rise_m / (r_m + sqrt((r_m - rise_m) * (r_m + rise_m)));
+        leg = SkyLeg(true, low_m, high_m - low_m, 0.0, -rise_m);
+    }
+    uint steps_of_leg = turns ? (steps + 1u) / 2u : steps;
+    if (low_m < air.top_m || grounded) {
+        if (leg.falls)
+            sky_walk_leg(ray, leg, steps_of_leg, scatters, has_field, light);
+        if (!grounded) {
+            leg.falls = false;
+            leg.climb_m = air.top_m - low_m;
+            sky_walk_leg(ray, leg, steps_of_leg, scatters, has_field, light);
+        }
+    }
+    light.radiance = light.volume;
+    if (grounded)
+        sky_add_ground(ray, has_field, light);
+    return light;
+}
+
+// Phases of all layers between two unit vectors.
+void sky_find_phases(inout SkyRay ray, vec3 view, vec3 sun)
+{
+    for (uint n = 0u; n < air.layer_count; n++)
+        ray.phases[n] = phase_per_sr(air.layers[n].phase_kind, air.layers[n].g, view, sun);
+}
+
+#endif

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fills the table of moments. Each pass over it adds an order: the light that arrives at a node from
+ * all directions is that of the sun, of the table so far, and of the ground, scattered once more.
+ */
+#ifndef NEPH_RENDERER_SKY_SOLVE_H
+#define NEPH_RENDERER_SKY_SOLVE_H
+
+#include "renderer/sky/walk.h"
+
+enum { NEPH_SKY_DIRECTIONS_MAX = 64 }; /* of each kind */
+
+struct neph_sky_solve_params {
+    int altitudes, suns, degree; /* of the field */
+    int orders;                  /* passes: orders of scattering that the field has, 1 or more */
+    bool closure; /* isotropic, with Hillaire's series in place of orders; the degree is then 0 */
+    int above, below, around; /* directions of a node: above its horizon, below it, and about the
+                                 vertical over half a turn */
+    int steps;                /* along each */
+};
+
+/* Nodes and weights of Gauss-Legendre on [-1, 1]. */
+void neph_sky_gauss(int count, double nodes[NEPH_SKY_DIRECTIONS_MAX],
+                    double weights[NEPH_SKY_DIRECTIONS_MAX]);
+
+/* Free the field with neph_sky_field_destroy(), also after an error. */
+enum neph_status neph_sky_solve(const struct neph_sky_air *air,
+                                const struct neph_sky_sun_table *sun,
+                                const struct neph_sky_solve_params *params,
+                                struct neph_sky_field *field, struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenes/sheet.h"
+
+#include "scenes/noise.h"
+
+#include <math.h>
+
+/* More wisps than a sheet has: nothing repeats on it. */
+enum { PERIOD = 1 << 16, OCTAVES = 5 };
+
+/* Wisps sway by this part of their distance, once in so many of them. */
+static const double sway = 0.6, sway_wisps = 3.0;
+
+/* Perlin noise of some octaves seldom leaves this half of its range. */
+static const double noise_reach = 0.5;
+
+static double clamp(double value)
+{
+    return value < 0.0 ? 0.0 : value > 1.0 ? 1.0 : value;
+}
+
+/* + - * / and sqrt alone: the same bits on every machine. */
+static double streaks(const struct neph_sheet *sheet, struct neph_vec3 point_m)
+{
+    const struct neph_vec3 flat = neph_vec3_normalize(
+        (struct neph_vec3){sheet->along.x, 0.0, sheet->along.z});
+    const struct neph_noise noise = {(uint64_t)sheet->seed, 2, PERIOD};
+    const struct neph_vec3 from_m = neph_vec3_sub(point_m, sheet->center_m);
+    double at[2] = {neph_vec3_dot(from_m, flat) / (sheet->wisp_m * sheet->stretch),
+                    (flat.x * from_m.z - flat.z * from_m.x) / sheet->wisp_m};
+    const double slow[2] = {at[0] / sway_wisps, at[1] / sway_wisps};
+    at[1] += sway * sway_wisps * neph_noise_perlin(&noise, slow);
+    const double rank = clamp(0.5 + 0.5 * neph_noise_perlin_sum(&noise, OCTAVES, at) / noise_reach);
+    const double dense = clamp((rank - 1.0 + sheet->coverage) / fmax(sheet->coverage, 1e-3));
+    return dense * dense * (3.0 - 2.0 * dense);
+}
+
+double neph_sheet_value(const struct neph_sheet *sheet, struct neph_vec3 point_m)
+{
+    return sheet->pattern == NEPH_SHEET_EVEN ? 1.0 : streaks(sheet, point_m);
+}
+
+enum neph_status neph_sheet_make(const struct neph_sheet *sheet, struct neph_grid **grid,
+                                 struct neph_diag *diag)
+{
+    const int nodes = sheet->nodes;
+    const double spacing_m = sheet->side_m / nodes, first_m = 0.5 * (nodes - 1) * spacing_m;
+    const struct neph_vec3 corner_m = neph_vec3_sub(sheet->center_m,
+                                                    (struct neph_vec3){first_m, 0.0, first_m});
+    struct neph_grid *made = NULL;
+    enum neph_status status = neph_grid_create(
+        (const int[3]){nodes, 1, nodes}, corner_m,
+        (struct neph_vec3){spacing_m, 0.5 * sheet->thickness_m, spacing_m}, &made, diag);
+    if (status)
+        return status;
+    for (int k = 0; k < nodes; k++)
+        for (int i = 0; i < nodes; i++)
+            made->values[k * nodes + i] = (float)neph_sheet_value(
+                sheet,
+                neph_vec3_add(corner_m, (struct neph_vec3){i * spacing_m, 0.0, k * spacing_m}));
+    status = neph_grid_seal(made, diag);
+    if (status)
+        neph_grid_destroy(made);
+    else
+        *grid = made;
+    return status;
+}
+
+double neph_sheet_extinction_per_m(const struct neph_sheet *sheet, double optical_depth)
+{
+    return optical_depth / (0.5 * sheet->thickness_m);
+}

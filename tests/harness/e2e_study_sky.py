@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph study sky` as a user runs it, in tiny pictures: tables, files, reuse, refusals."""
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+NEPH = os.environ["NEPH"]
+TABLES = "altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4"
+
+
+class StudySky(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def run_neph(self, *arguments):
+        return subprocess.run(
+            [NEPH, "study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64", "--suns",
+             "30", "-o", str(self.folder / "out"), *map(str, arguments)],
+            capture_output=True, text=True, timeout=60)
+
+    def test_cells_files_and_reuse(self):
+        models = f"sky+{TABLES},sky+multiple=closure+{TABLES},march"
+        table = self.folder / "sky.md"
+        arguments = ("--suns", "30,-30", "--altitudes", "2", "--models", models, "--markdown",
+                     table, "--json")
+        done = self.run_neph(*arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        day, night = found["cells"]
+        self.assertEqual([day["held"], night["held"]], [True, False])
+        self.assertEqual(day["directions"], 2 * 2 * 2)
+        orders, closure, march = day["models"].values()
+        # An eighth of a direction's noise, at 64 samples of 16 pixels, is left in the mean.
+        self.assertLess(abs(orders["bias"]), 0.05 + day["noise"])
+        self.assertGreater(orders["mean"], 0.0)
+        self.assertGreaterEqual(orders["worst"], orders["mean"])
+        self.assertNotEqual(orders["bias"], closure["bias"])
+        self.assertIn("multiple scattering", march["cannot"])
+        text = table.read_text()
+        self.assertIn("| 30 | 0.002 |", text)
+        self.assertIn("cannot: multiple scattering", text)
+        self.assertIn("no light", text)
+        again = self.run_neph(*arguments)
+        self.assertEqual(again.stdout, done.stdout)
+
+    def test_refusals(self):
+        for arguments, words in ((("--suns", "high"), "no number"),
+                                 (("--suns", "91"), "sun 91 degrees"),
+                                 (("--altitudes", "0"), "altitude of 0 m"),
+                                 (("--truth", "march"), "no truth"),
+                                 (("--models", "sky+degree=9"), "degree"),
+                                 (("fence_backlit",), "no planet")):
+            done = self.run_neph(*arguments)
+            self.assertNotEqual(done.returncode, 0, arguments)
+            self.assertIn(words, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

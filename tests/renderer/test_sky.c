@@ -1,0 +1,663 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The sky's tables against closed forms, the exact light of one order, adding-doubling, and the
+ * oracle.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/sky/device.h"
+#include "scenes/media.h"
+#include "scenes/skyward.h"
+#include "scenes/solids.h"
+#include "truth/oracle.h"
+#include "truth/slab.h"
+#include "truth/transport.h"
+
+static const struct neph_sky_params usual = {
+    .steps = 48,
+    .sun_altitudes = 64,
+    .sun_cosines = 256,
+    .field = {.altitudes = 12,
+              .suns = 32,
+              .degree = 2,
+              .orders = 6,
+              .above = 6,
+              .below = 3,
+              .around = 4,
+              .steps = 12},
+};
+
+static struct neph_scene *load_earth(void)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_scene_load(NEPH_SOURCE_DIR "/scenes/catalog/sky_earth.yaml", &scene, &diag),
+                   &diag);
+    return scene;
+}
+
+static struct neph_scene *look(const struct neph_scene *earth, double sun_deg, double altitude_m,
+                               enum neph_scattering scattering)
+{
+    struct neph_scene *made = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_skyward view = {.sun_elevation_rad = sun_deg * NEPH_RAD_PER_DEG,
+                                      .altitude_m = altitude_m,
+                                      .azimuth_rad = 0.4,
+                                      .pitch_rad = 0.4,
+                                      .vertical_fov_rad = 1.8};
+    neph_assert_ok(neph_scene_skyward(earth, &view, &made, &diag), &diag);
+    made->scattering = scattering;
+    return made;
+}
+
+static struct neph_sky *make_sky(const struct neph_scene *scene,
+                                 const struct neph_sky_params *params)
+{
+    struct neph_sky *sky = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_sky_create(scene, params, &sky, &diag), &diag);
+    return sky;
+}
+
+/* --- harmonics -------------------------------------------------------------------------------- */
+
+/* Over a product rule that is exact for their products: z by Gauss (here by many midpoints, to
+ * 1e-5), the azimuth by 64 even ones. */
+static void test_harmonics_are_orthonormal(void **state)
+{
+    (void)state;
+    enum { COUNT_Z = 2000, COUNT_PHI = 32, DEGREE = 5, MOMENTS = 21 };
+    double sums[MOMENTS][MOMENTS] = {{0.0}};
+    assert_int_equal(neph_sky_moments(DEGREE), MOMENTS);
+    for (int i = 0; i < COUNT_Z * COUNT_PHI; i++) {
+        const double z = 2.0 * (i / COUNT_PHI + 0.5) / COUNT_Z - 1.0;
+        const double phi = 2.0 * M_PI * (i % COUNT_PHI + 0.5) / COUNT_PHI;
+        double values[NEPH_SKY_MOMENTS_MAX];
+        neph_sky_harmonics(DEGREE, sqrt(1.0 - z * z) * cos(phi), z, values);
+        for (int a = 0; a < MOMENTS; a++)
+            for (int b = 0; b < MOMENTS; b++)
+                sums[a][b] += values[a] * values[b] * 4.0 * M_PI / (COUNT_Z * COUNT_PHI);
+    }
+    for (int a = 0; a < MOMENTS; a++)
+        for (int b = 0; b < MOMENTS; b++)
+            assert_true(fabs(sums[a][b] - (a == b)) < 3e-5);
+}
+
+/* In the plane of z and x sines vanish, and the addition theorem is whole: the series of a phase
+ * function over the product of the values at two directions is the phase function. */
+static void test_phase_functions_are_their_series(void **state)
+{
+    (void)state;
+    struct neph_sky_air air;
+    char reason[200];
+    struct neph_scene *earth = load_earth();
+    assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
+    for (int n = 0; n < 50; n++) {
+        const double a = 0.13 * n, b = 1.0 + 0.29 * n;
+        double at_a[NEPH_SKY_MOMENTS_MAX], at_b[NEPH_SKY_MOMENTS_MAX];
+        neph_sky_harmonics(8, sin(a), cos(a), at_a);
+        neph_sky_harmonics(8, sin(b), cos(b), at_b);
+        double rayleigh = 0.0, henyey = 0.0, left = 0.0;
+        for (int l = 0; l <= 8; l++) {
+            for (int k = neph_sky_moments(l - 1); k < neph_sky_moments(l); k++) {
+                rayleigh += air.layers[0].legendre[l] * at_a[k] * at_b[k];
+                henyey += pow(0.3, l) * at_a[k] * at_b[k];
+            }
+            left = (2.0 * l + 3.0) / (4.0 * M_PI) * pow(0.3, l + 1) * 1.5;
+        }
+        const struct neph_phase hg = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.3};
+        neph_assert_close(rayleigh, neph_phase_per_sr(&air.layers[0].phase, cos(a - b)), 1e-12,
+                          0.0);
+        neph_assert_close(henyey, neph_phase_per_sr(&hg, cos(a - b)), 0.0, left);
+        neph_assert_close(air.layers[1].legendre[3], 0.8 * 0.8 * 0.8, 1e-14, 0.0);
+    }
+    neph_scene_destroy(earth);
+}
+
+/* --- the table of transmittance --------------------------------------------------------------- */
+
+/* Linear between nodes, the usual number of them and half of that: worst at sunset, where it falls
+ * from a tenth to nothing within a degree. */
+static void test_sun_table(void **state)
+{
+    (void)state;
+    struct neph_sky_air air;
+    char reason[200];
+    struct neph_diag diag = {0};
+    struct neph_scene *earth = load_earth();
+    assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
+    double worst[2] = {0.0, 0.0};
+    for (int fine = 0; fine < 2; fine++) {
+        struct neph_sky_sun_table table;
+        neph_assert_ok(
+            neph_sky_sun_table_create(&air, fine ? 63 : 32, fine ? 255 : 128, &table, &diag),
+            &diag);
+        uint64_t seed = 5;
+        for (int n = 0; n < 2000; n++) {
+            const double altitude_m = 60e3 * pow(neph_test_uniform(&seed, 0.0, 1.0), 2.0);
+            const double r_m = air.radius_m + altitude_m;
+            const double horizon = -sqrt(1.0 - pow(air.radius_m / r_m, 2.0));
+            const double cosine = neph_test_uniform(&seed, horizon, n % 2 ? 1.0 : horizon + 0.1);
+            double depth[3], light[3];
+            neph_sky_depth_to_space(&air, altitude_m, cosine, depth);
+            neph_sky_sun_transmittance(&air, &table, altitude_m, cosine, light);
+            for (int c = 0; c < 3; c++)
+                worst[fine] = fmax(worst[fine], fabs(light[c] - exp(-depth[c])));
+            neph_sky_sun_transmittance(&air, &table, altitude_m, horizon - 1e-3, light);
+            assert_true(light[0] == 0.0 && light[1] == 0.0 && light[2] == 0.0);
+        }
+        neph_sky_sun_table_destroy(&table);
+    }
+    print_message("transmittance to the sun: off by %.2g, with twice the nodes by %.2g\n", worst[0],
+                  worst[1]);
+    assert_true(worst[0] < 2.5e-2 && worst[1] < 8e-3);
+    neph_scene_destroy(earth);
+}
+
+/* --- one order -------------------------------------------------------------------------------- */
+
+/* Largest distance from the exact light, of itself; below 1e-4 of the sunlight per sr, which is
+ * what the air above the tables' top scatters, of that. */
+static double off_by(const struct neph_scene *scene, int steps, double *transmittance)
+{
+    struct neph_sky_params params = usual;
+    params.steps = steps;
+    params.sun_altitudes = 128;
+    params.sun_cosines = 512;
+    struct neph_sky *sky = make_sky(scene, &params);
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    double worst = 0.0;
+    *transmittance = 0.0;
+    for (int i = 0; i < 6 * 7; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, 6, 7, i % 6, i / 6);
+        const struct neph_ray_light exact = neph_transport_ray(scene, ray.origin_m, ray.direction);
+        const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+        const double *through = &exact.transmittance.r, *light = &exact.radiance.r;
+        assert_true(isinf(exact.hit_m) == isinf(seen.length_m));
+        if (isfinite(exact.hit_m))
+            neph_assert_close(seen.length_m, exact.hit_m, 1e-6, 1e-3);
+        for (int c = 0; c < 3; c++) {
+            *transmittance = fmax(*transmittance, fabs(seen.transmittance[c] - through[c]));
+            worst = fmax(worst, fabs(seen.radiance[c] - light[c]) / fmax(light[c], 1e-4));
+        }
+    }
+    neph_sky_destroy(sky);
+    return worst;
+}
+
+/* Any place, level rays and straight ones, down to the ground and past it: second order in the
+ * steps. */
+static void test_one_order_is_exact_in_the_limit(void **state)
+{
+    (void)state;
+    struct neph_scene *earth = load_earth();
+    static const struct {
+        double sun_deg, altitude_m;
+    } places[] = {{60.0, 2.0}, {5.0, 10e3}, {40.0, 300e3}};
+    for (size_t i = 0; i < sizeof(places) / sizeof(places[0]); i++) {
+        struct neph_scene *scene = look(earth, places[i].sun_deg, places[i].altitude_m,
+                                        NEPH_SCATTERING_SINGLE);
+        double through[2];
+        const double coarse = off_by(scene, 32, &through[0]);
+        const double fine = off_by(scene, 128, &through[1]);
+        print_message("sun %g, %g m: light off by %.2g, with four times the steps by %.2g; "
+                      "transmittance by %.2g, %.2g\n",
+                      places[i].sun_deg, places[i].altitude_m, coarse, fine, through[0],
+                      through[1]);
+        assert_true(coarse < 0.02 && fine < 0.003);
+        assert_true(through[0] < 5e-3 && through[1] < through[0] / 6.0);
+        neph_scene_destroy(scene);
+    }
+    neph_scene_destroy(earth);
+}
+
+/* --- all orders ------------------------------------------------------------------------------- */
+
+/* A thin atmosphere on a large ball, black below: plane-parallel to sqrt(H / R),
+ * 3e-3: light that comes level sees the curve. */
+static void check_slab(struct neph_phase phase, int degree, double tolerance)
+{
+    static const double radius_m = 1e7, height_m = 100.0, cosines[] = {0.9, 0.6, 0.35};
+    struct neph_medium medium = make_shell(0.5 / height_m, (struct neph_vec3){0, -radius_m, 0},
+                                           radius_m, height_m);
+    medium.albedo = make_grey(0.95);
+    medium.phase = phase;
+    struct neph_scene scene = make_sunny(medium, (struct neph_vec3){0, 1, 0});
+    struct neph_solid ground = make_sphere(0.0, -radius_m, 0.0, radius_m);
+    scene.solids = &ground;
+    scene.solid_count = 1;
+    scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    const struct neph_sky_params params = {.steps = 96,
+                                           .sun_altitudes = 24,
+                                           .sun_cosines = 4096,
+                                           .field = {.altitudes = 32,
+                                                     .suns = 9,
+                                                     .degree = degree,
+                                                     .orders = 10,
+                                                     .above = 8,
+                                                     .below = 8,
+                                                     .around = 5,
+                                                     .steps = 16}};
+    const struct neph_sky_field axis = {.altitudes = 32, .suns = 9};
+    const double sun_cosine = neph_sky_node_sun_cosine(&axis, 6);
+    scene.sun.direction = (struct neph_vec3){sqrt(1.0 - sun_cosine * sun_cosine), sun_cosine, 0.0};
+    struct neph_diag diag = {0};
+    struct neph_slab *slab = NULL;
+    neph_assert_ok(neph_slab_create(&(struct neph_slab_params){.optical_depth = 0.5,
+                                                               .albedo = 0.95,
+                                                               .phase = phase,
+                                                               .sun_cosine = sun_cosine,
+                                                               .view_count = 3,
+                                                               .view_cosines = cosines},
+                                    &slab, &diag),
+                   &diag);
+    struct neph_sky *sky = make_sky(&scene, &params);
+    double worst = 0.0;
+    for (int i = 0; i < 12; i++) {
+        const double azimuth_rad = 0.3 + 0.8 * (i / 3), y = cosines[i % 3], x = sqrt(1.0 - y * y);
+        /* Sunlight travels to -x: light that leaves like it comes from +x, and is seen there. */
+        const struct neph_vec3 up = {x * cos(azimuth_rad), y, x * sin(azimuth_rad)};
+        const struct neph_vec3 down = {up.x, -y, up.z};
+        const struct neph_vec3 foot_m = {0, 1e-3, 0}, high_m = {0, 1390.0, 0};
+        const double from_below = neph_sky_see(sky, foot_m, up).radiance[1];
+        const double from_above = neph_sky_see(sky, high_m, down).radiance[1];
+        const double through = neph_slab_transmitted_per_sr(slab, i % 3, azimuth_rad);
+        const double back = neph_slab_reflected_per_sr(slab, i % 3, azimuth_rad);
+        worst = fmax(worst, fabs(from_below / through - 1.0));
+        worst = fmax(worst, fabs(from_above / back - 1.0));
+    }
+    print_message("against a slab, degree %d: off by %.2g\n", degree, worst);
+    assert_true(worst < tolerance);
+    neph_sky_destroy(sky);
+    neph_slab_destroy(slab);
+}
+
+/* Moments of degree 0 and of 0 and 2 are all that isotropic and Rayleigh scattering know: what is
+ * left is of steps, nodes and directions. Henyey-Greenstein needs more, and has more with more. */
+static void test_all_orders_in_a_slab(void **state)
+{
+    (void)state;
+    check_slab((struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0}, 0, 3e-3);
+    check_slab((struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0}, 2, 3e-3);
+    if (neph_test_is_night())
+        check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.5}, 4, 8e-3);
+}
+
+/* The mean of a wide picture, by the oracle to 1 %; of each pixel at night. */
+static void test_all_orders_of_the_earth(void **state)
+{
+    (void)state;
+    const int samples = neph_test_by_day(400, 20000);
+    enum { WIDTH = 12, HEIGHT = 8 };
+    struct neph_scene *earth = load_earth();
+    struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_MULTIPLE);
+    const struct neph_oracle_params params = {.width_px = WIDTH,
+                                              .height_px = HEIGHT,
+                                              .seed = 3,
+                                              .samples = samples,
+                                              .time_limit_s = INFINITY};
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_oracle_render(scene, &params, &frame, NULL, &diag), &diag);
+    float *rgb[3], *variance[3];
+    assert_true(neph_image_rgb(frame, NULL, rgb));
+    assert_true(neph_image_rgb(frame, "variance", variance));
+    struct neph_sky *sky = make_sky(scene, &usual);
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    double seen = 0.0, truth = 0.0, noise2 = 0.0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                          i / WIDTH);
+        const struct neph_sky_light light = neph_sky_see(sky, ray.origin_m, ray.direction);
+        for (int c = 0; c < 3; c++) {
+            seen += light.radiance[c];
+            truth += (double)rgb[c][i];
+            noise2 += (double)variance[c][i];
+        }
+    }
+    print_message("sun at 5 degrees: %.4f of the oracle's light, whose noise is %.4f\n",
+                  seen / truth, sqrt(3.0 * noise2) / truth);
+    /* The channels of a path are not independent: 3 times their variances at the most. */
+    neph_assert_close(seen, truth, 0.015, 3.0 * sqrt(3.0 * noise2));
+    neph_sky_destroy(sky);
+    neph_image_destroy(frame);
+    neph_scene_destroy(scene);
+    neph_scene_destroy(earth);
+}
+
+/* --- solids ----------------------------------------------------------------------------------- */
+
+/* Boxes and a ball from 50 m to 40 km away, one in the shadow of another. */
+static struct neph_scene *with_solids(const struct neph_scene *earth, struct neph_solid solids[5],
+                                      enum neph_scattering scattering)
+{
+    struct neph_scene *scene = look(earth, 35.0, 300.0, scattering);
+    solids[0] = earth->solids[0];
+    solids[1] = make_box(-60.0, -1.0, -200.0, -20.0, 310.0, -170.0);
+    solids[2] = make_box(-30.0, -1.0, -160.0, -20.0, 330.0, -140.0);
+    solids[3] = make_box(-30e3, -500.0, -41e3, 30e3, 9e3, -40e3);
+    solids[4] = make_sphere(1500.0, 900.0, -5e3, 400.0);
+    for (int i = 1; i < 5; i++)
+        solids[i].albedo = (struct neph_rgb){0.5, 0.3, 0.2};
+    scene->solids = solids;
+    scene->solid_count = 5;
+    scene->sun.direction = neph_vec3_normalize((struct neph_vec3){-0.1, 0.5, 0.8});
+    return scene;
+}
+
+/* Without scattering all is known but the sky's table: as the exact light is. With one order the
+ * air before a far solid is known, too, but for the shadow of the ball, through which few look. */
+static void test_solids_behind_air(void **state)
+{
+    (void)state;
+    enum { WIDTH = 36, HEIGHT = 24 };
+    static const struct {
+        enum neph_scattering scattering;
+        double from_m, limit;
+    } cases[] = {{NEPH_SCATTERING_NONE, 0.0, 2e-3}, {NEPH_SCATTERING_SINGLE, 3e3, 0.05}};
+    struct neph_scene *earth = load_earth();
+    for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
+        struct neph_solid solids[5];
+        struct neph_scene *scene = with_solids(earth, solids, cases[n].scattering);
+        struct neph_sky *sky = make_sky(scene, &usual);
+        const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+        int hits = 0, close = 0;
+        double worst = 0.0;
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                              i / WIDTH);
+            const struct neph_hit hit = neph_scene_hit(scene, ray.origin_m, ray.direction);
+            if (!hit.solid || hit.solid == &solids[0] || hit.t_m < cases[n].from_m)
+                continue;
+            const struct neph_ray_light exact = neph_transport_ray(scene, ray.origin_m,
+                                                                   ray.direction);
+            const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+            const double *light = &exact.radiance.r, *through = &exact.transmittance.r;
+            double off = 0.0;
+            hits++;
+            neph_assert_close(seen.length_m, hit.t_m, 1e-12, 0.0);
+            for (int c = 0; c < 3; c++) {
+                assert_true(fabs(seen.transmittance[c] - through[c]) < 1e-3);
+                off = fmax(off, fabs(seen.radiance[c] - light[c]) / fmax(light[c], 1e-3));
+            }
+            close += off < 1e-3;
+            worst = fmax(worst, off);
+        }
+        print_message("%d pixels with solids: off by %.2g\n", hits, worst);
+        assert_true(hits > 30 && close >= 0.8 * hits && worst < cases[n].limit);
+        neph_sky_destroy(sky);
+        neph_scene_destroy(scene);
+    }
+    neph_scene_destroy(earth);
+}
+
+/* Irradiance of a level surface at the ground by its moments is what was summed for the ground; to
+ * what degrees above 4 have, and the few directions that are summed: 4 %. */
+static void test_moments_light_surfaces(void **state)
+{
+    (void)state;
+    struct neph_sky_air air;
+    struct neph_diag diag = {0};
+    char reason[200];
+    struct neph_scene *earth = load_earth();
+    assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
+    struct neph_sky_sun_table sun;
+    struct neph_sky_field field;
+    struct neph_sky_solve_params params = usual.field;
+    params.orders = 2;
+    params.degree = 4;
+    neph_assert_ok(neph_sky_sun_table_create(&air, 32, 64, &sun, &diag), &diag);
+    neph_assert_ok(neph_sky_solve(&air, &sun, &params, &field, &diag), &diag);
+    const struct neph_sky_sources sources = {.sun = &sun, .field = &field, .media_scatter = true};
+    static const double suns_deg[] = {60.0, 20.0, 5.0, -2.0};
+    for (size_t i = 0; i < sizeof(suns_deg) / sizeof(suns_deg[0]); i++) {
+        const double cosine = sin(suns_deg[i] * NEPH_RAD_PER_DEG);
+        double by_moments[3], summed[3];
+        neph_sky_irradiance(&air, &sources, 0.0, cosine, (struct neph_vec3){0, 0, 1}, false,
+                            by_moments);
+        neph_sky_field_ground(&field, cosine, summed);
+        for (int c = 0; c < 3; c++)
+            neph_assert_close(by_moments[c], summed[c], 0.06, 0.0);
+    }
+    neph_sky_field_destroy(&field);
+    neph_sky_sun_table_destroy(&sun);
+    neph_scene_destroy(earth);
+}
+
+/* --- a table of views ------------------------------------------------------------------------- */
+
+/* Linear between nodes that are half as far apart: a quarter of the error. The sun in the picture,
+ * and the horizon. */
+static void test_view_table_is_the_walk_in_the_limit(void **state)
+{
+    (void)state;
+    enum { WIDTH = 13, HEIGHT = 11, TABLES = 2 };
+    struct neph_scene *earth = load_earth();
+    struct neph_scene *scene = look(earth, 14.0, 1000.0, NEPH_SCATTERING_MULTIPLE);
+    struct neph_sky_params params = usual;
+    params.steps = 16;
+    params.field.orders = 2;
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    double worst[TABLES] = {0.0, 0.0};
+    struct neph_sky *walk = make_sky(scene, &params);
+    for (int n = 0; n < TABLES; n++) {
+        struct neph_diag diag = {0};
+        params.view = (struct neph_sky_view_params){true, n ? 47 : 24, n ? 39 : 20};
+        struct neph_sky *table = make_sky(scene, &params);
+        neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                              i / WIDTH);
+            const struct neph_sky_light a = neph_sky_see(walk, ray.origin_m, ray.direction);
+            const struct neph_sky_light b = neph_sky_see(table, ray.origin_m, ray.direction);
+            assert_true(a.length_m == b.length_m);
+            for (int c = 0; c < 3; c++) {
+                worst[n] = fmax(worst[n], fabs(b.radiance[c] / a.radiance[c] - 1.0));
+                worst[n] = fmax(worst[n], fabs(b.volume[c] / a.volume[c] - 1.0));
+                worst[n] = fmax(worst[n], fabs(b.transmittance[c] - a.transmittance[c]));
+            }
+        }
+        neph_sky_destroy(table);
+    }
+    print_message("table of views: off by %.2g, with twice the nodes by %.2g\n", worst[0],
+                  worst[1]);
+    assert_true(worst[0] < 0.03 && worst[1] < 0.3 * worst[0]);
+    neph_sky_destroy(walk);
+    neph_scene_destroy(scene);
+    neph_scene_destroy(earth);
+}
+
+/* --- layers ----------------------------------------------------------------------------------- */
+
+/* What a medium is cut into, and in which order its parts come, is no matter: sums of the same
+ * numbers, to their rounding, which is that of the floats of the table of transmittance. */
+static void test_splitting_a_medium_changes_nothing(void **state)
+{
+    (void)state;
+    struct neph_scene *earth = load_earth();
+    struct neph_scene *whole = look(earth, 8.0, 2000.0, NEPH_SCATTERING_MULTIPLE);
+    struct neph_scene split = *whole;
+    split.medium_count = 5; /* air 0.3, haze, ozone, air 0.5, air 0.2; then in another order */
+    split.media[3] = split.media[4] = split.media[0];
+    split.media[0].extinction_per_m *= 0.3;
+    split.media[3].extinction_per_m *= 0.5;
+    split.media[4].extinction_per_m *= 0.2;
+    struct neph_scene mixed = split;
+    for (int i = 0; i < 5; i++)
+        mixed.media[i] = split.media[(2 * i + 1) % 5];
+    struct neph_sky_params params = usual;
+    params.field.orders = 2;
+    struct neph_sky *skies[3] = {make_sky(whole, &params), make_sky(&split, &params),
+                                 make_sky(&mixed, &params)};
+    uint64_t seed = 77;
+    for (int n = 0; n < 40; n++) {
+        const struct neph_vec3 eye_m = {0.0, pow(10.0, neph_test_uniform(&seed, 0.0, 5.0)), 0.0};
+        const struct neph_vec3 direction = random_direction(&seed);
+        const struct neph_sky_light one = neph_sky_see(skies[0], eye_m, direction);
+        for (int other = 1; other < 3; other++) {
+            const struct neph_sky_light light = neph_sky_see(skies[other], eye_m, direction);
+            for (int c = 0; c < 3; c++) {
+                neph_assert_close(light.radiance[c], one.radiance[c], 1e-6, 0.0);
+                neph_assert_close(light.transmittance[c], one.transmittance[c], 1e-11, 0.0);
+            }
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        neph_sky_destroy(skies[i]);
+    neph_scene_destroy(whole);
+    neph_scene_destroy(earth);
+}
+
+/* --- on a device ------------------------------------------------------------------------------ */
+
+/* In float32 heights along a ray are good to 1e-7 of its length, and light to that over a scale
+ * height: 4e-5 of the darkest place of a picture, measured 3e-6. */
+static void test_device_is_the_twin(void **state)
+{
+    struct neph_vulkan *vulkan = *state;
+    enum { WIDTH = 9, HEIGHT = 7 };
+    static const struct {
+        double sun_deg, altitude_m;
+        enum neph_scattering scattering;
+        int degree;
+        bool is_table;
+    } cases[] = {{30.0, 2.0, NEPH_SCATTERING_NONE, 2, false},
+                 {3.0, 10e3, NEPH_SCATTERING_SINGLE, 2, false},
+                 {12.0, 10e3, NEPH_SCATTERING_MULTIPLE, 2, true},
+                 {10.0, 2.0, NEPH_SCATTERING_MULTIPLE, 3, false},
+                 {-1.0, 400e3, NEPH_SCATTERING_MULTIPLE, 2, false}};
+    struct neph_sky_params params = usual;
+    params.sun_altitudes = 16;
+    params.sun_cosines = 64;
+    params.field.altitudes = 6;
+    params.field.suns = 16;
+    params.field.orders = 3;
+    struct neph_scene *earth = load_earth();
+    for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
+        struct neph_scene *scene = look(earth, cases[n].sun_deg, cases[n].altitude_m,
+                                        cases[n].scattering);
+        struct neph_image *image = NULL;
+        struct neph_sky_stats stats;
+        struct neph_diag diag = {0};
+        params.field.degree = cases[n].degree;
+        params.view = (struct neph_sky_view_params){cases[n].is_table, 12, 10};
+        neph_assert_ok(neph_sky_device_render(vulkan, scene, &params, 0.0, WIDTH, HEIGHT, &image,
+                                              &stats, &diag),
+                       &diag);
+        float *rgb[3], *volume[3], *through[3], *depth = neph_image_channel(image, "Z");
+        assert_true(neph_image_rgb(image, NULL, rgb) && neph_image_rgb(image, "volume", volume) &&
+                    neph_image_rgb(image, "transmittance", through) && depth);
+        struct neph_sky *sky = make_sky(scene, &params);
+        const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+        double worst = 0.0;
+        neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                              i / WIDTH);
+            const struct neph_sky_light light = neph_sky_see(sky, ray.origin_m, ray.direction);
+            assert_true(isinf(light.length_m) == isinf((double)depth[i]));
+            for (int c = 0; c < 3; c++) {
+                const double floor = 1e-7;
+                worst = fmax(worst, fabs((double)rgb[c][i] - light.radiance[c]) /
+                                        (light.radiance[c] + floor));
+                worst = fmax(worst, fabs((double)volume[c][i] - light.volume[c]) /
+                                        (light.volume[c] + floor));
+                worst = fmax(worst, fabs((double)through[c][i] - light.transmittance[c]));
+            }
+        }
+        print_message("on a device, sun at %g degrees: off by %.2g\n", cases[n].sun_deg, worst);
+        assert_true(worst < 4e-5);
+        neph_sky_destroy(sky);
+        neph_image_destroy(image);
+        neph_scene_destroy(scene);
+    }
+    neph_scene_destroy(earth);
+}
+
+static void test_device_says_what_it_cannot(void **state)
+{
+    (void)state;
+    char reason[200];
+    struct neph_scene *earth = load_earth();
+    struct neph_sky_params params = usual;
+    assert_true(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    params.field.closure = true;
+    assert_false(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "closure"));
+    params = usual;
+    params.steps = 4000;
+    assert_false(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "steps"));
+    struct neph_scene more = *earth;
+    more.solid_count = 2;
+    params = usual;
+    assert_false(neph_sky_device_can(&more, &params, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "solids"));
+    neph_scene_destroy(earth);
+}
+
+/* --- refusals --------------------------------------------------------------------------------- */
+
+static void refuses(const struct neph_scene *scene, const char *words)
+{
+    struct neph_sky_air air;
+    struct neph_sky *sky = NULL;
+    struct neph_diag diag = {0};
+    char reason[200] = "";
+    assert_false(neph_sky_air_of(scene, &air, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, words));
+    assert_int_equal(neph_sky_create(scene, &usual, &sky, &diag), NEPH_ERR_UNSUPPORTED);
+    assert_null(sky);
+}
+
+static void test_says_what_it_cannot(void **state)
+{
+    (void)state;
+    struct neph_scene *earth = load_earth();
+    struct neph_scene scene = *earth;
+    scene.medium_count = 0;
+    refuses(&scene, "without an atmosphere");
+    scene = *earth;
+    scene.solid_count = 0;
+    refuses(&scene, "no ball, the ground");
+    scene = *earth;
+    scene.background_w_per_m2_sr.g = 0.1;
+    refuses(&scene, "background");
+    scene = *earth;
+    scene.light_count = 1;
+    refuses(&scene, "lights other than the sun");
+    scene = *earth;
+    scene.media[2].tent.radius_m += 10.0;
+    refuses(&scene, "all around the ball");
+    scene = *earth;
+    scene.media[0].kind = NEPH_MEDIUM_HOMOGENEOUS;
+    refuses(&scene, "no layer around a ball");
+    scene = *earth;
+    scene.media[1].bounds.max_m.y = 5e3;
+    refuses(&scene, "bounds that cut");
+    scene = *earth;
+    scene.media[1].emission_w_per_m2_sr.g = 1.0;
+    refuses(&scene, "emits");
+    neph_scene_destroy(earth);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_harmonics_are_orthonormal),
+        cmocka_unit_test(test_phase_functions_are_their_series),
+        cmocka_unit_test(test_sun_table),
+        cmocka_unit_test(test_one_order_is_exact_in_the_limit),
+        cmocka_unit_test(test_all_orders_in_a_slab),
+        cmocka_unit_test(test_all_orders_of_the_earth),
+        cmocka_unit_test(test_solids_behind_air),
+        cmocka_unit_test(test_moments_light_surfaces),
+        cmocka_unit_test(test_view_table_is_the_walk_in_the_limit),
+        cmocka_unit_test(test_splitting_a_medium_changes_nothing),
+        cmocka_unit_test(test_device_is_the_twin),
+        cmocka_unit_test(test_device_says_what_it_cannot),
+        cmocka_unit_test(test_says_what_it_cannot),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

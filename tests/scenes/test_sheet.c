@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Thin layers, and grids that repeat: what goes straight through and what goes slanting, in closed
+ * form.
+ */
+#include "tests/base/scratch.h"
+#include "tests/scene_builders.h"
+
+#include "base/files.h"
+#include "scenes/media.h"
+#include "scenes/scene.h"
+#include "scenes/sheet.h"
+
+#include <stdlib.h>
+
+/* A scene whose media are these lines. */
+static enum neph_status load_media(const char *media, struct neph_scene **scene,
+                                   struct neph_diag *diag)
+{
+    char folder[] = "/tmp/neph-sheet-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    char *path = neph_path_join(folder, "probe.yaml");
+    char *text = neph_format(
+        "name: probe\ntitle: t\nphysics: p\n"
+        "camera: {position_m: [0, 1, 5], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
+        "scattering: none\nmedia:\n%s",
+        media);
+    scratch_write(path, text, strlen(text));
+    *scene = NULL;
+    const enum neph_status status = neph_scene_load(path, scene, diag);
+    free(text);
+    free(path);
+    neph_dir_remove(folder, NULL);
+    return status;
+}
+
+static struct neph_scene *loaded(const char *media)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(load_media(media, &scene, &diag), &diag);
+    return scene;
+}
+
+static double depth_along(const struct neph_medium *medium, struct neph_vec3 from_m,
+                          struct neph_vec3 direction)
+{
+    return neph_medium_optical_depth(medium, from_m, neph_vec3_normalize(direction), 0.0, INFINITY);
+}
+
+/* --- sheets ---------------------------------------------------------------------------------- */
+
+static void test_a_sheet_has_its_optical_depth(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = loaded(
+        "  - sheet: {center_m: [3, 50, -2], side_m: 400, thickness_m: 0.5, optical_depth: 0.3,\n"
+        "      nodes: 20, albedo: [1, 1, 1]}\n");
+    const struct neph_medium *sheet = &scene->media[0];
+    uint64_t seed = 1;
+    for (int i = 0; i < 300; i++) {
+        const struct neph_vec3 direction = random_direction(&seed);
+        const double cosine = fabs(direction.y);
+        if (cosine < 0.4) /* others leave it at a rim, or nearly */
+            continue;
+        const double sign = direction.y > 0.0 ? 1.0 : -1.0;
+        const struct neph_vec3 before_m = {3.0, 50.0 - sign * 60.0, -2.0}, middle_m = {9, 50, 4};
+        const struct neph_vec3 behind_m = {3.0, 50.0 + sign * 0.2501, -2.0};
+        assert_float_equal(depth_along(sheet, before_m, direction), 0.3 / cosine, 1e-12);
+        assert_float_equal(depth_along(sheet, middle_m, direction), 0.15 / cosine, 1e-12);
+        assert_float_equal(depth_along(sheet, behind_m, direction), 0.0, 0.0);
+    }
+    neph_scene_destroy(scene);
+}
+
+/* Straight through a node it is the pattern's value; from one to the next it is linear. */
+static void test_a_sheet_has_its_pattern(void **state)
+{
+    (void)state;
+    enum { NODES = 64 };
+    const struct neph_sheet wanted = {.center_m = {0.0, 7000.0, 0.0},
+                                      .side_m = 16000.0,
+                                      .thickness_m = 400.0,
+                                      .nodes = NODES,
+                                      .pattern = NEPH_SHEET_STREAKS,
+                                      .seed = 3,
+                                      .wisp_m = 1500.0,
+                                      .stretch = 4.0,
+                                      .along = {2.0, 0.0, 1.0},
+                                      .coverage = 0.5};
+    struct neph_scene *scene = loaded(
+        "  - sheet: {center_m: [0, 7000, 0], side_m: 16000, thickness_m: 400, optical_depth: 0.8,\n"
+        "      nodes: 64, pattern: streaks, seed: 3, wisp_m: 1500, stretch: 4, along: [2, 0, 1],\n"
+        "      coverage: 0.5, albedo: [1, 1, 1]}\n");
+    const struct neph_vec3 up = {0.0, 1.0, 0.0};
+    int clear = 0;
+    double before = 0.0, largest = 0.0;
+    for (int k = 0; k < NODES; k++)
+        for (int i = 0; i < NODES; i++) {
+            const struct neph_vec3 at_m = {250.0 * (i - 31.5), 7000.0, 250.0 * (k - 31.5)};
+            const double value = neph_sheet_value(&wanted, at_m);
+            const struct neph_vec3 foot_m = {at_m.x, 0.0, at_m.z};
+            assert_float_equal(depth_along(&scene->media[0], foot_m, up), 0.8 * value, 1e-6);
+            const struct neph_vec3 half_m = {at_m.x - 125.0, 0.0, at_m.z};
+            if (i > 0)
+                assert_float_equal(depth_along(&scene->media[0], half_m, up),
+                                   0.4 * (value + before), 1e-6);
+            before = value;
+            clear += value == 0.0;
+            largest = fmax(largest, value);
+        }
+    assert_in_range(clear, NODES * NODES / 4, 3 * NODES * NODES / 4);
+    assert_true(largest > 0.8 && largest <= 1.0);
+    neph_scene_destroy(scene);
+}
+
+static void test_wisps_have_a_direction(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(load_media("  - sheet: {center_m: [0, 9, 0], side_m: 4, thickness_m: 1,\n"
+                                "      optical_depth: 1, along: [0, 1, 0], albedo: [1, 1, 1]}\n",
+                                &scene, &diag),
+                     NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "level direction"));
+}
+
+/* --- grids that repeat ----------------------------------------------------------------------- */
+
+/* One node, many times: far from its rims a slab, with a ramp on either side. */
+static void test_a_repeated_node_is_a_slab(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = loaded(
+        "  - grid: {size: [1, 2, 1], origin_m: [-512, 10, -512], spacing_m: [1, 4, 1],\n"
+        "      repeat: [1024, 1, 1024], values: [1, 1], extinction_per_m: 0.1,\n"
+        "      albedo: [1, 1, 1]}\n");
+    uint64_t seed = 2;
+    for (int i = 0; i < 200; i++) {
+        struct neph_vec3 direction = random_direction(&seed);
+        direction.y = 0.2 + fabs(direction.y);
+        direction = neph_vec3_normalize(direction);
+        /* Eight metres of it: four, and half of four below and above. */
+        assert_float_equal(depth_along(&scene->media[0], (struct neph_vec3){0, 0, 0}, direction),
+                           0.1 * 8.0 / direction.y, 1e-11);
+    }
+    neph_scene_destroy(scene);
+}
+
+/* Straight down through its nodes a checkerboard is its values, and half of both in between; moved
+ * by a period it is the same. */
+static void test_a_checkerboard_repeats(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = loaded(
+        "  - grid: {size: [2, 1, 2], origin_m: [0, 10, 0], spacing_m: [3, 1, 3],\n"
+        "      repeat: [50, 1, 50], values: [1, 0, 0, 1], extinction_per_m: 0.7,\n"
+        "      albedo: [1, 1, 1]}\n");
+    const struct neph_medium *board = &scene->media[0];
+    const struct neph_vec3 up = {0.0, 1.0, 0.0};
+    for (int k = 0; k < 100; k++)
+        for (int i = 0; i < 100; i++) {
+            const struct neph_vec3 node_m = {3.0 * i, 0.0, 3.0 * k};
+            const struct neph_vec3 middle_m = {3.0 * i + 1.5, 0.0, 3.0 * k};
+            const double value = (i + k) % 2 == 0 ? 0.7 : 0.0;
+            assert_float_equal(depth_along(board, node_m, up), value, 1e-12);
+            if (i < 99)
+                assert_float_equal(depth_along(board, middle_m, up), 0.35, 1e-12);
+        }
+    uint64_t seed = 6;
+    for (int i = 0; i < 200; i++) {
+        struct neph_vec3 direction = random_direction(&seed);
+        direction.y = 0.3 + fabs(direction.y);
+        const struct neph_vec3 from_m = {neph_test_uniform(&seed, 120, 150), 0.0,
+                                         neph_test_uniform(&seed, 120, 150)};
+        const struct neph_vec3 moved_m = neph_vec3_add(from_m, (struct neph_vec3){-12.0, 0.0, 6.0});
+        assert_float_equal(depth_along(board, from_m, direction),
+                           depth_along(board, moved_m, direction), 1e-11);
+    }
+    neph_scene_destroy(scene);
+}
+
+static void test_too_many_copies_are_refused(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(
+        load_media("  - grid: {size: [2, 1, 2], origin_m: [0, 10, 0], spacing_m: [3, 1, "
+                   "3],\n      repeat: [513, 1, 1], values: [1, 0, 0, 1],\n"
+                   "      extinction_per_m: 0.7, albedo: [1, 1, 1]}\n",
+                   &scene, &diag),
+        NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "1026 x 1 x 2"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_sheet_has_its_optical_depth),
+        cmocka_unit_test(test_a_sheet_has_its_pattern),
+        cmocka_unit_test(test_wisps_have_a_direction),
+        cmocka_unit_test(test_a_repeated_node_is_a_slab),
+        cmocka_unit_test(test_a_checkerboard_repeats),
+        cmocka_unit_test(test_too_many_copies_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
