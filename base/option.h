@@ -8,7 +8,7 @@
 
 #include "base/status.h"
 
-#define NEPH_OPTIONS_MAX 128
+#define NEPH_OPTIONS_MAX 160
 
 enum neph_option_kind {
     NEPH_OPTION_INTEGER,

@@ -92,13 +92,14 @@ static double rounded_up(double size_m)
     return exp2(ceil(8.0 * log2(size_m)) / 8.0);
 }
 
-/* All of an interval, from a whole texel on. */
+/* All of an interval, about its middle: on a level plane that stays where it is under any sun. */
 static void cover(const struct neph_shadow_map *map, int axis, double low_m, double high_m,
                   struct neph_shadow_level *level)
 {
     const double texel_m = rounded_up((high_m - low_m) / (map->texels - 2));
+    const double middle = 0.5 * (low_m + high_m) / texel_m;
     level->texel_m[axis] = texel_m;
-    level->low_m[axis] = texel_m * floor(low_m / texel_m);
+    level->low_m[axis] = texel_m * round(middle - 0.5 * (map->texels - 1));
 }
 
 /* A side of this length around a place. */

@@ -537,6 +537,9 @@ static void set_default(const struct neph_field *field, void *target)
         *(double *)value = numbers[0];
     else if (field->type == NEPH_THREE)
         memcpy(value, numbers, sizeof(numbers));
+    else if (field->type == NEPH_WHOLES)
+        for (int i = 0; i < 3; i++)
+            ((int *)value)[i] = (int)numbers[i];
     else if (field->type == NEPH_WHOLE || field->type == NEPH_WORD)
         *(int *)value = (int)numbers[0];
     else if (field->type == NEPH_FLAG)

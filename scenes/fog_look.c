@@ -19,7 +19,7 @@ static const struct neph_fog_control_row rows[NEPH_FOG_CONTROL_COUNT] = {
                         "light comes through, none is scattered there",
                         LOOK(start_distance_m), 1, 0.0},
     [NEPH_FOG_END] = {"end_distance", "end_distance_m", "End Distance", NULL,
-                      "fog ends at a ball around the camera: what lies behind is seen too well",
+                      "fog ends at a cylinder around the camera: what lies behind is seen too well",
                       LOOK(end_distance_m), 1, 0.0},
     [NEPH_FOG_CUTOFF] = {"cutoff_distance", "cutoff_distance_m", "Fog Cutoff Distance",
                          "cutOffDistance",

@@ -29,7 +29,7 @@ struct neph_fog_look {
     struct neph_rgb inscattering_w_per_m2_sr; /* what fog without end looks like */
     struct neph_rgb sky_light;        /* so much of the background's radiance is added to it */
     double start_distance_m;          /* fog nearer than this is left out; 0: none is */
-    double end_distance_m;            /* so is fog beyond; 0: none is */
+    double end_distance_m;            /* so is fog beyond, over ground; 0: none is */
     double cutoff_distance_m;         /* what lies beyond is seen without any fog; 0: nothing is */
     double max_opacity;               /* 0..1 */
     double volumetric_fog_distance_m; /* nearer fog is left to a volume of froxels; 0: none is */

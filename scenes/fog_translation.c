@@ -51,24 +51,30 @@ static bool has_ends(const struct neph_bounds *bounds)
            isfinite(bounds->max_m.x) || isfinite(bounds->max_m.y) || isfinite(bounds->max_m.z);
 }
 
-/* NULL when there is none. */
+/* In the fog itself; NULL when there is none. */
+static const char *find_obstacle_in_fog(const struct neph_medium *fog, enum neph_fog_model model)
+{
+    if (has_ends(&fog->bounds))
+        return "fog that has bounds: a look fills all space";
+    if (neph_medium_is_coloured(fog))
+        return "extinction that differs between the channels: a look has one opacity";
+    if (model == NEPH_FOG_FILAMENT && fog->layer_count > 1)
+        return "a second layer of fog: Filament has one";
+    return NULL;
+}
+
+/* NULL when there is none. In some pictures all media may be away. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_fog_model model)
 {
     if (!scene->fog_look.present)
         return "a scene without a look of its fog: fog_look says what it is";
-    if (scene->medium_count != 1)
+    if (scene->medium_count > 1)
         return "media beside the fog: the look of a height fog is all that it has";
-    if (has_ends(&scene->media[0].bounds))
-        return "fog that has bounds: a look fills all space";
-    if (neph_medium_is_coloured(&scene->media[0]))
-        return "extinction that differs between the channels: a look has one opacity";
-    if (model == NEPH_FOG_FILAMENT && scene->media[0].layer_count > 1)
-        return "a second layer of fog: Filament has one";
     if (scene->light_count > 0)
         return "lights: a look knows the sun alone";
     if (scene->orthographic_height_m > 0.0)
         return "an orthographic camera: a look has one observer, whom all distances are from";
-    return NULL;
+    return scene->medium_count > 0 ? find_obstacle_in_fog(&scene->media[0], model) : NULL;
 }
 
 bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model model, char *reason,

@@ -21,7 +21,7 @@ static const struct neph_field fields[] = {
     {"start_distance_m", NEPH_NUMBER, LOOK(start_distance_m), "m", 0, NEPH_FAR_M,
      .note = "fog nearer than this is left out", .standard = "0"},
     {"end_distance_m", NEPH_NUMBER, LOOK(end_distance_m), "m", 0, NEPH_FAR_M,
-     .note = "fog beyond is left out; 0: none is", .standard = "0"},
+     .note = "fog beyond, over ground, is left out; 0: none is", .standard = "0"},
     {"cutoff_distance_m", NEPH_NUMBER, LOOK(cutoff_distance_m), "m", 0, NEPH_FAR_M,
      .note = "what lies beyond is seen without any fog; 0: nothing is", .standard = "0"},
     {"max_opacity", NEPH_NUMBER, LOOK(max_opacity), "", 0, 1, .standard = "1"},

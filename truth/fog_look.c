@@ -113,7 +113,8 @@ static struct neph_fog_look_light unreal(const struct neph_scene *scene,
                                          const struct neph_fog_look *look, const struct way *way)
 {
     const double start_m = fmax(look->start_distance_m, look->volumetric_fog_distance_m);
-    const double end_m = look->end_distance_m > 0.0 ? look->end_distance_m : INFINITY;
+    const double across = hypot(way->direction.x, way->direction.z); /* per metre of the way */
+    const double end_m = look->end_distance_m > 0.0 ? look->end_distance_m / across : INFINITY;
     const double length_m = fmin(way->length_m, end_m) - start_m;
     double depth = 0.0;
     if (length_m <= 0.0)

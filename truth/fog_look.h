@@ -10,7 +10,8 @@
  *       and ln2 - ln2^2 F / 2 for |F| <= 0.01
  *   T = max(2^-I, 1 - max_opacity)
  *   light = inscattering (1 - T) + directional cos^e (1 - 2^-(I max(l - start, 0) / l))
- * over the part l of the way that lies between the start and the end of the fog; dy is the rise of
+ * over the part l of the way that lies between the start and the end of the fog, which is told by
+ * the horizontal distance; dy is the rise of
  * that part, y0 the height that it begins at. L is ln 2 times the mean that it stands for, and base
  * 2 has one more: the extinction is (ln 2)^2 d (scenes/media.h).
  *

@@ -230,7 +230,7 @@ const struct neph_engine neph_engine_fog_look = {
             "in docs/fog.md",
     .typical_s = 1.0,
     .options = options,
-    .version = 1,
+    .version = 2,
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,

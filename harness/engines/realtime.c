@@ -321,8 +321,11 @@ static void name_targets(uint32_t targets, char *text, size_t size)
 
 static bool describe_pass(int index, struct neph_engine_pass *pass)
 {
-    static const char *const resolutions[] = {
-        [RT_FULL] = "full", [RT_HALF] = "half", [RT_QUARTER] = "quarter"};
+    static const char *const resolutions[] = {[RT_FULL] = "full",
+                                              [RT_HALF] = "half",
+                                              [RT_QUARTER] = "quarter",
+                                              [RT_FROXEL] = "froxels",
+                                              [RT_FROXEL_COLUMN] = "columns"};
     const struct neph_rt_pass *record = &neph_rt_passes[index];
     if (!record->name)
         return false;

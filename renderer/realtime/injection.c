@@ -77,12 +77,8 @@ static enum neph_status put_where(struct neph_rt_device *device, int target, cho
 /* In texels of a target. */
 static bool is_of_view(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y)
 {
-    const struct neph_gpu_view *view = device->view;
-    const uint32_t per_texel = neph_rt_target_side_px(target);
-    const uint32_t left = view->origin_px[0] / per_texel, top = view->origin_px[1] / per_texel;
-    const uint32_t width = (view->size_px[0] + per_texel - 1) / per_texel;
-    const uint32_t height = (view->size_px[1] + per_texel - 1) / per_texel;
-    return x >= left && x < left + width && y >= top && y < top + height;
+    const struct neph_rt_rectangle own = neph_rt_view_texels(device->view, target);
+    return x >= own.left && x < own.left + own.width && y >= own.top && y < own.top + own.height;
 }
 
 static bool is_inside(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y,

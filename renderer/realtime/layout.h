@@ -17,10 +17,15 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
 /* Bytes of one target: what a GPU would have in memory for its texture. */
 uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target);
 
-/* How many pixels wide and high a texel of a target is. */
-uint32_t neph_rt_target_side_px(int target);
+/* The texels of a target that are the view's; of froxels all. */
+struct neph_rt_rectangle {
+    uint32_t left, top, width, height;
+};
 
-/* Texels that a view has at a resolution: RT_FULL, RT_HALF, RT_QUARTER. */
+struct neph_rt_rectangle neph_rt_view_texels(const struct neph_gpu_view *view, int target);
+
+/* Texels that a view has at a resolution: RT_FULL, RT_HALF, RT_QUARTER; or its froxels or columns of
+ * them: RT_FROXEL, RT_FROXEL_COLUMN. */
 uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution);
 
 #endif

@@ -397,5 +397,27 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "change_hold", 0, 0, 0.99,
         "part of a change, by gradient=on, that still counts in the next frame: not every place is "
         "looked at in every frame"),
+
+    [RT_FROXEL_VOLUME] = CHOICE(
+        "froxels", 0, switches,
+        "media near the camera in froxels, a volume of columns, rows and slices of the view; the "
+        "march begins at its end. Counts with split=four; knows lighting single and octaves"),
+    [RT_FROXEL_PX] = WHOLE("froxel_px", 12, 1, 256,
+                           "pixels along a side of a froxel: 12 makes 160x90 columns of 1920x1080"),
+    [RT_FROXEL_SLICES] = WHOLE("froxel_slices", 64, 1, 256, "froxels along the depth"),
+    [RT_FROXEL_NEAR_M] = REAL("froxel_near_m", 4, 0.01, 1e4,
+                              "depth up to which slices are about even; they grow with depth from "
+                              "there on [m]"),
+    [RT_FROXEL_END_M] = REAL("froxel_end_m", 64, 0.1, 1e5,
+                             "depth at which froxels end and the march begins [m]"),
+    [RT_FROXEL_JITTER] = CHOICE("froxel_jitter", 1, switches,
+                                "froxels are looked at in another place in each picture; off: in "
+                                "the middle"),
+    [RT_FROXEL_HISTORY] = REAL("froxel_history", 0.9, 0, 0.99,
+                               "part of a froxel's light that is that of the picture before, "
+                               "reprojected; 0: none"),
+    [RT_FROXEL_HOLD] = CHOICE("froxel_hold", 1, switches,
+                              "a froxel with a surface in it is looked at before that; off: light "
+                              "leaks through from behind"),
     {.name = NULL},
 };

@@ -39,6 +39,15 @@ static const uint32_t taa_spirv[] = {
 static const uint32_t sharpen_spirv[] = {
 #include "shaders/rt_sharpen.comp.inc"
 };
+static const uint32_t froxel_light_spirv[] = {
+#include "shaders/rt_froxel_light.comp.inc"
+};
+static const uint32_t froxel_sum_spirv[] = {
+#include "shaders/rt_froxel_sum.comp.inc"
+};
+static const uint32_t froxel_apply_spirv[] = {
+#include "shaders/rt_froxel_apply.comp.inc"
+};
 
 #define BIT NEPH_RT_BIT
 
@@ -61,6 +70,25 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .reads = BIT(RT_STEADY_DEPTH),
         .writes = BIT(RT_HALF_DEPTH),
         .histories = {{RT_HALF_DEPTH, RT_HALF_DEPTH_BEFORE}},
+    },
+    {
+        .name = "froxel light",
+        .note = "what media near the camera scatter and extinguish, a froxel at a time",
+        .shader = {"rt_froxel_light", froxel_light_spirv, sizeof(froxel_light_spirv)},
+        .condition = {RT_FROXEL_VOLUME, 1},
+        .resolution = RT_FROXEL,
+        .rays = NEPH_RT_POINTS_IN_MEDIA,
+        .reads = BIT(RT_STEADY_DEPTH) | BIT(RT_FROXELS),
+        .writes = BIT(RT_FROXELS),
+    },
+    {
+        .name = "froxel sum",
+        .note = "front to back, what lies before each slice",
+        .shader = {"rt_froxel_sum", froxel_sum_spirv, sizeof(froxel_sum_spirv)},
+        .condition = {RT_FROXEL_VOLUME, 1},
+        .resolution = RT_FROXEL_COLUMN,
+        .reads = BIT(RT_FROXELS),
+        .writes = BIT(RT_FROXELS),
     },
     {
         .name = "tile index",
@@ -124,6 +152,15 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .resolution = RT_FULL,
         .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE),
         .writes = BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE),
+    },
+    {
+        .name = "froxel composition",
+        .note = "the froxels before the volume that was marched behind them",
+        .shader = {"rt_froxel_apply", froxel_apply_spirv, sizeof(froxel_apply_spirv)},
+        .condition = {RT_FROXEL_VOLUME, 1},
+        .resolution = RT_FULL,
+        .reads = BIT(RT_FROXELS) | BIT(RT_DEPTH) | BIT(RT_VOLUME),
+        .writes = BIT(RT_VOLUME),
     },
     {
         .name = "composition",
@@ -204,6 +241,7 @@ static const char *const target_names[RT_TARGET_COUNT] = {
     [RT_LOOK_BEHIND_NOW] = "look behind now",
     [RT_LOOK_BEHIND_THEN] = "look behind then",
     [RT_MOVED] = "moved",
+    [RT_FROXELS] = "froxels",
 };
 
 const char *neph_rt_target_name(int target)
@@ -265,6 +303,8 @@ uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct nep
                               bool on_gpu)
 {
     const uint64_t block = RT_COLOUR_BLOCK, column = pass->column ? (uint64_t)pass->column : 1;
+    if (pass->resolution == RT_FROXEL || pass->resolution == RT_FROXEL_COLUMN)
+        return neph_rt_texel_count(view, pass->resolution);
     const uint64_t width = quotient_up(view->size_px[0], (uint64_t)pass->resolution);
     const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
     if (on_gpu && takes_turns(view, pass))

@@ -29,6 +29,7 @@ struct neph_rt_history {
 enum neph_rt_rays {
     NEPH_RT_NO_RAYS,
     NEPH_RT_RAYS_TO_SOLIDS,    /* of one step */
+    NEPH_RT_POINTS_IN_MEDIA,   /* of one step */
     NEPH_RT_RAYS_THROUGH_MEDIA /* of all steps */
 };
 
@@ -48,8 +49,8 @@ struct neph_rt_pass {
     const char *note; /* what it makes, in a few words */
     struct neph_rt_shader shader;
     struct neph_rt_condition condition; /* of being in the frame */
-    int resolution;                     /* RT_FULL, ..: of the texels that it makes */
-    int column; /* texels, one below the other, that a thread makes; 0: one */
+    int resolution; /* RT_FULL, ..: of the texels that it makes */
+    int column;     /* texels, one below the other, that a thread makes; 0: one */
     enum neph_rt_rays rays;
     /* Where this holds colours of 2x2 texels take turns, each of which sees what those before it
      * wrote: by four dispatches, on a GPU by one of blocks that are by themselves. Else, or NULL,

@@ -136,8 +136,15 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
     }
-    return neph_march_can_render(
-        scene, (enum neph_march_lighting)(int)settings->values[RT_LIGHTING], reason, reason_size);
+    const enum neph_march_lighting lighting = (enum neph_march_lighting)(
+                                                  int)settings->values[RT_LIGHTING];
+    if (settings->values[RT_FROXEL_VOLUME] != 0.0 && lighting != NEPH_MARCH_SINGLE &&
+        lighting != NEPH_MARCH_OCTAVES) {
+        snprintf(reason, reason_size,
+                 "this lighting in froxels, which know single and octaves: froxels=off");
+        return false;
+    }
+    return neph_march_can_render(scene, lighting, reason, reason_size);
 }
 
 /* --- making -------------------------------------------------------------------------------- */
@@ -194,7 +201,7 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         struct neph_march_params march = realtime->march;
         if (!pass->rays || !neph_rt_holds(view, pass->condition))
             continue;
-        if (pass->rays == NEPH_RT_RAYS_TO_SOLIDS)
+        if (pass->rays != NEPH_RT_RAYS_THROUGH_MEDIA)
             march.steps = 1;
         status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene.gpu, &march,
                                      neph_rt_texel_count(view, pass->resolution),

@@ -30,7 +30,7 @@ enum neph_status neph_rt_submission_add(struct neph_rt_submission *submission,
         submission->is_open = true;
         submission->reads = submission->writes = 0;
     }
-    order(submission, pass->reads | RAY_BUFFERS, pass->writes | (pass->rays ? RAY_BUFFERS : 0));
+    order(submission, pass->reads | RAY_BUFFERS, pass->writes | RAY_BUFFERS);
     return neph_batch_dispatch(&submission->batch, kernel, dispatch, diag);
 }
 

@@ -25,14 +25,14 @@ uint32_t neph_rt_watched(const struct neph_gpu_view *view)
 
 static struct neph_gpu_watch_run run_of(const struct neph_gpu_view *view, int target)
 {
-    const uint32_t side_px = neph_rt_target_side_px(target);
+    const struct neph_rt_rectangle own = neph_rt_view_texels(view, target);
     return (struct neph_gpu_watch_run){
         .format = view->targets[target].format,
         .row = view->targets[target].width,
-        .left = view->origin_px[0] / side_px,
-        .top = view->origin_px[1] / side_px,
-        .width = (view->size_px[0] + side_px - 1) / side_px,
-        .height = (view->size_px[1] + side_px - 1) / side_px,
+        .left = own.left,
+        .top = own.top,
+        .width = own.width,
+        .height = own.height,
         .is_signed = (SIGNED_TARGETS & NEPH_RT_BIT(target)) != 0,
     };
 }

@@ -27,6 +27,9 @@ const float FILAMENT_LEVEL = 0.00125 / LN2;
 // engines is infinite from d = 2 on, and infinity times a length of 0 no number.
 const float LOG_DENSITY_MAX = 70.0;
 
+// A ray goes over no ground that is as upright: twice FAR_M over it is still a float32.
+const float UPRIGHT = 1e-20;
+
 // Where exp2 of a float32 is 0 on all devices.
 const float LOG_DENSITY_MIN = -126.0;
 
@@ -47,7 +50,7 @@ struct FogLook {
     float directional_exponent;
     float directional_start_m;
     float start_m; // where fog begins, for whatever reason
-    float end_m; // FAR_M and more: nowhere
+    float end_m; // where it ends, over ground; FAR_M and more: nowhere
     float cutoff_m; // FAR_M and more: nowhere
     float observer_drop_m; // >= 0: so far below the camera
     uint layer_count;
@@ -126,7 +129,8 @@ FogLookLight fog_look_along(FogLook look, vec3 direction, float length_m, vec3 l
         length_m = length(seen_m);
         direction = length_m > 0.0 ? seen_m / length_m : direction;
     }
-    float seen_m = min(length_m, look.end_m) - look.start_m;
+    float end_m = look.end_m / max(length(direction.xz), UPRIGHT);
+    float seen_m = min(length_m, end_m) - look.start_m;
     if (length_m <= 0.0 || length_m > look.cutoff_m || seen_m <= 0.0)
         return FogLookLight(1.0, vec3(0.0));
     float cosine = dot(direction, light_direction);

@@ -63,6 +63,10 @@ layout(std430, binding = 5) buffer States {
     MarchState states[];
 };
 
+#ifdef MARCH_STARTS_LATE
+float march_from_m = 0.0; // what lies nearer is somebody else's
+#endif
+
 uint view_steps = 0; // of this ray, where it met a medium's stretch
 
 // What a step adds at its near end, by the chosen model.
@@ -105,6 +109,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
     if (SEES_DEEP)
         opaque_depth = DEEP;
     Stretch stretch = scene_stretch(ray.origin_m, ray.direction, length_m);
+#ifdef MARCH_STARTS_LATE
+    stretch.t0_m = max(stretch.t0_m, march_from_m);
+#endif
     if (stretch.t1_m <= stretch.t0_m)
         return;
     look_along(ray);

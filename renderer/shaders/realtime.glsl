@@ -116,6 +116,7 @@ bool has_past = view.has_history != 0u, is_cut = view.is_cut != 0u;
 int full_row = int(view.targets[RT_DEPTH].width);
 int half_row = int(view.targets[RT_HALF_DEPTH].width);
 int quarter_row = int(view.targets[RT_TILE].width);
+int froxel_row = int(view.targets[RT_FROXELS].width);
 
 int choice(int index) { return SPECIALISED ? known_choice(index) : int(settings[index]); }
 float setting(int index) { return settings[index]; } // of one that is a number
@@ -169,6 +170,8 @@ uint pack(vec2 value)
 int width_of(int target)
 {
     int resolution = TARGETS[target].resolution;
+    if (resolution == RT_FROXEL)
+        return froxel_row;
     return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
 }
 

@@ -11,7 +11,7 @@
 // Whether the choices are constants; else they are read from the view.
 layout(constant_id = RT_SPECIALISED_CONSTANT) const bool SPECIALISED = false;
 
-#if RT_SETTING_COUNT > 128
+#if RT_SETTING_COUNT > 160
 #error "more constants, please"
 #endif
 
@@ -33,12 +33,17 @@ layout(constant_id = 20) const uint DIGITS_12 = 0;
 layout(constant_id = 21) const uint DIGITS_13 = 0;
 layout(constant_id = 22) const uint DIGITS_14 = 0;
 layout(constant_id = 23) const uint DIGITS_15 = 0;
+layout(constant_id = 24) const uint DIGITS_16 = 0;
+layout(constant_id = 25) const uint DIGITS_17 = 0;
+layout(constant_id = 26) const uint DIGITS_18 = 0;
+layout(constant_id = 27) const uint DIGITS_19 = 0;
 
 int known_choice(int setting)
 {
-    uint digits[16] = {DIGITS_0, DIGITS_1, DIGITS_2, DIGITS_3, DIGITS_4, DIGITS_5,
+    uint digits[20] = {DIGITS_0, DIGITS_1, DIGITS_2, DIGITS_3, DIGITS_4, DIGITS_5,
                        DIGITS_6, DIGITS_7, DIGITS_8, DIGITS_9, DIGITS_10, DIGITS_11,
-                       DIGITS_12, DIGITS_13, DIGITS_14, DIGITS_15};
+                       DIGITS_12, DIGITS_13, DIGITS_14, DIGITS_15, DIGITS_16, DIGITS_17,
+                       DIGITS_18, DIGITS_19};
     return int((digits[setting >> 3] >> (4 * (setting & 7))) & 15u);
 }
 

@@ -147,7 +147,16 @@
 // What is made of changes of the light.
 #define RT_RELIGHT 119
 #define RT_CHANGE_HOLD 120
-#define RT_SETTING_COUNT 121
+// Near froxels.
+#define RT_FROXEL_VOLUME 121
+#define RT_FROXEL_PX 122
+#define RT_FROXEL_SLICES 123
+#define RT_FROXEL_NEAR_M 124
+#define RT_FROXEL_END_M 125
+#define RT_FROXEL_JITTER 126
+#define RT_FROXEL_HISTORY 127
+#define RT_FROXEL_HOLD 128
+#define RT_SETTING_COUNT 129
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -157,12 +166,12 @@
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
-#define RT_CHOICE_CONSTANT_COUNT 16
-#define RT_SOLIDS_CONSTANT 24
+#define RT_CHOICE_CONSTANT_COUNT 20
+#define RT_SOLIDS_CONSTANT 28
 #define RT_SOLIDS_UNKNOWN 33 // and from there on: looked at one by one
-#define RT_HALVES_CONSTANT 25
-#define RT_ON_GPU_CONSTANT 26
-#define RT_CONSTANT_COUNT 27
+#define RT_HALVES_CONSTANT 29
+#define RT_ON_GPU_CONSTANT 30
+#define RT_CONSTANT_COUNT 31
 
 // Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
 // three of them.
@@ -313,21 +322,24 @@
 #define RT_SHARPENED 17 // RGB: the picture after sharpening
 // RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move
 #define RT_MOVED 18
-#define RT_RAY_TARGET_COUNT 19 // passes with rays know those before, which leaves room for a scene
+// Froxels (froxels.glsl). RGB: light that is scattered per metre, A: extinction [1/m]; of the sums
+// in-scattered radiance and transmittance
+#define RT_FROXELS 19
+#define RT_RAY_TARGET_COUNT 20 // passes with rays know those before, which leaves room for a scene
 // What the same rays saw when they were marched before (rt_gradient.comp).
-#define RT_KEPT_RAY 19    // half resolution; RGB: radiance of the medium, A: transmittance
-#define RT_KEPT_BEHIND 20 // RGB: radiance of what is behind all media
+#define RT_KEPT_RAY 20    // half resolution; RGB: radiance of the medium, A: transmittance
+#define RT_KEPT_BEHIND 21 // RGB: radiance of what is behind all media
 // Quarter resolution. Two looks at the same thing: RGB: what a tile's ray sees of the medium; A: a
 // change that no light explains.
-#define RT_LOOK_NOW 21
-#define RT_LOOK_THEN 22        // RGB: what it saw; A: 1 where it was marched before, else 0
-#define RT_LOOK_BEHIND_NOW 23  // the same of what is behind, sums of the pixels that were looked at
-#define RT_LOOK_BEHIND_THEN 24 // A: how many there are
+#define RT_LOOK_NOW 22
+#define RT_LOOK_THEN 23        // RGB: what it saw; A: 1 where it was marched before, else 0
+#define RT_LOOK_BEHIND_NOW 24  // the same of what is behind, sums of the pixels that were looked at
+#define RT_LOOK_BEHIND_THEN 25 // A: how many there are
 // What has changed around a tile (rt_change.comp). RGB: the light of a frame over that of the frame
 // before; A: the change that this does not explain.
-#define RT_CHANGE 25        // of the medium
-#define RT_CHANGE_BEHIND 26 // of what is behind all media
-#define RT_TARGET_COUNT 27
+#define RT_CHANGE 26        // of the medium
+#define RT_CHANGE_BEHIND 27 // of what is behind all media
+#define RT_TARGET_COUNT 28
 
 // Groups of solids that move, each as one.
 #define RT_MOVERS_MAX 16
@@ -336,6 +348,11 @@
 #define RT_FULL 1
 #define RT_HALF 2
 #define RT_QUARTER 4
+// Of a target: columns of froxels wide, and three times rows times slices high. Of a pass: a thread
+// for each froxel, or for each column of them.
+#define RT_FROXEL 5
+#define RT_FROXEL_COLUMN 6
+#define RT_FROXEL_SECTIONS 3
 
 #define RT_FIXED (-1) // no setting chooses the format
 
@@ -361,6 +378,7 @@
     {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_STEADY_DEPTH */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */ \
+    {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},          /* RT_FROXELS */ \
     {RT_HALF, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_RAY */ \
     {RT_FULL, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_BEHIND */ \
     {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_NOW */ \

@@ -10,6 +10,8 @@
 // the largest half.
 #extension GL_GOOGLE_include_directive : require
 
+#define MARCH_STARTS_LATE // behind froxels
+
 #include "realtime_march.glsl"
 
 #include "realtime_dither.glsl"
@@ -51,6 +53,15 @@ Ray ray_of(ivec2 tile)
     return ray;
 }
 
+// As view_optical_depth(), from the end of the froxels on.
+vec3 optical_depth_behind(Ray ray, Sums sums)
+{
+    ViewRay rest = ViewRay(view_point_m(ray.view, march_from_m), ray.view.direction);
+    return IS_SOLVED ? exact_optical_depth(rest.origin_m, rest.direction,
+                                           max(ray.length_m - march_from_m, 0.0))
+                     : marched_depth(sums);
+}
+
 void main()
 {
     uint thread = gl_GlobalInvocationID.x;
@@ -58,13 +69,17 @@ void main()
         return;
     ivec2 tile = element_at(int(run.first_ray + thread), tile_count().x);
     Ray ray = ray_of(tile);
+    if (choice(RT_FROXEL_VOLUME) != 0)
+        march_from_m = setting(RT_FROXEL_END_M) / dot(ray.view.direction, camera.forward);
     Sums sums = sums_at_start(thread);
     march(ray.view, ray.length_m, ray.place, sums);
     if (run.end_step < own(frame.steps)) {
         sums_keep(thread, sums);
         return;
     }
-    vec3 optical_depth = view_optical_depth(ray.view, ray.length_m, sums);
+    vec3 optical_depth = choice(RT_FROXEL_VOLUME) == 0
+                             ? view_optical_depth(ray.view, ray.length_m, sums)
+                             : optical_depth_behind(ray, sums);
     put_tile(RT_RAY, tile, vec4(view_scattered(sums, optical_depth, ray.place_px),
                                 fraction_through(optical_depth).x));
     float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);

@@ -454,23 +454,30 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
     assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
 }
 
-/* A map of all clouds keeps the size of its texels while the sun goes some degrees. */
-static void test_texels_keep_their_size(void **state)
+/* A map of all clouds stays as it is while the sun goes some degrees: it need not be filled at once.
+ * And it has all of them. */
+static void test_a_map_of_all_clouds_stays(void **state)
 {
     (void)state;
     struct test_scene test;
+    struct neph_shadow_level before = {.texel_m = {0.0, 0.0}};
     int changes = 0;
-    double texel_m = 0.0;
     test_scene_init(&test);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
     const struct neph_shadow_map map = {.texels = 64, .layers = 1, .levels = 1};
-    for (int degrees = 90; degrees >= 30; degrees--) {
-        const double height_rad = degrees * M_PI / 180.0;
+    for (int tenths = 900; tenths >= 300; tenths--) {
+        const double height_rad = tenths * M_PI / 1800.0;
         test.scene.sun.direction = (struct neph_vec3){cos(height_rad), sin(height_rad), 0.0};
         const struct neph_shadow_space space = neph_shadow_space_of(&map, &test.scene,
                                                                     test.key.position_m);
-        changes += space.levels[0].texel_m[0] != texel_m;
-        texel_m = space.levels[0].texel_m[0];
+        const struct neph_shadow_level *now = &space.levels[0];
+        changes += memcmp(now, &before, sizeof(before)) != 0;
+        before = *now;
+        /* Half of the clouds' box, and what its height adds. */
+        const double half_m = 9.0 +
+                              9.0 * fabs(test.scene.sun.direction.x) / test.scene.sun.direction.y;
+        assert_true(now->low_m[0] <= 9.0 - half_m + 1e-9);
+        assert_true(now->low_m[0] + 63 * now->texel_m[0] >= 9.0 + half_m - 1e-9);
     }
     /* 1 + cot of 30 degrees is 1.45 octaves above 1: 12 steps, and the first. */
     assert_in_range(changes, 12, 13);
@@ -628,7 +635,7 @@ int main(void)
         cmocka_unit_test(test_fog_alone_keeps_the_bits),
         cmocka_unit_test(test_texels_stay_with_the_clouds),
         cmocka_unit_test(test_far_from_the_origin_it_is_the_same),
-        cmocka_unit_test(test_texels_keep_their_size),
+        cmocka_unit_test(test_a_map_of_all_clouds_stays),
         cmocka_unit_test(test_the_map_is_filled_over_pictures),
         cmocka_unit_test(test_in_real_time_the_ground_is_the_same),
         cmocka_unit_test(test_what_is_out_of_range_is_refused),

@@ -398,6 +398,12 @@ static void test_pictures_in_a_row(void **state)
     assert_memory_equal(neph_image_channel(later, "G"), neph_image_channel(alone, "G"),
                         40 * 24 * sizeof(float));
     assert_int_equal(neph_fog_looks_home(looks, &gpu_s, &diag), NEPH_ERR_USAGE);
+    test.scene.medium_count = 0; /* all media are away */
+    struct neph_image *clear = next_picture(looks, &test.scene);
+    for (int i = 0; i < 40 * 24; i++)
+        assert_true(neph_image_channel(clear, "transmittance.G")[i] == 1.0f &&
+                    neph_image_channel(clear, "volume.G")[i] == 0.0f);
+    neph_image_destroy(clear);
     neph_image_destroy(later);
     neph_image_destroy(alone);
     neph_fog_looks_destroy(looks);

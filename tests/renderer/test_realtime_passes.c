@@ -153,9 +153,11 @@ static void test_threads_cover_all_texels(void **state)
         int resolution, column;
         uint64_t count;
     } cases[] = {
-        {RT_FULL, 0, 37 * 21},   {RT_FULL, 4, 37 * 6},    {RT_FULL, 21, 37},
-        {RT_FULL, 64, 37},       {RT_HALF, 0, 19 * 11},   {RT_HALF, 2, 19 * 6},
-        {RT_QUARTER, 0, 10 * 6}, {RT_QUARTER, 3, 10 * 2},
+        {RT_FULL, 0, 37 * 21},      {RT_FULL, 4, 37 * 6},
+        {RT_FULL, 21, 37},          {RT_FULL, 64, 37},
+        {RT_HALF, 0, 19 * 11},      {RT_HALF, 2, 19 * 6},
+        {RT_QUARTER, 0, 10 * 6},    {RT_QUARTER, 3, 10 * 2},
+        {RT_FROXEL, 0, 4 * 2 * 64}, {RT_FROXEL_COLUMN, 0, 4 * 2},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         const struct neph_rt_pass pass = {.resolution = cases[i].resolution,

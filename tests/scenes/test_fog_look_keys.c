@@ -155,6 +155,9 @@ static void test_what_a_look_does_not_know(void **state)
     struct neph_scene *scene = loaded("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}");
     struct neph_medium *medium = &scene->media[0];
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
+    scene->medium_count = 0; /* in a picture that has them away */
+    assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
+    scene->medium_count = 1;
     scene->light_count = 1;
     assert_cannot(scene, NEPH_FOG_UNREAL, "the sun alone");
     scene->light_count = 0;

@@ -181,6 +181,20 @@ static void test_a_checkerboard_repeats(void **state)
     neph_scene_destroy(scene);
 }
 
+/* Left out, there is one. */
+static void test_a_grid_is_there_once(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = loaded(
+        "  - grid: {size: [2, 1, 3], origin_m: [0, 10, 0], spacing_m: [3, 1, 3],\n"
+        "      values: [1, 2, 3, 4, 5, 6], extinction_per_m: 0.7, albedo: [1, 1, 1]}\n");
+    const struct neph_grid *grid = scene->media[0].grid;
+    assert_true(grid->size[0] == 2 && grid->size[1] == 1 && grid->size[2] == 3);
+    for (int i = 0; i < 6; i++)
+        assert_float_equal(grid->values[i], i + 1, 0.0);
+    neph_scene_destroy(scene);
+}
+
 static void test_too_many_copies_are_refused(void **state)
 {
     (void)state;
@@ -203,6 +217,7 @@ int main(void)
         cmocka_unit_test(test_wisps_have_a_direction),
         cmocka_unit_test(test_a_repeated_node_is_a_slab),
         cmocka_unit_test(test_a_checkerboard_repeats),
+        cmocka_unit_test(test_a_grid_is_there_once),
         cmocka_unit_test(test_too_many_copies_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -107,7 +107,10 @@ static struct engine_fog as_unreal(const struct neph_scene *scene, const struct 
     const double distance = sqrt(neph_vec3_dot(receiver, receiver));
     const struct neph_vec3 to_receiver = neph_vec3_scale(receiver, 1.0 / distance);
     const double exclude = fmax(look->start_distance_m, look->volumetric_fog_distance_m);
-    const double end = look->end_distance_m > 0.0 ? fmin(distance, look->end_distance_m) : distance;
+    const double level = hypot(receiver.x, receiver.z); /* distance over ground */
+    const double end = look->end_distance_m > 0.0 && level > look->end_distance_m
+                           ? distance * look->end_distance_m / level
+                           : distance;
     const double start_y = observer_y + exclude / distance * receiver.y;
     const double rise = (end - exclude) / distance * receiver.y, ray = end - exclude;
     double shared = 0.0;
@@ -295,6 +298,21 @@ static void test_a_start_is_a_camera_further_on(void **state)
     }
 }
 
+/* Fog ends over ground: nowhere straight up, and on a slope of 60 degrees at twice the distance. */
+static void test_the_end_is_over_ground(void **state)
+{
+    (void)state;
+    struct neph_scene scene = foggy(0.2, 0.1, 5.0);
+    const struct view up = {{0, 3, 0}, {0, 1, 0}, 400.0};
+    const struct view slope = {{0, 3, 0}, {0.5, sqrt(0.75), 0}, 400.0};
+    const struct view half = {{0, 3, 0}, {0.5, sqrt(0.75), 0}, 200.0};
+    const double up_whole = seen(&scene, NEPH_FOG_UNREAL, &up).transmittance;
+    const double at_end = seen(&scene, NEPH_FOG_UNREAL, &half).transmittance;
+    scene.fog_look.end_distance_m = 100.0;
+    assert_true(seen(&scene, NEPH_FOG_UNREAL, &up).transmittance == up_whole);
+    neph_assert_close(seen(&scene, NEPH_FOG_UNREAL, &slope).transmittance, at_end, 1e-12, 0.0);
+}
+
 /* The least that comes through; the glow that it does not dim; the pop. */
 static void test_limits(void **state)
 {
@@ -477,6 +495,7 @@ int main(void)
         cmocka_unit_test(test_density_is_unreals),
         cmocka_unit_test(test_mean_is_ln2_times_the_mean),
         cmocka_unit_test(test_a_start_is_a_camera_further_on),
+        cmocka_unit_test(test_the_end_is_over_ground),
         cmocka_unit_test(test_limits),
         cmocka_unit_test(test_without_controls_it_is_physics),
         cmocka_unit_test(test_sky_light_is_a_furnace),

@@ -32,6 +32,9 @@ void twin_put_tile(const struct twin *twin, int target, int x, int y, const floa
 /* is_sound() of shaders/realtime.glsl. */
 bool twin_is_sound(const float value[4]);
 
+/* Depth of an edge of the froxels' slices [m]. */
+double twin_froxel_edge_m(const struct twin *twin, int edge);
+
 /* One for each shader, in the order of the pipeline. */
 void twin_min_max(const struct twin *twin);
 void twin_tile_index(const struct twin *twin);
@@ -39,6 +42,8 @@ void twin_gradient(const struct twin *twin);
 void twin_change(const struct twin *twin);
 void twin_reconstruct(const struct twin *twin);
 void twin_upscale(const struct twin *twin);
+void twin_froxel_sum(const struct twin *twin);
+void twin_froxel_apply(const struct twin *twin);
 void twin_compose(const struct twin *twin);
 void twin_taa(const struct twin *twin);
 

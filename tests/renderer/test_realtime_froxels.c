@@ -1,0 +1,445 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Near froxels: each pass against its twin, and the picture against the exact transport as slices
+ * get thinner, at a wall and at the seam to the march.
+ */
+#include "tests/renderer/realtime_test.h"
+
+#include "renderer/realtime/pipeline.h"
+#include "scenes/lights.h"
+#include "scenes/media.h"
+#include "scenes/solids.h"
+#include "truth/transport.h"
+
+enum { WIDTH_PX = 32, HEIGHT_PX = 18 };
+
+/* ---- passes without the scene ---- */
+
+/* exp and log of the device have 3 units in the last place or so, and slices of a thin end cancel. */
+static const double passes_relative = 2e-4, passes_absolute = 1e-6;
+
+static void assert_same(struct test_passes *test, int target, size_t first, size_t count)
+{
+    uint32_t *words = test_download(test, target);
+    const struct neph_gpu_target *shape = &test->view.targets[target];
+    for (size_t i = first; i < first + count; i++) {
+        float found[4], expected[4];
+        neph_rt_load(shape, words, i, found);
+        test_get(test, target, i, expected);
+        for (int c = 0; c < 4; c++)
+            neph_assert_close((double)found[c], (double)expected[c], passes_relative,
+                              passes_absolute);
+    }
+    free(words);
+}
+
+static void fill_froxels(struct test_passes *test, uint64_t *seed)
+{
+    for (size_t i = 0; i < test_elements(test, RT_FROXELS); i++) {
+        const float bright = i % 7 ? 0.3f : 30.0f, dense = i % 5 ? 0.2f : i % 3 ? 0.0f : 20.0f;
+        test_set(test, RT_FROXELS, i,
+                 (float[4]){bright * (float)test_uniform(seed), bright * (float)test_uniform(seed),
+                            bright * (float)test_uniform(seed), dense * (float)test_uniform(seed)});
+    }
+}
+
+static void test_passes_are_their_twins(void **state)
+{
+    for (uint64_t k = 0; k < 3; k++) {
+        const struct neph_settings settings = test_settings(
+            "froxels=on froxel_px=4 froxel_slices=13 froxel_end_m=20 "
+            "color_format=float");
+        struct test_passes test;
+        uint64_t seed = 20261125 + k;
+        test_passes_open(*state, &settings, (int[2]){37, 21}, (int[2]){4, 8}, seed, &test);
+        test.view.frame = (uint32_t)k;
+        test.view.jitter_px[0] = 0.25f;
+        if (k == 2)
+            test_make_parallel(&test.view, 5.0f);
+        fill_froxels(&test, &seed);
+        for (size_t i = 0; i < test_elements(&test, RT_DEPTH); i++) {
+            const float depth_m = i % 4 ? 30.0f * (float)test_uniform(&seed) + 0.01f
+                                        : NEPH_GPU_FAR_M;
+            test_set(&test, RT_DEPTH, i, (float[4]){depth_m});
+            test_set(
+                &test, RT_VOLUME, i,
+                (float[4]){(float)test_uniform(&seed), 0.5f, 2.0f, (float)test_uniform(&seed)});
+        }
+        test_passes_run(&test, "froxel sum");
+        twin_froxel_sum(&test.twin);
+        assert_same(&test, RT_FROXELS, 0, test_elements(&test, RT_FROXELS));
+        test_passes_run(&test, "froxel composition");
+        twin_froxel_apply(&test.twin);
+        for (size_t y = 0; y < 21; y++)
+            assert_same(&test, RT_VOLUME, (y + 8) * test.view.targets[RT_VOLUME].width + 4, 37);
+        test_passes_close(&test);
+    }
+}
+
+/* ---- pictures ---- */
+
+/* As exact as the pipeline can be apart from froxels: one for each pixel, no history, no dither. */
+#define PLAIN                                                                                      \
+    "froxels=on froxel_px=1 froxel_jitter=off froxel_history=0 taa=off "                           \
+    "color_format=float depth_format=float ray_dither_amount=0 upscale_amount_px=0 steps=64 "
+
+static struct neph_image *picture_of(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                     const char *assignments, int frames,
+                                     neph_realtime_observer *observer, void *context)
+{
+    const struct neph_settings settings = test_settings(assignments);
+    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
+                                                .height_px = HEIGHT_PX,
+                                                .settings = &settings,
+                                                .cache_folder = "/tmp"};
+    struct neph_realtime *realtime = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    neph_realtime_observe(realtime, observer, context);
+    for (int frame = 0; frame < frames; frame++) { /* held after the scene's last */
+        const struct neph_realtime_frame picture = {scene, frame, NULL};
+        neph_image_destroy(image);
+        image = NULL;
+        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+    }
+    neph_realtime_destroy(realtime);
+    return image;
+}
+
+/* Fog over ground as far as froxels go, a camera at 1.6 m that looks level. */
+static void scene_fog(struct test_scene *test)
+{
+    test_scene_init(test);
+    test->scene.background_w_per_m2_sr = make_grey(0.0);
+    struct neph_medium *fog = test_add_medium(test, 0.08, 0.0, 0.0);
+    fog->bounds = (struct neph_bounds){{-200, -2, -23}, {200, 20, 1}};
+    test_add_box(test, (struct neph_vec3){-40, -3, -60}, (struct neph_vec3){40, -1, 3});
+}
+
+static void scene_fence(struct test_scene *test)
+{
+    scene_fog(test);
+    test->scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.2, 0.5, -0.8});
+    for (int i = 0; i < 8; i++)
+        test_add_box(test, (struct neph_vec3){-4.0 + i, -1.0, -9.0},
+                     (struct neph_vec3){-3.6 + i, 3.0, -8.7});
+}
+
+static void scene_lamps(struct test_scene *test)
+{
+    scene_fog(test);
+    test->scene.sun.present = false;
+    test->scene.light_count = 2;
+    test->scene.lights[0] = (struct neph_light){.position_m = {-1.3, 2.2, -7.0},
+                                                .intensity_w_per_sr = {9, 8, 7}};
+    test->scene.lights[1] = (struct neph_light){.position_m = {2.0, 3.0, -12.0},
+                                                .intensity_w_per_sr = {20, 30, 40},
+                                                .is_spot = true,
+                                                .axis = {0, -1, 0},
+                                                .inner_cosine = 0.9,
+                                                .outer_cosine = 0.8};
+    test_add_box(test, (struct neph_vec3){-1.0, -1.0, -5.0}, (struct neph_vec3){-0.8, 2.0, -4.8});
+}
+
+struct error {
+    double bias, rms; /* of what the media send, over its mean */
+};
+
+/* The last picture of a camera that moves, if it does. */
+static struct error error_of(const struct test_scene *test, const struct neph_image *image)
+{
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 1e6);
+    float *volume[3];
+    assert_true(neph_image_rgb(image, "volume", volume));
+    double sum = 0.0, expected_sum = 0.0, squares = 0.0;
+    for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH_PX, HEIGHT_PX,
+                                                          p % WIDTH_PX, p / WIDTH_PX);
+        const double expected =
+            neph_transport_ray(&test->scene, ray.origin_m, ray.direction).volume.g;
+        const double found = (double)volume[1][p];
+        sum += found;
+        expected_sum += expected;
+        squares += (found - expected) * (found - expected);
+    }
+    return (struct error){sum / expected_sum - 1.0,
+                          sqrt(squares * WIDTH_PX * HEIGHT_PX) / expected_sum};
+}
+
+/* Prints the table of docs/froxels.md. */
+static void converges(struct neph_vulkan *vulkan, const char *name,
+                      void (*make)(struct test_scene *test), double most_rms)
+{
+    struct test_scene test;
+    make(&test);
+    struct error last = {1.0, 1.0};
+    for (int slices = neph_test_by_day(64, 8); slices <= neph_test_by_day(64, 256); slices *= 2) {
+        char settings[400];
+        snprintf(settings, sizeof(settings), PLAIN "froxel_end_m=24 froxel_slices=%d", slices);
+        struct neph_image *image = picture_of(vulkan, &test.scene, settings, 1, NULL, NULL);
+        const struct error error = error_of(&test, image);
+        print_message("%s, %3d slices: bias %+.1e, rms %.1e\n", name, slices, error.bias,
+                      error.rms);
+        assert_true(error.rms < 0.8 * last.rms);
+        if (slices >= 64)
+            assert_true(error.rms < most_rms);
+        last = error;
+        neph_image_destroy(image);
+    }
+}
+
+static void test_shafts_of_a_fence(void **state)
+{
+    converges(*state, "fence", scene_fence, 0.03);
+}
+
+static void test_lamps(void **state)
+{
+    converges(*state, "lamps", scene_lamps, 0.03);
+}
+
+/* ---- light ---- */
+
+/* What is scattered at a point, per metre, and the extinction. */
+static void light_at(const struct neph_scene *scene, struct neph_vec3 point_m,
+                     struct neph_vec3 direction, double light[2])
+{
+    const struct neph_medium *fog = &scene->media[0];
+    const double per_m = neph_medium_extinction_per_m(fog, point_m);
+    light[0] = 0.0;
+    light[1] = per_m;
+    if (!neph_scene_sees_sun(scene, point_m))
+        return;
+    const double depth =
+        neph_scene_optical_depth(scene, point_m, scene->sun.direction, 0.0, INFINITY).g;
+    light[0] = per_m * fog->albedo.g *
+               neph_phase_per_sr(&fog->phase, neph_vec3_dot(direction, scene->sun.direction)) *
+               scene->sun.irradiance_w_per_m2.g * exp(-depth);
+}
+
+struct lit_check {
+    const struct neph_scene *scene;
+    int lit, dark, wrong;
+};
+
+static double extinction_at(const struct neph_scene *scene, struct neph_vec3 point_m,
+                            struct neph_vec3 direction, double along_m)
+{
+    return neph_medium_extinction_per_m(&scene->media[0],
+                                        neph_vec3_along(point_m, direction, along_m));
+}
+
+/* Each froxel in its middle; those that a face of the fog cuts, or whose shadow changes within a
+ * millimetre, are left out. */
+static void check_light(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                        void *context)
+{
+    struct lit_check *check = context;
+    if (strcmp(pass->name, "froxel light") != 0)
+        return;
+    struct neph_diag diag = {0};
+    const struct twin twin = {.view = device->view};
+    const struct neph_gpu_target *shape = &device->view->targets[RT_FROXELS];
+    uint32_t *words = malloc(neph_rt_device_words(device, RT_FROXELS) * sizeof(*words));
+    neph_assert_ok(neph_rt_device_download(device, RT_FROXELS, words, &diag), &diag);
+    const struct neph_camera camera = neph_scene_camera(check->scene, 0.0);
+    const int slices = (int)device->view->settings[RT_FROXEL_SLICES];
+    for (int i = 0; i < WIDTH_PX * HEIGHT_PX * slices; i++) {
+        const int column = i % WIDTH_PX, row = i / WIDTH_PX % HEIGHT_PX;
+        const int slice = i / (WIDTH_PX * HEIGHT_PX);
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH_PX, HEIGHT_PX, column,
+                                                          row);
+        const double slope = 1.0 / neph_vec3_dot(ray.direction, camera.forward);
+        const double middle_m = 0.5 * (twin_froxel_edge_m(&twin, slice) +
+                                       twin_froxel_edge_m(&twin, slice + 1));
+        double light[2], near[2], far[2];
+        const struct neph_vec3 point_m = neph_vec3_along(ray.origin_m, ray.direction,
+                                                         middle_m * slope);
+        light_at(check->scene, point_m, ray.direction, light);
+        const double half_m =
+            0.5 * slope * (twin_froxel_edge_m(&twin, slice + 1) - twin_froxel_edge_m(&twin, slice));
+        if (extinction_at(check->scene, point_m, ray.direction, -half_m) != light[1] ||
+            extinction_at(check->scene, point_m, ray.direction, half_m) != light[1])
+            continue;
+        light_at(check->scene, neph_vec3_along(point_m, ray.direction, -1e-3), ray.direction, near);
+        light_at(check->scene, neph_vec3_along(point_m, ray.direction, 1e-3), ray.direction, far);
+        if ((near[0] > 0.0) != (far[0] > 0.0))
+            continue;
+        float found[4];
+        neph_rt_load(shape, words, (size_t)i, found);
+        check->lit += light[0] > 0.0;
+        check->dark += light[0] <= 0.0;
+        check->wrong += !(fabs((double)found[1] - light[0]) <= 1e-4 * light[0] + 1e-9) ||
+                        !(fabs((double)found[3] - light[1]) <= 1e-5 * light[1]);
+    }
+    free(words);
+}
+
+static void test_each_froxel_has_its_light(void **state)
+{
+    struct test_scene test;
+    scene_fence(&test);
+    struct lit_check check = {.scene = &test.scene};
+    struct neph_image *image = picture_of(*state, &test.scene,
+                                          PLAIN "froxel_hold=off froxel_end_m=24 froxel_slices=16",
+                                          1, check_light, &check);
+    neph_image_destroy(image);
+    assert_true(check.lit > 1000 && check.dark > 500);
+    assert_int_equal(check.wrong, 0);
+}
+
+/* ---- walls and seams ---- */
+
+/* A dark room; behind its wall, 6 m away, a lamp in the same fog. */
+static void scene_room(struct test_scene *test, bool wall)
+{
+    scene_fog(test);
+    test->scene.sun.present = false;
+    test->scene.light_count = 1;
+    test->scene.lights[0] = (struct neph_light){.position_m = {0.3, 1.8, -6.6},
+                                                .intensity_w_per_sr = {10, 10, 10}};
+    if (wall)
+        test_add_box(test, (struct neph_vec3){-20, -3, -6.3}, (struct neph_vec3){20, 12, -6.0});
+}
+
+/* The most that comes through, over what comes without a wall. */
+static double leak(struct neph_vulkan *vulkan, const char *assignments)
+{
+    struct test_scene room, open;
+    scene_room(&room, true);
+    scene_room(&open, false);
+    struct neph_image *dark = picture_of(vulkan, &room.scene, assignments, 8, NULL, NULL);
+    struct neph_image *lit = picture_of(vulkan, &open.scene, assignments, 8, NULL, NULL);
+    float *a[3], *b[3];
+    assert_true(neph_image_rgb(dark, "volume", a) && neph_image_rgb(lit, "volume", b));
+    double most = 0.0;
+    for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++)
+        most = fmax(most, (double)a[1][p] / (double)b[1][p]);
+    neph_image_destroy(dark);
+    neph_image_destroy(lit);
+    return most;
+}
+
+static void test_no_light_leaks_through_a_wall(void **state)
+{
+    const char *const kept = "froxels=on froxel_px=2 froxel_end_m=24 taa=off "
+                             "froxel_slices=32 color_format=float";
+    const char *const leaking = "froxels=on froxel_px=2 froxel_end_m=24 "
+                                "taa=off froxel_slices=32 color_format=float froxel_hold=off";
+    const double held = leak(*state, kept), let = leak(*state, leaking);
+    print_message("through a wall: %.1e of the light, %.1e with froxel_hold=off\n", held, let);
+    assert_true(held < 0.01);
+    assert_true(let > 0.01);
+}
+
+/* Wherever the march takes over, the picture is as good as without froxels. Sixteen pictures, so
+ * that every texel has been marched. */
+static void test_the_seam_is_not_seen(void **state)
+{
+    neph_test_waits_for_the_night();
+    struct test_scene test;
+    scene_fog(&test);
+    test.scene.solid_count = 0;
+    test.scene.media[0].bounds = (struct neph_bounds){{-200, -50, -60}, {200, 50, 1}};
+    const char *const ends[] = {"froxel_end_m=5", "froxel_end_m=11", "froxel_end_m=24",
+                                "froxels=off"};
+    struct error errors[COUNT(ends)];
+    for (size_t i = 0; i < COUNT(ends); i++) {
+        char settings[400];
+        snprintf(settings, sizeof(settings), PLAIN "froxel_slices=64 %s", ends[i]);
+        struct neph_image *image = picture_of(*state, &test.scene, settings, 16, NULL, NULL);
+        errors[i] = error_of(&test, image);
+        print_message("%s: bias %+.1e, rms %.1e\n", ends[i], errors[i].bias, errors[i].rms);
+        neph_image_destroy(image);
+    }
+    for (size_t i = 0; i + 1 < COUNT(ends); i++)
+        assert_true(errors[i].rms < 1.1 * errors[COUNT(ends) - 1].rms + 1e-3);
+}
+
+/* A camera at rest: the mean over jittered pictures is no worse than the middles. */
+static void test_jitter_and_history(void **state)
+{
+    neph_test_waits_for_the_night();
+    struct test_scene test;
+    scene_fence(&test);
+    struct neph_image *image = picture_of(
+        *state, &test.scene,
+        PLAIN "froxel_slices=32 froxel_end_m=24 froxel_jitter=on froxel_history=0.95", 64, NULL,
+        NULL);
+    const struct error error = error_of(&test, image);
+    print_message("64 pictures with jitter and history: bias %+.1e, rms %.1e\n", error.bias,
+                  error.rms);
+    assert_true(fabs(error.bias) < 0.01 && error.rms < 0.04);
+    neph_image_destroy(image);
+}
+
+static void history_follows(struct neph_vulkan *vulkan, const char *name,
+                            void (*make)(struct test_scene *test), struct neph_phase phase,
+                            double most_more)
+{
+    struct test_scene test;
+    make(&test);
+    test.scene.media[0].phase = phase;
+    struct neph_camera_key keys[2] = {test.key, test.key};
+    keys[1].frame = 8.0;
+    keys[1].position_m.x += 2.4;
+    keys[1].position_m.z -= 1.2;
+    test.scene.camera_keys = keys;
+    test.scene.camera_key_count = 2;
+    test.scene.frame_count = 9;
+    struct error errors[2];
+    for (int i = 0; i < 2; i++) {
+        char settings[400];
+        snprintf(settings, sizeof(settings),
+                 PLAIN "froxel_slices=64 froxel_end_m=24 froxel_history=%g", i ? 0.8 : 0.0);
+        struct neph_image *image = picture_of(vulkan, &test.scene, settings, 9, NULL, NULL);
+        errors[i] = error_of(&test, image);
+        print_message("%s, moving, history %g: bias %+.1e, rms %.1e\n", name, i ? 0.8 : 0.0,
+                      errors[i].bias, errors[i].rms);
+        neph_image_destroy(image);
+    }
+    assert_true(errors[1].rms < errors[0].rms + most_more);
+}
+
+/* Past shafts at 0.3 m a picture: what a place of the world was is looked up where it was seen. From
+ * where the camera is now it may scatter another part of its light, which history does not know;
+ * and a column that has come close to a lamp keeps what it saw there for a while. */
+static void test_history_follows_the_world(void **state)
+{
+    neph_test_waits_for_the_night();
+    const struct neph_phase even = {NEPH_PHASE_ISOTROPIC, 0.0};
+    const struct neph_phase forward = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.4};
+    history_follows(*state, "fence, isotropic", scene_fence, even, 0.05);
+    history_follows(*state, "fence, g 0.4", scene_fence, forward, 0.15);
+    history_follows(*state, "lamps, isotropic", scene_lamps, even, 0.6);
+}
+
+/* What froxels do not know is refused. */
+static void test_refusals(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    char reason[256] = "";
+    scene_fence(&test);
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    const struct neph_settings settings = test_settings("froxels=on lighting=slab");
+    assert_false(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "froxels"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_passes_are_their_twins),
+        cmocka_unit_test(test_each_froxel_has_its_light),
+        cmocka_unit_test(test_shafts_of_a_fence),
+        cmocka_unit_test(test_lamps),
+        cmocka_unit_test(test_no_light_leaks_through_a_wall),
+        cmocka_unit_test(test_the_seam_is_not_seen),
+        cmocka_unit_test(test_jitter_and_history),
+        cmocka_unit_test(test_history_follows_the_world),
+        cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
