@@ -108,6 +108,7 @@ struct neph_light_paths {
     double blur_texels; /* standard deviation of the blur; 0: none */
     double similar;     /* 0..1: how far media are changed for similar ones after two events */
     bool looks_ahead;   /* by diffused light, of which .diffusion says how fine (traced_light.h) */
+    bool ends_ahead;    /* and paths end with the round, in what they look ahead to */
     uint32_t seed;
 };
 

@@ -72,15 +72,16 @@ static bool diffuses(const struct neph_march_scene *scene)
     return scene->diffused_light.level_count > 0;
 }
 
-/* What a march shows of higher orders, or paths look ahead to: by what the walk takes no part in
- * (light_walk.comp), it is solved once, when pictures begin. */
+/* What a march shows of higher orders, or paths look ahead to. Where they take that back, it has no
+ * part in the mean (light_walk.comp), and is solved once, when pictures begin. */
 static enum neph_status diffuse(const struct neph_scene *from, double frame,
                                 const struct neph_march_moment *moment,
                                 struct neph_march_scene *scene, struct neph_dispatch bound,
                                 double *gpu_s, struct neph_diag *diag)
 {
     struct neph_diffused_light *light = &scene->diffused_light;
-    if (scene->traced_light.params.light.looks_ahead && moment->continues && light->is_filled) {
+    const struct neph_light_paths *paths = &scene->traced_light.params.light;
+    if (paths->looks_ahead && !paths->ends_ahead && moment->continues && light->is_filled) {
         neph_diffused_light_place(light, from, frame, &scene->gpu);
         return NEPH_OK;
     }

@@ -129,9 +129,9 @@ extern const char *const neph_shadow_planes[];
     {                                                                                              \
         "light_ahead", NEPH_OPTION_CHOICE, 0, 0, 0, neph_lights_ahead,                             \
             "lighting=traced: diffusion: paths under way count what light that diffuses says "     \
-            "they "                                                                                \
-            "will bring home, and take it back as they do; after a cut, light that has come "      \
-            "through much is there at once"                                                        \
+            "they will bring home, and take it back as they do; after a cut, light that has come " \
+            "through much is there at once; end: they end with the picture, in that light: less "  \
+            "noise and lag, and its bias"                                                          \
     }
 
 /* Nor is diffused light. */
@@ -139,14 +139,14 @@ extern const char *const neph_shadow_planes[];
     {                                                                                              \
         "diffusion_cells", NEPH_OPTION_INTEGER, 64, NEPH_DIFFUSION_CELLS_MIN,                      \
             NEPH_DIFFUSION_CELLS_MAX, NULL,                                                        \
-            "lighting=diffused, light_ahead=diffusion: cells along the longest side of all "       \
+            "lighting=diffused, light_ahead: cells along the longest side of all "                 \
             "clouds' bounds; a column of fog has eight times as many"                              \
     }
 #define NEPH_OPTION_DIFFUSION_CYCLES(value)                                                        \
     {                                                                                              \
         "diffusion_cycles", NEPH_OPTION_INTEGER, value, 1, NEPH_DIFFUSION_CYCLES_MAX, NULL,        \
-            "lighting=diffused: multigrid cycles in a picture, until light is at rest; "           \
-            "light_ahead=diffusion: in the first, 16 at least"                                     \
+            "lighting=diffused, light_ahead: multigrid cycles in a picture, until light is at "    \
+            "rest; in the first, 16 at least"                                                      \
     }
 
 /* NEPH_ERR_USAGE: a number out of range, or a last step beyond NEPH_STEP_GROWTH_WHOLE_MAX of the

@@ -144,13 +144,14 @@ static enum neph_status get_walk(struct neph_traced_light *light, const struct n
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_light_run),
-        .constant_count = NEPH_MARCH_CONSTANTS + 2,
+        .constant_count = NEPH_MARCH_CONSTANTS + 3,
     };
     march.shortcuts.skip = march.shortcuts.grid_texture = false;
     neph_march_constants(gpu, &march, params.constants);
     const float similar = (float)march.light.similar;
     params.constants[NEPH_MARCH_CONSTANTS] = march.light.looks_ahead;
     memcpy(&params.constants[NEPH_MARCH_CONSTANTS + 1], &similar, sizeof(similar));
+    params.constants[NEPH_MARCH_CONSTANTS + 2] = march.light.ends_ahead;
     return neph_kernel_get(light->vulkan, &params, kernel, diag);
 }
 

@@ -173,6 +173,7 @@ static struct neph_light_paths light_of(const struct neph_shot *shot)
         .blur_texels = values[OPTION_LIGHT_BLUR],
         .similar = values[OPTION_LIGHT_SIMILAR],
         .looks_ahead = values[OPTION_LIGHT_AHEAD] != 0.0,
+        .ends_ahead = values[OPTION_LIGHT_AHEAD] == 2.0,
         .seed = (uint32_t)shot->seed,
     };
 }

@@ -183,6 +183,7 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                   .blur_texels = values[RT_LIGHT_BLUR],
                   .similar = values[RT_LIGHT_SIMILAR],
                   .looks_ahead = values[RT_LIGHT_AHEAD] != 0.0,
+                  .ends_ahead = values[RT_LIGHT_AHEAD] == 2.0,
                   .seed = params->seed},
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
                       .cycles = (int)values[RT_DIFFUSION_CYCLES]},

@@ -15,6 +15,8 @@
 // has no part in the mean of pictures at rest, whatever it is worth, and in those after a cut it
 // stands for the orders that nothing had time to find. (A potential that shapes rewards: A. Y. Ng,
 // D. Harada, S. Russell, ICML 1999.) It is the radiance of diffused light that comes to the path.
+// With ENDS_AHEAD the path ends there: its estimate stays, with its bias, and the noise and the lag
+// of what it would have found do not come.
 //
 // With SIMILAR above 0 a path goes on from its second event in media of a smaller mean cosine g',
 // and a part 1 - (1 - g) / (1 - g') of what is scattered counts as going on as it came: as much
@@ -30,6 +32,7 @@
 layout(local_size_x = 64) in;
 
 layout(constant_id = 6) const bool LOOKS_AHEAD = false;
+layout(constant_id = 8) const bool ENDS_AHEAD = false;
 layout(constant_id = 7) const float SIMILAR = 0.0; // 1: the similar medium of delta-Eddington
 
 layout(push_constant) uniform LightRun {
@@ -400,6 +403,10 @@ void main()
     if (LOOKS_AHEAD) {
         path.ahead = light_ahead();
         sums.light += path.ahead - counted;
+        if (ENDS_AHEAD && path.events > 0u) {
+            path.is_alive = 0u;
+            path.ahead = vec3(0.0);
+        }
     }
     paths[thread] = path;
     found[thread] = sums;
