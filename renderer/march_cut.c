@@ -96,7 +96,7 @@ static struct turns turns_in(const struct neph_scene *scene, const struct neph_g
     return turns;
 }
 
-/* Of the shader as a whole. */
+/* Loop turns of the shader as a whole. */
 static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                         const struct neph_march_params *params, uint64_t *per_step,
                         uint64_t *per_dispatch)
@@ -185,7 +185,7 @@ enum neph_status neph_march_cut_events(const struct neph_vulkan *vulkan,
     return NEPH_OK;
 }
 
-/* Of rays whose turns are counted. */
+/* Cut rays whose turns are counted. */
 static void cut_rays(const struct neph_vulkan *vulkan, struct neph_march_cut *cut)
 {
     const bool is_cpu = vulkan->description.is_cpu;

@@ -41,17 +41,16 @@ static enum neph_status plan(struct neph_sun_cache *cache, const struct neph_sce
     one_step.steps = 1;
     const enum neph_status status = neph_march_cut_make(cache->vulkan, scene, gpu, &one_step,
                                                         node_count(cache), &cut, diag);
-    return status ? status
-                  : neph_sun_fill_create(cache->vulkan, &shader, params,
-                                         params->shortcuts.sun_cache_frames, &cut, &cache->fill,
-                                         diag);
+    return status
+               ? status
+               : neph_sun_fill_create(cache->vulkan, &shader, params,
+                                      params->shortcuts.sun_cache_frames, &cut, &cache->fill, diag);
 }
 
 enum neph_status neph_sun_cache_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                        const struct neph_gpu_scene *gpu,
-                                       const struct neph_march_params *params,
-                                       size_t values_behind, struct neph_sun_cache *cache,
-                                       struct neph_diag *diag)
+                                       const struct neph_march_params *params, size_t values_behind,
+                                       struct neph_sun_cache *cache, struct neph_diag *diag)
 {
     struct neph_bounds box;
     cache->vulkan = vulkan;

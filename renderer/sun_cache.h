@@ -29,9 +29,8 @@ struct neph_sun_cache {
  * the device allows. */
 enum neph_status neph_sun_cache_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                        const struct neph_gpu_scene *gpu,
-                                       const struct neph_march_params *params,
-                                       size_t values_behind, struct neph_sun_cache *cache,
-                                       struct neph_diag *diag);
+                                       const struct neph_march_params *params, size_t values_behind,
+                                       struct neph_sun_cache *cache, struct neph_diag *diag);
 
 /* Place the lattice in a frame of the scene, as neph_gpu_scene_move() has made it, and send what is
  * stale of it, or the part whose turn it is, on its way to be filled, before the frame's own

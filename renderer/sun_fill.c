@@ -143,8 +143,9 @@ enum neph_status neph_sun_fill_run(struct neph_sun_fill *fill, const struct neph
     if (fill->is_filled && fill->stale_parts == 0)
         return NEPH_OK;
     take_part(fill, entries);
-    const enum neph_status status =
-        entries[0] < entries[1] ? run(fill, entries, gpu, skip, table, cost, diag) : NEPH_OK;
+    const enum neph_status status = entries[0] < entries[1]
+                                        ? run(fill, entries, gpu, skip, table, cost, diag)
+                                        : NEPH_OK;
     fill->is_filled = !status;
     return status;
 }

@@ -24,7 +24,7 @@ struct neph_sun_fill_cost {
     int dispatches;
 };
 
-/* Of all tables together. */
+/* The device's time of all tables together [s]. */
 double neph_sun_fill_gpu_s(const struct neph_sun_fill_cost *cost);
 
 /* What has been counted, once that is home. */

@@ -139,7 +139,7 @@ static const struct neph_field grid_fields[] = {
     {0},
 };
 
-/* Of all copies. */
+/* The values of all copies. */
 static void fill_copies(const struct written_grid *written, struct neph_grid *grid)
 {
     const int *own = written->size, *all = grid->size;

@@ -111,7 +111,8 @@ struct neph_medium {
     struct neph_rgb albedo;               /* 0..1 per channel */
     struct neph_rgb emission_w_per_m2_sr; /* >= 0; of what is absorbed: scenes/emission.h */
     struct neph_phase phase;
-    /* Gaussian: at the centre. Shell: at its radius. Tent: at its peak. Grid and Horizon: per unit of density. */
+    /* Gaussian: at the centre. Shell: at its radius. Tent: at its peak. Grid and Horizon: per unit
+     * of density. */
     double extinction_per_m;
     struct neph_gaussian gaussian;
     struct neph_shell shell;
@@ -158,7 +159,7 @@ struct neph_light {
     struct neph_rgb intensity_w_per_sr; /* of a spot: within its inner angle */
     bool is_spot;
     struct neph_vec3 axis; /* unit, from the light */
-    /* Of the angles from the axis up to which it shines in full, and from which on not at all. */
+    /* Cosines of the angles from the axis up to which it shines in full, and from which on not. */
     double inner_cosine, outer_cosine; /* inner > outer */
 };
 

@@ -412,7 +412,8 @@ def add_lamp(scene, lamp: dict, units: Units) -> None:
         thing.rotation_quaternion = axes_to_blender(cone["axis"]).to_track_quat("-Z", "Y")
         nodes = Nodes(light)
         normal = nodes.add("ShaderNodeTexCoord").outputs["Normal"]
-        cosine = nodes.math("ABSOLUTE", nodes.add("ShaderNodeSeparateXYZ", Vector=normal).outputs["Z"])
+        along = nodes.add("ShaderNodeSeparateXYZ", Vector=normal).outputs["Z"]
+        cosine = nodes.math("ABSOLUTE", along)
         emitter = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0),
                             Strength=nodes.math("DIVIDE", 1.0, cosine))
         output = nodes.add("ShaderNodeOutputLight")

@@ -48,7 +48,7 @@ static void cut_sun_kinks(struct neph_cuts *cuts, const struct neph_bounds *boun
                 neph_cut(cuts, (constant[j] - constant[i]) / (slope[i] - slope[j]));
 }
 
-/* The same for a light: its rays change their face of the bounds where one of them meets an edge,
+/* Kinks of a light: its rays change their face of the bounds where one of them meets an edge,
  * which is where the view ray crosses the plane through the light and the edge. */
 static void cut_light_kinks(struct neph_cuts *cuts, const struct neph_bounds *bounds,
                             struct neph_vec3 light_m)

@@ -17,8 +17,8 @@ int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
                     struct neph_vec3 direction, double t0_m, double t1_m, bool scales,
                     struct neph_interval *pieces);
 
-/* As neph_lit_pieces() with scales, for a light in place of the sun, of t1_m that is finite: also cut
- * at its foot and where the ray passes the inner and outer cone of a spot. */
+/* As neph_lit_pieces() with scales, for a light in place of the sun, of t1_m that is finite: also
+ * cut at its foot and where the ray passes the inner and outer cone of a spot. */
 int neph_lamplit_pieces(const struct neph_scene *scene, const struct neph_light *light,
                         struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
                         double t1_m, struct neph_interval *pieces);

@@ -478,7 +478,7 @@ static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const stru
         cosine / M_PI);
 }
 
-/* The same of lights. */
+/* What a surface reflects of lights. */
 static struct neph_rgb lamplit_surface(const struct neph_scene *scene, const struct neph_view *view)
 {
     if (scene->light_count == 0)

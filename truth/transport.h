@@ -8,9 +8,9 @@
  * channel is above 1e-290 of the sunlight. What lies behind an optical depth of 45
  * is left out where it is dark beside what comes from nearer, and counted where it is not: against
  * the light, and behind shadows. Light that media emit and do not scatter is in closed form where
- * all of them glow alike (scenes/emission.h), and else quadrature as accurate. Light of point lights is
- * quadrature, too, to 1e-10 (truth/airlight.h). A furnace is known
- * in closed form too: media that scatter all light or emit as their surroundings do.
+ * all of them glow alike (scenes/emission.h), and else quadrature as accurate. Light of point
+ * lights is quadrature, too, to 1e-10 (truth/airlight.h). A furnace is known in closed form too:
+ * media that scatter all light or emit as their surroundings do.
  */
 #ifndef NEPH_TRUTH_TRANSPORT_H
 #define NEPH_TRUTH_TRANSPORT_H

@@ -118,12 +118,12 @@ struct neph_engine_pass {
     const char *resolution; /* of what it writes */
     char condition[64];     /* the setting that it needs: "split=four" */
     char reads[256], writes[256];
-    char hands_on[256]; /* So long a study or a suite waits for a picture of a user's program [s]. A choice, no measurement:
+    char hands_on[256]; /* what the next frame reads of it */
+};
+
+/* So long a study or a suite waits for a picture of a user's program [s]. A choice, no measurement:
  * enough for a path tracer at the size of a study, and one that hangs costs a night one column. */
 #define NEPH_GUEST_LIMIT_S 600.0
-
-/* what the next frame reads of it */
-};
 
 struct neph_engine {
     const char *name;
@@ -145,8 +145,8 @@ struct neph_engine {
                                 only when it is named. NULL: it is no shortcut */
     bool is_narrow; /* it is for one kind of scene alone: no study of models in all scenes offers
                        it */
-    bool rests;              /* it leaves its work in a checkpoint and goes on from there */
-    bool is_guest; /* a program of the user's: takes part where it is named, and nobody lacks it */
+    bool rests;     /* it leaves its work in a checkpoint and goes on from there */
+    bool is_guest;  /* a program of the user's: takes part where it is named, and nobody lacks it */
     double typical_s; /* about how long a picture of the catalogue takes on two cores: for the time
                          left, before anything is measured */
     bool stochastic;  /* another seed gives another frame of the same mean */

@@ -107,8 +107,8 @@ static bool has_room(int *count)
 
 static void list_engine(const struct neph_engine *engine, int *count, FILE *out)
 {
-    if (engine->rung == NEPH_RUNG_MODEL && !engine->shortcut_of &&
-        !engine->is_narrow && has_room(count))
+    if (engine->rung == NEPH_RUNG_MODEL && !engine->shortcut_of && !engine->is_narrow &&
+        has_room(count))
         fprintf(out, "%s%s", *count > 1 ? "," : "", engine->name);
 }
 

@@ -24,8 +24,8 @@ struct neph_rt_rectangle {
 
 struct neph_rt_rectangle neph_rt_view_texels(const struct neph_gpu_view *view, int target);
 
-/* Texels that a view has at a resolution: RT_FULL, RT_HALF, RT_QUARTER; or its froxels or columns of
- * them: RT_FROXEL, RT_FROXEL_COLUMN. */
+/* Texels that a view has at a resolution: RT_FULL, RT_HALF, RT_QUARTER; or its froxels or
+ * columns of them: RT_FROXEL, RT_FROXEL_COLUMN. */
 uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution);
 
 #endif

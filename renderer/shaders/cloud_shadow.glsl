@@ -7,8 +7,8 @@
 // "Physically Based Sky, Atmosphere and Cloud Rendering in Frostbite" (SIGGRAPH 2016).
 //
 // Transmittance is what is interpolated between texels, not optical depth: light on the ground then
-// keeps its mean, and a sharp edge its place. Maps lie one within the other, and the finest that has
-// a point answers.
+// keeps its mean, and a sharp edge its place. Maps lie one within the other, and the finest that
+// has a point answers.
 #ifndef NEPH_CLOUD_SHADOW_GLSL
 #define NEPH_CLOUD_SHADOW_GLSL
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Light of lamps (scenes/lights.h) in a march: scattered once, and reflected by solids. What a step
-// gets of 1/d^2 is its exact mean over the step, (theta1 - theta0) / (h length), with the angles and
-// the height h of the lamp's triangle over the step: a step may pass a lamp closely and neither
+// gets of 1/d^2 is its exact mean over the step, (theta1 - theta0) / (h length), with the angles
+// and the height h of the lamp's triangle over the step: a step may pass a lamp closely and neither
 // misses nor overrates it. All else is taken where the bisector of the triangle meets the step, of
 // parts of even angles where the step is seen under a large one.
 #ifndef NEPH_MARCH_LAMPS_GLSL
@@ -81,9 +81,8 @@ vec3 lamp_light(Lamp lamp, vec3 extinction_per_m, ViewRay ray, float start_m, fl
     uint parts = min(1u + uint(angle / LAMP_PART), LAMP_PARTS_MAX);
     vec3 sum = vec3(0.0), depth = vec3(0.0);
     for (uint i = 1; i <= parts; i++) {
-        float s1_m = i == parts ? end_m
-                                : clamp(pass.height_m * tan(first + angle * float(i) / float(parts)),
-                                        s0_m, end_m);
+        float turned = first + angle * float(i) / float(parts);
+        float s1_m = i == parts ? end_m : clamp(pass.height_m * tan(turned), s0_m, end_m);
         if (s1_m <= s0_m)
             continue;
         vec3 part_depth = step_depth * ((s1_m - s0_m) / length_m);

@@ -348,7 +348,7 @@
 #define RT_FULL 1
 #define RT_HALF 2
 #define RT_QUARTER 4
-// Of a target: columns of froxels wide, and three times rows times slices high. Of a pass: a thread
+// A target is columns of froxels wide, and three times rows times slices high; a pass has a thread
 // for each froxel, or for each column of them.
 #define RT_FROXEL 5
 #define RT_FROXEL_COLUMN 6

@@ -28,7 +28,8 @@ ivec3 own_froxel(uint index)
     return ivec3(place.x, place.y - slice * froxel_count.y, slice);
 }
 
-// What a froxel has of its ray, and the part of that within the media's hull, where it is looked at.
+// What a froxel has of its ray, and the part of that within the media's hull, where it is looked
+// at.
 struct Reach {
     float start_m, length_m;
     Stretch inside;
@@ -47,7 +48,8 @@ float mean_extinction_per_m(Mixture mixture, ViewRay ray, Reach reach)
 
 // Scattered per metre, of the mixture at the froxel's point: what, constant along the reach, sends
 // on as much as all of it does.
-vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach, float extinction_per_m)
+vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach,
+                     float extinction_per_m)
 {
     vec3 light = vec3(0.0);
     if (own(frame.scatters) != 0)

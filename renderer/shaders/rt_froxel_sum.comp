@@ -21,7 +21,8 @@ void main()
     for (int slice = 0; slice < froxel_count.z; slice++) {
         ivec3 froxel = ivec3(column, slice);
         float length_m = (froxel_edge_m(slice + 1) - froxel_edge_m(slice)) * slope;
-        sum = froxel_over(sum, froxel_stretch(fetch_froxel(froxel_section_now(), froxel), length_m));
+        vec4 scattered = fetch_froxel(froxel_section_now(), froxel);
+        sum = froxel_over(sum, froxel_stretch(scattered, length_m));
         put(RT_FROXELS, froxel_texel(FROXEL_SUMS, froxel), sum);
     }
 }

@@ -72,7 +72,7 @@ bool sees_sun(vec3 point_m, uint except)
     return true;
 }
 
-// The same for another point, which is in no solid.
+// Whether a point that is in no solid sees as far.
 bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);

@@ -258,8 +258,8 @@ float sky_length_m(SkyRay ray)
     return rise_m < 0.0 && slant_m2 >= 0.0 ? above_m2 / (sqrt(slant_m2) - rise_m) : FAR_M;
 }
 
-// Of a sun of irradiance 1. `scatters`: media scatter its light; `has_field`: and all that was
-// scattered before.
+// Light of a sun of irradiance 1. `scatters`: media scatter its light; `has_field`: and all that
+// was scattered before.
 SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
 {
     SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), FAR_M);

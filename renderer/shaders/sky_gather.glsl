@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a pass over the field is told, and where its nodes and directions are (renderer/sky/solve.h).
+// What a pass over the field is told, and where its nodes and directions are
+// (renderer/sky/solve.h).
 #ifndef NEPH_SKY_GATHER_GLSL
 #define NEPH_SKY_GATHER_GLSL
 

@@ -337,7 +337,7 @@ uvec2 first_bits(uint decision)
 
 // --- lamps ------------------------------------------------------------------------------------
 
-// Of one order more than what has happened: the place is an event by itself.
+// It is of one order more than what has happened: the place is an event by itself.
 void add_lamplight(vec3 light)
 {
     light *= channel_weights(path.channels);
@@ -470,7 +470,10 @@ void prepare_sunlight(float per_sr, float u)
         path.pending = vec3(0.0);
 }
 
-vec3 light_direction(bool is_lamp) { return LAMPS && is_lamp ? path.lamp_direction : sun_direction; }
+vec3 light_direction(bool is_lamp)
+{
+    return LAMPS && is_lamp ? path.lamp_direction : sun_direction;
+}
 
 bool sees_light(bool is_lamp)
 {
@@ -597,7 +600,8 @@ void weigh_fog()
 
 void leave()
 {
-    bool is_short = path.ray == RAY_FIRST || (LAMPS && path.ray != RAY_PATH && path.ray != RAY_VIEW);
+    bool is_short = path.ray == RAY_FIRST ||
+                    (LAMPS && path.ray != RAY_PATH && path.ray != RAY_VIEW);
     path.end_m = is_short ? path.reach_m : FAR_M;
     path.end_medium = MEDIA_MAX;
     path.end_solid = NO_SOLID;

@@ -74,7 +74,7 @@ static const char *obstacle_of(const struct neph_scene *scene)
 
 /* --- layers ----------------------------------------------------------------------------------- */
 
-/* Of Henyey-Greenstein g^l; of Rayleigh (3/4) (1 + c^2) = P_0 + P_2 / 2, of which P_l has the part
+/* Henyey-Greenstein has g^l; Rayleigh (3/4) (1 + c^2) = P_0 + P_2 / 2, of which P_l has the part
  * (2 l + 1) times the coefficient. */
 static double legendre_of(const struct neph_phase *phase, int degree)
 {

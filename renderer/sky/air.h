@@ -10,7 +10,7 @@
 #include "renderer/shaders/constants.h"
 #include "scenes/scene.h"
 
-/* Of spherical harmonics, the highest degree of the light that is scattered more than once. */
+/* The highest degree of spherical harmonics of the light that is scattered more than once. */
 enum { NEPH_SKY_DEGREE_MAX = NEPH_GPU_SKY_DEGREE_MAX };
 
 struct neph_sky_layer {

@@ -21,7 +21,7 @@ struct neph_sky_field {
     double (*ground)[3];  /* owned; [sun]: irradiance of the ground by all but the sun itself */
 };
 
-/* Of zeros. Free with _destroy, also after an error. */
+/* Made of zeros. Free with _destroy, also after an error. */
 enum neph_status neph_sky_field_create(int altitudes, int suns, int degree,
                                        struct neph_sky_field *field, struct neph_diag *diag);
 

@@ -18,7 +18,8 @@ struct neph_sky_params {
 
 struct neph_sky;
 
-/* The scene must outlive it. Free with _destroy. NEPH_ERR_UNSUPPORTED: neph_sky_air_of() says no. */
+/* The scene must outlive it. Free with _destroy. NEPH_ERR_UNSUPPORTED: neph_sky_air_of() says no.
+ */
 enum neph_status neph_sky_create(const struct neph_scene *scene,
                                  const struct neph_sky_params *params, struct neph_sky **sky,
                                  struct neph_diag *diag);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fills the table of moments. Each pass over it adds an order: the light that arrives at a node from
- * all directions is that of the sun, of the table so far, and of the ground, scattered once more.
+ * Fills the table of moments. Each pass over it adds an order: the light that arrives at a node
+ * from all directions is that of the sun, of the table so far, and of the ground, scattered once
+ * more.
  */
 #ifndef NEPH_RENDERER_SKY_SOLVE_H
 #define NEPH_RENDERER_SKY_SOLVE_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Transmittance from a place of the atmosphere to the sun, as a table over altitude and the sun's
- * cosine. Its axes are lengths: to the horizon at the place's altitude, and along the ray to the top
- * of the atmosphere between the shortest and the longest that there is from there (E. Bruneton, F.
- * Neyret, "Precomputed Atmospheric Scattering", EGSR 2008, section 4, for rays that miss the
+ * cosine. Its axes are lengths: to the horizon at the place's altitude, and along the ray to the
+ * top of the atmosphere between the shortest and the longest that there is from there (E. Bruneton,
+ * F. Neyret, "Precomputed Atmospheric Scattering", EGSR 2008, section 4, for rays that miss the
  * ground).
  */
 #ifndef NEPH_RENDERER_SKY_SUN_TABLE_H

@@ -33,7 +33,7 @@ static void add_leg(struct path *path, const struct neph_sky_air *air, struct le
         path->legs[path->leg_count++] = leg;
 }
 
-/* Of a ray that falls from the start: to the ground, or past its lowest point. */
+/* The path of a ray that falls from the start: to the ground, or past its lowest point. */
 static struct path falling_path(const struct neph_sky_air *air, const struct neph_sky_ray *ray,
                                 double rise_m)
 {
@@ -133,7 +133,7 @@ static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_so
             source[c] += mix->scattering_per_m[i][c] * ray->phases[i] * sun[c];
 }
 
-/* Of the moment of degree l a phase function scatters so much back as such a moment. */
+/* A phase function scatters its coefficient of degree l of a moment back as such a moment. */
 static void scatter_field(const struct neph_sky_air *air, const struct neph_sky_field *field,
                           const struct neph_sky_ray *ray, const struct place *place,
                           const struct neph_sky_mix *mix, double source[3])
@@ -223,7 +223,7 @@ static void add_ground(const struct neph_sky_air *air, const struct neph_sky_sou
                               (lit * sun[c] + sky[c]);
 }
 
-/* Of the cosine's harmonics: pi, 2 pi / 3, pi / 4, 0, -pi / 24. What follows is below 1 %. */
+/* The cosine's harmonics are pi, 2 pi / 3, pi / 4, 0, -pi / 24. What follows is below 1 %. */
 void neph_sky_irradiance(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
                          double altitude_m, double sun_cosine, struct neph_vec3 normal,
                          bool sees_sun, double irradiance[3])

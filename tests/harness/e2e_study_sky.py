@@ -20,8 +20,8 @@ class StudySky(unittest.TestCase):
 
     def run_neph(self, *arguments):
         return subprocess.run(
-            [NEPH, "study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64", "--suns",
-             "30", "-o", str(self.folder / "out"), *map(str, arguments)],
+            [NEPH, "study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64",
+             "--suns", "30", "-o", str(self.folder / "out"), *map(str, arguments)],
             capture_output=True, text=True, timeout=60)
 
     def test_cells_files_and_reuse(self):

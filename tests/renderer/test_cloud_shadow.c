@@ -454,8 +454,8 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
     assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
 }
 
-/* A map of all clouds stays as it is while the sun goes some degrees: it need not be filled at once.
- * And it has all of them. */
+/* A map of all clouds stays as it is while the sun goes some degrees: it need not be filled at
+ * once. And it has all of them. */
 static void test_a_map_of_all_clouds_stays(void **state)
 {
     (void)state;

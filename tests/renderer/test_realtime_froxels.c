@@ -15,7 +15,8 @@ enum { WIDTH_PX = 32, HEIGHT_PX = 18 };
 
 /* ---- passes without the scene ---- */
 
-/* exp and log of the device have 3 units in the last place or so, and slices of a thin end cancel. */
+/* exp and log of the device have 3 units in the last place or so, and slices of a thin end cancel.
+ */
 static const double passes_relative = 2e-4, passes_absolute = 1e-6;
 
 static void assert_same(struct test_passes *test, int target, size_t first, size_t count)
@@ -402,9 +403,9 @@ static void history_follows(struct neph_vulkan *vulkan, const char *name,
     assert_true(errors[1].rms < errors[0].rms + most_more);
 }
 
-/* Past shafts at 0.3 m a picture: what a place of the world was is looked up where it was seen. From
- * where the camera is now it may scatter another part of its light, which history does not know;
- * and a column that has come close to a lamp keeps what it saw there for a while. */
+/* Past shafts at 0.3 m a picture: what a place of the world was is looked up where it was seen.
+ * From where the camera is now it may scatter another part of its light, which history does not
+ * know; and a column that has come close to a lamp keeps what it saw there for a while. */
 static void test_history_follows_the_world(void **state)
 {
     neph_test_waits_for_the_night();

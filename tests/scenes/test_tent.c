@@ -13,7 +13,7 @@ static const struct neph_tent ozone = {{0, -6.36e6, 0}, 6.36e6, 25e3, 15e3};
 
 /* --- the integral in closed form, in long double --------------------------------------------- */
 
-/* Of sqrt(p^2 + s^2) - radius. */
+/* The integral of sqrt(p^2 + s^2) - radius. */
 static long double antiderivative(long double p_m, long double radius_m, long double s_m)
 {
     const long double turned = p_m > 0.0L ? p_m * p_m * asinhl(s_m / p_m) : 0.0L;

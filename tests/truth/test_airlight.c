@@ -263,8 +263,8 @@ static void test_paths_against_the_stage(void **state)
     neph_tracker_destroy(tracker);
 }
 
-/* Into the sphere by the cosine, or half of them towards the lamp: lines that pass it at h bring 1/h,
- * whose mean square would have no bound. */
+/* Into the sphere by the cosine, or half of them towards the lamp: lines that pass it at h bring
+ * 1/h, whose mean square would have no bound. */
 struct line {
     struct neph_vec3 direction;
     double weight;

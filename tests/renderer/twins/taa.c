@@ -118,8 +118,8 @@ static bool find_motion(const struct neph_gpu_view *view, const float ray[3], fl
     return depth_before > 0.0f;
 }
 
-/* What has changed around the tile of a pixel, of the medium and behind it; false where nobody asks.
- */
+/* What has changed around the tile of a pixel, of the medium and behind it; false where nobody
+ * asks. */
 static bool find_changes(const struct twin *twin, int x, int y, float changes[2][4])
 {
     twin_fetch_tile(twin, RT_CHANGE, x / 4, y / 4, changes[0]);
