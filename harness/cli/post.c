@@ -134,6 +134,19 @@ struct work {
     json_t *results;
 };
 
+/* These two hold what they make to 0..1, which would cut off radiance. */
+static enum neph_status check_range(const struct neph_settings *settings, struct neph_diag *diag)
+{
+    const bool wants_picture = settings->values[POST_FXAA] != 0.0 ||
+                               settings->values[POST_SHARPEN] != 0.0;
+    if (!wants_picture || neph_post_is_displayed(settings))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE,
+              "fxaa and sharpen work on a display's picture, and tone is off");
+    neph_hint(diag, "--set tone=on, with --set tone_map=none for values that are within 0 and 1");
+    return NEPH_ERR_USAGE;
+}
+
 static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
 {
     const struct request *request = work->request;
@@ -149,6 +162,9 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
             neph_hint(diag, "`neph post --list` explains them");
         return status;
     }
+    status = check_range(settings, diag);
+    if (status)
+        return status;
     for (const struct neph_post_stage *stage = neph_post_stages; stage->name; stage++)
         if (neph_post_is_on(stage, settings))
             return NEPH_OK;

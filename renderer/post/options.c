@@ -88,16 +88,16 @@ const struct neph_preset neph_post_presets[] = {
     {"off", "nothing", ""},
     {"unreal", "Unreal Engine 4.26 by default: film curve by table, vignette, grain",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1"},
-    {"uncharted", "the same with the film curve of Uncharted 2",
+    {"uncharted", "the same with the film curve that it calls Uncharted",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.63 film_toe=0.55 "
      "film_shoulder=0.47 film_black_clip=0 film_white_clip=0.01"},
-    {"hp", "that of Hejl and Burgess-Dawson (Haarm-Peter Duiker's data)",
+    {"hp", "the same with the film curve that the article calls HP",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.65 film_toe=0.63 "
      "film_shoulder=0.45 film_black_clip=0 film_white_clip=0"},
-    {"legacy", "that of Unreal before 4.15",
+    {"legacy", "the same with the film curve that it calls Legacy",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.98 film_toe=0.3 "
      "film_shoulder=0.22 film_black_clip=0 film_white_clip=0.025"},
-    {"aces", "that nearest to ACES 1.0",
+    {"aces", "the same with the film curve that it calls ACES",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.91 film_toe=0.53 "
      "film_shoulder=0.23 film_black_clip=0 film_white_clip=0.035"},
     {"plain", "held to 1 and encoded for an sRGB display, by formula", "tone=on tone_map=none"},

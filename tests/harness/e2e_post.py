@@ -126,6 +126,8 @@ class Post(unittest.TestCase):
                 (["post", self.frame], "all stages of the chain are off"),
                 (["post", self.frame, "-p", "none_such"], "unreal"),
                 (["post", self.frame, "-s", "upscale=cubic"], "catmull_rom"),
+                (["post", self.frame, "-s", "sharpen=rcas"], "tone is off"),
+                (["post", self.frame, "-s", "fxaa=console"], "tone=on"),
                 (["post", self.frame, "-p", "plain", "-o", self.frame.parent], "over itself"),
                 (["post", "--list", self.frame], "takes no frames")):
             done = neph(*words, code=64)
