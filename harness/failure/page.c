@@ -345,19 +345,6 @@ void neph_failure_page_close(struct neph_failure_page *page)
     free(page);
 }
 
-static enum neph_status publish(const struct neph_failure_page *page, const json_t *document,
-                                struct neph_diag *diag)
-{
-    struct neph_scratch *fresh = NULL;
-    enum neph_status status = neph_report_folder_begin(page->folder, &fresh, diag);
-    if (!status)
-        status = neph_page_write_data(neph_scratch_path(fresh), "NEPH_FAILURE", document, diag);
-    if (!status)
-        status = neph_report_folder_exchange(page->folder, fresh, diag);
-    neph_scratch_destroy(fresh);
-    return status;
-}
-
 enum neph_status neph_failure_page_publish(const struct neph_failure_suite *suite, void *page_,
                                            struct neph_diag *diag)
 {
@@ -372,7 +359,7 @@ enum neph_status neph_failure_page_publish(const struct neph_failure_suite *suit
         status = neph_json_check(document, diag);
     }
     if (!status)
-        status = publish(page, document, diag);
+        status = neph_page_publish(page->folder, "NEPH_FAILURE", document, diag);
     json_decref(document);
     finish_gallery(&gallery);
     return status;

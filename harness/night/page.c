@@ -406,19 +406,6 @@ static enum neph_status have_folder(struct neph_night_page *page, struct neph_di
                   : neph_page_copy(neph_report_folder_work(page->folder), page_files, diag);
 }
 
-static enum neph_status put(const struct neph_night_page *page, const json_t *document,
-                            struct neph_diag *diag)
-{
-    struct neph_scratch *fresh = NULL;
-    enum neph_status status = neph_report_folder_begin(page->folder, &fresh, diag);
-    if (!status)
-        status = neph_page_write_data(neph_scratch_path(fresh), "NEPH_NIGHT", document, diag);
-    if (!status)
-        status = neph_report_folder_exchange(page->folder, fresh, diag);
-    neph_scratch_destroy(fresh);
-    return status;
-}
-
 enum neph_status neph_night_page_publish(const struct neph_night *night, void *page_,
                                          struct neph_diag *diag)
 {
@@ -436,7 +423,7 @@ enum neph_status neph_night_page_publish(const struct neph_night *night, void *p
     if (!status)
         status = neph_arena_check(&work.arena, diag);
     if (!status)
-        status = put(work.page, document, diag);
+        status = neph_page_publish(work.page->folder, "NEPH_NIGHT", document, diag);
     neph_database_close(work.index);
     neph_night_pictures_end(&work.pictures);
     neph_arena_finish(&work.arena);

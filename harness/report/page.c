@@ -86,3 +86,16 @@ enum neph_status neph_page_write_data(const char *folder, const char *variable,
     free(script_path);
     return status;
 }
+
+enum neph_status neph_page_publish(const struct neph_report_folder *folder, const char *variable,
+                                   const json_t *document, struct neph_diag *diag)
+{
+    struct neph_scratch *fresh = NULL;
+    enum neph_status status = neph_report_folder_begin(folder, &fresh, diag);
+    if (!status)
+        status = neph_page_write_data(neph_scratch_path(fresh), variable, document, diag);
+    if (!status)
+        status = neph_report_folder_exchange(folder, fresh, diag);
+    neph_scratch_destroy(fresh);
+    return status;
+}

@@ -7,6 +7,7 @@
 #define NEPH_HARNESS_REPORT_PAGE_H
 
 #include "harness/json.h"
+#include "harness/report/report_folder.h"
 
 #include <stdbool.h>
 
@@ -27,5 +28,9 @@ enum neph_status neph_page_copy(const char *folder, const struct neph_page_file 
 /* Write data.json, and data.js, which sets window.VARIABLE to the same. */
 enum neph_status neph_page_write_data(const char *folder, const char *variable,
                                       const json_t *document, struct neph_diag *diag);
+
+/* Replace the report by what was drawn so far, with that data. */
+enum neph_status neph_page_publish(const struct neph_report_folder *folder, const char *variable,
+                                   const json_t *document, struct neph_diag *diag);
 
 #endif

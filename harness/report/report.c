@@ -304,18 +304,12 @@ void neph_report_close(struct neph_report *report)
 enum neph_status neph_report_publish(struct neph_report *report, struct neph_validation *validation,
                                      struct neph_diag *diag)
 {
-    struct neph_scratch *fresh = NULL;
     enum neph_status status = draw(report, validation, diag);
     json_t *document = status ? NULL : neph_validation_json(validation);
     if (!status)
         status = neph_json_check(document, diag);
     if (!status)
-        status = neph_report_folder_begin(report->folder, &fresh, diag);
-    if (!status)
-        status = neph_page_write_data(neph_scratch_path(fresh), "NEPH_REPORT", document, diag);
-    if (!status)
-        status = neph_report_folder_exchange(report->folder, fresh, diag);
+        status = neph_page_publish(report->folder, "NEPH_REPORT", document, diag);
     json_decref(document);
-    neph_scratch_destroy(fresh);
     return status;
 }

@@ -116,19 +116,6 @@ static enum neph_status start_folder(const char *folder, bool with_vendor, struc
     return status || !with_vendor ? status : neph_page_copy(folder, neph_page_vendored, diag);
 }
 
-static enum neph_status publish(const struct neph_report_folder *opened, const json_t *document,
-                                struct neph_diag *diag)
-{
-    struct neph_scratch *fresh = NULL;
-    enum neph_status status = neph_report_folder_begin(opened, &fresh, diag);
-    if (!status)
-        status = neph_page_write_data(neph_scratch_path(fresh), "NEPH_SWEEP", document, diag);
-    if (!status)
-        status = neph_report_folder_exchange(opened, fresh, diag);
-    neph_scratch_destroy(fresh);
-    return status;
-}
-
 enum neph_status neph_sweep_page_write(const struct neph_sweep *sweep,
                                        const struct neph_report_folder *folder, char told[512],
                                        struct neph_diag *diag)
@@ -148,7 +135,7 @@ enum neph_status neph_sweep_page_write(const struct neph_sweep *sweep,
         status = neph_json_check(document, diag);
     }
     if (!status)
-        status = publish(folder, document, diag);
+        status = neph_page_publish(folder, "NEPH_SWEEP", document, diag);
     json_decref(document);
     finish(&drawings);
     return status;
