@@ -11,38 +11,8 @@
 // $CHROMIUM names another browser than /usr/bin/chromium.
 import { mkdirSync, readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { argv, env, exit, stderr, stdout } from "node:process";
-import { pathToFileURL } from "node:url";
-
-const CHROMIUM = env.CHROMIUM || "/usr/bin/chromium";
-const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-const WINDOWS = [
-  ["wide", { viewport: { width: 1280, height: 900 }, colorScheme: "light" }],
-  ["narrow", { viewport: { width: 390, height: 844 }, deviceScaleFactor: 3, hasTouch: true,
-    colorScheme: "light", reducedMotion: "reduce" }],
-  ["dark", { viewport: { width: 820, height: 1180 }, deviceScaleFactor: 1.25,
-    colorScheme: "dark" }],
-];
-
-const findings = [];
-const find = (text) => { if (!findings.includes(text)) findings.push(text); };
-
-async function open(browser, folder, where, options) {
-  const context = await browser.newContext(options);
-  const page = await context.newPage();
-  page.on("pageerror", (error) => find(`${where}: a script broke: ${error.message}`));
-  page.on("console", (message) => {
-    if (message.type() === "error") find(`${where}: the console says ${message.text()}`);
-  });
-  page.on("request", (request) => {
-    if (!/^(file|data|blob):/.test(request.url())) find(`${where}: asks for ${request.url()}`);
-  });
-  await page.goto(pathToFileURL(join(folder, "index.html")).href);
-  await page.waitForFunction(() => document.documentElement.dataset.ready === "yes", null,
-    { timeout: 20000 }).catch(() => find(`${where}: the page was not laid out`));
-  return { context, page };
-}
+import { argv, exit, stderr, stdout } from "node:process";
+import { CHROMIUM, FLAGS, WINDOWS, find, findings, open } from "./opened_page.mjs";
 
 /** What a reader sees; runs in the page. */
 function survey() {
