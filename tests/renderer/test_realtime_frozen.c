@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The presets that others are measured against keep their bits: `off` is the march, `fixed` the
- * defaults, and `ours1` what the first published study used. One hash of all channels of eight frames;
- * a change of any of them is meant, or a fault.
+ * defaults, `ours1` what the first published study used and `ours` what the second did. One hash of
+ * all channels of eight frames; a change of any of them is meant, or a fault.
  *
  * Bits are those of one driver: another one, or its compiler for another processor, may round
  * elsewhere. There the test only says so; what must hold everywhere is in the other tests.
