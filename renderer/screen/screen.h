@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a renderer can do for solids with nothing but its picture: a G-buffer of the scene (depth,
+ * normal, base colour, direct light), and passes that look at that alone. Each pass is a shader
+ * (renderer/shaders/screen_*.comp), a row of the table of passes, and its settings.
+ */
+#ifndef NEPH_RENDERER_SCREEN_SCREEN_H
+#define NEPH_RENDERER_SCREEN_SCREEN_H
+
+#include "base/image.h"
+#include "renderer/screen/options.h"
+#include "renderer/vulkan.h"
+#include "scenes/scene.h"
+
+#define NEPH_SCREEN_PASSES_MAX 16
+
+/* One pass; the table ends with a NULL name. */
+struct neph_screen_pass {
+    const char *name, *note;
+    struct {
+        const char *name;
+        const uint32_t *spirv;
+        size_t spirv_size_bytes;
+    } shader;
+    int settings[2]; /* on where both are not 0; -1: always */
+    unsigned reads, writes; /* targets, a bit each */
+};
+
+extern const struct neph_screen_pass neph_screen_passes[];
+
+/* Of a target, for words. */
+extern const char *const neph_screen_targets[];
+
+bool neph_screen_is_on(const struct neph_screen_pass *pass, const struct neph_settings *settings);
+
+/* False, with the reason in words: media, which the screen does not see. */
+bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason_size);
+
+struct neph_screen_params {
+    struct neph_settings settings; /* of neph_screen_options */
+    int width_px, height_px;
+};
+
+struct neph_screen_stats {
+    double gpu_s[NEPH_SCREEN_PASSES_MAX]; /* by pass; 0: off, NaN: the device has no clock */
+};
+
+/* Pictures of one scene, one after the other. For _destroy, of which NULL is fine. Errors as of
+ * neph_gpu_scene_create(). */
+struct neph_screen;
+enum neph_status neph_screen_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                    const struct neph_screen_params *params,
+                                    struct neph_screen **screen, struct neph_diag *diag);
+void neph_screen_destroy(struct neph_screen *screen);
+
+/* The picture of a frame of the scene, which is the one that it was made for, over time or at any
+ * frame of it. Channels, where their pass is on:
+ *   R G B          with everything
+ *   transmittance  1
+ *   Z              as in base/image.h
+ *   normal.X/Y/Z   in the world's axes; 0 for the sky
+ *   direct.R/G/B   without indirect light
+ *   ao             share of the hemisphere that is open, 1 for the sky
+ * `stats`: NULL is fine. NEPH_ERR_ENGINE: the device was lost. */
+enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph_scene *scene,
+                                   double frame, struct neph_image **image,
+                                   struct neph_screen_stats *stats, struct neph_diag *diag);
+
+#endif
