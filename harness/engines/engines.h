@@ -23,6 +23,7 @@
     of(march_slab) \
     of(sky) \
     of(fog_look) \
+    of(screen) \
     of(realtime) \
     of(cycles) \
     of(povray) \

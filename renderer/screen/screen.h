@@ -58,12 +58,16 @@ void neph_screen_destroy(struct neph_screen *screen);
  *   R G B          with everything
  *   transmittance  1
  *   Z              as in base/image.h
- *   normal.X/Y/Z   in the world's axes; 0 for the sky
  *   direct.R/G/B   without indirect light
  *   ao             share of the hemisphere that is open, 1 for the sky
  * `stats`: NULL is fine. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph_scene *scene,
                                    double frame, struct neph_image **image,
                                    struct neph_screen_stats *stats, struct neph_diag *diag);
+
+/* A target of the last picture, four numbers a pixel, row by row (of the depth: four times the
+ * same), for twins. */
+enum neph_status neph_screen_read(struct neph_screen *screen, int target, float *texels,
+                                  struct neph_diag *diag);
 
 #endif

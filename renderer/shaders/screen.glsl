@@ -8,8 +8,6 @@
 #ifndef NEPH_SCREEN_GLSL
 #define NEPH_SCREEN_GLSL
 
-#extension GL_EXT_scalar_block_layout : require
-
 #include "numbers.glsl"
 #include "screen_names.h"
 
@@ -20,12 +18,13 @@ layout(push_constant) uniform ScreenRun {
     uint step; // of passes that run several times
 } run;
 
-layout(scalar, binding = 5) readonly buffer ScreenView {
+layout(std430, binding = 5) readonly buffer ScreenView {
     float settings[SCREEN_SETTING_COUNT]; // as in the table of options; choices as whole numbers
     uint size_px[2];
     float half_size[2]; // of the picture: tangents of a perspective camera's angles, else metres
     uint is_orthographic;
     uint frame; // of the noise
+    float sky_light[3]; // radiance of the background, where it lights solids
 } view;
 
 layout(std430, binding = 6) buffer ScreenTargets {
@@ -39,6 +38,7 @@ int choice(int index) { return int(view.settings[index]); }
 ivec2 size_px() { return ivec2(view.size_px[0], view.size_px[1]); }
 vec2 half_size() { return vec2(view.half_size[0], view.half_size[1]); }
 bool is_orthographic() { return view.is_orthographic != 0u; }
+vec3 sky_light() { return vec3(view.sky_light[0], view.sky_light[1], view.sky_light[2]); }
 bool is_sky(float depth_m) { return depth_m >= FAR_M; }
 
 // The pixel of this thread; false when there is none.
@@ -112,13 +112,13 @@ vec3 surface_m(ivec2 pixel) { return place_m(centre_of(pixel), depth_at_m(pixel)
 // on flat ones and of second order on others. Where it is seen from its edge it is the pixel's.
 vec3 surface_at_m(vec2 place_px, ivec2 pixel)
 {
-    const float EDGE = 1e-3, FARTHEST = 0.1; // a cosine; of its depth
+    const float EDGE = 1e-4, NEARER = 0.5, FARTHER = 10.0; // a cosine; of its depth
     vec3 own_m = surface_m(pixel), normal = normal_at(pixel);
     vec3 near_m = place_m(place_px, own_m.z);
     vec3 sight = is_orthographic() ? vec3(0.0, 0.0, 1.0) : near_m / near_m.z;
     float facing = -dot(normal, sight);
     float along = dot(normal, near_m - own_m) / max(facing, EDGE);
-    bool is_flat = facing > EDGE && abs(along) < FARTHEST * own_m.z;
+    bool is_flat = facing > EDGE && along > -NEARER * own_m.z && along < FARTHER * own_m.z;
     return is_flat ? near_m + along * sight : own_m;
 }
 

@@ -49,7 +49,8 @@
 #define SCREEN_DIRECT 3     // RGB: radiance towards the camera without any indirect light
 #define SCREEN_OPEN 4       // x: share of the hemisphere that is open, by cosine
 #define SCREEN_OPEN_SMOOTH 5 // x: after the blur
-#define SCREEN_TARGET_COUNT 6
+#define SCREEN_PICTURE 6    // RGB: with everything
+#define SCREEN_TARGET_COUNT 7
 
 // Words of a texel where it has four channels, by SCREEN_TARGETS.
 #define SCREEN_WORDS_32 4

@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/screen/screen.h"
+
+#include "renderer/gpu_scene.h"
+#include "renderer/vulkan_device.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 1, CHANNELS = 4 };
+
+struct neph_screen {
+    struct neph_vulkan *vulkan; /* borrowed */
+    struct neph_screen_params params;
+    struct neph_gpu_scene gpu;
+    struct neph_buffer view, targets[SCREEN_TARGET_COUNT], readback;
+    const struct neph_kernel *kernels[NEPH_SCREEN_PASSES_MAX];
+    uint32_t frame; /* of the noise */
+};
+
+/* --- what can be rendered --------------------------------------------------------------------- */
+
+bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    const bool is_clear = scene->medium_count == 0;
+    if (!is_clear)
+        snprintf(reason, reason_size, "media: the screen has solids alone");
+    return is_clear;
+}
+
+/* --- sizes ------------------------------------------------------------------------------------ */
+
+static size_t pixel_count(const struct neph_screen *screen)
+{
+    return (size_t)screen->params.width_px * (size_t)screen->params.height_px;
+}
+
+static bool is_half(const struct neph_screen *screen)
+{
+    return screen->params.settings.values[SCREEN_TARGETS] == SCREEN_FLOAT16;
+}
+
+static size_t target_bytes(const struct neph_screen *screen, int target)
+{
+    const size_t words = target == SCREEN_DEPTH ? 1
+                         : is_half(screen)      ? SCREEN_WORDS_16
+                                                : SCREEN_WORDS_32;
+    return pixel_count(screen) * words * sizeof(uint32_t);
+}
+
+/* --- making ----------------------------------------------------------------------------------- */
+
+/* What no pass that is on has in hand is one word, for the binding. */
+static unsigned targets_in_use(const struct neph_settings *settings)
+{
+    unsigned used = 0;
+    for (const struct neph_screen_pass *pass = neph_screen_passes; pass->name; pass++)
+        if (neph_screen_is_on(pass, settings))
+            used |= pass->reads | pass->writes;
+    return used;
+}
+
+static enum neph_status create_buffers(struct neph_screen *screen, struct neph_diag *diag)
+{
+    const unsigned used = targets_in_use(&screen->params.settings);
+    enum neph_status status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
+                                                 sizeof(struct neph_gpu_screen_view),
+                                                 "screen view", &screen->view, diag);
+    for (int t = 0; t < SCREEN_TARGET_COUNT && !status; t++)
+        status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_DEVICE,
+                                    used >> t & 1u ? target_bytes(screen, t) : sizeof(uint32_t),
+                                    neph_screen_targets[t], &screen->targets[t], diag);
+    return status ? status
+                  : neph_buffer_create(screen->vulkan, NEPH_BUFFER_READBACK,
+                                       pixel_count(screen) * SCREEN_WORDS_32 * sizeof(uint32_t),
+                                       "screen readback", &screen->readback, diag);
+}
+
+static enum neph_status get_kernels(struct neph_screen *screen, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; neph_screen_passes[i].name && !status; i++) {
+        const struct neph_screen_pass *pass = &neph_screen_passes[i];
+        const struct neph_kernel_params params = {
+            .name = pass->shader.name,
+            .spirv = pass->shader.spirv,
+            .spirv_size_bytes = pass->shader.spirv_size_bytes,
+            .buffer_count = BUFFERS,
+            .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+            .array_count = SCREEN_TARGET_COUNT,
+            .push_size_bytes = sizeof(struct neph_gpu_screen_run),
+            .constant_count = NEPH_GPU_SCENE_CONSTANTS,
+            .constants = {screen->gpu.constants[0], screen->gpu.constants[1]},
+        };
+        if (neph_screen_is_on(pass, &screen->params.settings))
+            status = neph_kernel_get(screen->vulkan, &params, &screen->kernels[i], diag);
+    }
+    return status;
+}
+
+enum neph_status neph_screen_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                    const struct neph_screen_params *params,
+                                    struct neph_screen **screen, struct neph_diag *diag)
+{
+    struct neph_screen *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->vulkan = vulkan;
+    made->params = *params;
+    enum neph_status status = neph_gpu_scene_create(vulkan, scene, 0.0, params->width_px,
+                                                    params->height_px, false, &made->gpu, diag);
+    if (!status)
+        status = create_buffers(made, diag);
+    if (!status)
+        status = get_kernels(made, diag);
+    if (status)
+        neph_screen_destroy(made);
+    else
+        *screen = made;
+    return status;
+}
+
+void neph_screen_destroy(struct neph_screen *screen)
+{
+    if (!screen)
+        return;
+    neph_buffer_destroy(screen->vulkan, &screen->readback);
+    for (int t = SCREEN_TARGET_COUNT - 1; t >= 0; t--)
+        neph_buffer_destroy(screen->vulkan, &screen->targets[t]);
+    neph_buffer_destroy(screen->vulkan, &screen->view);
+    neph_gpu_scene_destroy(screen->vulkan, &screen->gpu);
+    free(screen);
+}
+
+/* --- passes ----------------------------------------------------------------------------------- */
+
+static void fill_view(struct neph_screen *screen, const struct neph_scene *scene, double frame)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, frame);
+    const struct neph_screen_params *params = &screen->params;
+    const double half_height = neph_camera_half_height(&camera);
+    struct neph_gpu_screen_view *view = screen->view.mapped;
+    for (int i = 0; i < SCREEN_SETTING_COUNT; i++)
+        view->settings[i] = (float)params->settings.values[i];
+    view->size_px[0] = (uint32_t)params->width_px;
+    view->size_px[1] = (uint32_t)params->height_px;
+    view->half_size[0] = (float)(half_height * params->width_px / params->height_px);
+    view->half_size[1] = (float)half_height;
+    view->is_orthographic = camera.orthographic_height_m > 0.0;
+    view->frame = screen->frame++;
+    const struct neph_rgb sky = scene->background_w_per_m2_sr;
+    view->sky_light[0] = scene->environment_light ? (float)sky.r : 0.0f;
+    view->sky_light[1] = scene->environment_light ? (float)sky.g : 0.0f;
+    view->sky_light[2] = scene->environment_light ? (float)sky.b : 0.0f;
+}
+
+static enum neph_status add_pass(struct neph_screen *screen, const struct neph_kernel *kernel,
+                                 struct neph_batch *batch, struct neph_diag *diag)
+{
+    const struct neph_screen_params *params = &screen->params;
+    const uint32_t groups_max = screen->vulkan->limits.maxComputeWorkGroupCount[0];
+    const uint32_t groups = (uint32_t)((params->width_px + TILE_PX - 1) / TILE_PX) *
+                            (uint32_t)((params->height_px + TILE_PX - 1) / TILE_PX);
+    struct neph_gpu_screen_run run = {0};
+    struct neph_dispatch dispatch = {.push = &run};
+    neph_gpu_scene_bind(&screen->gpu, &dispatch);
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &screen->view;
+    for (int t = 0; t < SCREEN_TARGET_COUNT; t++)
+        dispatch.buffers[BUFFERS + t] = &screen->targets[t];
+    enum neph_status status = NEPH_OK;
+    for (; run.first_group < groups && !status; run.first_group += dispatch.group_count) {
+        const uint32_t left = groups - run.first_group;
+        dispatch.group_count = left < groups_max ? left : groups_max;
+        status = neph_batch_dispatch(batch, kernel, &dispatch, diag);
+    }
+    return status;
+}
+
+static enum neph_status run_passes(struct neph_screen *screen, struct neph_screen_stats *stats,
+                                   struct neph_diag *diag)
+{
+    struct neph_batch batch;
+    enum neph_status status = neph_batch_begin(screen->vulkan, &batch, diag);
+    for (int i = 0; neph_screen_passes[i].name && !status; i++) {
+        if (!screen->kernels[i])
+            continue;
+        status = add_pass(screen, screen->kernels[i], &batch, diag);
+        neph_batch_stamp(&batch, &stats->gpu_s[i]);
+        neph_batch_barrier(&batch);
+    }
+    if (!status)
+        status = neph_batch_send(&batch, "screen", diag);
+    return status ? status
+                  : neph_batches_wait(screen->vulkan, neph_batches_sent(screen->vulkan), "screen",
+                                      diag);
+}
+
+/* --- out of the device ------------------------------------------------------------------------ */
+
+static float float_of_half(uint16_t half)
+{
+    const int exponent = half >> 10 & 31, mantissa = half & 1023;
+    const float magnitude = exponent ? ldexpf((float)(mantissa | 1024), exponent - 25)
+                                     : ldexpf((float)mantissa, -24);
+    return half >> 15 ? -magnitude : magnitude;
+}
+
+static void unpack(const struct neph_screen *screen, int target, const uint32_t *words,
+                   float *texels)
+{
+    const size_t count = pixel_count(screen) * CHANNELS;
+    for (size_t i = 0; i < count; i++)
+        if (target == SCREEN_DEPTH)
+            memcpy(&texels[i], &words[i / CHANNELS], sizeof(float));
+        else if (is_half(screen))
+            texels[i] = float_of_half((uint16_t)(words[i / 2] >> 16 * (i % 2)));
+        else
+            memcpy(&texels[i], &words[i], sizeof(float));
+}
+
+enum neph_status neph_screen_read(struct neph_screen *screen, int target, float *texels,
+                                  struct neph_diag *diag)
+{
+    const enum neph_status status = neph_buffer_download(screen->vulkan, &screen->targets[target],
+                                                         &screen->readback,
+                                                         target_bytes(screen, target), diag);
+    if (!status)
+        unpack(screen, target, screen->readback.mapped, texels);
+    return status;
+}
+
+/* --- the picture ------------------------------------------------------------------------------ */
+
+/* Where the occlusion ends up that the composition reads; -1: none is looked for. */
+static int open_target(const struct neph_settings *settings)
+{
+    if (settings->values[SCREEN_AO] == SCREEN_AO_OFF)
+        return -1;
+    return settings->values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
+}
+
+static enum neph_status take_rgb(struct neph_screen *screen, int target, const char *layer,
+                                 float *texels, struct neph_image *image, struct neph_diag *diag)
+{
+    float *rgb[3];
+    enum neph_status status = neph_image_add_rgb(image, layer, rgb, diag);
+    if (!status)
+        status = neph_screen_read(screen, target, texels, diag);
+    for (size_t i = 0; i < pixel_count(screen) && !status; i++)
+        for (int c = 0; c < 3; c++)
+            rgb[c][i] = texels[CHANNELS * i + (size_t)c];
+    return status;
+}
+
+static enum neph_status take_one(struct neph_screen *screen, int target, const char *name,
+                                 float *texels, struct neph_image *image, struct neph_diag *diag)
+{
+    float *samples;
+    enum neph_status status = neph_image_add_channel(image, name, &samples, diag);
+    if (!status)
+        status = neph_screen_read(screen, target, texels, diag);
+    for (size_t i = 0; i < pixel_count(screen) && !status; i++)
+        samples[i] = texels[CHANNELS * i] < NEPH_GPU_FAR_M ? texels[CHANNELS * i] : INFINITY;
+    return status;
+}
+
+static enum neph_status add_transmittance(struct neph_image *image, struct neph_diag *diag)
+{
+    float *rgb[3];
+    const enum neph_status status = neph_image_add_rgb(image, "transmittance", rgb, diag);
+    for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++)
+        rgb[0][i] = rgb[1][i] = rgb[2][i] = 1.0f;
+    return status;
+}
+
+static enum neph_status take_image(struct neph_screen *screen, struct neph_image *image,
+                                   struct neph_diag *diag)
+{
+    const int open = open_target(&screen->params.settings);
+    float *texels = malloc(pixel_count(screen) * CHANNELS * sizeof(*texels));
+    if (!texels)
+        return neph_fail_memory(diag);
+    enum neph_status status = take_rgb(screen, SCREEN_PICTURE, NULL, texels, image, diag);
+    if (!status)
+        status = add_transmittance(image, diag);
+    if (!status)
+        status = take_one(screen, SCREEN_DEPTH, "Z", texels, image, diag);
+    if (!status)
+        status = take_rgb(screen, SCREEN_DIRECT, "direct", texels, image, diag);
+    if (!status && open >= 0)
+        status = take_one(screen, open, "ao", texels, image, diag);
+    free(texels);
+    return status;
+}
+
+enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph_scene *scene,
+                                   double frame, struct neph_image **image,
+                                   struct neph_screen_stats *stats, struct neph_diag *diag)
+{
+    struct neph_screen_stats own_stats = {{0}};
+    struct neph_image *made = NULL;
+    neph_gpu_scene_move(&screen->gpu, scene, frame, screen->params.width_px,
+                        screen->params.height_px);
+    fill_view(screen, scene, frame);
+    enum neph_status status = run_passes(screen, &own_stats, diag);
+    if (!status)
+        status = neph_image_create(screen->params.width_px, screen->params.height_px, &made, diag);
+    if (!status)
+        status = take_image(screen, made, diag);
+    if (!status)
+        status = neph_vulkan_check(screen->vulkan, diag);
+    if (status) {
+        neph_image_destroy(made);
+        return status;
+    }
+    if (stats)
+        *stats = own_stats;
+    *image = made;
+    return NEPH_OK;
+}
