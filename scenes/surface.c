@@ -38,7 +38,7 @@ static double noise(int seed, double u, double v)
                 x * neph_noise_value(seed, i + 1, j + 1));
 }
 
-double neph_texture_value(const struct neph_texture *texture, double u, double v)
+double neph_paint_value(const struct neph_paint *texture, double u, double v)
 {
     if (texture->pattern == NEPH_PATTERN_NOISE)
         return noise(texture->seed, u, v);
@@ -56,15 +56,15 @@ static int axis_across(struct neph_vec3 normal)
 
 struct neph_rgb neph_surface_color(const struct neph_hit *hit, struct neph_vec3 point_m)
 {
-    const struct neph_texture *texture = &hit->solid->surface.texture;
+    const struct neph_paint *texture = &hit->solid->surface.texture;
     const struct neph_rgb albedo = hit->solid->albedo;
     if (!(texture->cell_m > 0.0))
         return albedo;
     const struct neph_vec3 p = neph_vec3_scale(neph_box_place_m(hit->solid, point_m),
                                                1.0 / texture->cell_m);
     const int across = axis_across(neph_box_direction(hit->solid, hit->normal));
-    const double value = neph_texture_value(texture, across == 0 ? p.y : p.x,
-                                            across == 2 ? p.y : p.z);
+    const double value = neph_paint_value(texture, across == 0 ? p.y : p.x,
+                                          across == 2 ? p.y : p.z);
     return neph_rgb_add(neph_rgb_scale(albedo, 1.0 - value), neph_rgb_scale(texture->other, value));
 }
 

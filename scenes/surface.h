@@ -32,7 +32,7 @@ enum neph_pattern {
  * middle of the box and in cells. The colour there is albedo + value * (other - albedo), the value
  * being, of a checker, 1 where floor(u) + floor(v) is odd and else 0; of noise, bilinear between
  * neph_noise_value() at whole u and v. */
-struct neph_texture {
+struct neph_paint {
     double cell_m; /* 0: there is none */
     enum neph_pattern pattern;
     struct neph_rgb other;
@@ -42,7 +42,7 @@ struct neph_texture {
 struct neph_surface {
     double metalness; /* 0..1 */
     double roughness; /* 0..1; of the metal */
-    struct neph_texture texture;
+    struct neph_paint texture;
 };
 
 /* Uniform in 0..1 (2^-24 apart) and the same bits everywhere: the first number of pcg3d (M.
@@ -51,7 +51,7 @@ struct neph_surface {
 double neph_noise_value(int seed, int i, int j);
 
 /* 0..1, at a place of the pattern [cells]. */
-double neph_texture_value(const struct neph_texture *texture, double u, double v);
+double neph_paint_value(const struct neph_paint *texture, double u, double v);
 
 /* The base colour where a ray meets a solid. */
 struct neph_rgb neph_surface_color(const struct neph_hit *hit, struct neph_vec3 point_m);

@@ -125,7 +125,7 @@ static void solids(struct stage *stage)
 static void textured(struct stage *stage)
 {
     solids(stage);
-    stage->test.solids[0].surface.texture = (struct neph_texture){
+    stage->test.solids[0].surface.texture = (struct neph_paint){
         .cell_m = 1, .pattern = NEPH_PATTERN_CHECKER, .other = white};
 }
 

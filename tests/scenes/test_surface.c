@@ -27,7 +27,7 @@ static void test_noise_is_pcg3d(void **state)
 static void test_noise_is_bilinear_and_uniform(void **state)
 {
     (void)state;
-    const struct neph_texture noise = {.cell_m = 1, .pattern = NEPH_PATTERN_NOISE, .seed = 7};
+    const struct neph_paint noise = {.cell_m = 1, .pattern = NEPH_PATTERN_NOISE, .seed = 7};
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < NEPH_NOISE_CELLS; i++)
         for (int j = 0; j < NEPH_NOISE_CELLS; j++) {
@@ -35,10 +35,10 @@ static void test_noise_is_bilinear_and_uniform(void **state)
             const double c = neph_noise_value(7, i, j + 1), d = neph_noise_value(7, i + 1, j + 1);
             sum += a;
             squares += a * a;
-            assert_true(neph_texture_value(&noise, i, j) == a);
-            neph_assert_close(neph_texture_value(&noise, i + 0.25, j), 0.75 * a + 0.25 * b, 1e-15,
+            assert_true(neph_paint_value(&noise, i, j) == a);
+            neph_assert_close(neph_paint_value(&noise, i + 0.25, j), 0.75 * a + 0.25 * b, 1e-15,
                               0.0);
-            neph_assert_close(neph_texture_value(&noise, i + 0.5, j + 0.5 - NEPH_NOISE_CELLS),
+            neph_assert_close(neph_paint_value(&noise, i + 0.5, j + 0.5 - NEPH_NOISE_CELLS),
                               0.25 * (a + b + c + d), 1e-15, 0.0);
         }
     /* 1024 uniform numbers: mean 1/2 and mean square 1/3, within four standard errors. */
@@ -49,13 +49,13 @@ static void test_noise_is_bilinear_and_uniform(void **state)
 static void test_a_checker_by_hand(void **state)
 {
     (void)state;
-    const struct neph_texture checker = {.cell_m = 1, .pattern = NEPH_PATTERN_CHECKER};
+    const struct neph_paint checker = {.cell_m = 1, .pattern = NEPH_PATTERN_CHECKER};
     static const struct {
         double u, v, value;
     } places[] = {{0.5, 0.5, 0},  {1.5, 0.5, 1},   {0.5, 1.5, 1},  {1.5, 1.5, 0},
                   {-0.5, 0.5, 1}, {-0.5, -0.5, 0}, {0.5, -1.5, 0}, {-7.5, 1000000.5, 0}};
     for (size_t i = 0; i < sizeof(places) / sizeof(places[0]); i++)
-        assert_true(neph_texture_value(&checker, places[i].u, places[i].v) == places[i].value);
+        assert_true(neph_paint_value(&checker, places[i].u, places[i].v) == places[i].value);
 }
 
 static double colour_seen(const struct neph_solid *solid, struct neph_vec3 from_m,
@@ -75,9 +75,9 @@ static void test_a_pattern_is_painted_on_faces(void **state)
     (void)state;
     struct neph_solid box = make_box(10, 0, 0, 14, 2, 8);
     box.albedo = make_grey(0.25);
-    box.surface.texture = (struct neph_texture){
+    box.surface.texture = (struct neph_paint){
         .cell_m = 0.5, .pattern = NEPH_PATTERN_NOISE, .other = make_grey(0.75), .seed = 5};
-    const struct neph_texture *texture = &box.surface.texture;
+    const struct neph_paint *texture = &box.surface.texture;
     const struct neph_vec3 middle_m = {12, 1, 4};
     const double turn_rad = 0.7;
     for (int axis = 0; axis < 3; axis++)
@@ -86,8 +86,8 @@ static void test_a_pattern_is_painted_on_faces(void **state)
                                   axis == 2 ? 9.0 * side : -1.3};
             const double way[3] = {axis == 0 ? -side : 0, axis == 1 ? -side : 0,
                                    axis == 2 ? -side : 0};
-            const double value = neph_texture_value(texture, 2.0 * (axis == 0 ? at[1] : at[0]),
-                                                    2.0 * (axis == 2 ? at[1] : at[2]));
+            const double value = neph_paint_value(texture, 2.0 * (axis == 0 ? at[1] : at[0]),
+                                                  2.0 * (axis == 2 ? at[1] : at[2]));
             const struct neph_vec3 from_m = {at[0], at[1], at[2]}, d = {way[0], way[1], way[2]};
             neph_assert_close(colour_seen(&box, neph_vec3_add(middle_m, from_m), d),
                               0.25 + 0.5 * value, 1e-13, 0.0);
