@@ -54,7 +54,7 @@ struct neph_oracle_stats {
     uint64_t collisions, lookups;
 };
 
-/* False, with the reason in words, for what the estimator cannot do: all orders of scattering
+/* False, with the reason in words, for what the estimator cannot do: metal, and all orders of scattering
  * without absorption in a fog that has no end, whose paths are of infinite mean length. */
 bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
 

@@ -267,6 +267,8 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
         !(lens_mm >= shortest_lens_mm)) /* Blender would clamp it without a word */
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a field of view above 170.4 degrees: Blender has no lens below 1 mm");
+    if (neph_surfaces_obstacle(scene))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s", neph_surfaces_obstacle(scene));
     if (neph_scene_has_wide_spot(scene))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s", neph_wide_spot_reason);
     for (int i = 0; i < scene->medium_count && !status; i++)

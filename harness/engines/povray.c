@@ -141,7 +141,9 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     const char *cannot = NULL;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
-    if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))
+    if (neph_surfaces_obstacle(scene))
+        cannot = neph_surfaces_obstacle(scene);
+    else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))
         cannot = "multiple scattering";
     else if (scene->environment_light && has_scatterer(scene))
         cannot = "environment light on media or solids";

@@ -122,6 +122,20 @@ static void solids(struct stage *stage)
     test_add_sphere(&stage->test, (struct neph_vec3){0, 100, -10}, 0.3);
 }
 
+static void textured(struct stage *stage)
+{
+    solids(stage);
+    stage->test.solids[0].surface.texture = (struct neph_paint){
+        .cell_m = 1, .pattern = NEPH_PATTERN_CHECKER, .other = white};
+}
+
+static void metal(struct stage *stage)
+{
+    solids(stage);
+    stage->test.scene.medium_count = 0;
+    stage->test.solids[0].surface = (struct neph_surface){.metalness = 1, .roughness = 0.5};
+}
+
 static void environment(struct stage *stage)
 {
     stage->test.scene.environment_light = true;
@@ -220,6 +234,8 @@ static const struct feature {
     {"`environment_light`", ANY_KIND, ANY_LIGHT, environment},
     {"`lights`", ANY_KIND, ANY_LIGHT, lights},
     {"`solids`", ANY_KIND, ANY_LIGHT, solids},
+    {"`solids[].*.texture`", ANY_KIND, ANY_LIGHT, textured},
+    {"`solids[].*.metalness`", ANY_KIND, LIGHT(MULTIPLE), metal},
     {"`orthographic_height_m`", ANY_KIND, ANY_LIGHT, orthographic},
     {"`camera.keys`", ANY_KIND, ANY_LIGHT, moving_camera},
     {"`sun.keys`", ANY_KIND, ANY_LIGHT, moving_sun},
