@@ -11,6 +11,7 @@ static const char *const switches[] = {"off", "on", NULL};
 static const char *const occlusions[] = {"off", "ssao", "unreal", "gtao", NULL};
 static const char *const slicings[] = {"ray", "axis", NULL};
 static const char *const places[] = {"pixel", "plane", NULL};
+static const char *const ways_to_sum[] = {"ratio", "mean", NULL};
 static const char *const formats[] = {"float32", "float16", NULL};
 
 #define CHOICE(name, value, words, help)                                                           \
@@ -59,6 +60,9 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     [SCREEN_AO_PLACES] = CHOICE("ao_places", SCREEN_PLACES_PLANE, places,
                                 "a sample is its pixel's centre, or where its own line of sight "
                                 "meets the plane of that pixel"),
+    [SCREEN_AO_SUM] = CHOICE("ao_sum", SCREEN_SUM_RATIO, ways_to_sum,
+                             "gtao: what slices see over what they would see of nothing, or their "
+                             "mean as in the paper"),
     [SCREEN_TARGETS] = CHOICE("targets", SCREEN_FLOAT32, formats,
                               "all but depth, which has 32 bits"),
     {.name = NULL},
@@ -71,7 +75,7 @@ const struct neph_preset neph_screen_presets[] = {
      "ao_intensity=0.5 targets=float16"},
     {"paper", "GTAO as its paper has it: one slice a pixel, 4x4 pixels together",
      "ao=gtao ao_directions=1 ao_steps=6 ao_falloff=0.6 ao_slices=axis ao_places=pixel "
-     "ao_thickness=0.1 targets=float16"},
+     "ao_thickness=0.1 ao_sum=mean targets=float16"},
     {"slow", "many slices and steps: what gtao tends to",
      "ao=gtao ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0"},
     {.name = NULL},

@@ -108,9 +108,10 @@ vec3 place_m(vec2 place_px, float depth_m)
 
 vec3 surface_m(ivec2 pixel) { return place_m(centre_of(pixel), depth_at_m(pixel)); }
 
-// What is seen at a place of the picture: its pixel's surface goes on in its plane, which is exact
-// on flat ones and of second order on others. Where it is seen from its edge it is the pixel's.
-vec3 surface_at_m(vec2 place_px, ivec2 pixel)
+// What is seen at a place of the picture: the surface of its pixel goes on in its plane, which is
+// exact on flat ones and of second order on others. False where that plane is seen from its edge or
+// ends before the place.
+bool plane_at(vec2 place_px, ivec2 pixel, out vec3 point_m)
 {
     const float EDGE = 1e-4, NEARER = 0.5, FARTHER = 10.0; // a cosine; of its depth
     vec3 own_m = surface_m(pixel), normal = normal_at(pixel);
@@ -118,8 +119,8 @@ vec3 surface_at_m(vec2 place_px, ivec2 pixel)
     vec3 sight = is_orthographic() ? vec3(0.0, 0.0, 1.0) : near_m / near_m.z;
     float facing = -dot(normal, sight);
     float along = dot(normal, near_m - own_m) / max(facing, EDGE);
-    bool is_flat = facing > EDGE && along > -NEARER * own_m.z && along < FARTHER * own_m.z;
-    return is_flat ? near_m + along * sight : own_m;
+    point_m = near_m + along * sight;
+    return facing > EDGE && along > -NEARER * own_m.z && along < FARTHER * own_m.z;
 }
 
 // Where a place before the camera is seen.

@@ -31,9 +31,10 @@ bool seen_at(vec2 place_px, out vec3 point_m)
     ivec2 pixel = ivec2(floor(place_px));
     if (!is_inside(pixel))
         return false;
-    bool is_plane = choice(SCREEN_AO_PLACES) == SCREEN_PLACES_PLANE;
-    point_m = is_plane ? surface_at_m(place_px, pixel) : surface_m(pixel);
-    return !is_sky(depth_at_m(pixel));
+    point_m = surface_m(pixel);
+    if (is_sky(point_m.z))
+        return false;
+    return choice(SCREEN_AO_PLACES) == SCREEN_PLACES_PIXEL || plane_at(place_px, pixel, point_m);
 }
 
 // How much of what lies at a distance counts: 1 up to the radius less its last share, which fades.
@@ -137,28 +138,32 @@ float open_arc(float horizon, float tilt)
     return 0.25 * (cos(tilt) + 2.0 * horizon * sin(tilt) - cos(2.0 * horizon - tilt));
 }
 
-float open_slice(Site site, Slice slice)
+// Of a slice what is open, and what would be if nothing stood near.
+vec2 open_slice(Site site, Slice slice)
 {
     vec3 axis = cross(slice.across, site.to_camera);
     vec3 in_slice = site.normal - dot(site.normal, axis) * axis;
     float share = length(in_slice);
     if (!(share > 1e-6))
-        return 0.0; // of a slice along the surface nothing is seen by the cosine
+        return vec2(0.0); // by the cosine nothing is seen of a slice along the surface
     float tilt = atan(dot(in_slice, slice.across), dot(in_slice, site.to_camera));
     float ahead = horizon_cosine(site, slice.screen_way, slice.forward_px, cos(tilt + 0.5 * PI));
     float behind = horizon_cosine(site, -slice.screen_way, slice.back_px, cos(tilt - 0.5 * PI));
     float high = min(acos(clamp(ahead, -1.0, 1.0)), tilt + 0.5 * PI);
     float low = max(-acos(clamp(behind, -1.0, 1.0)), tilt - 0.5 * PI);
-    return share * (open_arc(high, tilt) + open_arc(low, tilt));
+    return share * vec2(open_arc(high, tilt) + open_arc(low, tilt), cos(tilt) + tilt * sin(tilt));
 }
 
+// The mean over the slices is the integral for many of them: what is seen at a flat angle needs
+// dozens, and a plane is not 1 for less. The ratio is, for any number.
 float gtao(Site site)
 {
     int slices = choice(SCREEN_AO_DIRECTIONS);
-    float sum = 0.0;
+    vec2 sums = vec2(0.0);
     for (int i = 0; i < slices; i++)
-        sum += open_slice(site, slice_of(site, (float(i) + site.noise.x) / float(slices)));
-    return sum / float(slices);
+        sums += open_slice(site, slice_of(site, (float(i) + site.noise.x) / float(slices)));
+    bool is_ratio = choice(SCREEN_AO_SUM) == SCREEN_SUM_RATIO;
+    return is_ratio ? sums.x / max(sums.y, 1e-6) : sums.x / float(slices);
 }
 
 // --- unreal -----------------------------------------------------------------------------------

@@ -22,8 +22,9 @@
 #define SCREEN_AO_POWER 11
 #define SCREEN_AO_INTENSITY 12
 #define SCREEN_AO_PLACES 13
-#define SCREEN_TARGETS 14
-#define SCREEN_SETTING_COUNT 15
+#define SCREEN_AO_SUM 14
+#define SCREEN_TARGETS 15
+#define SCREEN_SETTING_COUNT 16
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -37,6 +38,9 @@
 
 #define SCREEN_PLACES_PIXEL 0
 #define SCREEN_PLACES_PLANE 1
+
+#define SCREEN_SUM_RATIO 0
+#define SCREEN_SUM_MEAN 1
 
 #define SCREEN_FLOAT32 0
 #define SCREEN_FLOAT16 1
