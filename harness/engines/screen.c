@@ -72,6 +72,7 @@ static enum neph_status label(struct neph_image *image, const struct neph_screen
     return status ? status : neph_frame_stats_set(image, "gpu_ms", 1e3 * *gpu_s, diag);
 }
 
+/* The last of several frames in which nothing moves. */
 static enum neph_status take_picture(struct neph_vulkan *vulkan, const struct neph_shot *shot,
                                      struct neph_image **image, struct neph_screen_stats *stats,
                                      struct neph_diag *diag)
@@ -79,10 +80,12 @@ static enum neph_status take_picture(struct neph_vulkan *vulkan, const struct ne
     const struct neph_screen_params params = {.settings = shot->settings,
                                               .width_px = shot->width_px,
                                               .height_px = shot->height_px};
+    const int frames = (int)shot->settings.values[SCREEN_FRAMES];
     struct neph_screen *screen = NULL;
     enum neph_status status = neph_screen_create(vulkan, shot->scene, &params, &screen, diag);
-    if (!status)
-        status = neph_screen_frame(screen, shot->scene, shot->frame, image, stats, diag);
+    for (int i = 1; i <= frames && !status; i++)
+        status = neph_screen_frame(screen, shot->scene, shot->frame, i == frames ? image : NULL,
+                                   stats, diag);
     neph_screen_destroy(screen);
     return status;
 }

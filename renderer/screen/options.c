@@ -12,6 +12,7 @@ static const char *const occlusions[] = {"off", "ssao", "unreal", "gtao", NULL};
 static const char *const slicings[] = {"ray", "axis", NULL};
 static const char *const places[] = {"pixel", "plane", NULL};
 static const char *const ways_to_sum[] = {"ratio", "mean", NULL};
+static const char *const bounces[] = {"one", "all", NULL};
 static const char *const formats[] = {"float32", "float16", NULL};
 
 #define CHOICE(name, value, words, help)                                                           \
@@ -63,8 +64,37 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     [SCREEN_AO_SUM] = CHOICE("ao_sum", SCREEN_SUM_RATIO, ways_to_sum,
                              "gtao: what slices see over what they would see of nothing, or their "
                              "mean as in the paper"),
+    [SCREEN_RAY_THICKNESS_M] = REAL("ray_thickness_m", 0.25, 0, 1e6,
+                                    "farther behind what is seen a ray passes by, counted from its "
+                                    "step [m]; 0: all is thick"),
+    [SCREEN_RAY_REFINE] = WHOLE("ray_refine", 4, 0, 16,
+                                "halvings of the step in which a ray went behind something"),
+    [SCREEN_RAY_NOISE] = CHOICE("ray_noise", 1, switches, "each ray has a first step of its own"),
+
+    [SCREEN_GI] = CHOICE("gi", 1, switches,
+                         "indirect light of diffuse surfaces by rays, the sky's included; off: the "
+                         "sky's by ambient occlusion"),
+    [SCREEN_GI_RAYS] = WHOLE("gi_rays", 4, 1, 256, "a pixel and frame"),
+    [SCREEN_GI_STEPS] = WHOLE("gi_steps", 24, 1, 1024, "of a ray, and no more than its pixels"),
+    [SCREEN_GI_REACH_M] = REAL("gi_reach_m", 0, 0, 1e6, "of a ray [m]; 0: as far as the picture"),
+    [SCREEN_GI_BOUNCES] = CHOICE("gi_bounces", SCREEN_BOUNCES_ALL, bounces,
+                                 "what rays meet has direct light alone, or its indirect light of "
+                                 "the frame before, too"),
+    [SCREEN_GI_HISTORY] = WHOLE("gi_history", 32, 0, 1024, "frames before in the mean over frames"),
+    [SCREEN_GI_SMOOTH] = WHOLE("gi_smooth", 3, 0, 6, "turns of the smoothing, 5x5 pixels 2^k apart"),
+
+    [SCREEN_SSR] = CHOICE("ssr", 1, switches, "reflections of metal by rays"),
+    [SCREEN_SSR_RAYS] = WHOLE("ssr_rays", 4, 1, 256, "a pixel and frame; of a mirror 1"),
+    [SCREEN_SSR_STEPS] = WHOLE("ssr_steps", 64, 1, 4096, "of a ray, and no more than its pixels"),
+    [SCREEN_SSR_HISTORY] = WHOLE("ssr_history", 32, 0, 1024,
+                                 "frames before in the mean over frames"),
+    [SCREEN_SSR_SMOOTH] = WHOLE("ssr_smooth", 2, 0, 6,
+                                "turns of the smoothing, as far as the metal is rough"),
+
     [SCREEN_TARGETS] = CHOICE("targets", SCREEN_FLOAT32, formats,
                               "all but depth, which has 32 bits"),
+    [SCREEN_FRAMES] = WHOLE("frames", 8, 1, 4096,
+                            "of a picture alone: it is the last of so many in which nothing moves"),
     {.name = NULL},
 };
 

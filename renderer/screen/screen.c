@@ -9,15 +9,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 1, CHANNELS = 4 };
+enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 2, CHANNELS = 4 };
+
+/* Targets that the next frame has under another name. */
+static const int handed_on[][2] = {{SCREEN_DEPTH, SCREEN_DEPTH_BEFORE},
+                                   {SCREEN_NORMAL, SCREEN_NORMAL_BEFORE},
+                                   {SCREEN_GI_MEAN, SCREEN_GI_BEFORE},
+                                   {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE}};
 
 struct neph_screen {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_screen_params params;
     struct neph_gpu_scene gpu;
-    struct neph_buffer view, targets[SCREEN_TARGET_COUNT], readback;
+    struct neph_buffer view, surfaces, targets[SCREEN_TARGET_COUNT], readback;
     const struct neph_kernel *kernels[NEPH_SCREEN_PASSES_MAX];
-    uint32_t frame; /* of the noise */
+    struct neph_camera camera; /* of the frame before */
+    uint32_t frame;            /* how many there were: the noise has other numbers in each */
 };
 
 /* --- what can be rendered --------------------------------------------------------------------- */
@@ -44,9 +51,10 @@ static bool is_half(const struct neph_screen *screen)
 
 static size_t target_bytes(const struct neph_screen *screen, int target)
 {
-    const size_t words = target == SCREEN_DEPTH ? 1
-                         : is_half(screen)      ? SCREEN_WORDS_16
-                                                : SCREEN_WORDS_32;
+    const bool is_depth = target == SCREEN_DEPTH || target == SCREEN_DEPTH_BEFORE;
+    const size_t words = is_depth          ? 1
+                         : is_half(screen) ? SCREEN_WORDS_16
+                                           : SCREEN_WORDS_32;
     return pixel_count(screen) * words * sizeof(uint32_t);
 }
 
@@ -59,6 +67,9 @@ static unsigned targets_in_use(const struct neph_settings *settings)
     for (const struct neph_screen_pass *pass = neph_screen_passes; pass->name; pass++)
         if (neph_screen_is_on(pass, settings))
             used |= pass->reads | pass->writes;
+    for (size_t i = 0; i < sizeof(handed_on) / sizeof(handed_on[0]); i++)
+        if (used >> handed_on[i][1] & 1u) /* they change places */
+            used |= 1u << handed_on[i][0];
     return used;
 }
 
@@ -68,6 +79,11 @@ static enum neph_status create_buffers(struct neph_screen *screen, struct neph_d
     enum neph_status status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
                                                  sizeof(struct neph_gpu_screen_view),
                                                  "screen view", &screen->view, diag);
+    if (!status)
+        status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
+                                    NEPH_SCENE_SOLIDS_MAX *
+                                        sizeof(struct neph_gpu_screen_surface),
+                                    "screen surfaces", &screen->surfaces, diag);
     for (int t = 0; t < SCREEN_TARGET_COUNT && !status; t++)
         status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_DEVICE,
                                     used >> t & 1u ? target_bytes(screen, t) : sizeof(uint32_t),
@@ -129,53 +145,145 @@ void neph_screen_destroy(struct neph_screen *screen)
     neph_buffer_destroy(screen->vulkan, &screen->readback);
     for (int t = SCREEN_TARGET_COUNT - 1; t >= 0; t--)
         neph_buffer_destroy(screen->vulkan, &screen->targets[t]);
+    neph_buffer_destroy(screen->vulkan, &screen->surfaces);
     neph_buffer_destroy(screen->vulkan, &screen->view);
     neph_gpu_scene_destroy(screen->vulkan, &screen->gpu);
     free(screen);
 }
 
-/* --- passes ----------------------------------------------------------------------------------- */
+/* --- what the device is told ------------------------------------------------------------------ */
+
+/* The target in which the last of `turns` turns ends that begin at `first`. */
+static uint32_t last_target(double turns, uint32_t none, uint32_t first)
+{
+    return turns == 0.0 ? none : first + ((uint32_t)turns + 1) % 2;
+}
+
+static uint32_t open_target(const double *values)
+{
+    if (values[SCREEN_AO] == SCREEN_AO_OFF)
+        return SCREEN_NONE;
+    return values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
+}
+
+static uint32_t gi_target(const double *values)
+{
+    return values[SCREEN_GI] == 0.0
+               ? SCREEN_NONE
+               : last_target(values[SCREEN_GI_SMOOTH], SCREEN_GI_MEAN, SCREEN_GI_A);
+}
+
+static uint32_t ssr_target(const double *values)
+{
+    return values[SCREEN_SSR] == 0.0
+               ? SCREEN_NONE
+               : last_target(values[SCREEN_SSR_SMOOTH], SCREEN_SSR_MEAN, SCREEN_SSR_A);
+}
+
+/* A place in the axes of a camera now, as that before has it. */
+static void fill_to_before(const struct neph_camera *now, const struct neph_camera *before,
+                           float rows[12])
+{
+    const struct neph_vec3 axes[3] = {before->right, before->up, before->forward};
+    const struct neph_vec3 moved_m = neph_vec3_sub(now->position_m, before->position_m);
+    for (int i = 0; i < 3; i++, rows += 4) {
+        rows[0] = (float)neph_vec3_dot(axes[i], now->right);
+        rows[1] = (float)neph_vec3_dot(axes[i], now->up);
+        rows[2] = (float)neph_vec3_dot(axes[i], now->forward);
+        rows[3] = (float)neph_vec3_dot(axes[i], moved_m);
+    }
+}
+
+static void fill_sky(const struct neph_scene *scene, float sky[3])
+{
+    const struct neph_rgb light = scene->background_w_per_m2_sr;
+    sky[0] = scene->environment_light ? (float)light.r : 0.0f;
+    sky[1] = scene->environment_light ? (float)light.g : 0.0f;
+    sky[2] = scene->environment_light ? (float)light.b : 0.0f;
+}
 
 static void fill_view(struct neph_screen *screen, const struct neph_scene *scene, double frame)
 {
     const struct neph_camera camera = neph_scene_camera(scene, frame);
     const struct neph_screen_params *params = &screen->params;
+    const double *values = params->settings.values;
     const double half_height = neph_camera_half_height(&camera);
     struct neph_gpu_screen_view *view = screen->view.mapped;
     for (int i = 0; i < SCREEN_SETTING_COUNT; i++)
-        view->settings[i] = (float)params->settings.values[i];
+        view->settings[i] = (float)values[i];
     view->size_px[0] = (uint32_t)params->width_px;
     view->size_px[1] = (uint32_t)params->height_px;
     view->half_size[0] = (float)(half_height * params->width_px / params->height_px);
     view->half_size[1] = (float)half_height;
     view->is_orthographic = camera.orthographic_height_m > 0.0;
+    view->has_before = screen->frame > 0;
+    fill_sky(scene, view->sky_light);
+    fill_to_before(&camera, screen->frame > 0 ? &screen->camera : &camera, view->to_before);
+    view->open_at = open_target(values);
+    view->gi_at = gi_target(values);
+    view->ssr_at = ssr_target(values);
     view->frame = screen->frame++;
-    const struct neph_rgb sky = scene->background_w_per_m2_sr;
-    view->sky_light[0] = scene->environment_light ? (float)sky.r : 0.0f;
-    view->sky_light[1] = scene->environment_light ? (float)sky.g : 0.0f;
-    view->sky_light[2] = scene->environment_light ? (float)sky.b : 0.0f;
+    screen->camera = camera;
 }
 
-static enum neph_status add_pass(struct neph_screen *screen, const struct neph_kernel *kernel,
+static void fill_surfaces(struct neph_screen *screen, const struct neph_scene *scene)
+{
+    struct neph_gpu_screen_surface *surfaces = screen->surfaces.mapped;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_surface *from = &scene->solids[i].surface;
+        const struct neph_rgb other = from->texture.other;
+        surfaces[i] = (struct neph_gpu_screen_surface){
+            .other = {(float)other.r, (float)other.g, (float)other.b},
+            .roughness = (float)from->roughness,
+            .metalness = (float)from->metalness,
+            .cell_m = (float)from->texture.cell_m,
+            .is_noise = from->texture.pattern == NEPH_PATTERN_NOISE,
+            .seed = (uint32_t)from->texture.seed,
+        };
+    }
+}
+
+/* --- passes ----------------------------------------------------------------------------------- */
+
+static struct neph_gpu_screen_run run_of(const struct neph_screen_pass *pass, unsigned turn)
+{
+    struct neph_gpu_screen_run run = {
+        .turn = pass->turn + turn, .from = pass->from, .to = pass->to, .before = pass->before};
+    if (pass->turns_setting) {
+        run.from = turn == 0 ? pass->from : pass->to + (turn - 1) % 2;
+        run.to = pass->to + turn % 2;
+    }
+    return run;
+}
+
+static enum neph_status add_turn(struct neph_screen *screen, int pass, unsigned turn,
                                  struct neph_batch *batch, struct neph_diag *diag)
 {
     const struct neph_screen_params *params = &screen->params;
     const uint32_t groups_max = screen->vulkan->limits.maxComputeWorkGroupCount[0];
     const uint32_t groups = (uint32_t)((params->width_px + TILE_PX - 1) / TILE_PX) *
                             (uint32_t)((params->height_px + TILE_PX - 1) / TILE_PX);
-    struct neph_gpu_screen_run run = {0};
+    struct neph_gpu_screen_run run = run_of(&neph_screen_passes[pass], turn);
     struct neph_dispatch dispatch = {.push = &run};
     neph_gpu_scene_bind(&screen->gpu, &dispatch);
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &screen->view;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &screen->surfaces;
     for (int t = 0; t < SCREEN_TARGET_COUNT; t++)
         dispatch.buffers[BUFFERS + t] = &screen->targets[t];
     enum neph_status status = NEPH_OK;
     for (; run.first_group < groups && !status; run.first_group += dispatch.group_count) {
         const uint32_t left = groups - run.first_group;
         dispatch.group_count = left < groups_max ? left : groups_max;
-        status = neph_batch_dispatch(batch, kernel, &dispatch, diag);
+        status = neph_batch_dispatch(batch, screen->kernels[pass], &dispatch, diag);
     }
+    neph_batch_barrier(batch);
     return status;
+}
+
+static unsigned turns_of(const struct neph_screen *screen, int pass)
+{
+    const int setting = neph_screen_passes[pass].turns_setting;
+    return setting ? (unsigned)screen->params.settings.values[setting] : 1;
 }
 
 static enum neph_status run_passes(struct neph_screen *screen, struct neph_screen_stats *stats,
@@ -186,15 +294,24 @@ static enum neph_status run_passes(struct neph_screen *screen, struct neph_scree
     for (int i = 0; neph_screen_passes[i].name && !status; i++) {
         if (!screen->kernels[i])
             continue;
-        status = add_pass(screen, screen->kernels[i], &batch, diag);
+        for (unsigned turn = 0; turn < turns_of(screen, i) && !status; turn++)
+            status = add_turn(screen, i, turn, &batch, diag);
         neph_batch_stamp(&batch, &stats->gpu_s[i]);
-        neph_batch_barrier(&batch);
     }
     if (!status)
         status = neph_batch_send(&batch, "screen", diag);
     return status ? status
                   : neph_batches_wait(screen->vulkan, neph_batches_sent(screen->vulkan), "screen",
                                       diag);
+}
+
+static void hand_on(struct neph_screen *screen)
+{
+    for (size_t i = 0; i < sizeof(handed_on) / sizeof(handed_on[0]); i++) {
+        const struct neph_buffer now = screen->targets[handed_on[i][0]];
+        screen->targets[handed_on[i][0]] = screen->targets[handed_on[i][1]];
+        screen->targets[handed_on[i][1]] = now;
+    }
 }
 
 /* --- out of the device ------------------------------------------------------------------------ */
@@ -212,7 +329,7 @@ static void unpack(const struct neph_screen *screen, int target, const uint32_t 
 {
     const size_t count = pixel_count(screen) * CHANNELS;
     for (size_t i = 0; i < count; i++)
-        if (target == SCREEN_DEPTH)
+        if (target == SCREEN_DEPTH || target == SCREEN_DEPTH_BEFORE)
             memcpy(&texels[i], &words[i / CHANNELS], sizeof(float));
         else if (is_half(screen))
             texels[i] = float_of_half((uint16_t)(words[i / 2] >> 16 * (i % 2)));
@@ -233,14 +350,6 @@ enum neph_status neph_screen_read(struct neph_screen *screen, int target, float 
 
 /* --- the picture ------------------------------------------------------------------------------ */
 
-/* Where the occlusion ends up that the composition reads; -1: none is looked for. */
-static int open_target(const struct neph_settings *settings)
-{
-    if (settings->values[SCREEN_AO] == SCREEN_AO_OFF)
-        return -1;
-    return settings->values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
-}
-
 static enum neph_status take_rgb(struct neph_screen *screen, int target, const char *layer,
                                  float *texels, struct neph_image *image, struct neph_diag *diag)
 {
@@ -254,16 +363,31 @@ static enum neph_status take_rgb(struct neph_screen *screen, int target, const c
     return status;
 }
 
-static enum neph_status take_one(struct neph_screen *screen, int target, const char *name,
-                                 float *texels, struct neph_image *image, struct neph_diag *diag)
+/* One of a target's channels. */
+static enum neph_status take_one(struct neph_screen *screen, int target, int channel,
+                                 const char *name, float *texels, struct neph_image *image,
+                                 struct neph_diag *diag)
 {
     float *samples;
     enum neph_status status = neph_image_add_channel(image, name, &samples, diag);
     if (!status)
         status = neph_screen_read(screen, target, texels, diag);
-    for (size_t i = 0; i < pixel_count(screen) && !status; i++)
-        samples[i] = texels[CHANNELS * i] < NEPH_GPU_FAR_M ? texels[CHANNELS * i] : INFINITY;
+    for (size_t i = 0; i < pixel_count(screen) && !status; i++) {
+        const float value = texels[CHANNELS * i + (size_t)channel];
+        samples[i] = value < NEPH_GPU_FAR_M ? value : INFINITY;
+    }
     return status;
+}
+
+/* Indirect light, and how many rays have found it. */
+static enum neph_status take_rays(struct neph_screen *screen, uint32_t target, int raw,
+                                  const char *layer, const char *found, float *texels,
+                                  struct neph_image *image, struct neph_diag *diag)
+{
+    if (target == SCREEN_NONE)
+        return NEPH_OK;
+    const enum neph_status status = take_rgb(screen, (int)target, layer, texels, image, diag);
+    return status ? status : take_one(screen, raw, 3, found, texels, image, diag);
 }
 
 static enum neph_status add_transmittance(struct neph_image *image, struct neph_diag *diag)
@@ -278,7 +402,8 @@ static enum neph_status add_transmittance(struct neph_image *image, struct neph_
 static enum neph_status take_image(struct neph_screen *screen, struct neph_image *image,
                                    struct neph_diag *diag)
 {
-    const int open = open_target(&screen->params.settings);
+    const double *values = screen->params.settings.values;
+    const uint32_t open = open_target(values);
     float *texels = malloc(pixel_count(screen) * CHANNELS * sizeof(*texels));
     if (!texels)
         return neph_fail_memory(diag);
@@ -286,11 +411,17 @@ static enum neph_status take_image(struct neph_screen *screen, struct neph_image
     if (!status)
         status = add_transmittance(image, diag);
     if (!status)
-        status = take_one(screen, SCREEN_DEPTH, "Z", texels, image, diag);
+        status = take_one(screen, SCREEN_DEPTH, 0, "Z", texels, image, diag);
     if (!status)
         status = take_rgb(screen, SCREEN_DIRECT, "direct", texels, image, diag);
-    if (!status && open >= 0)
-        status = take_one(screen, open, "ao", texels, image, diag);
+    if (!status && open != SCREEN_NONE)
+        status = take_one(screen, (int)open, 0, "ao", texels, image, diag);
+    if (!status)
+        status = take_rays(screen, gi_target(values), SCREEN_GI_RAW, "diffuse_indirect",
+                           "diffuse_found", texels, image, diag);
+    if (!status)
+        status = take_rays(screen, ssr_target(values), SCREEN_SSR_RAW, "glossy_indirect",
+                           "glossy_found", texels, image, diag);
     free(texels);
     return status;
 }
@@ -301,13 +432,16 @@ enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph
 {
     struct neph_screen_stats own_stats = {{0}};
     struct neph_image *made = NULL;
+    if (screen->frame > 0)
+        hand_on(screen);
     neph_gpu_scene_move(&screen->gpu, scene, frame, screen->params.width_px,
                         screen->params.height_px);
     fill_view(screen, scene, frame);
+    fill_surfaces(screen, scene);
     enum neph_status status = run_passes(screen, &own_stats, diag);
-    if (!status)
+    if (!status && image)
         status = neph_image_create(screen->params.width_px, screen->params.height_px, &made, diag);
-    if (!status)
+    if (!status && image)
         status = take_image(screen, made, diag);
     if (!status)
         status = neph_vulkan_check(screen->vulkan, diag);
@@ -317,6 +451,7 @@ enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph
     }
     if (stats)
         *stats = own_stats;
-    *image = made;
+    if (image)
+        *image = made;
     return NEPH_OK;
 }

@@ -14,7 +14,9 @@
 
 #define NEPH_SCREEN_PASSES_MAX 16
 
-/* One pass; the table ends with a NULL name. */
+/* One pass; the table ends with a NULL name. One that is given targets reads `from`, writes `to` and
+ * in `before` has what that was in the frame before; one of several turns reads `from` in the first
+ * and writes `to` and the target behind it by turns. */
 struct neph_screen_pass {
     const char *name, *note;
     struct {
@@ -22,8 +24,11 @@ struct neph_screen_pass {
         const uint32_t *spirv;
         size_t spirv_size_bytes;
     } shader;
-    int settings[2]; /* on where both are not 0; -1: always */
+    int settings[2];        /* on where both are not 0; -1: always */
     unsigned reads, writes; /* targets, a bit each */
+    unsigned from, to, before;
+    unsigned turn;     /* the number of the first */
+    int turns_setting; /* how many there are; 0: one */
 };
 
 extern const struct neph_screen_pass neph_screen_passes[];
@@ -60,7 +65,9 @@ void neph_screen_destroy(struct neph_screen *screen);
  *   Z              as in base/image.h
  *   direct.R/G/B   without indirect light
  *   ao             share of the hemisphere that is open, 1 for the sky
- * `stats`: NULL is fine. NEPH_ERR_ENGINE: the device was lost. */
+ *   diffuse_indirect.R/G/B   of a white surface, diffuse_found: share of rays that met something
+ *   glossy_indirect.R/G/B    of a white metal, glossy_found
+ * `image`, `stats`: NULL is fine. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph_scene *scene,
                                    double frame, struct neph_image **image,
                                    struct neph_screen_stats *stats, struct neph_diag *diag);

@@ -8,14 +8,16 @@
 #ifndef NEPH_SCREEN_GLSL
 #define NEPH_SCREEN_GLSL
 
-#include "numbers.glsl"
+#include "random.glsl"
 #include "screen_names.h"
 
 layout(local_size_x = 64) in;
 
 layout(push_constant) uniform ScreenRun {
     uint first_group;
-    uint step; // of passes that run several times
+    uint turn;     // of a pass that runs several times
+    uint from, to; // targets, of passes that work on several
+    uint before;   // what `to` was in the frame before
 } run;
 
 layout(std430, binding = 5) readonly buffer ScreenView {
@@ -25,9 +27,27 @@ layout(std430, binding = 5) readonly buffer ScreenView {
     uint is_orthographic;
     uint frame; // of the noise
     float sky_light[3]; // radiance of the background, where it lights solids
+    uint has_before; // 0: there was no frame before
+    // A place in the axes of the frame before: rows times it, and the last column added.
+    float to_before[12];
+    uint open_at, gi_at, ssr_at; // targets in which these end up; SCREEN_NONE: there is none
 } view;
 
-layout(std430, binding = 6) buffer ScreenTargets {
+// What a solid is made of (scenes/surface.h), by its number.
+struct ScreenSurface {
+    vec3 other; // second colour of its pattern
+    float roughness;
+    float metalness;
+    float cell_m; // of the pattern; 0: there is none
+    uint is_noise;
+    uint seed;
+};
+
+layout(std430, binding = 6) readonly buffer ScreenSurfaces {
+    ScreenSurface surfaces[];
+};
+
+layout(std430, binding = 7) buffer ScreenTargets {
     uint words[];
 } targets[SCREEN_TARGET_COUNT];
 
@@ -93,6 +113,11 @@ float depth_at_m(ivec2 pixel)
     return uintBitsToFloat(targets[SCREEN_DEPTH].words[texel_of(pixel)]);
 }
 
+float depth_before_m(ivec2 pixel)
+{
+    return uintBitsToFloat(targets[SCREEN_DEPTH_BEFORE].words[texel_of(pixel)]);
+}
+
 vec3 normal_at(ivec2 pixel) { return normalize(load(SCREEN_NORMAL, pixel).xyz); }
 
 // --- places -----------------------------------------------------------------------------------
@@ -130,6 +155,20 @@ vec2 pixel_of(vec3 point_m)
     return (0.5 + 0.5 * vec2(1.0, -1.0) * way / half_size()) * vec2(size_px());
 }
 
+// A place, and a direction, in the axes of the camera of the frame before.
+vec3 direction_before(vec3 v)
+{
+    return vec3(dot(v, vec3(view.to_before[0], view.to_before[1], view.to_before[2])),
+                dot(v, vec3(view.to_before[4], view.to_before[5], view.to_before[6])),
+                dot(v, vec3(view.to_before[8], view.to_before[9], view.to_before[10])));
+}
+
+vec3 place_before_m(vec3 point_m)
+{
+    return direction_before(point_m) +
+           vec3(view.to_before[3], view.to_before[7], view.to_before[11]);
+}
+
 // From a place to the camera, unit.
 vec3 to_camera(vec3 point_m)
 {
@@ -157,6 +196,15 @@ vec2 tiled_noise(ivec2 pixel)
     float turn = float((((pixel.x + pixel.y) & 3) << 2) + (pixel.x & 3)) / 16.0;
     float offset = float((pixel.y - pixel.x) & 3) / 4.0;
     return fract(vec2(turn, offset) + float(view.frame & 0xffffu) * GOLDEN);
+}
+
+// Pair `index` of a pixel: over the indices they fill the square evenly (R2), from a place of each
+// pixel's own.
+vec2 ray_noise(ivec2 pixel, uint salt, uint index)
+{
+    const vec2 GOLDEN = vec2(0.754877666, 0.569840291);
+    vec2 first = uniform_from(pcg3d(uvec3(pixel, salt))).xy;
+    return fract(first + float(index & 0xffffu) * GOLDEN);
 }
 
 #endif

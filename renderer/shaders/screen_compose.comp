@@ -1,17 +1,25 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The picture: direct light, and of the sky's what the open share of the hemisphere lets through.
+// The picture, in two turns: direct light and that of diffuse surfaces, which reflections look at;
+// then these. Where no rays look for indirect light, there is the sky's where it is open.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen.glsl"
 
-float open_at(ivec2 pixel)
+vec3 diffuse_indirect(ivec2 pixel)
 {
-    if (choice(SCREEN_AO) == SCREEN_AO_OFF)
-        return 1.0;
-    return choice(SCREEN_AO_BLUR_PX) != 0 ? load(SCREEN_OPEN_SMOOTH, pixel).x
-                                          : load(SCREEN_OPEN, pixel).x;
+    if (view.gi_at != SCREEN_NONE)
+        return load(int(view.gi_at), pixel).rgb;
+    return sky_light() * (view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0);
+}
+
+// Without rays a metal reflects the sky where it is open.
+vec3 glossy_indirect(ivec2 pixel)
+{
+    if (view.ssr_at != SCREEN_NONE)
+        return load(int(view.ssr_at), pixel).rgb;
+    return sky_light() * (view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0);
 }
 
 void main()
@@ -19,8 +27,11 @@ void main()
     ivec2 pixel;
     if (!own_pixel(pixel))
         return;
-    vec3 picture = load(SCREEN_DIRECT, pixel).rgb;
-    if (!is_sky(depth_at_m(pixel)))
-        picture += load(SCREEN_BASE, pixel).rgb * sky_light() * open_at(pixel);
-    store(SCREEN_PICTURE, pixel, vec4(picture, 1.0));
+    bool is_last = run.turn == 1u, is_solid = !is_sky(depth_at_m(pixel));
+    vec3 light = load(is_last ? SCREEN_LIT : SCREEN_DIRECT, pixel).rgb;
+    vec4 base = load(SCREEN_BASE, pixel);
+    if (is_solid)
+        light += is_last ? base.rgb * base.w * glossy_indirect(pixel)
+                         : base.rgb * (1.0 - base.w) * diffuse_indirect(pixel);
+    store(is_last ? SCREEN_PICTURE : SCREEN_LIT, pixel, vec4(light, 1.0));
 }
