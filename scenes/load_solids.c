@@ -36,6 +36,9 @@ static const char albedo_note[] = "an albedo above 1 would make light out of not
 
 /* --- Surfaces --- */
 
+/* Cycles has a mirror from alpha^2 = 1e-7 on, which is a roughness of 0.0178. */
+static const double smoothest = 0.02;
+
 #define TEXTURE(member) SOLID(surface.texture.member)
 
 static const char *const pattern_words[] = {"checker", "noise", NULL};
@@ -62,7 +65,8 @@ static const struct neph_record texture_record = {0, texture_fields, NULL};
          .standard = "0"},                                                                         \
     {                                                                                              \
         "roughness", NEPH_NUMBER, SOLID(surface.roughness), "", 0, 1,                              \
-            .note = "of the metal, the root of GGX's alpha; 0 is a mirror", .standard = "0"        \
+            .note = "of the metal, the root of GGX's alpha; 0 is a mirror, else at least 0.02",    \
+            .standard = "0"                                                                        \
     }
 
 /* --- Motion --- */
@@ -211,6 +215,11 @@ static enum neph_status check_surface(const struct neph_reader *reader, const ya
         return neph_refuse(reader, "roughness",
                            "roughness is of the metal's reflection, and there is no metal: give "
                            "metalness above 0, or leave roughness out");
+    if (surface->roughness > 0.0 && surface->roughness < smoothest)
+        return neph_refuse(reader, "roughness",
+                           "%g is smoother than %g, at which other renderers take a metal for a "
+                           "mirror: 0 is a mirror",
+                           surface->roughness, smoothest);
     return NEPH_OK;
 }
 

@@ -12,6 +12,7 @@
 #define NEPH_ENGINES(of) \
     of(exact) \
     of(oracle) \
+    of(surfaces) \
     of(tracer) \
     of(march) \
     of(march_octaves) \

@@ -201,6 +201,7 @@ static void test_what_cannot_be_is_refused(void **state)
     } cases[] = {
         {"multiple", "box", ", metalness: 1.5", "1.5"},
         {"multiple", "box", ", metalness: 1, roughness: -0.1", "-0.1"},
+        {"multiple", "box", ", metalness: 1, roughness: 0.01", "0 is a mirror"},
         {"multiple", "box", ", roughness: 0.5", "no metal"},
         {"multiple", "sphere", ", roughness: 0.5", "no metal"},
         {"single", "box", ", metalness: 1", "scattering: multiple"},
