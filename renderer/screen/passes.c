@@ -33,6 +33,7 @@ static const uint32_t compose_spirv[] = {
 #define SURFACES (BIT(SCREEN_DEPTH) | BIT(SCREEN_NORMAL))
 #define GBUFFER (SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_DIRECT))
 #define BEFORE (BIT(SCREEN_DEPTH_BEFORE) | BIT(SCREEN_NORMAL_BEFORE))
+#define LIGHT_BEFORE (BIT(SCREEN_GI_BEFORE) | BIT(SCREEN_SSR_BEFORE))
 #define OPEN (BIT(SCREEN_OPEN) | BIT(SCREEN_OPEN_SMOOTH))
 #define GI_OUT (BIT(SCREEN_GI_MEAN) | BIT(SCREEN_GI_A) | BIT(SCREEN_GI_B))
 #define SSR_OUT (BIT(SCREEN_SSR_MEAN) | BIT(SCREEN_SSR_A) | BIT(SCREEN_SSR_B))
@@ -66,7 +67,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "of diffuse surfaces, by rays through the picture",
         .shader = {"screen_gi", gi_spirv, sizeof(gi_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI},
-        .reads = GBUFFER | BEFORE | BIT(SCREEN_GI_BEFORE),
+        .reads = GBUFFER | BEFORE | LIGHT_BEFORE,
         .writes = BIT(SCREEN_GI_RAW),
     },
     {
@@ -74,8 +75,9 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over frames",
         .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI},
-        .reads = SURFACES | BEFORE | BIT(SCREEN_GI_RAW) | BIT(SCREEN_GI_BEFORE),
-        .writes = BIT(SCREEN_GI_MEAN),
+        .reads = SURFACES | BEFORE | BIT(SCREEN_GI_RAW) | BIT(SCREEN_GI_BEFORE) |
+                 BIT(SCREEN_GI_COUNT_BEFORE),
+        .writes = BIT(SCREEN_GI_MEAN) | BIT(SCREEN_GI_COUNT),
         .from = SCREEN_GI_RAW,
         .to = SCREEN_GI_MEAN,
         .before = SCREEN_GI_BEFORE,
@@ -104,7 +106,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "of metal, by rays through the picture",
         .shader = {"screen_ssr", ssr_spirv, sizeof(ssr_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
-        .reads = GBUFFER | BIT(SCREEN_LIT),
+        .reads = GBUFFER | BEFORE | LIGHT_BEFORE | BIT(SCREEN_LIT),
         .writes = BIT(SCREEN_SSR_RAW),
     },
     {
@@ -112,8 +114,9 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over frames",
         .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
-        .reads = SURFACES | BEFORE | BIT(SCREEN_SSR_RAW) | BIT(SCREEN_SSR_BEFORE),
-        .writes = BIT(SCREEN_SSR_MEAN),
+        .reads = SURFACES | BEFORE | BIT(SCREEN_SSR_RAW) | BIT(SCREEN_SSR_BEFORE) |
+                 BIT(SCREEN_SSR_COUNT_BEFORE),
+        .writes = BIT(SCREEN_SSR_MEAN) | BIT(SCREEN_SSR_COUNT),
         .from = SCREEN_SSR_RAW,
         .to = SCREEN_SSR_MEAN,
         .before = SCREEN_SSR_BEFORE,
@@ -147,6 +150,10 @@ _Static_assert(sizeof(neph_screen_passes) / sizeof(neph_screen_passes[0]) <=
 
 const char *const neph_screen_targets[SCREEN_TARGET_COUNT] = {
     [SCREEN_DEPTH] = "depth",
+    [SCREEN_GI_COUNT] = "indirect count",
+    [SCREEN_SSR_COUNT] = "reflected count",
+    [SCREEN_GI_COUNT_BEFORE] = "indirect count before",
+    [SCREEN_SSR_COUNT_BEFORE] = "reflected count before",
     [SCREEN_NORMAL] = "normal",
     [SCREEN_BASE] = "base colour",
     [SCREEN_DIRECT] = "direct",

@@ -15,7 +15,9 @@ enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 2, CHANNELS = 4 };
 static const int handed_on[][2] = {{SCREEN_DEPTH, SCREEN_DEPTH_BEFORE},
                                    {SCREEN_NORMAL, SCREEN_NORMAL_BEFORE},
                                    {SCREEN_GI_MEAN, SCREEN_GI_BEFORE},
-                                   {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE}};
+                                   {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE},
+                                   {SCREEN_GI_COUNT, SCREEN_GI_COUNT_BEFORE},
+                                   {SCREEN_SSR_COUNT, SCREEN_SSR_COUNT_BEFORE}};
 
 struct neph_screen {
     struct neph_vulkan *vulkan; /* borrowed */
@@ -51,10 +53,9 @@ static bool is_half(const struct neph_screen *screen)
 
 static size_t target_bytes(const struct neph_screen *screen, int target)
 {
-    const bool is_depth = target == SCREEN_DEPTH || target == SCREEN_DEPTH_BEFORE;
-    const size_t words = is_depth          ? 1
-                         : is_half(screen) ? SCREEN_WORDS_16
-                                           : SCREEN_WORDS_32;
+    const size_t words = target < SCREEN_FIRST_OF_FOUR ? 1
+                         : is_half(screen)             ? SCREEN_WORDS_16
+                                                       : SCREEN_WORDS_32;
     return pixel_count(screen) * words * sizeof(uint32_t);
 }
 
@@ -217,6 +218,7 @@ static void fill_view(struct neph_screen *screen, const struct neph_scene *scene
     view->half_size[1] = (float)half_height;
     view->is_orthographic = camera.orthographic_height_m > 0.0;
     view->has_before = screen->frame > 0;
+    view->has_bounces = scene->scattering == NEPH_SCATTERING_MULTIPLE;
     fill_sky(scene, view->sky_light);
     fill_to_before(&camera, screen->frame > 0 ? &screen->camera : &camera, view->to_before);
     view->open_at = open_target(values);
@@ -329,7 +331,7 @@ static void unpack(const struct neph_screen *screen, int target, const uint32_t 
 {
     const size_t count = pixel_count(screen) * CHANNELS;
     for (size_t i = 0; i < count; i++)
-        if (target == SCREEN_DEPTH || target == SCREEN_DEPTH_BEFORE)
+        if (target < SCREEN_FIRST_OF_FOUR)
             memcpy(&texels[i], &words[i / CHANNELS], sizeof(float));
         else if (is_half(screen))
             texels[i] = float_of_half((uint16_t)(words[i / 2] >> 16 * (i % 2)));
@@ -379,15 +381,15 @@ static enum neph_status take_one(struct neph_screen *screen, int target, int cha
     return status;
 }
 
-/* Indirect light, and how many rays have found it. */
-static enum neph_status take_rays(struct neph_screen *screen, uint32_t target, int raw,
-                                  const char *layer, const char *found, float *texels,
-                                  struct neph_image *image, struct neph_diag *diag)
+/* Indirect light of other surfaces, and of a sky of radiance 1. */
+static enum neph_status take_rays(struct neph_screen *screen, uint32_t target, const char *layer,
+                                  const char *open, float *texels, struct neph_image *image,
+                                  struct neph_diag *diag)
 {
     if (target == SCREEN_NONE)
         return NEPH_OK;
     const enum neph_status status = take_rgb(screen, (int)target, layer, texels, image, diag);
-    return status ? status : take_one(screen, raw, 3, found, texels, image, diag);
+    return status ? status : take_one(screen, (int)target, 3, open, texels, image, diag);
 }
 
 static enum neph_status add_transmittance(struct neph_image *image, struct neph_diag *diag)
@@ -415,13 +417,13 @@ static enum neph_status take_image(struct neph_screen *screen, struct neph_image
     if (!status)
         status = take_rgb(screen, SCREEN_DIRECT, "direct", texels, image, diag);
     if (!status && open != SCREEN_NONE)
-        status = take_one(screen, (int)open, 0, "ao", texels, image, diag);
+        status = take_rgb(screen, (int)open, "ao", texels, image, diag);
     if (!status)
-        status = take_rays(screen, gi_target(values), SCREEN_GI_RAW, "diffuse_indirect",
-                           "diffuse_found", texels, image, diag);
+        status = take_rays(screen, gi_target(values), "diffuse_indirect", "diffuse_open", texels,
+                           image, diag);
     if (!status)
-        status = take_rays(screen, ssr_target(values), SCREEN_SSR_RAW, "glossy_indirect",
-                           "glossy_found", texels, image, diag);
+        status = take_rays(screen, ssr_target(values), "glossy_indirect", "glossy_open", texels,
+                           image, diag);
     free(texels);
     return status;
 }

@@ -64,16 +64,18 @@ void neph_screen_destroy(struct neph_screen *screen);
  *   transmittance  1
  *   Z              as in base/image.h
  *   direct.R/G/B   without indirect light
- *   ao             share of the hemisphere that is open, 1 for the sky
- *   diffuse_indirect.R/G/B   of a white surface, diffuse_found: share of rays that met something
- *   glossy_indirect.R/G/B    of a white metal, glossy_found
+ *   ao.R/G/B       share of the hemisphere that is open, 1 for the sky
+ *   diffuse_indirect.R/G/B, glossy_indirect.R/G/B
+ *                  what a white surface and a white metal reflect of other surfaces
+ *   diffuse_open, glossy_open
+ *                  and of a sky of radiance 1
  * `image`, `stats`: NULL is fine. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph_scene *scene,
                                    double frame, struct neph_image **image,
                                    struct neph_screen_stats *stats, struct neph_diag *diag);
 
-/* A target of the last picture, four numbers a pixel, row by row (of the depth: four times the
- * same), for twins. */
+/* A target of the last picture, four numbers a pixel, row by row (of those that have one: four
+ * times the same), for twins. */
 enum neph_status neph_screen_read(struct neph_screen *screen, int target, float *texels,
                                   struct neph_diag *diag);
 

@@ -30,6 +30,7 @@ layout(std430, binding = 5) readonly buffer ScreenView {
     uint has_before; // 0: there was no frame before
     // A place in the axes of the frame before: rows times it, and the last column added.
     float to_before[12];
+    uint has_bounces; // 0: surfaces do not light each other
     uint open_at, gi_at, ssr_at; // targets in which these end up; SCREEN_NONE: there is none
 } view;
 
@@ -108,16 +109,18 @@ void store(int target, ivec2 pixel, vec4 texel)
     targets[target].words[word + 3] = floatBitsToUint(texel.w);
 }
 
-float depth_at_m(ivec2 pixel)
+float load_one(int target, ivec2 pixel)
 {
-    return uintBitsToFloat(targets[SCREEN_DEPTH].words[texel_of(pixel)]);
+    return uintBitsToFloat(targets[target].words[texel_of(pixel)]);
 }
 
-float depth_before_m(ivec2 pixel)
+void store_one(int target, ivec2 pixel, float value)
 {
-    return uintBitsToFloat(targets[SCREEN_DEPTH_BEFORE].words[texel_of(pixel)]);
+    targets[target].words[texel_of(pixel)] = floatBitsToUint(value);
 }
 
+float depth_at_m(ivec2 pixel) { return load_one(SCREEN_DEPTH, pixel); }
+float depth_before_m(ivec2 pixel) { return load_one(SCREEN_DEPTH_BEFORE, pixel); }
 vec3 normal_at(ivec2 pixel) { return normalize(load(SCREEN_NORMAL, pixel).xyz); }
 
 // --- places -----------------------------------------------------------------------------------

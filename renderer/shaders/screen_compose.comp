@@ -7,19 +7,12 @@
 
 #include "screen.glsl"
 
-vec3 diffuse_indirect(ivec2 pixel)
+// Of other surfaces and of the sky, by a white surface; without rays the sky where it is open.
+vec3 indirect(uint target, ivec2 pixel)
 {
-    if (view.gi_at != SCREEN_NONE)
-        return load(int(view.gi_at), pixel).rgb;
-    return sky_light() * (view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0);
-}
-
-// Without rays a metal reflects the sky where it is open.
-vec3 glossy_indirect(ivec2 pixel)
-{
-    if (view.ssr_at != SCREEN_NONE)
-        return load(int(view.ssr_at), pixel).rgb;
-    return sky_light() * (view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0);
+    float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;
+    vec4 light = target != SCREEN_NONE ? load(int(target), pixel) : vec4(0.0, 0.0, 0.0, open);
+    return light.rgb + light.w * sky_light();
 }
 
 void main()
@@ -31,7 +24,7 @@ void main()
     vec3 light = load(is_last ? SCREEN_LIT : SCREEN_DIRECT, pixel).rgb;
     vec4 base = load(SCREEN_BASE, pixel);
     if (is_solid)
-        light += is_last ? base.rgb * base.w * glossy_indirect(pixel)
-                         : base.rgb * (1.0 - base.w) * diffuse_indirect(pixel);
+        light += is_last ? base.rgb * base.w * indirect(view.ssr_at, pixel)
+                         : base.rgb * (1.0 - base.w) * indirect(view.gi_at, pixel);
     store(is_last ? SCREEN_PICTURE : SCREEN_LIT, pixel, vec4(light, 1.0));
 }

@@ -96,11 +96,6 @@ vec3 direct_light(Place place)
     return sum;
 }
 
-void store_depth(ivec2 pixel, float depth_m)
-{
-    targets[SCREEN_DEPTH].words[texel_of(pixel)] = floatBitsToUint(depth_m);
-}
-
 void main()
 {
     ivec2 pixel;
@@ -109,14 +104,14 @@ void main()
     ViewRay ray = camera_ray(uint(pixel.x), uint(pixel.y));
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     if (hit.solid == NO_SOLID) {
-        store_depth(pixel, FAR_M);
+        store_one(SCREEN_DEPTH, pixel, FAR_M);
         store(SCREEN_NORMAL, pixel, vec4(0.0, 0.0, -1.0, 0.0));
         store(SCREEN_BASE, pixel, vec4(0.0));
         store(SCREEN_DIRECT, pixel, vec4(frame.background, 0.0));
         return;
     }
     Place place = place_of(ray, hit);
-    store_depth(pixel, hit.t_m * dot(ray.direction, frame.camera_forward));
+    store_one(SCREEN_DEPTH, pixel, hit.t_m * dot(ray.direction, frame.camera_forward));
     store(SCREEN_NORMAL, pixel, vec4(in_camera_axes(place.normal), place.roughness));
     store(SCREEN_BASE, pixel, vec4(place.base, place.metalness));
     store(SCREEN_DIRECT, pixel, vec4(direct_light(place), 1.0));

@@ -8,6 +8,16 @@
 
 #include "screen_light.glsl"
 
+vec3 light_of(ScreenHit hit, vec3 direction)
+{
+    bool is_front = dot(normal_at(hit.pixel), direction) < 0.0;
+    if (!is_front || view.has_bounces == 0u)
+        return vec3(0.0);
+    vec3 light = load(SCREEN_DIRECT, hit.pixel).rgb;
+    bool with_indirect = choice(SCREEN_GI_BOUNCES) == SCREEN_BOUNCES_ALL;
+    return with_indirect ? light + indirect_before(hit, true) : light;
+}
+
 void main()
 {
     ivec2 pixel;
@@ -30,8 +40,9 @@ void main()
         vec3 direction = normalize(side * cos(angle) * first + side * sin(angle) * second +
                                    sqrt(1.0 - u.x) * normal);
         ScreenRay ray = screen_ray(pixel, point_m, direction, reach_m);
-        sum += light_along(ray, choice(SCREEN_GI_STEPS), ray_offset(pixel, 2u, view.frame + i),
-                           choice(SCREEN_GI_BOUNCES) == SCREEN_BOUNCES_ALL);
+        ScreenHit hit = screen_march(ray, choice(SCREEN_GI_STEPS),
+                                     ray_offset(pixel, 2u, view.frame + i));
+        sum += hit.is_found ? vec4(light_of(hit, direction), 0.0) : vec4(0.0, 0.0, 0.0, 1.0);
     }
     store(SCREEN_GI_RAW, pixel, sum / float(rays));
 }

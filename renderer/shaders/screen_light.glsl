@@ -26,26 +26,24 @@ bool seen_before(vec3 point_m, vec3 normal, out ivec2 pixel)
     return abs(dot(direction_before(normal), seen_m - was_m)) < OFF_PLANE * was_m.z;
 }
 
-// Of a surface in the picture, what its diffuse part had as indirect light in the frame before.
-vec3 indirect_before(ScreenHit hit)
+// Of a surface in the picture, what it reflected in the frame before but for direct light: of its
+// diffuse part, and of its metal, if that is asked for, as the camera saw it.
+vec3 indirect_before(ScreenHit hit, bool with_diffuse)
 {
     ivec2 was;
-    vec4 base = load(SCREEN_BASE, hit.pixel);
     if (!seen_before(hit.point_m, normal_at(hit.pixel), was))
         return vec3(0.0);
-    return base.rgb * (1.0 - base.w) * load(SCREEN_GI_BEFORE, was).rgb;
-}
-
-// RGB and in w 1 where it met something. A ray that meets nothing sees the sky.
-vec4 light_along(ScreenRay ray, int steps, float offset, bool with_indirect)
-{
-    ScreenHit hit = screen_march(ray, steps, offset);
-    if (!hit.is_found)
-        return vec4(sky_light(), 0.0);
-    if (dot(normal_at(hit.pixel), ray.direction) >= 0.0)
-        return vec4(0.0, 0.0, 0.0, 1.0);
-    vec3 light = load(SCREEN_DIRECT, hit.pixel).rgb;
-    return vec4(with_indirect ? light + indirect_before(hit) : light, 1.0);
+    vec4 base = load(SCREEN_BASE, hit.pixel);
+    vec3 light = vec3(0.0);
+    if (with_diffuse && view.gi_at != SCREEN_NONE) {
+        vec4 diffuse = load(SCREEN_GI_BEFORE, was);
+        light += (1.0 - base.w) * (diffuse.rgb + diffuse.w * sky_light());
+    }
+    if (base.w > 0.0 && view.ssr_at != SCREEN_NONE) {
+        vec4 glossy = load(SCREEN_SSR_BEFORE, was);
+        light += base.w * (glossy.rgb + glossy.w * sky_light());
+    }
+    return base.rgb * light;
 }
 
 #endif

@@ -9,13 +9,15 @@
 
 bool is_gi() { return run.turn == 0u; }
 
-// Between the pixels of the frame before that show the same plane; w: frames in it, 0 for none.
-vec4 history(vec3 point_m, vec3 normal)
+// Between the pixels of the frame before that show the same plane; `count` frames, 0 for none.
+vec4 history(vec3 point_m, vec3 normal, out float count)
 {
     const float OFF_PLANE = 0.01, SAME_NORMAL = 0.9; // of the depth; a cosine
     vec3 was_m = place_before_m(point_m), was_normal = direction_before(normal);
+    count = 0.0;
     if (view.has_before == 0u || !(was_m.z > 0.0))
         return vec4(0.0);
+    int counts = is_gi() ? SCREEN_GI_COUNT_BEFORE : SCREEN_SSR_COUNT_BEFORE;
     vec2 place = pixel_of(was_m) - 0.5;
     ivec2 corner = ivec2(floor(place));
     vec2 way = place - vec2(corner);
@@ -32,8 +34,10 @@ vec4 history(vec3 point_m, vec3 normal)
             dot(its_normal, was_normal) < SAME_NORMAL)
             continue;
         sum += share.x * share.y * load(int(run.before), at);
+        count += share.x * share.y * load_one(counts, at);
         weights += share.x * share.y;
     }
+    count = weights > 1e-3 ? floor(count / weights + 0.5) : 0.0;
     return weights > 1e-3 ? sum / weights : vec4(0.0);
 }
 
@@ -42,15 +46,13 @@ void main()
     ivec2 pixel;
     if (!own_pixel(pixel))
         return;
-    float depth_m = depth_at_m(pixel);
-    vec4 now = load(int(run.from), pixel);
-    if (is_sky(depth_m)) {
-        store(int(run.to), pixel, vec4(0.0));
-        return;
+    float depth_m = depth_at_m(pixel), count = 0.0;
+    vec4 mean = vec4(0.0);
+    if (!is_sky(depth_m)) {
+        mean = history(place_m(centre_of(pixel), depth_m), normal_at(pixel), count);
+        count = min(count, setting(is_gi() ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY)) + 1.0;
+        mean = mix(mean, load(int(run.from), pixel), 1.0 / count);
     }
-    float most = setting(is_gi() ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY);
-    vec4 old = history(place_m(centre_of(pixel), depth_m), normal_at(pixel));
-    float count = min(floor(old.w + 0.5), most);
-    vec3 mean = mix(old.rgb, now.rgb, 1.0 / (count + 1.0));
-    store(int(run.to), pixel, vec4(mean, count + 1.0));
+    store(int(run.to), pixel, mean);
+    store_one(is_gi() ? SCREEN_GI_COUNT : SCREEN_SSR_COUNT, pixel, count);
 }

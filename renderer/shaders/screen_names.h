@@ -69,28 +69,38 @@
 
 // --- targets, a pixel each ----------------------------------------------------------------------
 
-#define SCREEN_DEPTH 0  // linear eye depth [m], always 32 bits; FAR_M for the sky
-#define SCREEN_NORMAL 1 // of the surface, in the camera's axes (right, up, forward); w: roughness
-#define SCREEN_BASE 2   // RGB: base colour; w: metalness
-#define SCREEN_DIRECT 3 // RGB: radiance towards the camera without any indirect light
-#define SCREEN_OPEN 4   // x: share of the hemisphere that is open, by cosine
-#define SCREEN_OPEN_SMOOTH 5 // x: after the blur
-#define SCREEN_GI_RAW 6      // RGB: radiance of a white surface by indirect light; w: rays found
-#define SCREEN_GI_MEAN 7     // the same, over frames; w: how many
-#define SCREEN_GI_A 8        // after the first, third, .. smoothing
-#define SCREEN_GI_B 9        // after the second, fourth, ..
-#define SCREEN_LIT 10        // RGB: radiance with all light of diffuse surfaces
-#define SCREEN_SSR_RAW 11    // RGB: radiance of a white metal by indirect light; w: rays found
-#define SCREEN_SSR_MEAN 12
-#define SCREEN_SSR_A 13
-#define SCREEN_SSR_B 14
-#define SCREEN_PICTURE 15 // RGB: with everything
+// Of one number, always 32 bits.
+#define SCREEN_DEPTH 0     // linear eye depth [m]; FAR_M for the sky
+#define SCREEN_GI_COUNT 1  // frames in the mean
+#define SCREEN_SSR_COUNT 2
+// The same of the frame before.
+#define SCREEN_DEPTH_BEFORE 3
+#define SCREEN_GI_COUNT_BEFORE 4
+#define SCREEN_SSR_COUNT_BEFORE 5
+// Of four numbers.
+#define SCREEN_NORMAL 6 // of the surface, in the camera's axes (right, up, forward); w: roughness
+#define SCREEN_BASE 7   // RGB: base colour; w: metalness
+#define SCREEN_DIRECT 8 // RGB: radiance towards the camera without any indirect light
+#define SCREEN_OPEN 9   // x: share of the hemisphere that is open, by cosine
+#define SCREEN_OPEN_SMOOTH 10 // x: after the blur
+// RGB: what a white surface reflects of other surfaces; w: how much of a sky of radiance 1.
+#define SCREEN_GI_RAW 11
+#define SCREEN_GI_MEAN 12 // over frames
+#define SCREEN_GI_A 13    // after the first, third, .. smoothing
+#define SCREEN_GI_B 14    // after the second, fourth, ..
+#define SCREEN_LIT 15     // RGB: radiance with all light of diffuse surfaces
+// The same of a white metal.
+#define SCREEN_SSR_RAW 16
+#define SCREEN_SSR_MEAN 17
+#define SCREEN_SSR_A 18
+#define SCREEN_SSR_B 19
+#define SCREEN_PICTURE 20 // RGB: with everything
 // Of the frame before.
-#define SCREEN_DEPTH_BEFORE 16
-#define SCREEN_NORMAL_BEFORE 17
-#define SCREEN_GI_BEFORE 18
-#define SCREEN_SSR_BEFORE 19
-#define SCREEN_TARGET_COUNT 20
+#define SCREEN_NORMAL_BEFORE 21
+#define SCREEN_GI_BEFORE 22
+#define SCREEN_SSR_BEFORE 23
+#define SCREEN_TARGET_COUNT 24
+#define SCREEN_FIRST_OF_FOUR SCREEN_NORMAL
 #define SCREEN_NONE 0xffffffffu
 
 // Words of a texel where it has four channels, by SCREEN_TARGETS.

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Reflections of metal: rays by the facets that the camera sees (Heitz 2018), one for a mirror. What
-// a ray meets has the light of diffuse surfaces of this frame; another metal shows what it reflects
-// of sun and lamps alone.
+// a ray meets has the light of diffuse surfaces of this frame and what metal there reflected in the
+// frame before, as the camera sees it. A surface that turns its back is not met.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen_light.glsl"
@@ -29,8 +29,11 @@ vec3 lit_at(vec2 place_px, ivec2 pixel)
 vec4 reflected_along(ScreenRay ray, float offset)
 {
     ScreenHit hit = screen_march(ray, choice(SCREEN_SSR_STEPS), offset);
-    bool is_front = hit.is_found && dot(normal_at(hit.pixel), ray.direction) < 0.0;
-    return is_front ? vec4(lit_at(pixel_of(hit.point_m), hit.pixel), 1.0) : vec4(sky_light(), 0.0);
+    if (!hit.is_found || dot(normal_at(hit.pixel), ray.direction) >= 0.0)
+        return vec4(0.0, 0.0, 0.0, 1.0);
+    if (view.has_bounces == 0u)
+        return vec4(0.0);
+    return vec4(lit_at(pixel_of(hit.point_m), hit.pixel) + indirect_before(hit, false), 0.0);
 }
 
 void main()
@@ -60,8 +63,7 @@ void main()
         vec3 direction = normalize(own.x * first + own.y * second + own.z * normal);
         ScreenRay ray = screen_ray(pixel, point_m, direction, FAR_M);
         float weight = alpha > 0.0 ? masking(alpha, own.z) : 1.0;
-        vec4 light = reflected_along(ray, ray_offset(pixel, 4u, view.frame + i));
-        sum += vec4(weight * light.rgb, light.w);
+        sum += weight * reflected_along(ray, ray_offset(pixel, 4u, view.frame + i));
     }
     store(SCREEN_SSR_RAW, pixel, sum / float(rays));
 }

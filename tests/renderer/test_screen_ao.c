@@ -39,7 +39,7 @@ struct gap {
 static struct gap ground_gap(const struct test_scene *test, const struct neph_image *image,
                              double (*open)(double, double), double length_m, double reach_m)
 {
-    const float *ao = neph_image_channel(image, "ao");
+    const float *ao = neph_image_channel(image, "ao.R");
     struct gap gap = {0};
     for (int p = 0; p < image->width_px * image->height_px; p++) {
         struct neph_vec3 point_m;
@@ -71,7 +71,7 @@ static void test_a_plane_is_open(void **state)
                                            "ao=gtao ao_radius_m=5 ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0"};
     for (size_t i = 0; i < COUNT(settings); i++) {
         struct neph_image *image = screen_picture(*state, &test, WIDTH, HEIGHT, settings[i]);
-        const float *ao = neph_image_channel(image, "ao");
+        const float *ao = neph_image_channel(image, "ao.R");
         double least = 1.0;
         for (int p = 0; p < WIDTH * HEIGHT; p++)
             least = fmin(least, ao[p]);
