@@ -77,9 +77,8 @@ static enum neph_status take_picture(struct neph_vulkan *vulkan, const struct ne
                                      struct neph_image **image, struct neph_screen_stats *stats,
                                      struct neph_diag *diag)
 {
-    const struct neph_screen_params params = {.settings = shot->settings,
-                                              .width_px = shot->width_px,
-                                              .height_px = shot->height_px};
+    const struct neph_screen_params params = {
+        .settings = shot->settings, .width_px = shot->width_px, .height_px = shot->height_px};
     const int frames = (int)shot->settings.values[SCREEN_FRAMES];
     struct neph_screen *screen = NULL;
     enum neph_status status = neph_screen_create(vulkan, shot->scene, &params, &screen, diag);

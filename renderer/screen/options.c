@@ -81,7 +81,8 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
                                  "what rays meet has direct light alone, or its indirect light of "
                                  "the frame before, too"),
     [SCREEN_GI_HISTORY] = WHOLE("gi_history", 32, 0, 1024, "frames before in the mean over frames"),
-    [SCREEN_GI_SMOOTH] = WHOLE("gi_smooth", 3, 0, 6, "turns of the smoothing, 5x5 pixels 2^k apart"),
+    [SCREEN_GI_SMOOTH] = WHOLE("gi_smooth", 3, 0, 6,
+                               "turns of the smoothing, 5x5 pixels 2^k apart"),
 
     [SCREEN_SSR] = CHOICE("ssr", 1, switches, "reflections of metal by rays"),
     [SCREEN_SSR_RAYS] = WHOLE("ssr_rays", 4, 1, 256, "a pixel and frame; of a mirror 1"),

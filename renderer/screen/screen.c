@@ -12,12 +12,10 @@
 enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 2, CHANNELS = 4 };
 
 /* Targets that the next frame has under another name. */
-static const int handed_on[][2] = {{SCREEN_DEPTH, SCREEN_DEPTH_BEFORE},
-                                   {SCREEN_NORMAL, SCREEN_NORMAL_BEFORE},
-                                   {SCREEN_GI_MEAN, SCREEN_GI_BEFORE},
-                                   {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE},
-                                   {SCREEN_GI_COUNT, SCREEN_GI_COUNT_BEFORE},
-                                   {SCREEN_SSR_COUNT, SCREEN_SSR_COUNT_BEFORE}};
+static const int handed_on[][2] = {
+    {SCREEN_DEPTH, SCREEN_DEPTH_BEFORE},       {SCREEN_NORMAL, SCREEN_NORMAL_BEFORE},
+    {SCREEN_GI_MEAN, SCREEN_GI_BEFORE},        {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE},
+    {SCREEN_GI_COUNT, SCREEN_GI_COUNT_BEFORE}, {SCREEN_SSR_COUNT, SCREEN_SSR_COUNT_BEFORE}};
 
 struct neph_screen {
     struct neph_vulkan *vulkan; /* borrowed */
@@ -26,6 +24,7 @@ struct neph_screen {
     struct neph_buffer view, surfaces, targets[SCREEN_TARGET_COUNT], readback;
     const struct neph_kernel *kernels[NEPH_SCREEN_PASSES_MAX];
     struct neph_camera camera; /* of the frame before */
+    unsigned used;             /* targets, a bit each */
     uint32_t frame;            /* how many there were: the noise has other numbers in each */
 };
 
@@ -68,26 +67,23 @@ static unsigned targets_in_use(const struct neph_settings *settings)
     for (const struct neph_screen_pass *pass = neph_screen_passes; pass->name; pass++)
         if (neph_screen_is_on(pass, settings))
             used |= pass->reads | pass->writes;
-    for (size_t i = 0; i < sizeof(handed_on) / sizeof(handed_on[0]); i++)
-        if (used >> handed_on[i][1] & 1u) /* they change places */
-            used |= 1u << handed_on[i][0];
     return used;
 }
 
 static enum neph_status create_buffers(struct neph_screen *screen, struct neph_diag *diag)
 {
-    const unsigned used = targets_in_use(&screen->params.settings);
+    screen->used = targets_in_use(&screen->params.settings);
     enum neph_status status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
-                                                 sizeof(struct neph_gpu_screen_view),
-                                                 "screen view", &screen->view, diag);
+                                                 sizeof(struct neph_gpu_screen_view), "screen view",
+                                                 &screen->view, diag);
     if (!status)
         status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
-                                    NEPH_SCENE_SOLIDS_MAX *
-                                        sizeof(struct neph_gpu_screen_surface),
+                                    NEPH_SCENE_SOLIDS_MAX * sizeof(struct neph_gpu_screen_surface),
                                     "screen surfaces", &screen->surfaces, diag);
     for (int t = 0; t < SCREEN_TARGET_COUNT && !status; t++)
         status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_DEVICE,
-                                    used >> t & 1u ? target_bytes(screen, t) : sizeof(uint32_t),
+                                    screen->used >> t & 1u ? target_bytes(screen, t)
+                                                           : sizeof(uint32_t),
                                     neph_screen_targets[t], &screen->targets[t], diag);
     return status ? status
                   : neph_buffer_create(screen->vulkan, NEPH_BUFFER_READBACK,
@@ -310,6 +306,8 @@ static enum neph_status run_passes(struct neph_screen *screen, struct neph_scree
 static void hand_on(struct neph_screen *screen)
 {
     for (size_t i = 0; i < sizeof(handed_on) / sizeof(handed_on[0]); i++) {
+        if (!(screen->used >> handed_on[i][1] & 1u))
+            continue;
         const struct neph_buffer now = screen->targets[handed_on[i][0]];
         screen->targets[handed_on[i][0]] = screen->targets[handed_on[i][1]];
         screen->targets[handed_on[i][1]] = now;

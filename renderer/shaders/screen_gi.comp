@@ -24,7 +24,7 @@ void main()
     if (!own_pixel(pixel))
         return;
     float depth_m = depth_at_m(pixel);
-    if (is_sky(depth_m)) {
+    if (is_sky(depth_m) || load(SCREEN_BASE, pixel).w >= 1.0) { // metal has no diffuse part
         store(SCREEN_GI_RAW, pixel, vec4(0.0));
         return;
     }

@@ -19,9 +19,8 @@ static inline struct neph_settings screen_settings(const char *assignments)
     char *copy = strdup(assignments ? assignments : ""), *rest = copy;
     for (char *word; (word = strsep(&rest, " "));)
         if (*word)
-            neph_assert_ok(neph_options_set(neph_screen_options, "the screen", word, &settings,
-                                            &diag),
-                           &diag);
+            neph_assert_ok(
+                neph_options_set(neph_screen_options, "the screen", word, &settings, &diag), &diag);
     free(copy);
     return settings;
 }
