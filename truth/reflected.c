@@ -2,6 +2,7 @@
 #include "truth/reflected.h"
 
 #include "scenes/lights.h"
+#include "scenes/surfaces.h"
 #include "truth/directions.h"
 #include "truth/metal.h"
 
