@@ -64,20 +64,17 @@ static enum neph_status copy_layer(const struct neph_image *picture, const char 
     return status;
 }
 
-/* Blender has none where there is no solid. */
-static enum neph_status open_the_sky(const struct neph_image *picture, struct neph_image *frame,
-                                     struct neph_diag *diag)
+/* Where the middle of a pixel sees no solid: one in a thousand samples may, and Blender divides what
+ * it brings by the little colour that it has. */
+static void clear_sky(const float *depth, struct neph_image *frame, const char *layer, float value)
 {
     static const float sky_units = 1e10f;
-    const float *depth = neph_image_channel(picture, "pass.Depth.Z");
-    float *ao[3];
-    if (!depth)
-        return neph_fail(diag, NEPH_ERR_ENGINE, "Blender's image has no depth");
-    if (neph_image_rgb(frame, "ao", ao))
-        for (size_t p = 0; p < neph_image_pixel_count(frame); p++)
-            if (depth[p] >= sky_units)
-                ao[0][p] = ao[1][p] = ao[2][p] = 1.0f;
-    return NEPH_OK;
+    float *samples[3];
+    if (!neph_image_rgb(frame, layer, samples))
+        return;
+    for (size_t p = 0; p < neph_image_pixel_count(frame); p++)
+        for (int j = 0; j < 3 && depth[p] >= sky_units; j++)
+            samples[j][p] = value;
 }
 
 enum neph_status neph_cycles_surface_layers(const struct neph_image *picture,
@@ -85,15 +82,24 @@ enum neph_status neph_cycles_surface_layers(const struct neph_image *picture,
 {
     static const struct {
         const char *from, *to;
-    } layers[] = {{"pass.DiffDir", "diffuse_direct"},
-                  {"pass.DiffInd", "diffuse_indirect"},
-                  {"pass.GlossDir", "glossy_direct"},
-                  {"pass.GlossInd", "glossy_indirect"},
-                  {"pass.DiffCol", "diffuse_color"},
-                  {"pass.GlossCol", "glossy_color"},
-                  {"pass.AO", "ao"}};
+        float sky;
+    } layers[] = {
+        {"pass.DiffDir", "diffuse_direct", 0},
+        {"pass.DiffInd", "diffuse_indirect", 0},
+        {"pass.GlossDir", "glossy_direct", 0},
+        {"pass.GlossInd", "glossy_indirect", 0},
+        {"pass.DiffCol", "diffuse_color", 0},
+        {"pass.GlossCol", "glossy_color", 0},
+        {"pass.AO", "ao", 1},
+    };
+    const float *depth = neph_image_channel(picture, "pass.Depth.Z");
+    if (!depth)
+        return neph_fail(diag, NEPH_ERR_ENGINE, "Blender's image has no depth");
     enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(layers) / sizeof(layers[0]) && !status; i++)
+    for (size_t i = 0; i < sizeof(layers) / sizeof(layers[0]) && !status; i++) {
         status = copy_layer(picture, layers[i].from, frame, layers[i].to, diag);
-    return status ? status : open_the_sky(picture, frame, diag);
+        if (!status)
+            clear_sky(depth, frame, layers[i].to, layers[i].sky);
+    }
+    return status;
 }

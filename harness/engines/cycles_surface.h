@@ -18,8 +18,8 @@ const char *neph_cycles_surface_obstacle(const struct neph_scene *scene);
 json_t *neph_cycles_surface(const struct neph_surface *surface);
 
 /* Add the layers of engine `surfaces` that Blender's picture has: of direct and indirect light, of
- * colours, and ao, which is 1 where there is no solid. NEPH_ERR_ENGINE: one is missing or not
- * finite. */
+ * colours, and ao. At a pixel whose middle is of the sky ao is 1 and the others are 0.
+ * NEPH_ERR_ENGINE: one is missing or not finite. */
 enum neph_status neph_cycles_surface_layers(const struct neph_image *picture,
                                             struct neph_image *frame, struct neph_diag *diag);
 
