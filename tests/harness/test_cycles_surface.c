@@ -277,7 +277,7 @@ static void test_layers_against_the_truth(void **state)
                                                 .height_px = HEIGHT,
                                                 .seed = 2,
                                                 .samples = SAMPLES,
-                                                .limits = {NEPH_ALL_BOUNCES, 0.7}};
+                                                .limits = {NEPH_ALL_BOUNCES, 0.7, NULL}};
     make_things(&stage);
     struct neph_image *frame = render(&stage.scene, "ao_distance_m=0.7");
     neph_assert_ok(neph_surfaces_render(&stage.scene, &params, &truth, &diag), &diag);
