@@ -13,6 +13,7 @@
 #include "renderer/tracer_sums.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 #include "scenes/trapped_light.h"
 
 #include <math.h>

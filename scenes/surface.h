@@ -19,9 +19,6 @@
 
 #define NEPH_NOISE_CELLS 32 /* after so many the noise repeats */
 
-struct neph_hit;
-struct neph_scene;
-
 enum neph_pattern {
     NEPH_PATTERN_CHECKER,
     NEPH_PATTERN_NOISE,
@@ -53,9 +50,6 @@ double neph_noise_value(int seed, int i, int j);
 /* 0..1, at a place of the pattern [cells]. */
 double neph_paint_value(const struct neph_paint *texture, double u, double v);
 
-/* The base colour where a ray meets a solid. */
-struct neph_rgb neph_surface_color(const struct neph_hit *hit, struct neph_vec3 point_m);
-
 static inline bool neph_is_textured(const struct neph_surface *surface)
 {
     return surface->texture.cell_m > 0.0;
@@ -65,16 +59,5 @@ static inline bool neph_is_mirror(const struct neph_surface *surface)
 {
     return surface->metalness > 0.0 && surface->roughness == 0.0;
 }
-
-/* Whether any solid has a pattern, is of metal. */
-bool neph_scene_is_textured(const struct neph_scene *scene);
-bool neph_scene_has_metal(const struct neph_scene *scene);
-
-/* Why an engine of plain Lambertian solids refuses a scene, and the way out, in words; NULL: its
- * solids are plain. */
-const char *neph_surfaces_obstacle(const struct neph_scene *scene);
-
-/* The same for an engine that knows patterns. */
-const char *neph_metal_obstacle(const struct neph_scene *scene);
 
 #endif

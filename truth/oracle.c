@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/threads.h"
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 #include "scenes/trapped_light.h"
 #include "truth/path.h"
 

@@ -10,6 +10,7 @@
 #include "scenes/emission.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 #include "truth/airlight.h"
 #include "truth/directions.h"
 #include "truth/lamp_draw.h"

@@ -2,6 +2,7 @@
 #include "truth/reflected.h"
 
 #include "scenes/lights.h"
+#include "scenes/surfaces.h"
 #include "truth/directions.h"
 #include "truth/metal.h"
 
@@ -248,6 +249,17 @@ static void follow(const struct neph_scene *scene, int bounces, struct neph_vec3
     }
 }
 
+/* Whether what a direction leads to is in the picture. */
+static bool leads_on_screen(const struct neph_scene *scene, const struct neph_screen *screen,
+                            struct neph_vec3 point_m, struct neph_vec3 direction)
+{
+    const struct neph_hit hit = neph_scene_hit(scene, point_m, direction);
+    if (!screen || !hit.solid)
+        return false;
+    const struct neph_vec3 met_m = neph_vec3_along(point_m, direction, hit.t_m);
+    return neph_on_screen(scene, screen, neph_hit_outside_m(&hit, met_m));
+}
+
 /* ---- views ------------------------------------------------------------------------------------- */
 
 static struct place viewed(const struct neph_reflected_view *view)
@@ -286,19 +298,25 @@ struct neph_reflected neph_reflected_sample(const struct neph_scene *scene,
     struct neph_rgb *part = light.part;
     struct neph_vec3 direction = neph_cosine_sample(place.normal, random);
     const struct neph_hit ahead = neph_scene_hit(scene, place.point_m, direction);
+    bool shown = leads_on_screen(scene, limits->screen, place.point_m, direction);
     part[NEPH_AMBIENT] = ahead.t_m > limits->ao_distance_m || !ahead.solid ? white : black;
+    part[NEPH_AMBIENT_ON_SCREEN] = shown ? part[NEPH_AMBIENT] : white;
     if (surface->metalness < 1.0) {
         part[NEPH_DIFFUSE_DIRECT] = view->direct[0];
         follow(scene, limits->bounces, place.point_m, direction, 1.0, random,
                &part[NEPH_DIFFUSE_DIRECT], &part[NEPH_DIFFUSE_INDIRECT]);
+        part[NEPH_DIFFUSE_ON_SCREEN] = shown ? part[NEPH_DIFFUSE_INDIRECT] : black;
     }
     if (surface->metalness > 0.0) {
         part[NEPH_GLOSSY_DIRECT] = view->direct[1];
         const double worth = neph_metal_sample(surface->roughness, place.normal, place.from, random,
                                                &direction);
-        if (worth > 0.0)
+        if (worth > 0.0) {
             follow(scene, limits->bounces, place.point_m, direction, worth, random,
                    &part[NEPH_GLOSSY_DIRECT], &part[NEPH_GLOSSY_INDIRECT]);
+            shown = leads_on_screen(scene, limits->screen, place.point_m, direction);
+        }
+        part[NEPH_GLOSSY_ON_SCREEN] = worth > 0.0 && shown ? part[NEPH_GLOSSY_INDIRECT] : black;
     }
     return light;
 }

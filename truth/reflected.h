@@ -13,6 +13,7 @@
 #define NEPH_TRUTH_REFLECTED_H
 
 #include "scenes/solids.h"
+#include "truth/on_screen.h"
 #include "truth/random.h"
 
 /* So many bounces stand for all of them. */
@@ -24,6 +25,11 @@ enum neph_reflected_part {
     NEPH_GLOSSY_DIRECT,    /* the same two of the metal */
     NEPH_GLOSSY_INDIRECT,
     NEPH_AMBIENT, /* visibility, 0..1: see neph_reflected_limits.ao_distance_m */
+    /* Of the indirect ones what comes from places that the screen shows; visibility where nothing
+     * else hides. */
+    NEPH_DIFFUSE_ON_SCREEN,
+    NEPH_GLOSSY_ON_SCREEN,
+    NEPH_AMBIENT_ON_SCREEN,
     NEPH_REFLECTED_PARTS,
 };
 
@@ -39,6 +45,7 @@ struct neph_reflected_view {
 struct neph_reflected_limits {
     int bounces;          /* surfaces that light meets before the one in view, at most */
     double ao_distance_m; /* what is farther hides nothing; +inf: no limit */
+    const struct neph_screen *screen; /* NULL: it shows nothing */
 };
 
 /* Per unit of the view's colours [W m^-2 sr^-1]; `part[NEPH_AMBIENT]` the cosine-weighted part of

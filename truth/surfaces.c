@@ -9,7 +9,8 @@ static const int samples_max = 1 << 30;
 
 /* In the order of enum neph_reflected_part. */
 static const char *const part_names[NEPH_REFLECTED_PARTS] = {
-    "diffuse_direct", "diffuse_indirect", "glossy_direct", "glossy_indirect", "ao"};
+    "diffuse_direct",    "diffuse_indirect", "glossy_direct", "glossy_indirect", "ao",
+    "diffuse_on_screen", "glossy_on_screen", "ao_on_screen"};
 static const char *const color_names[2] = {"diffuse_color", "glossy_color"};
 static const char *const normal_names[3] = {"normal.x", "normal.y", "normal.z"};
 
@@ -29,7 +30,7 @@ struct render {
     const struct neph_scene *scene;
     const struct neph_surfaces_params *params;
     struct neph_reflected_limits limits;
-    struct neph_camera camera;
+    struct neph_screen screen;
     struct layers layers;
 };
 
@@ -84,6 +85,7 @@ static void put_sky(const struct render *render, size_t pixel)
     const struct neph_rgb open = {1, 1, 1};
     put(render->layers.mean[ALL], pixel, render->scene->background_w_per_m2_sr);
     put(render->layers.mean[NEPH_AMBIENT], pixel, open);
+    put(render->layers.mean[NEPH_AMBIENT_ON_SCREEN], pixel, open);
 }
 
 static void put_surface(const struct render *render, const struct neph_reflected_view *view,
@@ -105,7 +107,7 @@ static void render_row(int row, void *context)
     const int width_px = render->params->width_px;
     for (int column = 0; column < width_px; column++) {
         const size_t pixel = (size_t)row * (size_t)width_px + (size_t)column;
-        const struct neph_pixel_ray ray = neph_camera_ray(&render->camera, width_px,
+        const struct neph_pixel_ray ray = neph_camera_ray(&render->screen.camera, width_px,
                                                           render->params->height_px, column, row);
         const struct neph_reflected_view view = neph_reflected_view(render->scene, ray.origin_m,
                                                                     ray.direction);
@@ -115,8 +117,8 @@ static void render_row(int row, void *context)
             put_sky(render, pixel);
         for (int j = 0; j < 3; j++)
             render->layers.transmittance[j][pixel] = 1.0f;
-        render->layers.depth[pixel] = (float)(view.hit.t_m *
-                                              neph_vec3_dot(ray.direction, render->camera.forward));
+        render->layers.depth[pixel] =
+            (float)(view.hit.t_m * neph_vec3_dot(ray.direction, render->screen.camera.forward));
     }
 }
 
@@ -175,8 +177,10 @@ enum neph_status neph_surfaces_render(const struct neph_scene *scene,
     struct render render = {.scene = scene,
                             .params = params,
                             .limits = params->limits,
-                            .camera = neph_scene_camera(scene, params->frame)};
+                            .screen = {neph_scene_camera(scene, params->frame),
+                                       (double)params->width_px / params->height_px}};
     struct neph_image *image = NULL;
+    render.limits.screen = &render.screen;
     if (scene->scattering != NEPH_SCATTERING_MULTIPLE)
         render.limits.bounces = 0;
     enum neph_status status = check(scene, params, diag);

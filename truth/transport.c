@@ -17,6 +17,7 @@
 #include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
+#include "scenes/surfaces.h"
 #include "truth/airlight.h"
 #include "truth/cuts.h"
 #include "truth/pieces.h"

@@ -12,6 +12,7 @@
 #include "renderer/fog_look.h"
 #include "renderer/reach.h"
 #include "scenes/fog_translation.h"
+#include "scenes/surfaces.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -26,6 +26,7 @@
 #include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
+#include "scenes/surfaces.h"
 #include "scenes/volume_file.h"
 
 #include <errno.h>

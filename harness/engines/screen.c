@@ -80,12 +80,12 @@ static enum neph_status take_picture(struct neph_vulkan *vulkan, const struct ne
     const struct neph_screen_params params = {
         .settings = shot->settings, .width_px = shot->width_px, .height_px = shot->height_px};
     const int frames = (int)shot->settings.values[SCREEN_FRAMES];
-    struct neph_screen *screen = NULL;
-    enum neph_status status = neph_screen_create(vulkan, shot->scene, &params, &screen, diag);
+    struct neph_screening *screen = NULL;
+    enum neph_status status = neph_screening_create(vulkan, shot->scene, &params, &screen, diag);
     for (int i = 1; i <= frames && !status; i++)
-        status = neph_screen_frame(screen, shot->scene, shot->frame, i == frames ? image : NULL,
+        status = neph_screening_frame(screen, shot->scene, shot->frame, i == frames ? image : NULL,
                                    stats, diag);
-    neph_screen_destroy(screen);
+    neph_screening_destroy(screen);
     return status;
 }
 

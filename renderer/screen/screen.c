@@ -17,7 +17,7 @@ static const int handed_on[][2] = {
     {SCREEN_GI_MEAN, SCREEN_GI_BEFORE},        {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE},
     {SCREEN_GI_COUNT, SCREEN_GI_COUNT_BEFORE}, {SCREEN_SSR_COUNT, SCREEN_SSR_COUNT_BEFORE}};
 
-struct neph_screen {
+struct neph_screening {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_screen_params params;
     struct neph_gpu_scene gpu;
@@ -40,17 +40,17 @@ bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason
 
 /* --- sizes ------------------------------------------------------------------------------------ */
 
-static size_t pixel_count(const struct neph_screen *screen)
+static size_t pixel_count(const struct neph_screening *screen)
 {
     return (size_t)screen->params.width_px * (size_t)screen->params.height_px;
 }
 
-static bool is_half(const struct neph_screen *screen)
+static bool is_half(const struct neph_screening *screen)
 {
     return screen->params.settings.values[SCREEN_TARGETS] == SCREEN_FLOAT16;
 }
 
-static size_t target_bytes(const struct neph_screen *screen, int target)
+static size_t target_bytes(const struct neph_screening *screen, int target)
 {
     const size_t words = target < SCREEN_FIRST_OF_FOUR ? 1
                          : is_half(screen)             ? SCREEN_WORDS_16
@@ -70,7 +70,7 @@ static unsigned targets_in_use(const struct neph_settings *settings)
     return used;
 }
 
-static enum neph_status create_buffers(struct neph_screen *screen, struct neph_diag *diag)
+static enum neph_status create_buffers(struct neph_screening *screen, struct neph_diag *diag)
 {
     screen->used = targets_in_use(&screen->params.settings);
     enum neph_status status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
@@ -91,7 +91,7 @@ static enum neph_status create_buffers(struct neph_screen *screen, struct neph_d
                                        "screen readback", &screen->readback, diag);
 }
 
-static enum neph_status get_kernels(struct neph_screen *screen, struct neph_diag *diag)
+static enum neph_status get_kernels(struct neph_screening *screen, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_screen_passes[i].name && !status; i++) {
@@ -113,11 +113,11 @@ static enum neph_status get_kernels(struct neph_screen *screen, struct neph_diag
     return status;
 }
 
-enum neph_status neph_screen_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                     const struct neph_screen_params *params,
-                                    struct neph_screen **screen, struct neph_diag *diag)
+                                    struct neph_screening **screen, struct neph_diag *diag)
 {
-    struct neph_screen *made = calloc(1, sizeof(*made));
+    struct neph_screening *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
     made->vulkan = vulkan;
@@ -129,13 +129,13 @@ enum neph_status neph_screen_create(struct neph_vulkan *vulkan, const struct nep
     if (!status)
         status = get_kernels(made, diag);
     if (status)
-        neph_screen_destroy(made);
+        neph_screening_destroy(made);
     else
         *screen = made;
     return status;
 }
 
-void neph_screen_destroy(struct neph_screen *screen)
+void neph_screening_destroy(struct neph_screening *screen)
 {
     if (!screen)
         return;
@@ -199,7 +199,7 @@ static void fill_sky(const struct neph_scene *scene, float sky[3])
     sky[2] = scene->environment_light ? (float)light.b : 0.0f;
 }
 
-static void fill_view(struct neph_screen *screen, const struct neph_scene *scene, double frame)
+static void fill_view(struct neph_screening *screen, const struct neph_scene *scene, double frame)
 {
     const struct neph_camera camera = neph_scene_camera(scene, frame);
     const struct neph_screen_params *params = &screen->params;
@@ -224,7 +224,7 @@ static void fill_view(struct neph_screen *screen, const struct neph_scene *scene
     screen->camera = camera;
 }
 
-static void fill_surfaces(struct neph_screen *screen, const struct neph_scene *scene)
+static void fill_surfaces(struct neph_screening *screen, const struct neph_scene *scene)
 {
     struct neph_gpu_screen_surface *surfaces = screen->surfaces.mapped;
     for (int i = 0; i < scene->solid_count; i++) {
@@ -254,7 +254,7 @@ static struct neph_gpu_screen_run run_of(const struct neph_screen_pass *pass, un
     return run;
 }
 
-static enum neph_status add_turn(struct neph_screen *screen, int pass, unsigned turn,
+static enum neph_status add_turn(struct neph_screening *screen, int pass, unsigned turn,
                                  struct neph_batch *batch, struct neph_diag *diag)
 {
     const struct neph_screen_params *params = &screen->params;
@@ -278,13 +278,13 @@ static enum neph_status add_turn(struct neph_screen *screen, int pass, unsigned 
     return status;
 }
 
-static unsigned turns_of(const struct neph_screen *screen, int pass)
+static unsigned turns_of(const struct neph_screening *screen, int pass)
 {
     const int setting = neph_screen_passes[pass].turns_setting;
     return setting ? (unsigned)screen->params.settings.values[setting] : 1;
 }
 
-static enum neph_status run_passes(struct neph_screen *screen, struct neph_screen_stats *stats,
+static enum neph_status run_passes(struct neph_screening *screen, struct neph_screen_stats *stats,
                                    struct neph_diag *diag)
 {
     struct neph_batch batch;
@@ -303,7 +303,7 @@ static enum neph_status run_passes(struct neph_screen *screen, struct neph_scree
                                       diag);
 }
 
-static void hand_on(struct neph_screen *screen)
+static void hand_on(struct neph_screening *screen)
 {
     for (size_t i = 0; i < sizeof(handed_on) / sizeof(handed_on[0]); i++) {
         if (!(screen->used >> handed_on[i][1] & 1u))
@@ -324,7 +324,7 @@ static float float_of_half(uint16_t half)
     return half >> 15 ? -magnitude : magnitude;
 }
 
-static void unpack(const struct neph_screen *screen, int target, const uint32_t *words,
+static void unpack(const struct neph_screening *screen, int target, const uint32_t *words,
                    float *texels)
 {
     const size_t count = pixel_count(screen) * CHANNELS;
@@ -337,7 +337,7 @@ static void unpack(const struct neph_screen *screen, int target, const uint32_t 
             memcpy(&texels[i], &words[i], sizeof(float));
 }
 
-enum neph_status neph_screen_read(struct neph_screen *screen, int target, float *texels,
+enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
                                   struct neph_diag *diag)
 {
     const enum neph_status status = neph_buffer_download(screen->vulkan, &screen->targets[target],
@@ -350,13 +350,13 @@ enum neph_status neph_screen_read(struct neph_screen *screen, int target, float 
 
 /* --- the picture ------------------------------------------------------------------------------ */
 
-static enum neph_status take_rgb(struct neph_screen *screen, int target, const char *layer,
+static enum neph_status take_rgb(struct neph_screening *screen, int target, const char *layer,
                                  float *texels, struct neph_image *image, struct neph_diag *diag)
 {
     float *rgb[3];
     enum neph_status status = neph_image_add_rgb(image, layer, rgb, diag);
     if (!status)
-        status = neph_screen_read(screen, target, texels, diag);
+        status = neph_screening_read(screen, target, texels, diag);
     for (size_t i = 0; i < pixel_count(screen) && !status; i++)
         for (int c = 0; c < 3; c++)
             rgb[c][i] = texels[CHANNELS * i + (size_t)c];
@@ -364,14 +364,14 @@ static enum neph_status take_rgb(struct neph_screen *screen, int target, const c
 }
 
 /* One of a target's channels. */
-static enum neph_status take_one(struct neph_screen *screen, int target, int channel,
+static enum neph_status take_one(struct neph_screening *screen, int target, int channel,
                                  const char *name, float *texels, struct neph_image *image,
                                  struct neph_diag *diag)
 {
     float *samples;
     enum neph_status status = neph_image_add_channel(image, name, &samples, diag);
     if (!status)
-        status = neph_screen_read(screen, target, texels, diag);
+        status = neph_screening_read(screen, target, texels, diag);
     for (size_t i = 0; i < pixel_count(screen) && !status; i++) {
         const float value = texels[CHANNELS * i + (size_t)channel];
         samples[i] = value < NEPH_GPU_FAR_M ? value : INFINITY;
@@ -380,7 +380,7 @@ static enum neph_status take_one(struct neph_screen *screen, int target, int cha
 }
 
 /* Indirect light of other surfaces, and of a sky of radiance 1. */
-static enum neph_status take_rays(struct neph_screen *screen, uint32_t target, const char *layer,
+static enum neph_status take_rays(struct neph_screening *screen, uint32_t target, const char *layer,
                                   const char *open, float *texels, struct neph_image *image,
                                   struct neph_diag *diag)
 {
@@ -399,7 +399,7 @@ static enum neph_status add_transmittance(struct neph_image *image, struct neph_
     return status;
 }
 
-static enum neph_status take_image(struct neph_screen *screen, struct neph_image *image,
+static enum neph_status take_image(struct neph_screening *screen, struct neph_image *image,
                                    struct neph_diag *diag)
 {
     const double *values = screen->params.settings.values;
@@ -426,7 +426,7 @@ static enum neph_status take_image(struct neph_screen *screen, struct neph_image
     return status;
 }
 
-enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph_scene *scene,
+enum neph_status neph_screening_frame(struct neph_screening *screen, const struct neph_scene *scene,
                                    double frame, struct neph_image **image,
                                    struct neph_screen_stats *stats, struct neph_diag *diag)
 {

@@ -52,11 +52,11 @@ struct neph_screen_stats {
 
 /* Pictures of one scene, one after the other. For _destroy, of which NULL is fine. Errors as of
  * neph_gpu_scene_create(). */
-struct neph_screen;
-enum neph_status neph_screen_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+struct neph_screening;
+enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                     const struct neph_screen_params *params,
-                                    struct neph_screen **screen, struct neph_diag *diag);
-void neph_screen_destroy(struct neph_screen *screen);
+                                    struct neph_screening **screen, struct neph_diag *diag);
+void neph_screening_destroy(struct neph_screening *screen);
 
 /* The picture of a frame of the scene, which is the one that it was made for, over time or at any
  * frame of it. Channels, where their pass is on:
@@ -70,13 +70,13 @@ void neph_screen_destroy(struct neph_screen *screen);
  *   diffuse_open, glossy_open
  *                  and of a sky of radiance 1
  * `image`, `stats`: NULL is fine. NEPH_ERR_ENGINE: the device was lost. */
-enum neph_status neph_screen_frame(struct neph_screen *screen, const struct neph_scene *scene,
+enum neph_status neph_screening_frame(struct neph_screening *screen, const struct neph_scene *scene,
                                    double frame, struct neph_image **image,
                                    struct neph_screen_stats *stats, struct neph_diag *diag);
 
 /* A target of the last picture, four numbers a pixel, row by row (of those that have one: four
  * times the same), for twins. */
-enum neph_status neph_screen_read(struct neph_screen *screen, int target, float *texels,
+enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
                                   struct neph_diag *diag);
 
 #endif

@@ -2,6 +2,7 @@
 #include "renderer/sky/air.h"
 
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 
 #include <math.h>
 #include <stdio.h>

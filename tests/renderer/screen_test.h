@@ -25,25 +25,25 @@ static inline struct neph_settings screen_settings(const char *assignments)
     return settings;
 }
 
-static inline struct neph_screen *screen_of(struct neph_vulkan *vulkan,
+static inline struct neph_screening *screen_of(struct neph_vulkan *vulkan,
                                             const struct test_scene *test, int width_px,
                                             int height_px, const char *assignments)
 {
     struct neph_diag diag = {0};
-    struct neph_screen *screen = NULL;
+    struct neph_screening *screen = NULL;
     const struct neph_screen_params params = {
         .settings = screen_settings(assignments), .width_px = width_px, .height_px = height_px};
-    neph_assert_ok(neph_screen_create(vulkan, &test->scene, &params, &screen, &diag), &diag);
+    neph_assert_ok(neph_screening_create(vulkan, &test->scene, &params, &screen, &diag), &diag);
     return screen;
 }
 
 /* For neph_image_destroy(). */
-static inline struct neph_image *screen_next(struct neph_screen *screen,
+static inline struct neph_image *screen_next(struct neph_screening *screen,
                                              const struct test_scene *test)
 {
     struct neph_diag diag = {0};
     struct neph_image *image = NULL;
-    neph_assert_ok(neph_screen_frame(screen, &test->scene, 0.0, &image, NULL, &diag), &diag);
+    neph_assert_ok(neph_screening_frame(screen, &test->scene, 0.0, &image, NULL, &diag), &diag);
     return image;
 }
 
@@ -51,9 +51,9 @@ static inline struct neph_image *screen_picture(struct neph_vulkan *vulkan,
                                                 const struct test_scene *test, int width_px,
                                                 int height_px, const char *assignments)
 {
-    struct neph_screen *screen = screen_of(vulkan, test, width_px, height_px, assignments);
+    struct neph_screening *screen = screen_of(vulkan, test, width_px, height_px, assignments);
     struct neph_image *image = screen_next(screen, test);
-    neph_screen_destroy(screen);
+    neph_screening_destroy(screen);
     return image;
 }
 

@@ -53,11 +53,11 @@ struct buffers {
     float *depth, *normal, *base, *direct;
 };
 
-static float *read_target(struct neph_screen *screen, int target)
+static float *read_target(struct neph_screening *screen, int target)
 {
     struct neph_diag diag = {0};
     float *texels = malloc(4 * WIDTH * HEIGHT * sizeof(*texels));
-    neph_assert_ok(neph_screen_read(screen, target, texels, &diag), &diag);
+    neph_assert_ok(neph_screening_read(screen, target, texels, &diag), &diag);
     return texels;
 }
 
@@ -101,7 +101,7 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
 {
     struct test_scene test;
     set_room(&test);
-    struct neph_screen *screen = screen_of(*state, &test, WIDTH, HEIGHT, "");
+    struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT, "");
     neph_image_destroy(screen_next(screen, &test));
     const struct buffers got = {
         read_target(screen, SCREEN_DEPTH), read_target(screen, SCREEN_NORMAL),
@@ -115,7 +115,7 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
     free(got.normal);
     free(got.base);
     free(got.direct);
-    neph_screen_destroy(screen);
+    neph_screening_destroy(screen);
 }
 
 /* ---- no bad values --------------------------------------------------------------------------- */
@@ -149,14 +149,14 @@ static void test_no_bad_values(void **state)
     for (size_t i = 0; i < 2 * COUNT(cases); i++) {
         test.scene.vertical_fov_rad = i % 2 ? 0.0 : 0.9;
         test.scene.orthographic_height_m = i % 2 ? 4.0 : 0.0;
-        struct neph_screen *screen = screen_of(*state, &test, cases[i / 2].width_px,
+        struct neph_screening *screen = screen_of(*state, &test, cases[i / 2].width_px,
                                                cases[i / 2].height_px, cases[i / 2].settings);
         for (int frame = 0; frame < 3; frame++) {
             struct neph_image *image = screen_next(screen, &test);
             check_image(image);
             neph_image_destroy(image);
         }
-        neph_screen_destroy(screen);
+        neph_screening_destroy(screen);
     }
 }
 

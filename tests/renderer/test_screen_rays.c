@@ -142,7 +142,7 @@ static struct floor_gap lit_floor_gap(struct neph_vulkan *vulkan, const char *se
 {
     struct test_scene test;
     set_lit_wall(&test);
-    struct neph_screen *screen = screen_of(vulkan, &test, WIDTH, HEIGHT, settings);
+    struct neph_screening *screen = screen_of(vulkan, &test, WIDTH, HEIGHT, settings);
     struct neph_image *image = NULL;
     for (int i = 0; i < frames; i++) {
         neph_image_destroy(image);
@@ -167,7 +167,7 @@ static struct floor_gap lit_floor_gap(struct neph_vulkan *vulkan, const char *se
     printf("off by %.2f %%, bias %+.2f %%: %s, %d frames\n", 100.0 * off / sum, 100.0 * bias / sum,
            settings, frames);
     neph_image_destroy(image);
-    neph_screen_destroy(screen);
+    neph_screening_destroy(screen);
     return (struct floor_gap){off / sum, bias / sum};
 }
 
@@ -186,11 +186,11 @@ static void test_light_of_a_wall(void **state)
 
 /* ---- the mean over frames -------------------------------------------------------------------- */
 
-static float *counts_of(struct neph_screen *screen)
+static float *counts_of(struct neph_screening *screen)
 {
     struct neph_diag diag = {0};
     float *counts = malloc(4 * WIDTH * HEIGHT * sizeof(*counts));
-    neph_assert_ok(neph_screen_read(screen, SCREEN_GI_COUNT, counts, &diag), &diag);
+    neph_assert_ok(neph_screening_read(screen, SCREEN_GI_COUNT, counts, &diag), &diag);
     return counts;
 }
 
@@ -200,7 +200,7 @@ static void test_history_goes_with_the_surface(void **state)
 {
     struct test_scene test;
     set_lit_wall(&test);
-    struct neph_screen *screen = screen_of(*state, &test, WIDTH, HEIGHT,
+    struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT,
                                            "gi_rays=1 gi_smooth=0 gi_history=3 ssr=off");
     for (int i = 0; i < 6; i++)
         neph_image_destroy(screen_next(screen, &test));
@@ -231,7 +231,7 @@ static void test_history_goes_with_the_surface(void **state)
     printf("%d with a history, %d without, %d otherwise\n", kept, fresh, strange);
     assert_true(kept > 3000 && fresh > 200 && strange < 0.06 * (kept + fresh));
     free(counts);
-    neph_screen_destroy(screen);
+    neph_screening_destroy(screen);
 }
 
 int main(void)

@@ -8,7 +8,7 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "scenes/solids.h"
-#include "scenes/surface.h"
+#include "scenes/surfaces.h"
 
 #include <string.h>
 

@@ -14,7 +14,8 @@
 
 static const double sigmas = 4.5;
 static const double far_m = 1e6;
-static const struct neph_reflected_limits all_light = {NEPH_ALL_BOUNCES, INFINITY};
+static const struct neph_reflected_limits all_light = {.bounces = NEPH_ALL_BOUNCES,
+                                                       .ao_distance_m = INFINITY};
 
 /* ---- estimates ------------------------------------------------------------------------------- */
 
@@ -83,7 +84,7 @@ static struct estimate ambient(struct neph_solid *solids, int count, double x, d
 {
     const struct neph_scene scene = scene_of(solids, count);
     return part_seen(&scene, (struct neph_vec3){x, 0.5, z}, (struct neph_vec3){0, -1, 0},
-                     (struct neph_reflected_limits){0, distance_m}, NEPH_AMBIENT, 40000);
+                     (struct neph_reflected_limits){0, distance_m, NULL}, NEPH_AMBIENT, 40000);
 }
 
 /* ---- ambient occlusion ----------------------------------------------------------------------- */
@@ -164,7 +165,7 @@ static void test_one_bounce_off_a_board(void **state)
     scene.environment_light = false;
     scene.sun = (struct neph_sun){true, {0.8, 0.6, 0}, make_grey(irradiance)};
     const struct neph_vec3 eye_m = {d, 0.5, 0}, down = {0, -1, 0};
-    const struct neph_reflected_limits one = {1, INFINITY}, none = {0, INFINITY};
+    const struct neph_reflected_limits one = {1, INFINITY, NULL}, none = {0, INFINITY, NULL};
     assert_mean(part_seen(&scene, eye_m, down, one, NEPH_DIFFUSE_INDIRECT, 40000),
                 albedo * irradiance * 0.8 / M_PI *
                     (rectangle_factor(2, 1.2, d) + rectangle_factor(3, 1.2, d)));
@@ -173,6 +174,49 @@ static void test_one_bounce_off_a_board(void **state)
                 irradiance * 0.6 / M_PI);
     assert_mean(part_seen(&scene, eye_m, down, none, NEPH_REFLECTED_PARTS, 100),
                 0.5 * irradiance * 0.6 / M_PI);
+}
+
+/* A board that the picture shows in part: what of its light, and of what it hides, comes from there.
+ * The camera looks at it along x; the picture's upper edge cuts it at half its height. */
+static void test_what_a_screen_knows(void **state)
+{
+    (void)state;
+    const double d = 0.7, height_m = 1.2;
+    struct neph_solid solids[] = {floor_of(0.5), grey_box(-1, 0, -2, 0, height_m, 2, 0.6)};
+    struct neph_scene scene = scene_of(solids, 2);
+    scene.environment_light = false;
+    scene.sun = (struct neph_sun){true, {0.8, 0.6, 0}, white};
+    struct neph_screen screen = {.camera = {.position_m = {10, 0.5 * height_m, 0},
+                                            .right = {0, 0, -1},
+                                            .up = {0, 1, 0},
+                                            .forward = {-1, 0, 0},
+                                            .vertical_fov_rad = 0.5},
+                                 .aspect = 1.0};
+    const struct neph_reflected_limits limits = {1, INFINITY, &screen};
+    const struct neph_vec3 eye_m = {d, 0.5, 0}, down = {0, -1, 0};
+    const double radiance = 0.6 * 0.8 / M_PI, whole = 2 * rectangle_factor(2, height_m, d);
+    assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_DIFFUSE_ON_SCREEN, 40000),
+                radiance * whole);
+    assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_AMBIENT_ON_SCREEN, 40000), 1 - whole);
+
+    screen.camera.orthographic_height_m = height_m; /* from 0 to height, now from half of it on */
+    screen.camera.position_m.y = 0;
+    screen.aspect = 100.0;
+    const double half = 2 * rectangle_factor(2, 0.5 * height_m, d);
+    assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_DIFFUSE_ON_SCREEN, 40000),
+                radiance * half);
+    assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_AMBIENT_ON_SCREEN, 40000), 1 - half);
+    assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_AMBIENT, 40000), 1 - whole);
+
+    /* Behind the camera, and behind something: nothing. */
+    screen.camera.position_m = (struct neph_vec3){-2, 0, 0};
+    assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_DIFFUSE_ON_SCREEN, 400), 0.0);
+    screen.camera.position_m = (struct neph_vec3){10, 0, 0};
+    struct neph_solid hidden[] = {solids[0], solids[1], grey_box(5, 0, -9, 6, 9, 9, 0.6)};
+    scene.solids = hidden;
+    scene.solid_count = 3;
+    scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0};
+    assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_DIFFUSE_ON_SCREEN, 400), 0.0);
 }
 
 static const double room_m[3] = {2, 3, 4};
@@ -224,7 +268,7 @@ static void test_energy_in_a_room(void **state)
     const double expected[] = {once, once * (1 + albedo), once / (1 - albedo)};
     const int points = neph_test_paths(30000);
     for (int i = 0; i < 3; i++) {
-        const struct neph_reflected_limits limits = {bounces[i], INFINITY};
+        const struct neph_reflected_limits limits = {bounces[i], INFINITY, NULL};
         uint64_t seed = 11;
         double sum = 0.0, squares = 0.0;
         for (int n = 0; n < points; n++) {
@@ -370,7 +414,7 @@ static void test_a_mirror_is_a_mirrored_camera(void **state)
     struct neph_scene before = scene;
     before.solid_count = 3;
     const struct neph_vec3 eye_m = {0.5, 1.43, 3.5}, image_m = {0.5, 1.43, -3.5};
-    const struct neph_reflected_limits one = {1, INFINITY};
+    const struct neph_reflected_limits one = {1, INFINITY, NULL};
     int mirrored = 0, lit = 0;
     for (int i = 0; i < 400; i++) {
         const struct neph_vec3 way = neph_vec3_normalize(
@@ -479,6 +523,7 @@ int main(void)
         cmocka_unit_test(test_ambient_within_a_distance),
         cmocka_unit_test(test_ambient_of_a_board),
         cmocka_unit_test(test_one_bounce_off_a_board),
+        cmocka_unit_test(test_what_a_screen_knows),
         cmocka_unit_test(test_energy_in_a_room),
         cmocka_unit_test(test_white_furnace),
         cmocka_unit_test(test_rough_metal_under_an_even_sky),

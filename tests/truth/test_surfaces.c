@@ -25,7 +25,7 @@ static struct neph_surfaces_params make_params(void)
                                          .height_px = HEIGHT,
                                          .seed = 5,
                                          .samples = 64,
-                                         .limits = {NEPH_ALL_BOUNCES, INFINITY}};
+                                         .limits = {NEPH_ALL_BOUNCES, INFINITY, NULL}};
 }
 
 static struct neph_image *rendered(const struct neph_scene *scene,
