@@ -84,7 +84,7 @@ static enum neph_status take_picture(struct neph_vulkan *vulkan, const struct ne
     enum neph_status status = neph_screening_create(vulkan, shot->scene, &params, &screen, diag);
     for (int i = 1; i <= frames && !status; i++)
         status = neph_screening_frame(screen, shot->scene, shot->frame, i == frames ? image : NULL,
-                                   stats, diag);
+                                      stats, diag);
     neph_screening_destroy(screen);
     return status;
 }

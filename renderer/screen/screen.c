@@ -114,8 +114,8 @@ static enum neph_status get_kernels(struct neph_screening *screen, struct neph_d
 }
 
 enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                    const struct neph_screen_params *params,
-                                    struct neph_screening **screen, struct neph_diag *diag)
+                                       const struct neph_screen_params *params,
+                                       struct neph_screening **screen, struct neph_diag *diag)
 {
     struct neph_screening *made = calloc(1, sizeof(*made));
     if (!made)
@@ -338,7 +338,7 @@ static void unpack(const struct neph_screening *screen, int target, const uint32
 }
 
 enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
-                                  struct neph_diag *diag)
+                                     struct neph_diag *diag)
 {
     const enum neph_status status = neph_buffer_download(screen->vulkan, &screen->targets[target],
                                                          &screen->readback,
@@ -427,8 +427,8 @@ static enum neph_status take_image(struct neph_screening *screen, struct neph_im
 }
 
 enum neph_status neph_screening_frame(struct neph_screening *screen, const struct neph_scene *scene,
-                                   double frame, struct neph_image **image,
-                                   struct neph_screen_stats *stats, struct neph_diag *diag)
+                                      double frame, struct neph_image **image,
+                                      struct neph_screen_stats *stats, struct neph_diag *diag)
 {
     struct neph_screen_stats own_stats = {{0}};
     struct neph_image *made = NULL;

@@ -54,8 +54,8 @@ struct neph_screen_stats {
  * neph_gpu_scene_create(). */
 struct neph_screening;
 enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                    const struct neph_screen_params *params,
-                                    struct neph_screening **screen, struct neph_diag *diag);
+                                       const struct neph_screen_params *params,
+                                       struct neph_screening **screen, struct neph_diag *diag);
 void neph_screening_destroy(struct neph_screening *screen);
 
 /* The picture of a frame of the scene, which is the one that it was made for, over time or at any
@@ -71,12 +71,12 @@ void neph_screening_destroy(struct neph_screening *screen);
  *                  and of a sky of radiance 1
  * `image`, `stats`: NULL is fine. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_screening_frame(struct neph_screening *screen, const struct neph_scene *scene,
-                                   double frame, struct neph_image **image,
-                                   struct neph_screen_stats *stats, struct neph_diag *diag);
+                                      double frame, struct neph_image **image,
+                                      struct neph_screen_stats *stats, struct neph_diag *diag);
 
 /* A target of the last picture, four numbers a pixel, row by row (of those that have one: four
  * times the same), for twins. */
 enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
-                                  struct neph_diag *diag);
+                                     struct neph_diag *diag);
 
 #endif

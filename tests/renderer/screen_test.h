@@ -26,8 +26,8 @@ static inline struct neph_settings screen_settings(const char *assignments)
 }
 
 static inline struct neph_screening *screen_of(struct neph_vulkan *vulkan,
-                                            const struct test_scene *test, int width_px,
-                                            int height_px, const char *assignments)
+                                               const struct test_scene *test, int width_px,
+                                               int height_px, const char *assignments)
 {
     struct neph_diag diag = {0};
     struct neph_screening *screen = NULL;

@@ -5,7 +5,7 @@
  */
 #include "tests/renderer/screen_test.h"
 
-#include "scenes/surface.h"
+#include "scenes/surfaces.h"
 #include "truth/reflected.h"
 
 enum { WIDTH = 67, HEIGHT = 41 };
@@ -150,7 +150,7 @@ static void test_no_bad_values(void **state)
         test.scene.vertical_fov_rad = i % 2 ? 0.0 : 0.9;
         test.scene.orthographic_height_m = i % 2 ? 4.0 : 0.0;
         struct neph_screening *screen = screen_of(*state, &test, cases[i / 2].width_px,
-                                               cases[i / 2].height_px, cases[i / 2].settings);
+                                                  cases[i / 2].height_px, cases[i / 2].settings);
         for (int frame = 0; frame < 3; frame++) {
             struct neph_image *image = screen_next(screen, &test);
             check_image(image);

@@ -201,7 +201,7 @@ static void test_history_goes_with_the_surface(void **state)
     struct test_scene test;
     set_lit_wall(&test);
     struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT,
-                                           "gi_rays=1 gi_smooth=0 gi_history=3 ssr=off");
+                                              "gi_rays=1 gi_smooth=0 gi_history=3 ssr=off");
     for (int i = 0; i < 6; i++)
         neph_image_destroy(screen_next(screen, &test));
     float *counts = counts_of(screen);
