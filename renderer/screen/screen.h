@@ -14,9 +14,9 @@
 
 #define NEPH_SCREEN_PASSES_MAX 16
 
-/* One pass; the table ends with a NULL name. One that is given targets reads `from`, writes `to` and
- * in `before` has what that was in the frame before; one of several turns reads `from` in the first
- * and writes `to` and the target behind it by turns. */
+/* One pass; the table ends with a NULL name. One that is given targets reads `from`, writes `to`
+ * and in `before` has what that was in the frame before; one of several turns reads `from` in the
+ * first and writes `to` and the target behind it by turns. */
 struct neph_screen_pass {
     const char *name, *note;
     struct {
@@ -33,7 +33,7 @@ struct neph_screen_pass {
 
 extern const struct neph_screen_pass neph_screen_passes[];
 
-/* Of a target, for words. */
+/* What targets are called. */
 extern const char *const neph_screen_targets[];
 
 bool neph_screen_is_on(const struct neph_screen_pass *pass, const struct neph_settings *settings);

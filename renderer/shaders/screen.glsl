@@ -127,7 +127,7 @@ vec3 normal_at(ivec2 pixel) { return normalize(load(SCREEN_NORMAL, pixel).xyz); 
 
 vec2 centre_of(ivec2 pixel) { return vec2(pixel) + 0.5; }
 
-// Of a place in the picture, in pixels from its upper left corner, at an eye depth.
+// What is seen at a place in the picture, in pixels from its upper left corner, at an eye depth.
 vec3 place_m(vec2 place_px, float depth_m)
 {
     vec2 way = (2.0 * place_px / vec2(size_px()) - 1.0) * vec2(1.0, -1.0) * half_size();
@@ -190,8 +190,8 @@ void basis_across(vec3 axis, out vec3 first, out vec3 second)
 
 // --- noise ------------------------------------------------------------------------------------
 
-// 4x4 pixels have 16 turns, each once, and 4 offsets, each four times (J. Jimenez et al., "Practical
-// Real-Time Strategies for Accurate Indirect Occlusion", 2016, section 5); both in [0, 1), with a
+// 4x4 pixels have 16 turns, each once, and 4 offsets, each four times (J. Jimenez et al.,
+// "Practical Real-Time Strategies for Accurate Indirect Occlusion", 2016); both in [0, 1), with a
 // step of the golden ratio from frame to frame.
 vec2 tiled_noise(ivec2 pixel)
 {

@@ -138,7 +138,7 @@ float open_arc(float horizon, float tilt)
     return 0.25 * (cos(tilt) + 2.0 * horizon * sin(tilt) - cos(2.0 * horizon - tilt));
 }
 
-// Of a slice what is open, and what would be if nothing stood near.
+// What is open of a slice, and what would be if nothing stood near.
 vec2 open_slice(Site site, Slice slice)
 {
     vec3 axis = cross(slice.across, site.to_camera);

@@ -7,7 +7,7 @@
 
 #include "screen.glsl"
 
-// Of other surfaces and of the sky, by a white surface; without rays the sky where it is open.
+// Light of other surfaces and of the sky off a white one; without rays the sky where it is open.
 vec3 indirect(uint target, ivec2 pixel)
 {
     float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;

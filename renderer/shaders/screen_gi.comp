@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Indirect light of diffuse surfaces: rays by the cosine, each with the light of the surface that it
-// meets in the picture, or of the sky where it meets none. Nothing comes from a surface that turns
-// its back. With gi_bounces=all a surface has its own indirect light of the frame before, too.
+// Indirect light of diffuse surfaces: rays by the cosine, each with the light of the surface that
+// it meets in the picture, or of the sky where it meets none. Nothing comes from a surface that
+// turns its back. With gi_bounces=all a surface has its indirect light of the frame before, too.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen_light.glsl"

@@ -26,8 +26,8 @@ bool seen_before(vec3 point_m, vec3 normal, out ivec2 pixel)
     return abs(dot(direction_before(normal), seen_m - was_m)) < OFF_PLANE * was_m.z;
 }
 
-// Of a surface in the picture, what it reflected in the frame before but for direct light: of its
-// diffuse part, and of its metal, if that is asked for, as the camera saw it.
+// What a surface in the picture reflected of others and the sky in the frame before: off its
+// diffuse part, if that is asked for, and off its metal, as the camera saw it.
 vec3 indirect_before(ScreenHit hit, bool with_diffuse)
 {
     ivec2 was;

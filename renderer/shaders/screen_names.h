@@ -69,15 +69,15 @@
 
 // --- targets, a pixel each ----------------------------------------------------------------------
 
-// Of one number, always 32 bits.
+// Those with one number, always 32 bits.
 #define SCREEN_DEPTH 0     // linear eye depth [m]; FAR_M for the sky
 #define SCREEN_GI_COUNT 1  // frames in the mean
 #define SCREEN_SSR_COUNT 2
-// The same of the frame before.
+// These in the frame before.
 #define SCREEN_DEPTH_BEFORE 3
 #define SCREEN_GI_COUNT_BEFORE 4
 #define SCREEN_SSR_COUNT_BEFORE 5
-// Of four numbers.
+// Those with four numbers.
 #define SCREEN_NORMAL 6 // of the surface, in the camera's axes (right, up, forward); w: roughness
 #define SCREEN_BASE 7   // RGB: base colour; w: metalness
 #define SCREEN_DIRECT 8 // RGB: radiance towards the camera without any indirect light
@@ -89,13 +89,13 @@
 #define SCREEN_GI_A 13    // after the first, third, .. smoothing
 #define SCREEN_GI_B 14    // after the second, fourth, ..
 #define SCREEN_LIT 15     // RGB: radiance with all light of diffuse surfaces
-// The same of a white metal.
+// RGB and w again, for a white metal.
 #define SCREEN_SSR_RAW 16
 #define SCREEN_SSR_MEAN 17
 #define SCREEN_SSR_A 18
 #define SCREEN_SSR_B 19
 #define SCREEN_PICTURE 20 // RGB: with everything
-// Of the frame before.
+// Some of these in the frame before.
 #define SCREEN_NORMAL_BEFORE 21
 #define SCREEN_GI_BEFORE 22
 #define SCREEN_SSR_BEFORE 23

@@ -12,15 +12,15 @@ enum { WIDTH = 81, HEIGHT = 45 };
 
 /* ---- closed forms ---------------------------------------------------------------------------- */
 
-/* Of the hemisphere of a plane, as far as a radius, at a distance from an endless wall: the cap of
- * Nusselt's disk beyond k = distance / radius is not open. */
+/* What is open of a plane's hemisphere, as far as 1 m, at a distance from an endless wall: all of
+ * Nusselt's disk but the cap beyond k = distance / radius. */
 static double open_by_wall(struct neph_vec3 point_m)
 {
     const double k = point_m.z / 1.0;
     return k >= 1.0 ? 1.0 : 1.0 - (acos(k) - k * sqrt(1.0 - k * k)) / M_PI;
 }
 
-/* Of a plane, the form factor of a rectangle that stands on it, of which a lower corner is at
+/* The form factor, for a plane, of a rectangle that stands on it, of which a lower corner is at
  * `distance_m` along its normal (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration
  * Factors", B-4). */
 static double standing_rectangle(double distance_m, double width_m, double height_m)

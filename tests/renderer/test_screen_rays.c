@@ -132,8 +132,8 @@ static double standing_rectangle(double distance_m, double width_m, double heigh
            (2.0 * M_PI);
 }
 
-/* Of a white floor by the first bounce, over pixels before the wall: how far it is off, and biased,
- * relative to all light. */
+/* How far the light of a white floor is off by the first bounce, and biased, over pixels before the
+ * wall, relative to all of it. */
 struct floor_gap {
     double off, bias;
 };
