@@ -346,7 +346,7 @@ static double reflected_once(double alpha, double cos_from, bool all)
 static void test_rough_metal_under_an_even_sky(void **state)
 {
     (void)state;
-    static const double roughnesses[] = {0.1, 0.5, 1.0}, cosines[] = {0.95, 0.3};
+    static const double roughnesses[] = {0.3, 0.6, 1.0}, cosines[] = {0.95, 0.3};
     for (size_t i = 0; i < COUNT(roughnesses); i++)
         for (size_t k = 0; k < COUNT(cosines); k++) {
             const double alpha = roughnesses[i] * roughnesses[i], c = cosines[k];
