@@ -107,7 +107,7 @@ const struct neph_preset neph_screen_presets[] = {
     {"paper", "GTAO as its paper has it: one slice a pixel, 4x4 pixels together",
      "ao=gtao ao_directions=1 ao_steps=6 ao_falloff=0.6 ao_slices=axis ao_places=pixel "
      "ao_thickness=0.1 ao_sum=mean targets=float16"},
-    {"slow", "many slices and steps: what gtao tends to",
+    {"slices", "many slices and steps: what gtao tends to",
      "ao=gtao ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0"},
     {.name = NULL},
 };
