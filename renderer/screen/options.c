@@ -12,6 +12,7 @@ static const char *const occlusions[] = {"off", "ssao", "unreal", "gtao", NULL};
 static const char *const slicings[] = {"ray", "axis", NULL};
 static const char *const places[] = {"pixel", "plane", NULL};
 static const char *const ways_to_sum[] = {"ratio", "mean", NULL};
+static const char *const metals[] = {"relit", "camera", NULL};
 static const char *const bounces[] = {"one", "all", NULL};
 static const char *const formats[] = {"float32", "float16", NULL};
 
@@ -65,10 +66,16 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
                              "gtao: what slices see over what they would see of nothing, or their "
                              "mean as in the paper"),
     [SCREEN_RAY_THICKNESS_M] = REAL("ray_thickness_m", 0.25, 0, 1e6,
-                                    "farther behind what is seen a ray passes by, counted from its "
-                                    "step [m]; 0: all is thick"),
+                                    "a ray that is farther behind an edge passes by [m]; 0: all is "
+                                    "thick"),
     [SCREEN_RAY_REFINE] = WHOLE("ray_refine", 4, 0, 16,
                                 "halvings of the step in which a ray went behind something"),
+    [SCREEN_RAY_STEP_POWER] = REAL("ray_step_power", 1.5, 1, 4,
+                                   "step k of n lies at (k / n) to this power of the ray's way on "
+                                   "the screen"),
+    [SCREEN_RAY_METAL] = CHOICE("ray_metal", SCREEN_METAL_RELIT, metals,
+                                "metal that a ray meets reflects sun and lamps into the ray, or "
+                                "what it reflects to the camera"),
     [SCREEN_RAY_NOISE] = CHOICE("ray_noise", 1, switches, "each ray has a first step of its own"),
 
     [SCREEN_GI] = CHOICE("gi", 1, switches,

@@ -31,7 +31,7 @@ static const uint32_t compose_spirv[] = {
 
 #define BIT(target) (1u << (target))
 #define SURFACES (BIT(SCREEN_DEPTH) | BIT(SCREEN_NORMAL))
-#define GBUFFER (SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_DIRECT))
+#define GBUFFER (SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_DIRECT) | BIT(SCREEN_LIGHTS))
 #define BEFORE (BIT(SCREEN_DEPTH_BEFORE) | BIT(SCREEN_NORMAL_BEFORE))
 #define LIGHT_BEFORE (BIT(SCREEN_GI_BEFORE) | BIT(SCREEN_SSR_BEFORE))
 #define OPEN (BIT(SCREEN_OPEN) | BIT(SCREEN_OPEN_SMOOTH))
@@ -150,6 +150,7 @@ _Static_assert(sizeof(neph_screen_passes) / sizeof(neph_screen_passes[0]) <=
 
 const char *const neph_screen_targets[SCREEN_TARGET_COUNT] = {
     [SCREEN_DEPTH] = "depth",
+    [SCREEN_LIGHTS] = "lights",
     [SCREEN_GI_COUNT] = "indirect count",
     [SCREEN_SSR_COUNT] = "reflected count",
     [SCREEN_GI_COUNT_BEFORE] = "indirect count before",

@@ -6,14 +6,15 @@
 // turns its back. With gi_bounces=all a surface has its indirect light of the frame before, too.
 #extension GL_GOOGLE_include_directive : require
 
-#include "screen_light.glsl"
+#include "screen_before.glsl"
+#include "screen_lights.glsl"
 
 vec3 light_of(ScreenHit hit, vec3 direction)
 {
     bool is_front = dot(normal_at(hit.pixel), direction) < 0.0;
     if (!is_front || view.has_bounces == 0u)
         return vec3(0.0);
-    vec3 light = load(SCREEN_DIRECT, hit.pixel).rgb;
+    vec3 light = direct_into(direction, hit.pixel);
     bool with_indirect = choice(SCREEN_GI_BOUNCES) == SCREEN_BOUNCES_ALL;
     return with_indirect ? light + indirect_before(hit, true) : light;
 }

@@ -26,24 +26,26 @@
 // Rays of the two passes below.
 #define SCREEN_RAY_THICKNESS_M 15
 #define SCREEN_RAY_REFINE 16
-#define SCREEN_RAY_NOISE 17
+#define SCREEN_RAY_STEP_POWER 17
+#define SCREEN_RAY_METAL 18
+#define SCREEN_RAY_NOISE 19
 // Indirect light of diffuse surfaces.
-#define SCREEN_GI 18
-#define SCREEN_GI_RAYS 19
-#define SCREEN_GI_STEPS 20
-#define SCREEN_GI_REACH_M 21
-#define SCREEN_GI_BOUNCES 22
-#define SCREEN_GI_HISTORY 23
-#define SCREEN_GI_SMOOTH 24
+#define SCREEN_GI 20
+#define SCREEN_GI_RAYS 21
+#define SCREEN_GI_STEPS 22
+#define SCREEN_GI_REACH_M 23
+#define SCREEN_GI_BOUNCES 24
+#define SCREEN_GI_HISTORY 25
+#define SCREEN_GI_SMOOTH 26
 // Reflections of metal.
-#define SCREEN_SSR 25
-#define SCREEN_SSR_RAYS 26
-#define SCREEN_SSR_STEPS 27
-#define SCREEN_SSR_HISTORY 28
-#define SCREEN_SSR_SMOOTH 29
-#define SCREEN_TARGETS 30
-#define SCREEN_FRAMES 31
-#define SCREEN_SETTING_COUNT 32
+#define SCREEN_SSR 27
+#define SCREEN_SSR_RAYS 28
+#define SCREEN_SSR_STEPS 29
+#define SCREEN_SSR_HISTORY 30
+#define SCREEN_SSR_SMOOTH 31
+#define SCREEN_TARGETS 32
+#define SCREEN_FRAMES 33
+#define SCREEN_SETTING_COUNT 34
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -64,42 +66,46 @@
 #define SCREEN_FLOAT32 0
 #define SCREEN_FLOAT16 1
 
+#define SCREEN_METAL_RELIT 0
+#define SCREEN_METAL_CAMERA 1
+
 #define SCREEN_BOUNCES_ONE 0
 #define SCREEN_BOUNCES_ALL 1
 
 // --- targets, a pixel each ----------------------------------------------------------------------
 
 // Those with one number, always 32 bits.
-#define SCREEN_DEPTH 0     // linear eye depth [m]; FAR_M for the sky
-#define SCREEN_GI_COUNT 1  // frames in the mean
-#define SCREEN_SSR_COUNT 2
+#define SCREEN_DEPTH 0 // linear eye depth [m]; FAR_M for the sky
+#define SCREEN_LIGHTS 1 // bits of sun and lamps that are seen from there
+#define SCREEN_GI_COUNT 2 // frames in the mean
+#define SCREEN_SSR_COUNT 3
 // These in the frame before.
-#define SCREEN_DEPTH_BEFORE 3
-#define SCREEN_GI_COUNT_BEFORE 4
-#define SCREEN_SSR_COUNT_BEFORE 5
+#define SCREEN_DEPTH_BEFORE 4
+#define SCREEN_GI_COUNT_BEFORE 5
+#define SCREEN_SSR_COUNT_BEFORE 6
 // Those with four numbers.
-#define SCREEN_NORMAL 6 // of the surface, in the camera's axes (right, up, forward); w: roughness
-#define SCREEN_BASE 7   // RGB: base colour; w: metalness
-#define SCREEN_DIRECT 8 // RGB: radiance towards the camera without any indirect light
-#define SCREEN_OPEN 9   // x: share of the hemisphere that is open, by cosine
-#define SCREEN_OPEN_SMOOTH 10 // x: after the blur
+#define SCREEN_NORMAL 7 // of the surface, in the camera's axes (right, up, forward); w: roughness
+#define SCREEN_BASE 8 // RGB: base colour; w: metalness
+#define SCREEN_DIRECT 9 // RGB: radiance towards the camera without any indirect light
+#define SCREEN_OPEN 10 // x: share of the hemisphere that is open, by cosine
+#define SCREEN_OPEN_SMOOTH 11 // x: after the blur
 // RGB: what a white surface reflects of other surfaces; w: how much of a sky of radiance 1.
-#define SCREEN_GI_RAW 11
-#define SCREEN_GI_MEAN 12 // over frames
-#define SCREEN_GI_A 13    // after the first, third, .. smoothing
-#define SCREEN_GI_B 14    // after the second, fourth, ..
-#define SCREEN_LIT 15     // RGB: radiance with all light of diffuse surfaces
+#define SCREEN_GI_RAW 12
+#define SCREEN_GI_MEAN 13 // over frames
+#define SCREEN_GI_A 14 // after the first, third, .. smoothing
+#define SCREEN_GI_B 15 // after the second, fourth, ..
+#define SCREEN_LIT 16 // RGB: radiance with all light of diffuse surfaces
 // RGB and w again, for a white metal.
-#define SCREEN_SSR_RAW 16
-#define SCREEN_SSR_MEAN 17
-#define SCREEN_SSR_A 18
-#define SCREEN_SSR_B 19
-#define SCREEN_PICTURE 20 // RGB: with everything
+#define SCREEN_SSR_RAW 17
+#define SCREEN_SSR_MEAN 18
+#define SCREEN_SSR_A 19
+#define SCREEN_SSR_B 20
+#define SCREEN_PICTURE 21 // RGB: with everything
 // Some of these in the frame before.
-#define SCREEN_NORMAL_BEFORE 21
-#define SCREEN_GI_BEFORE 22
-#define SCREEN_SSR_BEFORE 23
-#define SCREEN_TARGET_COUNT 24
+#define SCREEN_NORMAL_BEFORE 22
+#define SCREEN_GI_BEFORE 23
+#define SCREEN_SSR_BEFORE 24
+#define SCREEN_TARGET_COUNT 25
 #define SCREEN_FIRST_OF_FOUR SCREEN_NORMAL
 #define SCREEN_NONE 0xffffffffu
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A ray through what the picture shows: along its line on the screen, evenly in pixels (M. McGuire,
-// M. Mara, "Efficient GPU Screen-Space Ray Tracing", JCGT 3(4), 2014), to the first surface that it
-// goes behind. A pixel's surface is its plane, so that a hit is where the ray meets the plane, not
+// A ray through what the picture shows: along its line on the screen (M. McGuire, M. Mara,
+// "Efficient GPU Screen-Space Ray Tracing", JCGT 3(4), 2014), to the first surface that it goes
+// behind. A pixel's surface is its plane, so that a hit is where the ray meets the plane, not
 // where the steps are.
 #ifndef NEPH_SCREEN_RAY_GLSL
 #define NEPH_SCREEN_RAY_GLSL
@@ -65,19 +65,23 @@ float behind_m(ScreenRay ray, float share, out ivec2 pixel, out float depth_m)
     return depth_m - (plane_at(place_px, pixel, seen_m) ? seen_m.z : depth_at_m(pixel));
 }
 
-// Between two places, before and behind a surface, halves the way until they are near.
-void refine(ScreenRay ray, float before, inout float behind, inout ivec2 pixel)
+// Between two places, before and behind a surface, halves the way until they are near; how far the
+// second is behind it then.
+float refine(ScreenRay ray, float before, inout float behind, inout ivec2 pixel, float gap_m)
 {
     for (int i = 0; i < choice(SCREEN_RAY_REFINE); i++) {
         float middle = 0.5 * (before + behind), depth_m;
         ivec2 seen;
-        if (behind_m(ray, middle, seen, depth_m) > 0.0) {
+        float found_m = behind_m(ray, middle, seen, depth_m);
+        if (found_m > 0.0) {
             behind = middle;
             pixel = seen;
+            gap_m = found_m;
         } else {
             before = middle;
         }
     }
+    return gap_m;
 }
 
 // Where the ray meets the plane of a pixel; where it does not, the place that is behind it.
@@ -90,29 +94,32 @@ vec3 meeting_m(ScreenRay ray, ivec2 pixel, float share)
     return ray.from_m + (meets_m > 0.0 && meets_m < SLACK * at_m ? meets_m : at_m) * ray.direction;
 }
 
-// `offset`: in [0, 1), of a step. What is farther behind a surface than its thickness and a step
-// passes by it.
+// `offset`: in [0, 1), of a step. Where the ray is first behind something it has either met a
+// surface, which is near there, or gone behind its edge, farther than the thickness: then it passes
+// by, and what it meets until it comes out is not known.
 ScreenHit screen_march(ScreenRay ray, int steps, float offset)
 {
     const float SAME = 1e-4; // of the depth, that floats leave
-    ScreenHit hit = ScreenHit(false, ivec2(0), vec3(0.0));
     float way_px = ray.share * length(ray.to_px - ray.from_px);
-    int count = int(min(float(steps), ceil(way_px)));
+    float power = setting(SCREEN_RAY_STEP_POWER);
+    int count = int(min(float(steps), ceil(power * way_px))); // the last steps are so much longer
     float thickness_m = setting(SCREEN_RAY_THICKNESS_M);
-    float before = 0.0, depth_before_step_m = ray.from_m.z;
+    float before = 0.0;
+    bool is_hidden = false;
     for (int i = 0; i < count; i++) {
-        float share = ray.share * (float(i) + 1.0 - offset) / float(count), depth_m;
+        float share = ray.share * pow((float(i) + 1.0 - offset) / float(count), power), depth_m;
         ivec2 pixel;
-        float behind = behind_m(ray, share, pixel, depth_m);
-        float allowed_m = thickness_m + abs(depth_m - depth_before_step_m);
-        if (behind > SAME * depth_m && (thickness_m == 0.0 || behind < allowed_m)) {
-            refine(ray, before, share, pixel);
-            return ScreenHit(true, pixel, meeting_m(ray, pixel, share));
+        float gap_m = behind_m(ray, share, pixel, depth_m);
+        if (gap_m > SAME * depth_m && !is_hidden) {
+            float met = share;
+            gap_m = refine(ray, before, met, pixel, gap_m);
+            if (thickness_m == 0.0 || gap_m < thickness_m)
+                return ScreenHit(true, pixel, meeting_m(ray, pixel, met));
         }
+        is_hidden = gap_m > SAME * depth_m;
         before = share;
-        depth_before_step_m = depth_m;
     }
-    return hit;
+    return ScreenHit(false, ivec2(0), vec3(0.0));
 }
 
 #endif

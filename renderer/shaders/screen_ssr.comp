@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: MIT
 //
 // Reflections of metal: rays by the facets that the camera sees (Heitz 2018), one for a mirror.
-// What a ray meets has the light of diffuse surfaces of this frame and what metal there reflected
-// in the frame before, as the camera sees it. A surface that turns its back is not met.
+// What a ray meets has the light of diffuse surfaces of this frame and what metal there reflected of
+// others in the frame before, as the camera sees it. A surface that turns its back is not met.
 #extension GL_GOOGLE_include_directive : require
 
-#include "screen_light.glsl"
-#include "surface.glsl"
+#include "screen_before.glsl"
+#include "screen_lights.glsl"
 
 // Between the centres of pixels of the same depth.
 vec3 lit_at(vec2 place_px, ivec2 pixel)
@@ -33,7 +33,11 @@ vec4 reflected_along(ScreenRay ray, float offset)
         return vec4(0.0, 0.0, 0.0, 1.0);
     if (view.has_bounces == 0u)
         return vec4(0.0);
-    return vec4(lit_at(pixel_of(hit.point_m), hit.pixel) + indirect_before(hit, false), 0.0);
+    if (!(load(SCREEN_BASE, hit.pixel).w > 0.0))
+        return vec4(lit_at(pixel_of(hit.point_m), hit.pixel), 0.0);
+    vec3 diffuse = load(SCREEN_LIT, hit.pixel).rgb - load(SCREEN_DIRECT, hit.pixel).rgb;
+    return vec4(max(diffuse, 0.0) + direct_into(ray.direction, hit.pixel) +
+                    indirect_before(hit, false), 0.0);
 }
 
 void main()

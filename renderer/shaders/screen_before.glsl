@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// What comes along a ray through the picture.
-#ifndef NEPH_SCREEN_LIGHT_GLSL
-#define NEPH_SCREEN_LIGHT_GLSL
+// What the frame before knew of a surface that a ray meets.
+#ifndef NEPH_SCREEN_BEFORE_GLSL
+#define NEPH_SCREEN_BEFORE_GLSL
 
 #include "screen_ray.glsl"
 
