@@ -101,7 +101,7 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
 
     [SCREEN_TARGETS] = CHOICE("targets", SCREEN_FLOAT32, formats,
                               "all but depth, which has 32 bits"),
-    [SCREEN_FRAMES] = WHOLE("frames", 8, 1, 4096,
+    [SCREEN_FRAMES] = WHOLE("frames", 32, 1, 4096,
                             "of a picture alone: it is the last of so many in which nothing moves"),
     {.name = NULL},
 };

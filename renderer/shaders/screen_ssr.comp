@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Reflections of metal: rays by the facets that the camera sees (Heitz 2018), one for a mirror.
-// What a ray meets has the light of diffuse surfaces of this frame and what metal there reflected of
-// others in the frame before, as the camera sees it. A surface that turns its back is not met.
+// What a ray meets has the light of diffuse surfaces of this frame, and what metal there reflected
+// of others in the frame before, as the camera sees it. A surface that turns its back is not met.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen_before.glsl"
