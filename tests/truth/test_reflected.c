@@ -34,7 +34,7 @@ static struct estimate estimate_of(double sum, double squares, int n)
     return (struct estimate){mean, sqrt(fmax(0.0, squares / n - mean * mean) / (n - 1))};
 }
 
-/* Of the green channel of a part; or, of NEPH_REFLECTED_PARTS, of what is seen. */
+/* The mean of the green channel of a part; of NEPH_REFLECTED_PARTS: of what is seen. */
 static struct estimate part_seen(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                  struct neph_vec3 direction, struct neph_reflected_limits limits,
                                  int part, int all_samples)
@@ -78,7 +78,7 @@ static struct neph_scene scene_of(struct neph_solid *solids, int count)
                                .solids = solids};
 }
 
-/* Of the floor's point (x, 0, z). */
+/* Seen from the floor's point (x, 0, z). */
 static struct estimate ambient(struct neph_solid *solids, int count, double x, double z,
                                double distance_m)
 {
@@ -176,8 +176,8 @@ static void test_one_bounce_off_a_board(void **state)
                 0.5 * irradiance * 0.6 / M_PI);
 }
 
-/* A board that the picture shows in part: what of its light, and of what it hides, comes from there.
- * The camera looks at it along x; the picture's upper edge cuts it at half its height. */
+/* A board that the picture shows in whole or from half its height on, or not at all: what of its
+ * light, and of what it hides, comes from there. The camera looks along x. */
 static void test_what_a_screen_knows(void **state)
 {
     (void)state;
