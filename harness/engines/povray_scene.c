@@ -774,8 +774,9 @@ static bool shows_paint(const struct writer *writer, const struct neph_solid *so
            (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE);
 }
 
-/* In cells from the middle of the box: a face is where |x|, |y| or |z| is half of the side. Patterns
- * wrap at 1, so the two values are 1/4 and 3/4. It turns along where it stands before the turn. */
+/* In cells from the middle of the box: a face is where |x|, |y| or |z| is half of the side.
+ * Patterns wrap at 1, so the two values are 1/4 and 3/4. It turns along where it stands before the
+ * turn. */
 static void write_checker(struct writer *writer, const struct neph_solid *box)
 {
     static const double within = 1.0 - 1e-9; /* POV-Ray's places on a face are rounded */
