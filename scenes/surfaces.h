@@ -18,7 +18,7 @@ bool neph_scene_has_metal(const struct neph_scene *scene);
  * solids are plain. */
 const char *neph_surfaces_obstacle(const struct neph_scene *scene);
 
-/* The same for an engine that knows patterns. */
+/* As neph_surfaces_obstacle(), for an engine that knows patterns. */
 const char *neph_metal_obstacle(const struct neph_scene *scene);
 
 #endif

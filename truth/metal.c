@@ -3,7 +3,7 @@
 
 #include "truth/directions.h"
 
-/* Of Trowbridge and Reitz; Walter et al. 2007, equation 33. */
+/* The distribution of Trowbridge and Reitz; Walter et al. 2007, equation 33. */
 static double facets_per_sr(double alpha, double cosine)
 {
     const double squared = alpha * alpha;

@@ -32,7 +32,7 @@ static struct place place_of(const struct neph_hit *hit, struct neph_vec3 origin
                           .color = neph_surface_color(hit, point_m)};
 }
 
-/* ---- beams: light of sun and lights, which comes from points ----------------------------------- */
+/* ---- beams: light of sun and lights, which comes from points --------------------------------- */
 
 struct beam {
     struct neph_vec3 direction;          /* unit, against it */
@@ -186,7 +186,7 @@ static void reflect_beams(const struct neph_scene *scene, const struct place *pl
     }
 }
 
-/* ---- paths ------------------------------------------------------------------------------------- */
+/* ---- paths ----------------------------------------------------------------------------------- */
 
 static double most_of(struct neph_rgb value)
 {
@@ -260,7 +260,7 @@ static bool leads_on_screen(const struct neph_scene *scene, const struct neph_sc
     return neph_on_screen(scene, screen, neph_hit_outside_m(&hit, met_m));
 }
 
-/* ---- views ------------------------------------------------------------------------------------- */
+/* ---- views ----------------------------------------------------------------------------------- */
 
 static struct place viewed(const struct neph_reflected_view *view)
 {
@@ -331,7 +331,7 @@ struct neph_rgb neph_reflected_radiance(const struct neph_reflected_view *view,
                                                                   part[NEPH_GLOSSY_INDIRECT])));
 }
 
-/* ---- what can be rendered ---------------------------------------------------------------------- */
+/* ---- what can be rendered -------------------------------------------------------------------- */
 
 static const char *find_obstacle(const struct neph_scene *scene)
 {

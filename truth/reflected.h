@@ -25,7 +25,7 @@ enum neph_reflected_part {
     NEPH_GLOSSY_DIRECT,    /* the same two of the metal */
     NEPH_GLOSSY_INDIRECT,
     NEPH_AMBIENT, /* visibility, 0..1: see neph_reflected_limits.ao_distance_m */
-    /* Of the indirect ones what comes from places that the screen shows; visibility where nothing
+    /* What of the indirect ones comes from places that the screen shows; visibility where nothing
      * else hides. */
     NEPH_DIFFUSE_ON_SCREEN,
     NEPH_GLOSSY_ON_SCREEN,

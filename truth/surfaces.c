@@ -34,7 +34,7 @@ struct render {
     struct layers layers;
 };
 
-/* ---- a pixel ----------------------------------------------------------------------------------- */
+/* ---- a pixel --------------------------------------------------------------------------------- */
 
 static void put(float *const layer[3], size_t pixel, struct neph_rgb value)
 {
@@ -122,7 +122,7 @@ static void render_row(int row, void *context)
     }
 }
 
-/* ---- the picture ------------------------------------------------------------------------------- */
+/* ---- the picture ----------------------------------------------------------------------------- */
 
 static enum neph_status add_part(struct neph_image *image, int which, struct layers *layers,
                                  struct neph_diag *diag)

@@ -20,17 +20,17 @@ struct neph_surfaces_params {
 };
 
 /* Render R G B, volume.* (0), transmittance.* (1), Z and, as layers of R G B,
- *   diffuse_direct, diffuse_indirect, glossy_direct, glossy_indirect   per unit of colour
- *   diffuse_color, glossy_color                                        what these count by
- *   ao                                                                 visibility, all channels
- *   diffuse_on_screen, glossy_on_screen, ao_on_screen                  what a screen can know of them
+ *   diffuse_direct, diffuse_indirect, glossy_direct, glossy_indirect: per unit of colour
+ *   diffuse_color, glossy_color: what these count by
+ *   ao: visibility, all channels
+ *   diffuse_on_screen, glossy_on_screen, ao_on_screen: what a screen can know of them
  * so that R G B = diffuse_color * (diffuse_direct + diffuse_indirect) + the same of glossy. Of the
- * sky R G B is the background, ao and ao_on_screen are 1 and the others are 0. variance.* is the square of the
- * standard error of R G B, variance.LAYER.* of a layer. normal.x, .y, .z: unit, in the world's axes;
- * of the sky 0. Where the scene does not scatter all orders, light meets no surface before the one
- * in view. Same params and scene: same bits, on any number of threads. `*frame` is the caller's.
- * NEPH_ERR_USAGE: a parameter is out of range. NEPH_ERR_UNSUPPORTED: neph_reflected_can() says
- * no. */
+ * sky R G B is the background, ao and ao_on_screen are 1 and the others are 0. variance.* is the
+ * square of the standard error of R G B, variance.LAYER.* of a layer. normal.x, .y, .z: unit, in
+ * the world's axes; of the sky 0. Where the scene does not scatter all orders, light meets no
+ * surface before the one in view. Same params and scene: same bits, on any number of threads.
+ * `*frame` is the caller's. NEPH_ERR_USAGE: a parameter is out of range. NEPH_ERR_UNSUPPORTED:
+ * neph_reflected_can() says no. */
 enum neph_status neph_surfaces_render(const struct neph_scene *scene,
                                       const struct neph_surfaces_params *params,
                                       struct neph_image **frame, struct neph_diag *diag);

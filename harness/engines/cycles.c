@@ -433,7 +433,7 @@ static enum neph_status radiance_layers(const struct session *session, struct ne
     return status;
 }
 
-/* Of the picture of all channels. */
+/* They are in the picture of all channels. */
 static enum neph_status surface_layers(const struct session *session, struct neph_image *frame,
                                        struct neph_diag *diag)
 {

@@ -45,7 +45,7 @@ json_t *neph_cycles_surface(const struct neph_surface *surface)
                      surface->roughness, "texture", texture_json(&surface->texture));
 }
 
-/* ---- layers ------------------------------------------------------------------------------------ */
+/* ---- layers ---------------------------------------------------------------------------------- */
 
 static enum neph_status copy_layer(const struct neph_image *picture, const char *from,
                                    struct neph_image *frame, const char *to, struct neph_diag *diag)
@@ -64,8 +64,8 @@ static enum neph_status copy_layer(const struct neph_image *picture, const char 
     return status;
 }
 
-/* Where the middle of a pixel sees no solid: one in a thousand samples may, and Blender divides what
- * it brings by the little colour that it has. */
+/* Where the middle of a pixel sees no solid: one in a thousand samples may, and Blender divides
+ * what it brings by the little colour that it has. */
 static void clear_sky(const float *depth, struct neph_image *frame, const char *layer, float value)
 {
     static const float sky_units = 1e10f;

@@ -228,8 +228,9 @@ static void make_things(struct test_scene *stage)
     stage->solids[3].surface = (struct neph_surface){.metalness = 1.0, .roughness = 0.4};
 }
 
-/* What a part brings to the picture: of its light per unit of colour no mean can be taken in Cycles,
- * which at the edge of a thing divides by little. `color`: by which it counts; NULL: as it is. */
+/* What a part brings to the picture: of its light per unit of colour no mean can be taken in
+ * Cycles, which at the edge of a thing divides by little. `color`: by which it counts; NULL: as it
+ * is. */
 static void compare_part(const struct neph_image *frame, const struct neph_image *truth,
                          const char *name, const char *color)
 {

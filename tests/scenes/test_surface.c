@@ -68,7 +68,7 @@ static double colour_seen(const struct neph_solid *solid, struct neph_vec3 from_
     return neph_surface_color(&hit, neph_vec3_along(from_m, direction, hit.t_m)).r;
 }
 
-/* Of the two coordinates in a face, from the middle of the box, whose faces lie on the lines of the
+/* By the two coordinates in a face, from the middle of the box, whose faces lie on the lines of the
  * pattern; and the same of the box when it has moved and turned. */
 static void test_a_pattern_is_painted_on_faces(void **state)
 {

@@ -10,7 +10,9 @@
 
 #include "truth/directions.h"
 #include "truth/metal.h"
+#include "truth/path.h"
 #include "truth/reflected.h"
+#include "truth/transport.h"
 
 static const double sigmas = 4.5;
 static const double far_m = 1e6;
@@ -34,7 +36,7 @@ static struct estimate estimate_of(double sum, double squares, int n)
     return (struct estimate){mean, sqrt(fmax(0.0, squares / n - mean * mean) / (n - 1))};
 }
 
-/* Of the green channel of a part; or, of NEPH_REFLECTED_PARTS, of what is seen. */
+/* The mean of the green channel of a part; of NEPH_REFLECTED_PARTS: of what is seen. */
 static struct estimate part_seen(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                  struct neph_vec3 direction, struct neph_reflected_limits limits,
                                  int part, int all_samples)
@@ -78,7 +80,7 @@ static struct neph_scene scene_of(struct neph_solid *solids, int count)
                                .solids = solids};
 }
 
-/* Of the floor's point (x, 0, z). */
+/* Seen from the floor's point (x, 0, z). */
 static struct estimate ambient(struct neph_solid *solids, int count, double x, double z,
                                double distance_m)
 {
@@ -176,8 +178,8 @@ static void test_one_bounce_off_a_board(void **state)
                 0.5 * irradiance * 0.6 / M_PI);
 }
 
-/* A board that the picture shows in part: what of its light, and of what it hides, comes from there.
- * The camera looks at it along x; the picture's upper edge cuts it at half its height. */
+/* A board that the picture shows in whole or from half its height on, or not at all: what of its
+ * light, and of what it hides, comes from there. The camera looks along x. */
 static void test_what_a_screen_knows(void **state)
 {
     (void)state;
@@ -287,6 +289,81 @@ static void test_energy_in_a_room(void **state)
         assert_true(all.error < neph_test_noise(0.02 * expected[i]));
         assert_mean(all, expected[i]);
     }
+}
+
+/* ---- textures -------------------------------------------------------------------------------- */
+
+static int make_textured(struct neph_solid *solids)
+{
+    solids[0] = floor_of(0.6);
+    solids[0].surface.texture = (struct neph_paint){
+        .cell_m = 0.37, .pattern = NEPH_PATTERN_NOISE, .other = {0.1, 0.4, 0.05}, .seed = 2};
+    solids[1] = grey_box(-1, 0, -1, 1, 1.5, 0.5, 0.8);
+    solids[1].turn = (struct neph_turn){1, cos(0.5), sin(0.5)};
+    solids[1].surface.texture = (struct neph_paint){
+        .cell_m = 0.31, .pattern = NEPH_PATTERN_CHECKER, .other = {0.9, 0.1, 0.3}};
+    return 2;
+}
+
+/* The closed form, the oracle and light between solids, each with code of its own. */
+static void test_textures_in_the_sun(void **state)
+{
+    (void)state;
+    struct neph_solid solids[2];
+    struct neph_scene scene = scene_of(solids, make_textured(solids));
+    scene.environment_light = false;
+    scene.scattering = NEPH_SCATTERING_NONE;
+    scene.sun = (struct neph_sun){true, {0.48, 0.6, 0.64}, {3, 2, 4}};
+    scene.light_count = 1;
+    scene.lights[0] = (struct neph_light){.position_m = {1, 3, 2}, .intensity_w_per_sr = white};
+    uint64_t seed = 5;
+    int lit = 0;
+    for (int i = 0; i < 500; i++) {
+        const struct neph_vec3 eye_m = {neph_test_uniform(&seed, -1, 1), 2, 5};
+        const struct neph_vec3 way = neph_vec3_normalize((struct neph_vec3){
+            neph_test_uniform(&seed, -0.4, 0.4), neph_test_uniform(&seed, -0.6, -0.05), -1});
+        const struct neph_rgb exact = neph_transport_ray(&scene, eye_m, way).radiance;
+        const struct neph_rgb oracle = neph_view_create(&scene, eye_m, way).unscattered;
+        const struct neph_reflected_view view = neph_reflected_view(&scene, eye_m, way);
+        const struct neph_rgb own = neph_rgb_mul(view.color[0], view.direct[0]);
+        neph_assert_close(oracle.r, exact.r, 1e-12, 1e-15);
+        neph_assert_close(own.r, exact.r, 1e-9, 1e-12);
+        neph_assert_close(own.g, exact.g, 1e-9, 1e-12);
+        neph_assert_close(own.b, exact.b, 1e-9, 1e-12);
+        lit += exact.g > 0.0;
+    }
+    assert_true(lit > 300);
+}
+
+/* All bounces, by the oracle's paths. */
+static void test_textures_in_all_light(void **state)
+{
+    (void)state;
+    struct neph_solid solids[2];
+    struct neph_scene scene = scene_of(solids, make_textured(solids));
+    scene.sun = (struct neph_sun){true, {0.48, 0.6, 0.64}, {3, 2, 4}};
+    const struct neph_vec3 eye_m = {1.9, 0.5, 0.4}, down = {0, -1, 0};
+    const int samples = neph_test_paths(40000);
+    const struct estimate own = part_seen(&scene, eye_m, down, all_light, NEPH_REFLECTED_PARTS,
+                                          40000);
+    struct neph_diag diag = {0};
+    struct neph_tracker *tracker;
+    struct neph_tracking_cost cost = {0, 0};
+    neph_assert_ok(neph_tracker_create(&scene, &tracker, &diag), &diag);
+    const struct neph_view view = neph_view_create(&scene, eye_m, down);
+    double sum = 0.0, squares = 0.0;
+    for (int n = 0; n < samples; n++) {
+        struct neph_random random = neph_random_stream(99, 0, (uint64_t)n);
+        const double value =
+            view.unscattered.g +
+            neph_path_trace(&scene, tracker, &view, NULL, &random, &cost).surface.g;
+        sum += value;
+        squares += value * value;
+    }
+    neph_tracker_destroy(tracker);
+    const struct estimate oracle = estimate_of(sum, squares, samples);
+    assert_true(own.mean > 1.02 * view.unscattered.g);
+    neph_assert_close(own.mean, oracle.mean, 0.0, sigmas * hypot(own.error, oracle.error));
 }
 
 /* ---- metal ----------------------------------------------------------------------------------- */
@@ -525,6 +602,8 @@ int main(void)
         cmocka_unit_test(test_one_bounce_off_a_board),
         cmocka_unit_test(test_what_a_screen_knows),
         cmocka_unit_test(test_energy_in_a_room),
+        cmocka_unit_test(test_textures_in_the_sun),
+        cmocka_unit_test(test_textures_in_all_light),
         cmocka_unit_test(test_white_furnace),
         cmocka_unit_test(test_rough_metal_under_an_even_sky),
         cmocka_unit_test(test_reflectance_of_rough_metal),
