@@ -20,14 +20,15 @@ static const char *const suite_names[] = {
  * as far as nobody has measured it. A tier only adds steps: those of the quick one are the same in
  * the full one, so that their series go on. */
 static const struct {
-    const char *before[4], *after[16];
+    const char *before[4], *after[18];
     const char *size; /* NULL: its own */
     double guess_s;
     int guess_series;
 } suites[] = {
     [NEPH_NIGHT_CATALOG] = {{"validate"},
-                            {"-e", "exact", "-e", "tracer", "-e", "march", "-e", "realtime", "-e",
-                             "cycles", "-e", "povray", "--no-charts", "--budget", "60"},
+                            {"-e", "exact", "-e", "surfaces", "-e", "tracer", "-e", "march", "-e",
+                             "realtime", "-e", "cycles", "-e", "povray", "--no-charts", "--budget",
+                             "60"},
                             "96x54",
                             20.0,
                             12},
@@ -147,7 +148,7 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
     const char *const own[] = {neph_arena_text(making->arena, of), size ? "--size" : NULL, size};
     add_words(making, step, suites[suite].before, 4);
     add_words(making, step, own, 3);
-    add_words(making, step, suites[suite].after, 16);
+    add_words(making, step, suites[suite].after, 18);
     add_settings(making, step);
 }
 
