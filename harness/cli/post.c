@@ -28,6 +28,7 @@ struct request {
     struct neph_cli_shared shared;
     const char *preset, *layer;
     int seed;
+    double rate_hz; /* NaN: what the frames say */
     bool list, png, stats;
 };
 
@@ -41,10 +42,12 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, .at = offsetof(struct request, layer)},
     {"seed", 0, "N", "Of the grain", NEPH_CLI_INTEGER, .at = offsetof(struct request, seed),
      .otherwise = "0", .minimum = 0, .maximum = INT_MAX},
+    {"fps", 0, "HZ", "Frames a second, for auto_exposure (default: what they say, else 30)",
+     NEPH_CLI_REAL, .at = offsetof(struct request, rate_hz), .minimum = 1e-3, .maximum = 1e4},
     {"png", 0, NULL, "An 8-bit PNG beside each EXR", NEPH_CLI_FLAG,
      .at = offsetof(struct request, png)},
-    {"stats", 0, NULL, "The device's time of each stage", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, stats)},
+    {"stats", 0, NULL, "The device's time of each stage, and what the eye is adapted to",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
     {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
     {.name = "json"},
     {.name = "quiet"},
@@ -88,6 +91,10 @@ static const char *size_of(const struct neph_post_stage *stage)
         [NEPH_POST_MAKES_PICTURE] = "the size that it gets",
         [NEPH_POST_MAKES_LARGER] = "the display's size",
         [NEPH_POST_MAKES_TABLE] = "a table",
+        [NEPH_POST_MAKES_HISTOGRAM] = "a histogram",
+        [NEPH_POST_MAKES_EXPOSURE] = "an exposure",
+        [NEPH_POST_MAKES_PYRAMID] = "a pyramid of pictures",
+        [NEPH_POST_MAKES_BLOOM] = "the size that it gets",
     };
     return sizes[stage->makes];
 }
@@ -129,23 +136,11 @@ static enum neph_status list(bool as_json, struct neph_diag *diag)
 struct work {
     const struct request *request;
     struct neph_post_params params;
+    struct neph_post_eye eye;
     struct neph_vulkan *vulkan;
     struct neph_sequence frames;
     json_t *results;
 };
-
-/* These two hold what they make to 0..1, which would cut off radiance. */
-static enum neph_status check_range(const struct neph_settings *settings, struct neph_diag *diag)
-{
-    const bool wants_picture = settings->values[POST_FXAA] != 0.0 ||
-                               settings->values[POST_SHARPEN] != 0.0;
-    if (!wants_picture || neph_post_is_displayed(settings))
-        return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_USAGE,
-              "fxaa and sharpen work on a display's picture, and tone is off");
-    neph_hint(diag, "--set tone=on, with --set tone_map=none for values that are within 0 and 1");
-    return NEPH_ERR_USAGE;
-}
 
 static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
 {
@@ -162,7 +157,7 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
             neph_hint(diag, "`neph post --list` explains them");
         return status;
     }
-    status = check_range(settings, diag);
+    status = neph_post_check(settings, diag);
     if (status)
         return status;
     for (const struct neph_post_stage *stage = neph_post_stages; stage->name; stage++)
@@ -282,9 +277,26 @@ static void note(struct work *work, const char *frame, const struct neph_image *
         neph_json_add(&stages, json_pack("{s:s, s:o}", "name", neph_post_stages[i].name, "ms",
                                          isfinite(ms) ? json_real(ms) : json_null()));
     }
-    neph_json_add(&work->results,
-                  json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px", picture->width_px,
-                            "height_px", picture->height_px, "stages", stages));
+    json_t *result = json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px",
+                               picture->width_px, "height_px", picture->height_px, "stages",
+                               stages);
+    if (isfinite(stats->adapted_ev)) {
+        neph_json_set(&result, "metered_ev", neph_json_number(stats->metered_ev));
+        neph_json_set(&result, "adapted_ev", neph_json_number(stats->adapted_ev));
+        if (work->request->stats && !work->request->shared.json)
+            printf("%s: metered %.4f EV, adapted to %.4f EV\n", frame, stats->metered_ev,
+                   stats->adapted_ev);
+    }
+    neph_json_add(&work->results, result);
+}
+
+static double frame_rate_hz(const struct work *work, const struct neph_image *frame)
+{
+    const char *text = neph_image_attribute(frame, NEPH_FRAME_RATE_ATTRIBUTE);
+    const double said_hz = text ? strtod(text, NULL) : 0.0;
+    if (!isnan(work->request->rate_hz))
+        return work->request->rate_hz;
+    return isfinite(said_hz) && said_hz > 0.0 ? said_hz : 30.0;
 }
 
 static enum neph_status make(struct work *work, int index, struct neph_diag *diag)
@@ -296,6 +308,8 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     if (status)
         return status;
     work->params.frame = work->frames.numbers ? (int)work->frames.numbers[index] : index;
+    work->params.step_s = 1.0 / frame_rate_hz(work, frame);
+    work->params.eye = &work->eye;
     if (neph_image_attribute(frame, "encoding"))
         status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
                            path);

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { local_size = 64, channels = 4, bindings = 4 };
+enum { local_size = 64, channels = 4, bindings = 6 };
 
 static const size_t texel_bytes = channels * sizeof(float);
 
@@ -24,12 +24,18 @@ static size_t texel_count(struct size size)
     return (size_t)size.width_px * (size_t)size.height_px;
 }
 
+/* What the shaders of the eye have in common with us (eye.glsl). */
+struct eye {
+    float adapted_ev, target_ev;
+    uint32_t counts[POST_METER_BINS], offsets[POST_METER_BINS];
+};
+
 /* A chain at work. Pictures change places from stage to stage. */
 struct work {
     struct neph_vulkan *vulkan;
     const struct neph_post_params *params;
     struct size size; /* of pictures[0], the newest */
-    struct neph_buffer pictures[2], table, readback;
+    struct neph_buffer pictures[2], table, eye, pyramid, readback, eye_readback;
     struct neph_buffer views[NEPH_POST_STAGES_MAX];
     struct neph_batch batch;
 };
@@ -56,6 +62,49 @@ static struct size last_size(const struct neph_settings *settings, struct size s
         if (neph_post_is_on(stage, settings))
             size = size_after(stage, settings, size);
     return size;
+}
+
+/* ---- the pyramid of bloom ------------------------------------------------------------------- */
+
+static struct size halved(struct size size)
+{
+    return (struct size){(size.width_px + 1) / 2, (size.height_px + 1) / 2};
+}
+
+/* Sizes of the levels, the picture first: at most as many as asked for, down to one texel. */
+static int level_sizes(const struct neph_settings *settings, struct size picture,
+                       struct size sizes[POST_LEVELS_MAX + 1])
+{
+    const int most = (int)settings->values[POST_BLOOM_LEVELS];
+    int level = 0;
+    sizes[0] = picture;
+    do {
+        sizes[level + 1] = halved(sizes[level]);
+        level++;
+    } while (level < most && texel_count(sizes[level]) > 1);
+    return level;
+}
+
+static size_t pyramid_texels(const struct neph_settings *settings, struct size picture)
+{
+    struct size sizes[POST_LEVELS_MAX + 1];
+    size_t sum = 0;
+    for (int level = level_sizes(settings, picture, sizes); level > 0; level--)
+        sum += texel_count(sizes[level]);
+    return sum;
+}
+
+static void fill_levels(const struct work *work, struct neph_gpu_post_view *view)
+{
+    struct size sizes[POST_LEVELS_MAX + 1];
+    uint32_t at = 0;
+    view->level_count = (uint32_t)level_sizes(&work->params->settings, work->size, sizes);
+    for (uint32_t level = 0; level <= view->level_count; level++) {
+        view->level_px[2 * level] = (uint32_t)sizes[level].width_px;
+        view->level_px[2 * level + 1] = (uint32_t)sizes[level].height_px;
+        view->level_at[level] = at;
+        at += level ? (uint32_t)texel_count(sizes[level]) : 0;
+    }
 }
 
 /* ---- what the shaders are told --------------------------------------------------------------- */
@@ -86,6 +135,22 @@ static void fill_colours(const struct neph_settings *settings, struct neph_gpu_p
     put_matrix(view->ap0_to_ap1, neph_colour_matrix(&neph_ap0, &neph_ap1));
 }
 
+/* Parts of a bin's width: as many as can be summed over all pixels. */
+static uint32_t meter_units(size_t pixel_count)
+{
+    const size_t most = UINT32_MAX / pixel_count;
+    return most < 65536 ? (uint32_t)most : 65536;
+}
+
+static void fill_eye(const struct neph_post_params *params, size_t pixel_count,
+                     struct neph_gpu_post_view *view)
+{
+    view->step_s = (float)params->step_s;
+    view->is_eye_open = params->eye && params->eye->is_open;
+    view->eye_ev = view->is_eye_open ? (float)params->eye->adapted_ev : 0.0f;
+    view->meter_units = meter_units(pixel_count);
+}
+
 static void fill_view(const struct work *work, struct size to, struct neph_gpu_post_view *view)
 {
     const struct neph_post_params *params = work->params;
@@ -97,20 +162,23 @@ static void fill_view(const struct work *work, struct size to, struct neph_gpu_p
     view->to_px[1] = (uint32_t)to.height_px;
     view->frame = (uint32_t)params->frame;
     view->seed = (uint32_t)(params->seed ^ params->seed >> 32);
+    fill_eye(params, texel_count(work->size), view);
+    fill_levels(work, view);
     fill_colours(&params->settings, view);
 }
 
 /* ---- a stage --------------------------------------------------------------------------------- */
 
 static enum neph_status dispatch(struct work *work, const struct neph_kernel *kernel,
-                                 struct neph_dispatch *whole, size_t thread_count,
+                                 struct neph_dispatch *whole, size_t thread_count, int level,
                                  struct neph_diag *diag)
 {
     const size_t groups_max = work->vulkan->limits.maxComputeWorkGroupCount[0];
     enum neph_status status = NEPH_OK;
     for (size_t first = 0; first < thread_count && !status; first += groups_max * local_size) {
         const size_t groups = (thread_count - first + local_size - 1) / local_size;
-        const struct neph_gpu_post_run run = {.first_thread = (uint32_t)first};
+        const struct neph_gpu_post_run run = {.first_thread = (uint32_t)first,
+                                              .level = (uint32_t)level};
         whole->push = &run;
         whole->group_count = (uint32_t)(groups < groups_max ? groups : groups_max);
         status = neph_batch_dispatch(&work->batch, kernel, whole, diag);
@@ -118,13 +186,55 @@ static enum neph_status dispatch(struct work *work, const struct neph_kernel *ke
     return status;
 }
 
+/* Threads of a run of the stage that writes this level; 0 of all but those of bloom. */
+static size_t thread_count(const struct work *work, const struct neph_post_stage *stage,
+                           struct size to, int level)
+{
+    struct size sizes[POST_LEVELS_MAX + 1];
+    switch (stage->makes) {
+    case NEPH_POST_MAKES_TABLE:
+        return (size_t)POST_LUT_SIDE * POST_LUT_SIDE * POST_LUT_SIDE;
+    case NEPH_POST_MAKES_HISTOGRAM:
+        return (texel_count(work->size) + POST_METER_PIXELS - 1) / POST_METER_PIXELS;
+    case NEPH_POST_MAKES_EXPOSURE:
+        return 1;
+    case NEPH_POST_MAKES_PYRAMID:
+    case NEPH_POST_MAKES_BLOOM:
+        level_sizes(&work->params->settings, work->size, sizes);
+        return texel_count(sizes[level]);
+    default:
+        return texel_count(to);
+    }
+}
+
+static bool makes_picture(const struct neph_post_stage *stage)
+{
+    return stage->makes == NEPH_POST_MAKES_PICTURE || stage->makes == NEPH_POST_MAKES_LARGER ||
+           stage->makes == NEPH_POST_MAKES_BLOOM;
+}
+
+/* One run, or one a level. */
+static enum neph_status run_stage(struct work *work, const struct neph_post_stage *stage,
+                                  const struct neph_kernel *kernel, struct neph_dispatch *whole,
+                                  struct size to, struct neph_diag *diag)
+{
+    struct size sizes[POST_LEVELS_MAX + 1];
+    const int levels = level_sizes(&work->params->settings, work->size, sizes);
+    const bool is_down = stage->makes == NEPH_POST_MAKES_PYRAMID;
+    const int runs = is_down || stage->makes == NEPH_POST_MAKES_BLOOM ? levels : 1;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < runs && !status; i++) {
+        const int level = is_down ? i + 1 : runs - 1 - i;
+        status = dispatch(work, kernel, whole, thread_count(work, stage, to, level), level, diag);
+        neph_batch_barrier(&work->batch);
+    }
+    return status;
+}
+
 static enum neph_status add_stage(struct work *work, const struct neph_post_stage *stage,
                                   struct neph_buffer *view, double *gpu_s, struct neph_diag *diag)
 {
-    const bool makes_table = stage->makes == NEPH_POST_MAKES_TABLE;
-    const struct size table = {POST_LUT_SIDE, POST_LUT_SIDE * POST_LUT_SIDE};
-    const struct size to = makes_table ? table
-                                       : size_after(stage, &work->params->settings, work->size);
+    const struct size to = size_after(stage, &work->params->settings, work->size);
     const struct neph_kernel_params params = {
         .name = stage->shader.name,
         .spirv = stage->shader.spirv,
@@ -133,8 +243,8 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
         .push_size_bytes = sizeof(struct neph_gpu_post_run),
     };
     struct neph_dispatch whole = {
-        .buffers = {view, &work->pictures[0], makes_table ? &work->table : &work->pictures[1],
-                    makes_table ? &work->pictures[1] : &work->table},
+        .buffers = {view, &work->pictures[0], &work->pictures[1], &work->table, &work->eye,
+                    &work->pyramid},
     };
     const struct neph_kernel *kernel;
     enum neph_status status = neph_buffer_create(work->vulkan, NEPH_BUFFER_UPLOAD,
@@ -145,12 +255,11 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
     fill_view(work, to, view->mapped);
     status = neph_kernel_get(work->vulkan, &params, &kernel, diag);
     if (!status)
-        status = dispatch(work, kernel, &whole, texel_count(to), diag);
+        status = run_stage(work, stage, kernel, &whole, to, diag);
     if (status)
         return status;
     neph_batch_stamp(&work->batch, gpu_s);
-    neph_batch_barrier(&work->batch);
-    if (!makes_table) {
+    if (makes_picture(stage)) {
         const struct neph_buffer newest = work->pictures[1];
         work->pictures[1] = work->pictures[0];
         work->pictures[0] = newest;
@@ -208,6 +317,31 @@ static enum neph_status take_out(struct work *work, struct neph_image *image,
     return status;
 }
 
+static enum neph_status close_eye(struct work *work, struct neph_diag *diag)
+{
+    static const struct eye closed;
+    return neph_buffer_upload(work->vulkan, &work->eye, 0, &closed, sizeof(closed), diag);
+}
+
+/* What the eye saw, for the next frame and the statistics. */
+static enum neph_status look_into_eye(struct work *work, struct neph_post_stats *stats,
+                                      struct neph_diag *diag)
+{
+    struct neph_post_eye *eye = work->params->eye;
+    if (work->params->settings.values[POST_AUTO_EXPOSURE] == 0.0)
+        return NEPH_OK;
+    const enum neph_status status = neph_buffer_download(
+        work->vulkan, &work->eye, &work->eye_readback, sizeof(struct eye), diag);
+    if (status)
+        return status;
+    const struct eye *seen = work->eye_readback.mapped;
+    stats->metered_ev = seen->target_ev;
+    stats->adapted_ev = seen->adapted_ev;
+    if (eye)
+        *eye = (struct neph_post_eye){.is_open = true, .adapted_ev = seen->adapted_ev};
+    return NEPH_OK;
+}
+
 /* Depth and masks, which metrics look at; in another size they would be of other pixels. */
 static enum neph_status copy_others(const struct neph_image *from, struct neph_image *to,
                                     struct neph_diag *diag)
@@ -243,6 +377,8 @@ static enum neph_status make_room(struct work *work, struct size last, struct ne
     const size_t last_bytes = texel_count(last) * texel_bytes;
     const size_t bytes = first_bytes > last_bytes ? first_bytes : last_bytes;
     const size_t table_bytes = (size_t)POST_LUT_SIDE * POST_LUT_SIDE * POST_LUT_SIDE * texel_bytes;
+    const bool blooms = work->params->settings.values[POST_BLOOM] != 0.0;
+    const size_t levels = blooms ? pyramid_texels(&work->params->settings, work->size) : 1;
     const struct {
         struct neph_buffer *buffer;
         enum neph_buffer_use use;
@@ -250,7 +386,10 @@ static enum neph_status make_room(struct work *work, struct size last, struct ne
     } all[] = {{&work->pictures[0], NEPH_BUFFER_DEVICE, bytes},
                {&work->pictures[1], NEPH_BUFFER_DEVICE, bytes},
                {&work->table, NEPH_BUFFER_DEVICE, table_bytes},
-               {&work->readback, NEPH_BUFFER_READBACK, bytes}};
+               {&work->eye, NEPH_BUFFER_DEVICE, sizeof(struct eye)},
+               {&work->pyramid, NEPH_BUFFER_DEVICE, levels * texel_bytes},
+               {&work->readback, NEPH_BUFFER_READBACK, bytes},
+               {&work->eye_readback, NEPH_BUFFER_READBACK, sizeof(struct eye)}};
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < sizeof(all) / sizeof(all[0]) && !status; i++)
         status = neph_buffer_create(work->vulkan, all[i].use, all[i].bytes, "picture",
@@ -262,7 +401,10 @@ static void finish(struct work *work)
 {
     for (int i = 0; i < NEPH_POST_STAGES_MAX; i++)
         neph_buffer_destroy(work->vulkan, &work->views[i]);
+    neph_buffer_destroy(work->vulkan, &work->eye_readback);
     neph_buffer_destroy(work->vulkan, &work->readback);
+    neph_buffer_destroy(work->vulkan, &work->pyramid);
+    neph_buffer_destroy(work->vulkan, &work->eye);
     neph_buffer_destroy(work->vulkan, &work->table);
     neph_buffer_destroy(work->vulkan, &work->pictures[1]);
     neph_buffer_destroy(work->vulkan, &work->pictures[0]);
@@ -273,7 +415,7 @@ enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_pos
                                struct neph_post_stats *stats, struct neph_diag *diag)
 {
     struct work work = {.vulkan = vulkan, .params = params};
-    struct neph_post_stats own_stats = {{0}};
+    struct neph_post_stats own_stats = {.metered_ev = NAN, .adapted_ev = NAN};
     struct neph_image *image = NULL;
     float *rgb[3];
     work.size = (struct size){frame->width_px, frame->height_px};
@@ -286,7 +428,11 @@ enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_pos
     if (!status)
         status = put_in(&work, rgb, diag);
     if (!status)
+        status = close_eye(&work, diag);
+    if (!status)
         status = run_stages(&work, &own_stats, diag);
+    if (!status)
+        status = look_into_eye(&work, &own_stats, diag);
     if (!status)
         status = copy_attributes(frame, image, diag);
     if (!status)

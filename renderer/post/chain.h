@@ -26,9 +26,13 @@ struct neph_post_stage {
     } shader;
     int settings[2]; /* on where both are not 0; the second may be the same */
     enum {
-        NEPH_POST_MAKES_PICTURE, /* of the size of the one before */
-        NEPH_POST_MAKES_LARGER,  /* of the display's size */
-        NEPH_POST_MAKES_TABLE,   /* POST_LUT_SIDE^3 colours */
+        NEPH_POST_MAKES_PICTURE,   /* of the size of the one before */
+        NEPH_POST_MAKES_LARGER,    /* of the display's size */
+        NEPH_POST_MAKES_TABLE,     /* POST_LUT_SIDE^3 colours */
+        NEPH_POST_MAKES_HISTOGRAM, /* of the picture; a thread counts POST_METER_PIXELS */
+        NEPH_POST_MAKES_EXPOSURE,  /* out of the histogram */
+        NEPH_POST_MAKES_PYRAMID,   /* a level a run, the finest first */
+        NEPH_POST_MAKES_BLOOM,     /* a level a run, the picture last */
     } makes;
 };
 
@@ -40,14 +44,26 @@ bool neph_post_is_on(const struct neph_post_stage *stage, const struct neph_sett
 /* Where the picture is one for a display, values of 1 being its white. */
 bool neph_post_is_displayed(const struct neph_settings *settings);
 
+/* Whether settings make sense together: NEPH_ERR_USAGE names those that do not. */
+enum neph_status neph_post_check(const struct neph_settings *settings, struct neph_diag *diag);
+
+/* What automatic exposure remembers from a frame to the next. Zero-initialise it for a sequence. */
+struct neph_post_eye {
+    bool is_open;      /* it has seen a frame */
+    double adapted_ev; /* log2 of the luminance that it is adapted to */
+};
+
 struct neph_post_params {
     struct neph_settings settings; /* of neph_post_options */
     int frame;                     /* of the grain */
     uint64_t seed;
+    double step_s;             /* since the frame before, >= 0 */
+    struct neph_post_eye *eye; /* of the sequence, borrowed; NULL: each frame is the first */
 };
 
 struct neph_post_stats {
     double gpu_s[NEPH_POST_STAGES_MAX]; /* by stage; 0: off, NaN: the device has no clock */
+    double metered_ev, adapted_ev;      /* log2 of luminance; NaN without automatic exposure */
 };
 
 /* The channels R G B of `frame`, through the chain. `*made` is a new image with R G B, what the

@@ -17,6 +17,8 @@ static const char *const filters[] = {"off",         "nearest", "bilinear", "dir
                                       "catmull_rom", "lanczos", "gaussian", "smoothstep",
                                       "easu",        NULL};
 
+static const char *const blooms[] = {"off", "conserving", "additive", NULL};
+
 #define CHOICE(name, value, words, help)                                                           \
     {                                                                                              \
         name, NEPH_OPTION_CHOICE, value, 0, 0, words, help                                         \
@@ -81,6 +83,39 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
     [POST_SHARPEN_AMOUNT] = REAL("sharpen_amount", 0.5, 0, 1,
                                  "cas: its sharpness; rcas: 2^-2 at 0 to 1 at 1, the strength that "
                                  "goes to the limit"),
+
+    [POST_AUTO_EXPOSURE] = CHOICE("auto_exposure", 0, switches,
+                                  "the eye adapts to the frames: what it is adapted to is shown as "
+                                  "0.18 times 2^exposure_ev"),
+    [POST_METER_LOW_PERCENT] = REAL("meter_low_percent", 10, 0, 100,
+                                    "this part of the pixels, the darkest, is not looked at [%]"),
+    [POST_METER_HIGH_PERCENT] = REAL("meter_high_percent", 90, 0, 100,
+                                     "nor is what is brighter than this part of them [%]"),
+    [POST_EXPOSURE_MIN_EV] = REAL("exposure_min_ev", -10, -16, 16,
+                                  "log2 of the least luminance that the eye adapts to"),
+    [POST_EXPOSURE_MAX_EV] = REAL("exposure_max_ev", 10, -16, 16, "and of the largest"),
+    [POST_ADAPT_UP] = REAL("adapt_up_ev_per_s", 3, 0, 1000, "speed towards brighter light"),
+    [POST_ADAPT_DOWN] = REAL("adapt_down_ev_per_s", 1, 0, 1000, "speed towards darker light"),
+    [POST_ADAPT_NEAR_EV] = REAL("adapt_near_ev", 1.5, 0.01, 32,
+                                "nearer than this the speed falls with the distance: an "
+                                "exponential approach at speed / this a second"),
+
+    [POST_BLOOM] = CHOICE(
+        "bloom", POST_BLOOM_OFF, blooms,
+        "light that the lens spreads: conserving takes from a pixel what it gives "
+        "to others; additive adds, from what is above a threshold"),
+    [POST_BLOOM_SCATTERED] = REAL("bloom_scattered", 0.05, 0, 1,
+                                  "conserving: the part of the light that is spread"),
+    [POST_BLOOM_INTENSITY] = REAL("bloom_intensity", 0.675, 0, 8,
+                                  "additive: times the spread light; 0.675 is Unreal's"),
+    [POST_BLOOM_THRESHOLD] = REAL("bloom_threshold", -1, -1, 65504,
+                                  "additive: exposed luminance from which light is spread, all of "
+                                  "it from 2 above; -1: all light"),
+    [POST_BLOOM_SPREAD] = REAL(
+        "bloom_spread", 0.7, 0, 1,
+        "at each level of the pyramid, the part that comes from coarser ones"),
+    [POST_BLOOM_LEVELS] = {"bloom_levels", NEPH_OPTION_INTEGER, 6, 1, POST_LEVELS_MAX, NULL,
+                           "how often the picture is halved: light goes some 2^this pixels far"},
     {.name = NULL},
 };
 

@@ -1,6 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/post/chain.h"
 
+static const uint32_t meter_spirv[] = {
+#include "shaders/post_meter.comp.inc"
+};
+static const uint32_t adapt_spirv[] = {
+#include "shaders/post_adapt.comp.inc"
+};
+static const uint32_t bloom_down_spirv[] = {
+#include "shaders/post_bloom_down.comp.inc"
+};
+static const uint32_t bloom_up_spirv[] = {
+#include "shaders/post_bloom_up.comp.inc"
+};
 static const uint32_t lut_spirv[] = {
 #include "shaders/post_lut.comp.inc"
 };
@@ -18,6 +30,34 @@ static const uint32_t upscale_spirv[] = {
 };
 
 const struct neph_post_stage neph_post_stages[] = {
+    {
+        .name = "light meter",
+        .note = "a histogram of the frame's luminance",
+        .shader = {"post_meter", meter_spirv, sizeof(meter_spirv)},
+        .settings = {POST_AUTO_EXPOSURE, POST_AUTO_EXPOSURE},
+        .makes = NEPH_POST_MAKES_HISTOGRAM,
+    },
+    {
+        .name = "adaptation",
+        .note = "of the eye to what was metered",
+        .shader = {"post_adapt", adapt_spirv, sizeof(adapt_spirv)},
+        .settings = {POST_AUTO_EXPOSURE, POST_AUTO_EXPOSURE},
+        .makes = NEPH_POST_MAKES_EXPOSURE,
+    },
+    {
+        .name = "bloom, down",
+        .note = "halves of halves of the frame",
+        .shader = {"post_bloom_down", bloom_down_spirv, sizeof(bloom_down_spirv)},
+        .settings = {POST_BLOOM, POST_BLOOM},
+        .makes = NEPH_POST_MAKES_PYRAMID,
+    },
+    {
+        .name = "bloom, up",
+        .note = "light that the lens spreads",
+        .shader = {"post_bloom_up", bloom_up_spirv, sizeof(bloom_up_spirv)},
+        .settings = {POST_BLOOM, POST_BLOOM},
+        .makes = NEPH_POST_MAKES_BLOOM,
+    },
     {
         .name = "table of colours",
         .note = "what tone curve and display make of 32^3 colours",

@@ -32,7 +32,23 @@
 #define POST_FXAA_THRESHOLD_MIN 20
 #define POST_SHARPEN 21
 #define POST_SHARPEN_AMOUNT 22
-#define POST_SETTING_COUNT 23
+// Automatic exposure.
+#define POST_AUTO_EXPOSURE 23
+#define POST_METER_LOW_PERCENT 24
+#define POST_METER_HIGH_PERCENT 25
+#define POST_EXPOSURE_MIN_EV 26
+#define POST_EXPOSURE_MAX_EV 27
+#define POST_ADAPT_UP 28
+#define POST_ADAPT_DOWN 29
+#define POST_ADAPT_NEAR_EV 30
+// Bloom.
+#define POST_BLOOM 31
+#define POST_BLOOM_SCATTERED 32
+#define POST_BLOOM_INTENSITY 33
+#define POST_BLOOM_THRESHOLD 34
+#define POST_BLOOM_SPREAD 35
+#define POST_BLOOM_LEVELS 36
+#define POST_SETTING_COUNT 37
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -65,8 +81,24 @@
 #define POST_SHARPEN_CAS 1
 #define POST_SHARPEN_RCAS 2
 
+#define POST_BLOOM_OFF 0
+#define POST_BLOOM_CONSERVING 1
+#define POST_BLOOM_ADDITIVE 2
+
 // --- the table of colours ---------------------------------------------------------------------
 
 #define POST_LUT_SIDE 32
+
+// --- automatic exposure -----------------------------------------------------------------------
+
+// The meter's histogram: log2 of luminance, bins a quarter wide. What is beyond is in the last one.
+#define POST_METER_BINS 128
+#define POST_METER_FIRST_EV (-16.0)
+#define POST_METER_BINS_PER_EV 4.0
+#define POST_METER_PIXELS 64 // that a thread looks at
+
+// --- bloom ------------------------------------------------------------------------------------
+
+#define POST_LEVELS_MAX 8 // of the pyramid, besides the picture
 
 #endif

@@ -120,8 +120,35 @@ class Post(unittest.TestCase):
         self.assertNotEqual(first, other)
         self.assertNotEqual(first, later)
 
+    def test_the_eye_adapts_from_frame_to_frame(self):
+        """A frame 4 EV brighter than the one before: 3 EV in a second, and no further."""
+        for number, ev in ((3, 0), (4, 4), (5, 4)):
+            self.write(self.root / "in" / f"frame.000{number}.exr", [2.0 ** ev] * WIDTH * HEIGHT)
+        words = ["-p", "plain", "-s", "auto_exposure=on", "-s", "adapt_near_ev=0.5", "-s",
+                 "exposure_ev=-1"]
+        done = neph("post", self.root / "in", *words, "--fps", "2", "--json", "-o",
+                    self.root / "out")
+        evs = [result["adapted_ev"] for result in json.loads(done.stdout)]
+        for seen, expected in zip(evs, (0.0, 1.5, 3.0)):
+            self.assertAlmostEqual(seen, expected, places=5)
+        shown = [reds(self.root / "out" / f"frame.000{n}.exr")[0] for n in (3, 4, 5)]
+        for seen, expected in zip(shown, (0.09, 0.09 * 2 ** 2.5, 0.18)):
+            self.assertAlmostEqual(seen, expected, places=4)
+
+    def test_bloom_keeps_the_light(self):
+        values = [0.0] * (WIDTH * HEIGHT)
+        values[5] = 32.0
+        self.write(self.frame, values)
+        neph("post", self.frame, "-s", "bloom=conserving", "-q", "-o", self.root / "out")
+        spread = reds(self.root / "out" / self.frame.name)
+        self.assertAlmostEqual(sum(spread), 32.0, places=4)
+        self.assertGreater(min(spread), 0.0)
+
     def test_what_makes_no_sense_is_refused(self):
         for words, said in (
+                (["post", self.frame, "-s", "auto_exposure=on"], "tone is off"),
+                (["post", self.frame, "-p", "plain", "-s", "auto_exposure=on", "-s",
+                  "meter_low_percent=95"], "meter_high_percent"),
                 (["post"], "which frames"),
                 (["post", self.frame], "all stages of the chain are off"),
                 (["post", self.frame, "-p", "none_such"], "unreal"),
