@@ -27,7 +27,7 @@
 struct request {
     struct neph_cli_shared shared;
     const char *preset, *layer;
-    int seed;
+    int seed, bits; /* bits: -1: by the encoding */
     double rate_hz; /* NaN: what the frames say */
     bool list, png, stats;
 };
@@ -44,8 +44,9 @@ static const struct neph_cli_option options[] = {
      .otherwise = "0", .minimum = 0, .maximum = INT_MAX},
     {"fps", 0, "HZ", "Frames a second, for auto_exposure (default: what they say, else 30)",
      NEPH_CLI_REAL, .at = offsetof(struct request, rate_hz), .minimum = 1e-3, .maximum = 1e4},
-    {"png", 0, NULL, "An 8-bit PNG beside each EXR", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, png)},
+    {"png", 0, NULL, "A PNG beside each EXR", NEPH_CLI_FLAG, .at = offsetof(struct request, png)},
+    {"bits", 0, "N", "Of a channel of the PNG, 8 to 16 (default: 8, for an HDR display 10)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, bits), .minimum = 8, .maximum = 16},
     {"stats", 0, NULL, "The device's time of each stage, and what the eye is adapted to",
      NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
     {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
@@ -73,8 +74,9 @@ static const struct neph_cli_syntax syntax = {
         "Frames of any renderer through the picture chain: what stands between a frame and the "
         "display.\v"
         "FRAMES: " NEPH_SEQUENCE_HELP ". R G B are scene-linear radiance. DIR gets an EXR of each "
-        "by its own name: the linear light that an sRGB display makes of the picture, 1 being its "
-        "white, which `neph compare`, `flicker` and `view` know as a display's. Put the reference "
+        "by its own name: the linear light that the display makes of the picture, 1 being its "
+        "white (with encode=pq: white_nits), which `neph compare`, `flicker` and `view` know as a "
+        "display's. Put the reference "
         "through the same chain before you compare. Without tone mapping it is still radiance.\n\n"
         "The device is lavapipe unless NEPH_VULKAN_DEVICE names part of another's name.\n\n"
         "Examples:\n"
@@ -158,6 +160,8 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
         return status;
     }
     status = neph_post_check(settings, diag);
+    if (!status && request->png && request->bits == 8 && neph_post_is_hdr(settings))
+        status = neph_fail(diag, NEPH_ERR_USAGE, "--bits=8: ST 2084 wants 10 to 16");
     if (status)
         return status;
     for (const struct neph_post_stage *stage = neph_post_stages; stage->name; stage++)
@@ -222,15 +226,35 @@ static enum neph_status check_names(const struct work *work, struct neph_diag *d
     return status;
 }
 
+static enum neph_status write_bytes(const struct neph_image *picture, const char *path,
+                                    const uint16_t *codes, struct neph_diag *diag)
+{
+    const size_t count = 3 * neph_image_pixel_count(picture);
+    uint8_t *bytes = malloc(count);
+    if (!bytes)
+        return neph_fail_memory(diag);
+    for (size_t i = 0; i < count; i++)
+        bytes[i] = (uint8_t)codes[i];
+    const enum neph_status status = neph_png_write_rgb8(path, picture->width_px, picture->height_px,
+                                                        bytes, diag);
+    free(bytes);
+    return status;
+}
+
 static enum neph_status write_png(const struct work *work, const struct neph_image *picture,
                                   const char *path, struct neph_diag *diag)
 {
-    uint8_t *codes = malloc(3 * neph_image_pixel_count(picture));
+    const size_t count = 3 * neph_image_pixel_count(picture);
+    const bool is_hdr = neph_post_is_hdr(&work->params.settings);
+    const int bits = work->request->bits > 0 ? work->request->bits : is_hdr ? 10 : 8;
+    uint16_t *codes = malloc(count * sizeof(*codes));
     if (!codes)
         return neph_fail_memory(diag);
-    neph_post_codes(&work->params.settings, picture, codes);
-    const enum neph_status status = neph_png_write_rgb8(path, picture->width_px, picture->height_px,
-                                                        codes, diag);
+    neph_post_codes(&work->params.settings, picture, bits, codes);
+    const enum neph_status status =
+        bits == 8 ? write_bytes(picture, path, codes, diag)
+                  : neph_png_write_rgb16(path, picture->width_px, picture->height_px, bits,
+                                         is_hdr ? NEPH_PNG_BT2020_PQ : NEPH_PNG_SRGB, codes, diag);
     free(codes);
     return status;
 }
@@ -239,7 +263,8 @@ static enum neph_status show(const struct neph_settings *settings, struct neph_i
                              struct neph_diag *diag)
 {
     neph_post_show(settings, picture);
-    return neph_image_set_attribute(picture, NEPH_DISPLAY_ATTRIBUTE, diag, "sRGB");
+    return neph_image_set_attribute(picture, NEPH_DISPLAY_ATTRIBUTE, diag, "%s",
+                                    neph_post_is_hdr(settings) ? "PQ" : "sRGB");
 }
 
 static enum neph_status write(const struct work *work, const char *frame,

@@ -133,6 +133,7 @@ static void fill_colours(const struct neph_settings *settings, struct neph_gpu_p
     put_matrix(view->ap1_to_rec709, neph_colour_matrix(&neph_ap1, &neph_rec709));
     put_matrix(view->ap1_to_ap0, neph_colour_matrix(&neph_ap1, &neph_ap0));
     put_matrix(view->ap0_to_ap1, neph_colour_matrix(&neph_ap0, &neph_ap1));
+    put_matrix(view->rec709_to_rec2020, neph_colour_matrix(&neph_rec709, &neph_rec2020));
 }
 
 /* Parts of a bin's width: as many as can be summed over all pixels. */

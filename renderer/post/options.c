@@ -8,8 +8,9 @@
 #include <stddef.h>
 
 static const char *const switches[] = {"off", "on", NULL};
-static const char *const maps[] = {"none", "reinhard", "narkowicz", "unreal", "neutral", NULL};
-static const char *const encodings[] = {"linear", "srgb", NULL};
+static const char *const maps[] = {"none",    "reinhard", "narkowicz", "unreal",
+                                   "neutral", "agx",      "bt2390",    NULL};
+static const char *const encodings[] = {"linear", "srgb", "pq", NULL};
 static const char *const fxaas[] = {"off",        "console",    "quality_12",
                                     "quality_29", "quality_39", NULL};
 static const char *const sharpenings[] = {"off", "cas", "rcas", NULL};
@@ -30,9 +31,11 @@ static const char *const blooms[] = {"off", "conserving", "additive", NULL};
 
 const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
     [POST_TONE] = CHOICE("tone", 0, switches, "tone mapping, with exposure, vignette and grain"),
-    [POST_TONE_MAP] = CHOICE("tone_map", POST_MAP_UNREAL, maps,
-                             "curve: none (held to 1), Reinhard 2002, Narkowicz's fit of ACES, "
-                             "Unreal's film curve, Khronos PBR Neutral"),
+    [POST_TONE_MAP] = CHOICE(
+        "tone_map", POST_MAP_UNREAL, maps,
+        "curve: none (held to 1), Reinhard 2002, Narkowicz's fit of ACES, "
+        "Unreal's film curve, Khronos PBR Neutral, AgX, the roll-off of ITU-R BT.2390 "
+        "to the display's peak"),
     [POST_EXPOSURE_EV] = REAL("exposure_ev", 0, -32, 32, "radiance times 2^EV is what is mapped"),
     [POST_WHITE_TEMPERATURE_K] = REAL("white_temperature_k", 6504, 1700, 25000,
                                       "light of this temperature is shown white [K]; 6504, that of "
@@ -53,8 +56,10 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
     [POST_GRAIN] = REAL("grain", 0, 0, 64,
                         "range of the noise in steps of 8 bits; Unreal has about 1, so that "
                         "gradients do not band"),
-    [POST_ENCODE] = CHOICE("encode", POST_ENCODE_SRGB, encodings,
-                           "what stages after tone mapping work on"),
+    [POST_ENCODE] = CHOICE(
+        "encode", POST_ENCODE_SRGB, encodings,
+        "what stages after tone mapping work on, and a PNG holds: for an sRGB display, "
+        "or in BT.2020 by ST 2084 (PQ) for an HDR display"),
 
     [POST_UPSCALE] = CHOICE("upscale", POST_UPSCALE_OFF, filters,
                             "filter from the rendered size to the display's"),
@@ -116,6 +121,11 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
         "at each level of the pyramid, the part that comes from coarser ones"),
     [POST_BLOOM_LEVELS] = {"bloom_levels", NEPH_OPTION_INTEGER, 6, 1, POST_LEVELS_MAX, NULL,
                            "how often the picture is halved: light goes some 2^this pixels far"},
+
+    [POST_WHITE_NITS] = REAL("white_nits", 203, 1, 10000,
+                             "what 1 is shown as [cd/m^2]; 203: ITU-R BT.2408's white of graphics"),
+    [POST_PEAK_NITS] = REAL("peak_nits", 1000, 1, 10000,
+                            "the most that an HDR display shows [cd/m^2]"),
     {.name = NULL},
 };
 
@@ -135,6 +145,9 @@ const struct neph_preset neph_post_presets[] = {
     {"aces", "the same with the film curve that it calls ACES",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.91 film_toe=0.53 "
      "film_shoulder=0.23 film_black_clip=0 film_white_clip=0.035"},
+    {"agx", "T. Sobotka's AgX, by formula", "tone=on tone_map=agx"},
+    {"hdr", "an HDR display of 1000 cd/m^2: PQ, BT.2020, highlights rolled off by BT.2390",
+     "tone=on tone_map=bt2390 encode=pq"},
     {"plain", "held to 1 and encoded for an sRGB display, by formula", "tone=on tone_map=none"},
     {.name = NULL},
 };

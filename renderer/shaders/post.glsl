@@ -23,7 +23,8 @@ layout(scalar, binding = 0) readonly buffer PostView {
     uint from_px[2], to_px[2];          // of the picture before and after this stage
     uint frame, seed;                   // of the grain
     float white_balance[9];             // Rec.709 to Rec.709
-    float rec709_to_ap1[9], ap1_to_rec709[9], ap1_to_ap0[9], ap0_to_ap1[9];
+    float rec709_to_ap1[9], ap1_to_rec709[9], ap1_to_ap0[9], ap0_to_ap1[9],
+        rec709_to_rec2020[9];
     float toe_match, straight_match, shoulder_match; // of the film curve: renderer/post/film.h
     float step_s;                   // since the frame before, for the eye
     float eye_ev;                   // what it was adapted to

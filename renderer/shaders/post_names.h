@@ -48,7 +48,10 @@
 #define POST_BLOOM_THRESHOLD 34
 #define POST_BLOOM_SPREAD 35
 #define POST_BLOOM_LEVELS 36
-#define POST_SETTING_COUNT 37
+// An HDR display.
+#define POST_WHITE_NITS 37
+#define POST_PEAK_NITS 38
+#define POST_SETTING_COUNT 39
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -57,9 +60,12 @@
 #define POST_MAP_NARKOWICZ 2
 #define POST_MAP_UNREAL 3
 #define POST_MAP_NEUTRAL 4
+#define POST_MAP_AGX 5
+#define POST_MAP_BT2390 6
 
 #define POST_ENCODE_LINEAR 0
 #define POST_ENCODE_SRGB 1
+#define POST_ENCODE_PQ 2
 
 #define POST_UPSCALE_OFF 0
 #define POST_UPSCALE_NEAREST 1

@@ -144,6 +144,30 @@ class Post(unittest.TestCase):
         self.assertAlmostEqual(sum(spread), 32.0, places=4)
         self.assertGreater(min(spread), 0.0)
 
+    def test_an_hdr_picture_is_light_of_its_display(self):
+        values = [8.0 * v for v in self.values]  # up to 1573 cd/m^2, of which 1000 are shown
+        self.write(self.frame, values)
+        neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "-s", "encode=pq", "--png",
+             "-q", "-o", self.root / "out")
+        for value, seen in zip(values, reds(self.root / "out" / self.frame.name)):
+            self.assertAlmostEqual(seen, min(value, 1000 / 203), delta=1e-3)
+        packed = (self.root / "out" / "frame.0003.png").read_bytes()
+        self.assertEqual(packed[24], 16)
+        self.assertIn(b"sBIT\x0a\x0a\x0a", packed)
+        self.assertIn(b"cICP\x09\x10\x00\x01", packed)
+        # With the curve that HDR displays want nothing ends in a plateau.
+        neph("post", self.frame, "-p", "hdr", "-q", "-o", self.root / "hdr")
+        rolled = reds(self.root / "hdr" / self.frame.name)
+        self.assertTrue(all(a < b for a, b in zip(rolled, rolled[1:])))
+
+    def test_a_png_has_the_bits_asked_for(self):
+        for bits in (8, 10, 16):
+            neph("post", self.frame, "-p", "plain", "--png", "--bits", bits, "-q", "-o",
+                 self.root / str(bits))
+            packed = (self.root / str(bits) / "frame.0003.png").read_bytes()
+            self.assertEqual(packed[24], 8 if bits == 8 else 16)
+            self.assertIn(b"sRGB", packed)
+
     def test_what_makes_no_sense_is_refused(self):
         for words, said in (
                 (["post", self.frame, "-s", "auto_exposure=on"], "tone is off"),
@@ -153,6 +177,7 @@ class Post(unittest.TestCase):
                 (["post", self.frame], "all stages of the chain are off"),
                 (["post", self.frame, "-p", "none_such"], "unreal"),
                 (["post", self.frame, "-s", "upscale=cubic"], "catmull_rom"),
+                (["post", self.frame, "-p", "hdr", "--png", "--bits", "8"], "ST 2084"),
                 (["post", self.frame, "-s", "sharpen=rcas"], "tone is off"),
                 (["post", self.frame, "-s", "fxaa=console"], "tone=on"),
                 (["post", self.frame, "-p", "plain", "-o", self.frame.parent], "over itself"),
