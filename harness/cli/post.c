@@ -12,10 +12,13 @@
 #include "base/text.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/sequence.h"
+#include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
 #include "renderer/post/chain.h"
 #include "renderer/post/display.h"
+#include "renderer/post/plan.h"
+#include "scenes/scene.h"
 
 #include <limits.h>
 #include <math.h>
@@ -26,7 +29,7 @@
 
 struct request {
     struct neph_cli_shared shared;
-    const char *preset, *layer;
+    const char *preset, *chain, *scene, *layer;
     int seed, bits; /* bits: -1: by the encoding */
     double rate_hz; /* NaN: what the frames say */
     bool list, png, stats;
@@ -37,6 +40,11 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, list)},
     {"preset", 'p', "NAME", "A set of settings by name, before any --set", NEPH_CLI_WORD,
      .at = offsetof(struct request, preset), .otherwise = "off"},
+    {"chain", 0, "FILE",
+     "Order, settings and volumes of the chain; --set goes on top of its settings", NEPH_CLI_WORD,
+     .at = offsetof(struct request, chain)},
+    {"scene", 0, "SCENE", "Whose camera is in the chain's volumes, at the number of each frame",
+     NEPH_CLI_WORD, .at = offsetof(struct request, scene)},
     {.name = "set", .help = "A setting of the chain; may be given several times"},
     {"layer", 0, "NAME", "Radiance is the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, .at = offsetof(struct request, layer)},
@@ -64,6 +72,10 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "which frames?");
     if (request->list && request->shared.operand_count > 0)
         argp_error(state, "--list takes no frames");
+    if (request->chain && strcmp(request->preset, "off") != 0)
+        argp_error(state, "a chain names its preset itself: no --preset with --chain");
+    if (request->scene && !request->chain)
+        argp_error(state, "--scene is for the volumes of a --chain");
 }
 
 static const struct neph_cli_syntax syntax = {
@@ -115,9 +127,48 @@ static json_t *list_json(void)
                      neph_cli_options_json(neph_post_options), "presets", presets);
 }
 
-static enum neph_status list(bool as_json, struct neph_diag *diag)
+static json_t *weights_json(const struct neph_post_plan *plan)
 {
+    json_t *volumes = json_array();
+    for (int i = 0; i < plan->volume_count; i++)
+        neph_json_add(&volumes,
+                      json_pack("{s:o, s:f, s:f, s:f}", "name",
+                                neph_json_cleaned(plan->volumes[i].name), "priority",
+                                plan->volumes[i].priority, "weight", plan->volumes[i].weight,
+                                "blend_radius_m", plan->volumes[i].blend_radius_m));
+    return volumes;
+}
+
+/* The stages of a chain that are on, as it stands in its file. */
+static enum neph_status list_chain(const struct neph_post_plan *plan, bool as_json,
+                                   struct neph_diag *diag)
+{
+    const struct neph_settings settings = neph_post_plan_settings(plan);
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(&plan->order, &settings, stages);
+    json_t *names = json_array();
+    for (int i = 0; i < count; i++)
+        neph_json_add(&names, json_string(stages[i]->name));
     if (as_json)
+        return neph_cli_print_json(
+            json_pack("{s:o, s:o}", "stages", names, "volumes", weights_json(plan)), diag);
+    json_decref(names);
+    printf("stages that are on, in their order\n");
+    for (int i = 0; i < count; i++)
+        printf("    %-17s %s\n", stages[i]->name, stages[i]->note);
+    for (int i = 0; i < plan->volume_count; i++)
+        printf("volume %s: priority %g, weight %g, %s\n", plan->volumes[i].name,
+               plan->volumes[i].priority, plan->volumes[i].weight,
+               plan->volumes[i].box.present ? "in its box" : "everywhere");
+    return NEPH_OK;
+}
+
+static enum neph_status list(const struct request *request, const struct neph_post_plan *plan,
+                             struct neph_diag *diag)
+{
+    if (request->chain)
+        return list_chain(plan, request->shared.json, diag);
+    if (request->shared.json)
         return neph_cli_print_json(list_json(), diag);
     printf("stages, in their order\n");
     for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
@@ -137,6 +188,9 @@ static enum neph_status list(bool as_json, struct neph_diag *diag)
 /* A chain and what goes through it. */
 struct work {
     const struct request *request;
+    struct neph_post_plan plan;    /* of --chain */
+    struct neph_scene *scene;      /* NULL: none */
+    struct neph_settings settings; /* before volumes */
     struct neph_post_params params;
     struct neph_post_eye eye;
     struct neph_vulkan *vulkan;
@@ -144,13 +198,69 @@ struct work {
     json_t *results;
 };
 
+/* Passes that are not in the chain's order are off. */
+static void hold_to_order(const struct neph_post_order *order, struct neph_settings *settings)
+{
+    for (int pass = 0; pass < NEPH_POST_PASS_COUNT; pass++) {
+        bool is_there = false;
+        for (int i = 0; i < order->count; i++)
+            is_there = is_there || (int)order->passes[i] == pass;
+        if (!is_there)
+            settings->values[neph_post_switch((enum neph_post_pass)pass)] = 0.0;
+    }
+}
+
+static enum neph_status check_settings(const struct work *work, struct neph_settings *settings,
+                                       struct neph_diag *diag)
+{
+    if (work->params.order)
+        hold_to_order(work->params.order, settings);
+    return neph_post_check(settings, diag);
+}
+
+/* What is set where the camera is in a frame. */
+static enum neph_status settle(struct work *work, struct neph_diag *diag)
+{
+    struct neph_settings *settings = &work->params.settings;
+    struct neph_vec3 place_m = {0.0, 0.0, 0.0};
+    *settings = work->settings;
+    if (work->scene)
+        place_m = neph_scene_camera(work->scene, work->params.frame).position_m;
+    neph_post_blend(work->plan.volumes, work->plan.volume_count, place_m, settings);
+    return check_settings(work, settings, diag);
+}
+
+static enum neph_status find_chain(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    if (!request->chain)
+        return NEPH_OK;
+    enum neph_status status = neph_post_plan_load(request->chain, &work->plan, diag);
+    if (status)
+        return status;
+    work->params.order = &work->plan.order;
+    if (request->scene)
+        return neph_data_load_scene(request->scene, &work->scene, diag);
+    if (!neph_post_plan_wants_camera(&work->plan) || request->list)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "'%s' has volumes in boxes: where is the camera?",
+              request->chain);
+    neph_hint(diag, "--scene SCENE");
+    return NEPH_ERR_USAGE;
+}
+
 static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
 {
     const struct request *request = work->request;
-    struct neph_settings *settings = &work->params.settings;
+    struct neph_settings *settings = &work->settings;
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
     static const char owner[] = "the picture chain";
-    enum neph_status status = neph_options_preset(neph_post_options, owner, neph_post_presets,
-                                                  request->preset, settings, diag);
+    enum neph_status status = NEPH_OK;
+    if (request->chain)
+        *settings = neph_post_plan_settings(&work->plan);
+    else
+        status = neph_options_preset(neph_post_options, owner, neph_post_presets, request->preset,
+                                     settings, diag);
     for (int i = 0; i < request->shared.settings.count && !status; i++)
         status = neph_options_set(neph_post_options, owner, request->shared.settings.list[i],
                                   settings, diag);
@@ -159,14 +269,13 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
             neph_hint(diag, "`neph post --list` explains them");
         return status;
     }
-    status = neph_post_check(settings, diag);
+    status = check_settings(work, settings, diag);
     if (!status && request->png && request->bits == 8 && neph_post_is_hdr(settings))
         status = neph_fail(diag, NEPH_ERR_USAGE, "--bits=8: ST 2084 wants 10 to 16");
     if (status)
         return status;
-    for (const struct neph_post_stage *stage = neph_post_stages; stage->name; stage++)
-        if (neph_post_is_on(stage, settings))
-            return NEPH_OK;
+    if (neph_post_sequence(work->params.order, settings, stages) > 0 || work->plan.volume_count > 0)
+        return NEPH_OK;
     neph_fail(diag, NEPH_ERR_USAGE, "all stages of the chain are off");
     neph_hint(diag, "give a --preset, or --set; `neph post --list` explains them");
     return NEPH_ERR_USAGE;
@@ -293,14 +402,14 @@ static void note(struct work *work, const char *frame, const struct neph_image *
                  const struct neph_post_stats *stats)
 {
     json_t *stages = json_array();
-    for (int i = 0; neph_post_stages[i].name; i++) {
-        if (!neph_post_is_on(&neph_post_stages[i], &work->params.settings))
-            continue;
-        const double ms = 1e3 * stats->gpu_s[i];
+    const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(work->params.order, &work->params.settings, sequence);
+    for (int i = 0; i < count; i++) {
+        const double ms = 1e3 * stats->gpu_s[sequence[i] - neph_post_stages];
         if (work->request->stats && !work->request->shared.json)
-            printf("%s: %-17s %8.3f ms\n", frame, neph_post_stages[i].name, ms);
-        neph_json_add(&stages, json_pack("{s:s, s:o}", "name", neph_post_stages[i].name, "ms",
-                                         isfinite(ms) ? json_real(ms) : json_null()));
+            printf("%s: %-17s %8.3f ms\n", frame, sequence[i]->name, ms);
+        neph_json_add(&stages, json_pack("{s:s, s:o}", "name", sequence[i]->name, "ms",
+                                         neph_json_number(ms)));
     }
     json_t *result = json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px",
                                picture->width_px, "height_px", picture->height_px, "stages",
@@ -335,7 +444,8 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     work->params.frame = work->frames.numbers ? (int)work->frames.numbers[index] : index;
     work->params.step_s = 1.0 / frame_rate_hz(work, frame);
     work->params.eye = &work->eye;
-    if (neph_image_attribute(frame, "encoding"))
+    status = settle(work, diag);
+    if (!status && neph_image_attribute(frame, "encoding"))
         status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
                            path);
     if (!status)
@@ -371,24 +481,35 @@ static enum neph_status make_all(struct work *work, struct neph_diag *diag)
     return status;
 }
 
+static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    enum neph_status status = find_settings(work, diag);
+    if (!status)
+        status = neph_sequence_find(request->shared.operand_count, request->shared.operands,
+                                    &work->frames, diag);
+    if (!status)
+        status = make_all(work, diag);
+    if (!status && request->shared.json)
+        status = neph_cli_print_json(json_incref(work->results), diag);
+    return status;
+}
+
 enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
-    if (request.list)
-        return list(request.shared.json, diag);
     struct work work = {.request = &request, .results = json_array()};
     work.params.seed = (uint64_t)request.seed;
-    enum neph_status status = find_settings(&work, diag);
-    if (!status)
-        status = neph_sequence_find(request.shared.operand_count, request.shared.operands,
-                                    &work.frames, diag);
-    if (!status)
-        status = make_all(&work, diag);
-    if (!status && request.shared.json)
-        status = neph_cli_print_json(json_incref(work.results), diag);
+    enum neph_status status = find_chain(&work, diag);
+    if (!status && request.list)
+        status = list(&request, &work.plan, diag);
+    if (!status && !request.list)
+        status = make_pictures(&work, diag);
     json_decref(work.results);
     neph_vulkan_destroy(work.vulkan);
     neph_sequence_finish(&work.frames);
+    neph_scene_destroy(work.scene);
+    neph_post_plan_finish(&work.plan);
     return status;
 }

@@ -50,17 +50,18 @@ static int enlarged(int side_px, double percent)
 static struct size size_after(const struct neph_post_stage *stage,
                               const struct neph_settings *settings, struct size size)
 {
-    const double percent = settings->values[POST_SCREEN_PERCENT];
+    const double percent = settings->values[stage->percent];
     if (stage->makes == NEPH_POST_MAKES_LARGER)
         return (struct size){enlarged(size.width_px, percent), enlarged(size.height_px, percent)};
     return size;
 }
 
-static struct size last_size(const struct neph_settings *settings, struct size size)
+static struct size last_size(const struct neph_post_params *params, struct size size)
 {
-    for (const struct neph_post_stage *stage = neph_post_stages; stage->name; stage++)
-        if (neph_post_is_on(stage, settings))
-            size = size_after(stage, settings, size);
+    const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(params->order, &params->settings, sequence);
+    for (int i = 0; i < count; i++)
+        size = size_after(sequence[i], &params->settings, size);
     return size;
 }
 
@@ -152,7 +153,8 @@ static void fill_eye(const struct neph_post_params *params, size_t pixel_count,
     view->meter_units = meter_units(pixel_count);
 }
 
-static void fill_view(const struct work *work, struct size to, struct neph_gpu_post_view *view)
+static void fill_view(const struct work *work, const struct neph_post_stage *stage, struct size to,
+                      struct neph_gpu_post_view *view)
 {
     const struct neph_post_params *params = work->params;
     for (int i = 0; i < POST_SETTING_COUNT; i++)
@@ -164,6 +166,7 @@ static void fill_view(const struct work *work, struct size to, struct neph_gpu_p
     view->frame = (uint32_t)params->frame;
     view->seed = (uint32_t)(params->seed ^ params->seed >> 32);
     fill_eye(params, texel_count(work->size), view);
+    view->upscale_filter = (uint32_t)params->settings.values[stage->filter];
     fill_levels(work, view);
     fill_colours(&params->settings, view);
 }
@@ -253,7 +256,7 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
                                                  view, diag);
     if (status)
         return status;
-    fill_view(work, to, view->mapped);
+    fill_view(work, stage, to, view->mapped);
     status = neph_kernel_get(work->vulkan, &params, &kernel, diag);
     if (!status)
         status = run_stage(work, stage, kernel, &whole, to, diag);
@@ -272,10 +275,12 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
 static enum neph_status run_stages(struct work *work, struct neph_post_stats *stats,
                                    struct neph_diag *diag)
 {
+    const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(work->params->order, &work->params->settings, sequence);
     enum neph_status status = neph_batch_begin(work->vulkan, &work->batch, diag);
-    for (int i = 0; neph_post_stages[i].name && !status; i++)
-        if (neph_post_is_on(&neph_post_stages[i], &work->params->settings))
-            status = add_stage(work, &neph_post_stages[i], &work->views[i], &stats->gpu_s[i], diag);
+    for (int i = 0; i < count && !status; i++)
+        status = add_stage(work, sequence[i], &work->views[i],
+                           &stats->gpu_s[sequence[i] - neph_post_stages], diag);
     if (!status)
         status = neph_batch_send(&work->batch, "picture chain", diag);
     return status ? status
@@ -379,7 +384,7 @@ static enum neph_status make_room(struct work *work, struct size last, struct ne
     const size_t bytes = first_bytes > last_bytes ? first_bytes : last_bytes;
     const size_t table_bytes = (size_t)POST_LUT_SIDE * POST_LUT_SIDE * POST_LUT_SIDE * texel_bytes;
     const bool blooms = work->params->settings.values[POST_BLOOM] != 0.0;
-    const size_t levels = blooms ? pyramid_texels(&work->params->settings, work->size) : 1;
+    const size_t levels = blooms ? pyramid_texels(&work->params->settings, last) : 1;
     const struct {
         struct neph_buffer *buffer;
         enum neph_buffer_use use;
@@ -422,7 +427,7 @@ enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_pos
     work.size = (struct size){frame->width_px, frame->height_px};
     if (!neph_image_rgb(frame, NULL, rgb))
         return neph_fail(diag, NEPH_ERR_INPUT, "the frame has no channels R, G and B");
-    const struct size last = last_size(&params->settings, work.size);
+    const struct size last = last_size(params, work.size);
     enum neph_status status = neph_image_create(last.width_px, last.height_px, &image, diag);
     if (!status)
         status = make_room(&work, last, diag);

@@ -126,6 +126,12 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
                              "what 1 is shown as [cd/m^2]; 203: ITU-R BT.2408's white of graphics"),
     [POST_PEAK_NITS] = REAL("peak_nits", 1000, 1, 10000,
                             "the most that an HDR display shows [cd/m^2]"),
+
+    [POST_SECONDARY_UPSCALE] = CHOICE("secondary_upscale", POST_UPSCALE_OFF, filters,
+                                      "filter from the size that the chain works at to the "
+                                      "window's; Unreal has nearest"),
+    [POST_SECONDARY_PERCENT] = REAL("secondary_percent", 50, 12.5, 100,
+                                    "the size before it over the window's, of a side [%]"),
     {.name = NULL},
 };
 

@@ -33,6 +33,7 @@ layout(scalar, binding = 0) readonly buffer PostView {
     uint level_px[2 * (POST_LEVELS_MAX + 1)]; // sizes in the pyramid; level 0 is the picture
     uint level_at[POST_LEVELS_MAX + 1];       // its first texel
     uint level_count;                         // besides the picture
+    uint upscale_filter;                      // of this upscale, POST_UPSCALE_*
 } view;
 
 layout(std430, binding = 1) readonly buffer From {

@@ -51,7 +51,10 @@
 // An HDR display.
 #define POST_WHITE_NITS 37
 #define POST_PEAK_NITS 38
-#define POST_SETTING_COUNT 39
+// From the size that the chain works at to that of the window.
+#define POST_SECONDARY_UPSCALE 39
+#define POST_SECONDARY_PERCENT 40
+#define POST_SETTING_COUNT 41
 
 // --- choices ----------------------------------------------------------------------------------
 

@@ -168,6 +168,62 @@ class Post(unittest.TestCase):
             self.assertEqual(packed[24], 8 if bits == 8 else 16)
             self.assertIn(b"sRGB", packed)
 
+    def chain(self, text):
+        path = self.root / "chain.yaml"
+        path.write_text(text)
+        return path
+
+    def test_a_chain_is_run_where_the_camera_is(self):
+        """A camera that walks out of a box with -1 EV, a metre a frame, over 10 m of blending."""
+        scene = self.root / "walk.yaml"
+        scene.write_text("""
+name: walk
+title: a walk
+physics: none
+camera:
+  keys:
+    - {frame: 0, position_m: [0, 1, 0], look_at_m: [100, 1, 0]}
+    - {frame: 20, position_m: [20, 1, 0], look_at_m: [120, 1, 0]}
+  vertical_fov_deg: 60
+sun: {direction: [0, 1, 0], irradiance_w_per_m2: [1, 1, 1]}
+scattering: none
+media:
+  - homogeneous: {extinction_per_m: 0.01, albedo: [1, 1, 1],
+                  bounds: {min_m: [60, 0, 0], max_m: [70, 9, 9]}}
+""")
+        chain = self.chain("""
+preset: plain
+settings: {encode: linear}
+passes: [{pass: tone_mapping}, {pass: fxaa}]
+volumes:
+  - name: tunnel
+    blend_radius_m: 10
+    box: {minimum_m: [-5, 0, -5], maximum_m: [5, 5, 5]}
+    settings: {exposure_ev: -1}
+""")
+        neph("post", self.frame, "--chain", chain, code=64)  # where is the camera?
+        for number, ev in ((0, -1), (5, -1), (10, -0.5), (15, 0), (20, 0)):
+            frame = self.root / "walking" / f"frame.{number:04}.exr"
+            frame.parent.mkdir(exist_ok=True)
+            self.write(frame, [0.5] * WIDTH * HEIGHT)
+            other = self.root / "walking" / f"frame.{number + 1:04}.exr"
+            self.write(other, [0.5] * WIDTH * HEIGHT)
+            neph("post", frame, other, "--chain", chain, "--scene", scene, "-q", "-o",
+                 self.root / "out")
+            seen = reds(self.root / "out" / frame.name)[0]
+            self.assertAlmostEqual(seen, 0.5 * 2 ** ev, places=5, msg=str(number))
+
+    def test_a_chain_lists_itself_and_its_faults(self):
+        chain = self.chain("passes: [{pass: upscale}, {pass: exposure, on: false},\n"
+                           "         {pass: tone_mapping}]\n"
+                           "preset: unreal\nsettings: {upscale: lanczos, auto_exposure: 'on'}\n")
+        listed = json.loads(neph("post", "--list", "--chain", chain, "--json").stdout)
+        self.assertEqual(listed["stages"], ["upscale", "table of colours", "tone mapping"])
+        neph("post", "--list", "--chain", chain, "-p", "unreal", code=64)
+        done = neph("post", self.frame, "--chain", self.chain("settings: {grain: 99}\n"), code=65)
+        for word in ("chain.yaml:1", "99", "0 to 64"):
+            self.assertIn(word, done.stderr)
+
     def test_what_makes_no_sense_is_refused(self):
         for words, said in (
                 (["post", self.frame, "-s", "auto_exposure=on"], "tone is off"),
