@@ -9,10 +9,22 @@
 
 #include "eye.glsl"
 
+// One thread adds them up, one after the other: all fetch them for it.
+shared uint counts[POST_METER_BINS], offsets[POST_METER_BINS];
+
+void fetch_bins()
+{
+    for (uint i = gl_LocalInvocationID.x; i < POST_METER_BINS; i += gl_WorkGroupSize.x) {
+        counts[i] = eye_counts[i];
+        offsets[i] = eye_offsets[i];
+    }
+    barrier();
+}
+
 // The mean of a bin's pixels.
 float mean_ev(int bin)
 {
-    float offset = float(eye_offsets[bin]) / float(view.meter_units) / float(eye_counts[bin]);
+    float offset = float(offsets[bin]) / float(view.meter_units) / float(counts[bin]);
     return POST_METER_FIRST_EV + (float(bin) + offset) / POST_METER_BINS_PER_EV;
 }
 
@@ -23,7 +35,7 @@ float metered_ev()
     float high = 0.01 * setting(POST_METER_HIGH_PERCENT) * total;
     float below = 0.0, sum = 0.0, weights = 0.0;
     for (int bin = 0; bin < POST_METER_BINS; bin++) {
-        float above = below + float(eye_counts[bin]);
+        float above = below + float(counts[bin]);
         float weight = max(min(above, high) - max(below, low), 0.0);
         sum += weight > 0.0 ? weight * mean_ev(bin) : 0.0;
         weights += weight;
@@ -44,6 +56,7 @@ float adapted(float from_ev, float to_ev)
 
 void main()
 {
+    fetch_bins();
     if (own_thread() != 0)
         return;
     target_ev = metered_ev();
