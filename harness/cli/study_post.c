@@ -31,7 +31,7 @@ static const struct neph_cli_option options[] = {
     {.name = "size", .otherwise = "96x54"},
     {"steps", 0, "N", "Of every view ray", NEPH_CLI_INTEGER, .at = offsetof(struct request, steps),
      .otherwise = "32", .minimum = 1, .maximum = 4096},
-    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store and of post.svg", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
     {"csv", 0, "FILE", "A line for each chain and scene", NEPH_CLI_FILE,
      .at = offsetof(struct request, csv)},
@@ -65,7 +65,8 @@ static const struct neph_cli_syntax syntax = {
         "The reference is the march of the same model, averaged over 16 rays a pixel. It gets no "
         "grain, which is noise and counts as such; chains without automatic exposure have the one "
         "that "
-        "it would find for the reference. What is rendered of it stays in DIR/store.\n\n"
+        "it would find for the reference. What is rendered of it stays in DIR/store; DIR/post.svg "
+        "is the chart.\n\n"
         "Examples:\n"
         "  neph study post fence_backlit voxel_grid --markdown post.md\n"
         "  neph study post ridge_far --preset seed --frames 64 --csv post.csv",
@@ -93,6 +94,11 @@ static enum neph_status print_results(const struct request *request,
         status = write_file(request->markdown, study, neph_post_study_text, diag);
     if (!status)
         status = write_file(request->csv, study, neph_post_study_csv, diag);
+    char *chart = status ? NULL : neph_path_join(request->shared.output, "post.svg");
+    if (!status)
+        status = chart ? write_file(chart, study, neph_post_study_plot, diag)
+                       : neph_fail_memory(diag);
+    free(chart);
     if (!status && request->shared.json)
         status = neph_cli_print_json(neph_post_study_json(study), diag);
     else if (!status)

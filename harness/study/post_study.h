@@ -85,6 +85,9 @@ enum neph_status neph_post_study_text(const struct neph_post_study *study, char 
                                       struct neph_diag *diag);
 enum neph_status neph_post_study_csv(const struct neph_post_study *study, char **text,
                                      struct neph_diag *diag);
+/* Error and flicker on the display, over those of the curve alone, as SVG. */
+enum neph_status neph_post_study_plot(const struct neph_post_study *study, char **svg,
+                                      struct neph_diag *diag);
 json_t *neph_post_study_json(const struct neph_post_study *study);
 
 #endif

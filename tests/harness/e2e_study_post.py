@@ -8,6 +8,7 @@ import pathlib
 import subprocess
 import tempfile
 import unittest
+import xml.etree.ElementTree as ElementTree
 
 import night
 
@@ -45,6 +46,10 @@ class StudyPost(unittest.TestCase):
             rows = list(csv.DictReader(file))
         self.assertEqual([row["chain"] for row in rows], list(chains))
         self.assertAlmostEqual(float(rows[1]["flip"]), curve["flip"], places=7)
+        chart = (self.folder / "out" / "post.svg").read_text()
+        root = ElementTree.fromstring(chart)
+        marks = root.findall("{http://www.w3.org/2000/svg}circle")
+        self.assertEqual(len(marks), 2 * len(chains) + 1)  # and that of the legend
         text = (self.folder / "a.md").read_text()
         for name in chains:
             self.assertIn(f"| {name} |", text)
