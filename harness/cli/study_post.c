@@ -64,9 +64,8 @@ static const struct neph_cli_syntax syntax = {
         "flicker: before the tone curve, and as a display shows it.\v"
         "The reference is the march of the same model, averaged over 16 rays a pixel. It gets no "
         "grain, which is noise and counts as such; chains without automatic exposure have the one "
-        "that "
-        "it would find for the reference. What is rendered of it stays in DIR/store; DIR/post.svg "
-        "is the chart.\n\n"
+        "that it would find for the reference. What is rendered of it stays in DIR/store; "
+        "DIR/post.svg is the chart.\n\n"
         "Examples:\n"
         "  neph study post fence_backlit voxel_grid --markdown post.md\n"
         "  neph study post ridge_far --preset seed --frames 64 --csv post.csv",

@@ -4,6 +4,7 @@
 #include "renderer/compute.h"
 #include "renderer/post/colour.h"
 #include "renderer/post/film.h"
+#include "renderer/post/rest.h"
 #include "renderer/vulkan_device.h"
 #include "shaders/structs.h"
 
@@ -348,35 +349,6 @@ static enum neph_status look_into_eye(struct work *work, struct neph_post_stats 
     return NEPH_OK;
 }
 
-/* Depth and masks, which metrics look at; in another size they would be of other pixels. */
-static enum neph_status copy_others(const struct neph_image *from, struct neph_image *to,
-                                    struct neph_diag *diag)
-{
-    const bool fits = from->width_px == to->width_px && from->height_px == to->height_px;
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < from->channel_count && fits && !status; i++) {
-        const struct neph_channel *channel = &from->channels[i];
-        float *samples;
-        if (strcmp(channel->name, "Z") != 0 && strncmp(channel->name, "mask.", 5) != 0 &&
-            strncmp(channel->name, "motion.", 7) != 0)
-            continue;
-        status = neph_image_add_channel(to, channel->name, &samples, diag);
-        if (!status)
-            memcpy(samples, channel->samples, neph_image_pixel_count(from) * sizeof(*samples));
-    }
-    return status;
-}
-
-static enum neph_status copy_attributes(const struct neph_image *from, struct neph_image *to,
-                                        struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < from->attribute_count && !status; i++)
-        status = neph_image_set_attribute(to, from->attributes[i].name, diag, "%s",
-                                          from->attributes[i].value);
-    return status;
-}
-
 static enum neph_status make_room(struct work *work, struct size last, struct neph_diag *diag)
 {
     const size_t first_bytes = texel_count(work->size) * texel_bytes;
@@ -440,9 +412,7 @@ enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_pos
     if (!status)
         status = look_into_eye(&work, &own_stats, diag);
     if (!status)
-        status = copy_attributes(frame, image, diag);
-    if (!status)
-        status = copy_others(frame, image, diag);
+        status = neph_post_copy_rest(frame, image, diag);
     if (!status)
         status = take_out(&work, image, diag);
     finish(&work);

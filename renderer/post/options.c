@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The settings in the order of the stages. Defaults within a stage are those of Unreal Engine 4.26,
- * as the article on its post-processing has them.
+ * The settings in the order of the stages. Defaults within a stage are those of Unreal Engine 4.26
+ * where the article on its post-processing has them; those of automatic exposure and bloom are
+ * after it, and of an HDR display ITU-R's.
  */
 #include "renderer/post/options.h"
 
@@ -30,65 +31,6 @@ static const char *const blooms[] = {"off", "conserving", "additive", NULL};
     }
 
 const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
-    [POST_TONE] = CHOICE("tone", 0, switches, "tone mapping, with exposure, vignette and grain"),
-    [POST_TONE_MAP] = CHOICE(
-        "tone_map", POST_MAP_UNREAL, maps,
-        "curve: none (held to 1), Reinhard 2002, Narkowicz's fit of ACES, "
-        "Unreal's film curve, Khronos PBR Neutral, AgX, the roll-off of ITU-R BT.2390 "
-        "to the display's peak"),
-    [POST_EXPOSURE_EV] = REAL("exposure_ev", 0, -32, 32, "radiance times 2^EV is what is mapped"),
-    [POST_WHITE_TEMPERATURE_K] = REAL("white_temperature_k", 6504, 1700, 25000,
-                                      "light of this temperature is shown white [K]; 6504, that of "
-                                      "Rec.709, changes nothing"),
-    [POST_VIGNETTE] = REAL("vignette", 0, 0, 4,
-                           "tangent of the angle that the corners are darkened for by cos^4; "
-                           "Unreal has 0.4 times sqrt(2)"),
-    [POST_FILM_SLOPE] = REAL("film_slope", 0.88, 0.01, 2, "of the straight part, over log10"),
-    [POST_FILM_TOE] = REAL("film_toe", 0.55, 0, 0.99, "how far the toe reaches"),
-    [POST_FILM_SHOULDER] = REAL("film_shoulder", 0.26, 0, 0.99, "how far the shoulder reaches"),
-    [POST_FILM_BLACK_CLIP] = REAL("film_black_clip", 0, 0, 1, "how far below 0 the toe ends"),
-    [POST_FILM_WHITE_CLIP] = REAL("film_white_clip", 0.04, 0, 1,
-                                  "how far above 1 the shoulder ends"),
-    [POST_LUT] = CHOICE(
-        "lut", 0, switches,
-        "take colours from a table of 32^3 at steps of the logarithm, made anew for "
-        "each picture, in place of the formula"),
-    [POST_GRAIN] = REAL("grain", 0, 0, 64,
-                        "range of the noise in steps of 8 bits; Unreal has about 1, so that "
-                        "gradients do not band"),
-    [POST_ENCODE] = CHOICE(
-        "encode", POST_ENCODE_SRGB, encodings,
-        "what stages after tone mapping work on, and a PNG holds: for an sRGB display, "
-        "or in BT.2020 by ST 2084 (PQ) for an HDR display"),
-
-    [POST_UPSCALE] = CHOICE("upscale", POST_UPSCALE_OFF, filters,
-                            "filter from the rendered size to the display's"),
-    [POST_SCREEN_PERCENT] = REAL("screen_percent", 50, 12.5, 100,
-                                 "the rendered size over the display's, of a side [%]"),
-    [POST_UPSCALE_SOFTNESS] = REAL("upscale_softness", 0.3, 0, 1,
-                                   "of the gaussian's unsharp mask: r.Upscale.Softness"),
-    [POST_LANCZOS_GUARD] = CHOICE("lanczos_guard", 1, switches,
-                                  "off: at texels' centres the weights of lanczos are 0 / 0, as in "
-                                  "the article"),
-
-    [POST_FXAA] = CHOICE("fxaa", POST_FXAA_OFF, fxaas,
-                         "FXAA 3.11: the console's four samples, or a walk along the edge by the "
-                         "steps of a quality preset"),
-    [POST_FXAA_SUBPIXEL] = REAL("fxaa_subpixel", 0.75, 0, 1,
-                                "quality: how much of what stands out from eight neighbours is "
-                                "blurred"),
-    [POST_FXAA_THRESHOLD] = REAL("fxaa_threshold", 0.166, 0.063, 1,
-                                 "quality: contrast of luma, over the largest around, that is an "
-                                 "edge"),
-    [POST_FXAA_THRESHOLD_MIN] = REAL("fxaa_threshold_min", 0.0833, 0, 1,
-                                     "quality: and at least this much"),
-    [POST_SHARPEN] = CHOICE("sharpen", POST_SHARPEN_OFF, sharpenings,
-                            "AMD's contrast-adaptive sharpening (2019), or the robust one of FSR1 "
-                            "(2021)"),
-    [POST_SHARPEN_AMOUNT] = REAL("sharpen_amount", 0.5, 0, 1,
-                                 "cas: its sharpness; rcas: 2^-2 at 0 to 1 at 1, the strength that "
-                                 "goes to the limit"),
-
     [POST_AUTO_EXPOSURE] = CHOICE("auto_exposure", 0, switches,
                                   "the eye adapts to the frames: what it is adapted to is shown as "
                                   "0.18 times 2^exposure_ev"),
@@ -122,11 +64,68 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
     [POST_BLOOM_LEVELS] = {"bloom_levels", NEPH_OPTION_INTEGER, 6, 1, POST_LEVELS_MAX, NULL,
                            "how often the picture is halved: light goes some 2^this pixels far"},
 
+    [POST_TONE] = CHOICE("tone", 0, switches, "tone mapping, with exposure, vignette and grain"),
+    [POST_TONE_MAP] = CHOICE(
+        "tone_map", POST_MAP_UNREAL, maps,
+        "curve: none (held to 1), Reinhard 2002, Narkowicz's fit of ACES, "
+        "Unreal's film curve, Khronos PBR Neutral, AgX, the roll-off of ITU-R BT.2390 "
+        "to the display's peak"),
+    [POST_EXPOSURE_EV] = REAL("exposure_ev", 0, -32, 32, "radiance times 2^EV is what is mapped"),
+    [POST_WHITE_TEMPERATURE_K] = REAL("white_temperature_k", 6504, 1700, 25000,
+                                      "light of this temperature is shown white [K]; 6504, that of "
+                                      "Rec.709, changes nothing"),
+    [POST_VIGNETTE] = REAL("vignette", 0, 0, 4,
+                           "tangent of the angle that the corners are darkened for by cos^4; "
+                           "Unreal has 0.4 times sqrt(2)"),
+    [POST_FILM_SLOPE] = REAL("film_slope", 0.88, 0.01, 2, "of the straight part, over log10"),
+    [POST_FILM_TOE] = REAL("film_toe", 0.55, 0, 0.99, "how far the toe reaches"),
+    [POST_FILM_SHOULDER] = REAL("film_shoulder", 0.26, 0, 0.99, "how far the shoulder reaches"),
+    [POST_FILM_BLACK_CLIP] = REAL("film_black_clip", 0, 0, 1, "how far below 0 the toe ends"),
+    [POST_FILM_WHITE_CLIP] = REAL("film_white_clip", 0.04, 0, 1,
+                                  "how far above 1 the shoulder ends"),
+    [POST_LUT] = CHOICE(
+        "lut", 0, switches,
+        "take colours from a table of 32^3 at steps of the logarithm, made anew for "
+        "each picture, in place of the formula"),
+    [POST_GRAIN] = REAL("grain", 0, 0, 64,
+                        "range of the noise in steps of 8 bits; Unreal has about 1, so that "
+                        "gradients do not band"),
+    [POST_ENCODE] = CHOICE(
+        "encode", POST_ENCODE_SRGB, encodings,
+        "what stages after tone mapping work on, and a PNG holds: for an sRGB display, "
+        "or in BT.2020 by ST 2084 (PQ) for an HDR display"),
     [POST_WHITE_NITS] = REAL("white_nits", 203, 1, 10000,
                              "what 1 is shown as [cd/m^2]; 203: ITU-R BT.2408's white of graphics"),
     [POST_PEAK_NITS] = REAL("peak_nits", 1000, 1, 10000,
                             "the most that an HDR display shows [cd/m^2]"),
 
+    [POST_FXAA] = CHOICE("fxaa", POST_FXAA_OFF, fxaas,
+                         "FXAA 3.11: the console's four samples, or a walk along the edge by the "
+                         "steps of a quality preset"),
+    [POST_FXAA_SUBPIXEL] = REAL("fxaa_subpixel", 0.75, 0, 1,
+                                "quality: how much of what stands out from eight neighbours is "
+                                "blurred"),
+    [POST_FXAA_THRESHOLD] = REAL("fxaa_threshold", 0.166, 0.063, 1,
+                                 "quality: contrast of luma, over the largest around, that is an "
+                                 "edge"),
+    [POST_FXAA_THRESHOLD_MIN] = REAL("fxaa_threshold_min", 0.0833, 0, 1,
+                                     "quality: and at least this much"),
+
+    [POST_UPSCALE] = CHOICE("upscale", POST_UPSCALE_OFF, filters,
+                            "filter from the rendered size to the display's"),
+    [POST_SCREEN_PERCENT] = REAL("screen_percent", 50, 12.5, 100,
+                                 "the rendered size over the display's, of a side [%]"),
+    [POST_UPSCALE_SOFTNESS] = REAL("upscale_softness", 0.3, 0, 1,
+                                   "of the gaussian's unsharp mask: r.Upscale.Softness"),
+    [POST_LANCZOS_GUARD] = CHOICE("lanczos_guard", 1, switches,
+                                  "off: at texels' centres the weights of lanczos are 0 / 0, as in "
+                                  "the article"),
+    [POST_SHARPEN] = CHOICE("sharpen", POST_SHARPEN_OFF, sharpenings,
+                            "AMD's contrast-adaptive sharpening (2019), or the robust one of FSR1 "
+                            "(2021)"),
+    [POST_SHARPEN_AMOUNT] = REAL("sharpen_amount", 0.5, 0, 1,
+                                 "cas: its sharpness; rcas: 2^-2 at 0 to 1 at 1, the strength that "
+                                 "goes to the limit"),
     [POST_SECONDARY_UPSCALE] = CHOICE("secondary_upscale", POST_UPSCALE_OFF, filters,
                                       "filter from the size that the chain works at to the "
                                       "window's; Unreal has nearest"),

@@ -8,50 +8,50 @@
 
 // --- settings: index in the table of options --------------------------------------------------
 
-#define POST_TONE 0
-#define POST_TONE_MAP 1
-#define POST_EXPOSURE_EV 2
-#define POST_WHITE_TEMPERATURE_K 3
-#define POST_VIGNETTE 4
-#define POST_FILM_SLOPE 5
-#define POST_FILM_TOE 6
-#define POST_FILM_SHOULDER 7
-#define POST_FILM_BLACK_CLIP 8
-#define POST_FILM_WHITE_CLIP 9
-#define POST_LUT 10
-#define POST_GRAIN 11
-#define POST_ENCODE 12
-#define POST_UPSCALE 13
-#define POST_SCREEN_PERCENT 14
-#define POST_UPSCALE_SOFTNESS 15
-#define POST_LANCZOS_GUARD 16
-// Anti-aliasing of the encoded picture, and sharpening.
-#define POST_FXAA 17
-#define POST_FXAA_SUBPIXEL 18
-#define POST_FXAA_THRESHOLD 19
-#define POST_FXAA_THRESHOLD_MIN 20
-#define POST_SHARPEN 21
-#define POST_SHARPEN_AMOUNT 22
 // Automatic exposure.
-#define POST_AUTO_EXPOSURE 23
-#define POST_METER_LOW_PERCENT 24
-#define POST_METER_HIGH_PERCENT 25
-#define POST_EXPOSURE_MIN_EV 26
-#define POST_EXPOSURE_MAX_EV 27
-#define POST_ADAPT_UP 28
-#define POST_ADAPT_DOWN 29
-#define POST_ADAPT_NEAR_EV 30
+#define POST_AUTO_EXPOSURE 0
+#define POST_METER_LOW_PERCENT 1
+#define POST_METER_HIGH_PERCENT 2
+#define POST_EXPOSURE_MIN_EV 3
+#define POST_EXPOSURE_MAX_EV 4
+#define POST_ADAPT_UP 5
+#define POST_ADAPT_DOWN 6
+#define POST_ADAPT_NEAR_EV 7
 // Bloom.
-#define POST_BLOOM 31
-#define POST_BLOOM_SCATTERED 32
-#define POST_BLOOM_INTENSITY 33
-#define POST_BLOOM_THRESHOLD 34
-#define POST_BLOOM_SPREAD 35
-#define POST_BLOOM_LEVELS 36
-// An HDR display.
-#define POST_WHITE_NITS 37
-#define POST_PEAK_NITS 38
-// From the size that the chain works at to that of the window.
+#define POST_BLOOM 8
+#define POST_BLOOM_SCATTERED 9
+#define POST_BLOOM_INTENSITY 10
+#define POST_BLOOM_THRESHOLD 11
+#define POST_BLOOM_SPREAD 12
+#define POST_BLOOM_LEVELS 13
+// Tone mapping, and what the display wants.
+#define POST_TONE 14
+#define POST_TONE_MAP 15
+#define POST_EXPOSURE_EV 16
+#define POST_WHITE_TEMPERATURE_K 17
+#define POST_VIGNETTE 18
+#define POST_FILM_SLOPE 19
+#define POST_FILM_TOE 20
+#define POST_FILM_SHOULDER 21
+#define POST_FILM_BLACK_CLIP 22
+#define POST_FILM_WHITE_CLIP 23
+#define POST_LUT 24
+#define POST_GRAIN 25
+#define POST_ENCODE 26
+#define POST_WHITE_NITS 27
+#define POST_PEAK_NITS 28
+// Anti-aliasing of the encoded picture.
+#define POST_FXAA 29
+#define POST_FXAA_SUBPIXEL 30
+#define POST_FXAA_THRESHOLD 31
+#define POST_FXAA_THRESHOLD_MIN 32
+// Upscales, and sharpening between them.
+#define POST_UPSCALE 33
+#define POST_SCREEN_PERCENT 34
+#define POST_UPSCALE_SOFTNESS 35
+#define POST_LANCZOS_GUARD 36
+#define POST_SHARPEN 37
+#define POST_SHARPEN_AMOUNT 38
 #define POST_SECONDARY_UPSCALE 39
 #define POST_SECONDARY_PERCENT 40
 #define POST_SETTING_COUNT 41
