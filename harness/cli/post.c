@@ -94,7 +94,7 @@ static const struct neph_cli_syntax syntax = {
         "display.\v"
         "FRAMES: " NEPH_SEQUENCE_HELP ". R G B are scene-linear radiance. DIR gets an EXR of each "
         "by its own name: the linear light that the display makes of the picture, 1 being its "
-        "white (with encode=pq: white_nits), which `neph compare`, `flicker` and `view` know as a "
+        "white, or with encode=pq peak_nits, which `neph compare`, `flicker` and `view` know as a "
         "display's. Put the reference "
         "through the same chain before you compare. Without tone mapping it is still radiance.\n\n"
         "The device is lavapipe unless NEPH_VULKAN_DEVICE names part of another's name.\n\n"

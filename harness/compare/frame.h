@@ -11,7 +11,8 @@
 #define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
 
 /* The attribute of a picture for a display (`neph post`): "sRGB", or "PQ" for an HDR display. Its
- * values are the linear light that the display makes of it, 1 being its white. */
+ * values are the linear light that the display makes of it, 1 being its white, or an HDR display's
+ * peak. */
 #define NEPH_DISPLAY_ATTRIBUTE "neph.display"
 
 /* Read an OpenEXR or PNG file, told apart by content, and pass it through gate G0

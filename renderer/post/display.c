@@ -55,7 +55,7 @@ static void show_srgb(float *const rgb[3], size_t count)
             rgb[c][i] = (float)decoded(rgb[c][i]);
 }
 
-static void show_pq(float *const rgb[3], size_t count, double white_nits)
+static void show_pq(float *const rgb[3], size_t count, double peak_nits)
 {
     const struct neph_matrix3 to_rec709 = neph_colour_matrix(&neph_rec2020, &neph_rec709);
     for (size_t i = 0; i < count; i++) {
@@ -66,7 +66,7 @@ static void show_pq(float *const rgb[3], size_t count, double white_nits)
             double sum = 0.0;
             for (int k = 0; k < 3; k++)
                 sum += to_rec709.m[c][k] * nits[k];
-            rgb[c][i] = (float)fmax(sum / white_nits, 0.0);
+            rgb[c][i] = (float)fmax(sum / peak_nits, 0.0);
         }
     }
 }
@@ -80,5 +80,5 @@ void neph_post_show(const struct neph_settings *settings, struct neph_image *pic
     if (is_encoded_as(settings, POST_ENCODE_SRGB))
         show_srgb(rgb, count);
     else if (is_encoded_as(settings, POST_ENCODE_PQ))
-        show_pq(rgb, count, settings->values[POST_WHITE_NITS]);
+        show_pq(rgb, count, settings->values[POST_PEAK_NITS]);
 }
