@@ -22,8 +22,8 @@ void neph_post_codes(const struct neph_settings *settings, const struct neph_ima
                      int bits, uint16_t *codes);
 
 /* R G B from code values to the linear light that the display makes of them, in Rec.709, in double
- * and rounded once; linear ones stay. 1 is the white of an sRGB display (IEC 61966-2-1:1999), or the
- * peak of an HDR display; what is outside of Rec.709 there is held at its border. */
+ * and rounded once; linear ones stay. 1 is the white of an sRGB display (IEC 61966-2-1:1999), or
+ * the peak of an HDR display; what is outside of Rec.709 there is held at its border. */
 void neph_post_show(const struct neph_settings *settings, struct neph_image *picture);
 
 #endif
