@@ -111,6 +111,8 @@ static enum neph_status open_meter(struct pass *pass, const char *const *extract
     enum neph_status status = neph_mask_create(pass->reference, "all", NULL, &pass->mask, diag);
     masks[0] = pass->mask;
     params.viewing.frame_rate_hz = pass->film->frame_rate_hz;
+    if (neph_post_is_hdr(&pass->settings)) /* its pictures are light over the peak */
+        params.viewing.white_cd_per_m2 = pass->settings.values[POST_PEAK_NITS];
     params.viewing.pixels_per_degree = 60.0; /* of the flicker study's first display */
     for (int i = 0; extractors[i]; i++) {
         const struct neph_extractor *extractor = neph_extractor_find(extractors[i]);
@@ -204,7 +206,7 @@ enum neph_status neph_post_measure(struct neph_vulkan *vulkan, const struct neph
         *numbers = (struct neph_post_numbers){
             .scene_error = number_of(light.meter, "rel_rmse"),
             .scene_change = number_of(light.meter, "residual_change_rms") / mean,
-            .flip = number_of(shown.meter, "flip_mean"),
+            .flip = neph_post_is_hdr(settings) ? NAN : number_of(shown.meter, "flip_mean"),
             .seen = number_of(shown.meter, "seen_contrast"),
             .seen_share = number_of(shown.meter, "seen_share"),
             .luma_change = number_of(shown.meter, "residual_change_luma_rms"),

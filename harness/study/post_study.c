@@ -25,6 +25,7 @@ const struct neph_post_row neph_post_rows[] = {
     {"neutral", "tone_map=neutral", false},
     {"agx", "tone_map=agx", false},
     {"reinhard", "tone_map=reinhard", false},
+    {"HDR display, bt2390", "tone_map=bt2390 encode=pq", false},
     {"curve by table", "lut=on", false},
     {"grain", "grain=1", false},
     {"vignette", "vignette=0.5657", false},

@@ -31,7 +31,8 @@ struct neph_post_numbers {
     /* Light before the tone curve, over the reference's mean: rms of the error, and of what it
      * changes by from frame to frame. */
     double scene_error, scene_change;
-    /* On the display: FLIP, flicker seen over threshold, the share of pixels where most people see
+    /* On the display, an SDR one of 100 cd/m^2 or an HDR one of its peak: FLIP (NaN: it is not for
+     * HDR displays), flicker seen over threshold, the share of pixels where most people see
      * it, and the rms of what luma's error changes by. */
     double flip, seen, seen_share, luma_change;
     double ms; /* of all its stages on the device, the median of the frames; NaN: no clock */

@@ -106,6 +106,9 @@ static void test_what_is_known_is_measured(void **state)
     const struct neph_post_numbers flatter = measured(&f, "tone=on tone_map=agx exposure_ev=3");
     assert_true(flatter.seen < 0.5 * numbers.seen && flatter.flip < numbers.flip);
     assert_true(flatter.scene_error == numbers.scene_error);
+    /* What is twice as bright, and of the same contrast, is seen at least as well. */
+    const struct neph_post_numbers hdr = measured(&f, "tone=on tone_map=none encode=pq");
+    assert_true(isnan(hdr.flip) && hdr.seen > numbers.seen);
     close_film(&f);
 }
 
