@@ -145,6 +145,26 @@ static void test_the_meter_is_its_formula(void **state)
     neph_image_destroy(s.frame);
 }
 
+/* Every pixel counts once, also where groups of threads share the work: 20,467 pixels. */
+static void test_the_meter_sees_every_pixel(void **state)
+{
+    enum { wide = 211, high = 97, all = wide * high };
+    static const int bright[] = {0, 1, 4095, 4096, 9001, all - 1, all};
+    struct sequence s = sequence_of(*state, AUTO "meter_low_percent=0 meter_high_percent=100", 0.0);
+    neph_image_destroy(s.frame);
+    s.frame = post_image(wide, high, s.rgb);
+    for (size_t k = 0; k < COUNT(bright); k++) {
+        for (int i = 0; i < all; i++)
+            for (int c = 0; c < 3; c++)
+                s.rgb[c][i] = i < bright[k] ? 8.0f : 0.25f;
+        s.eye.is_open = false;
+        /* A pixel more or less is 2.4e-4. */
+        neph_assert_close(next(&s, NULL).metered_ev, -2.0 + 5.0 * bright[k] / all, 0.0,
+                          2.0 * ev_tolerance);
+    }
+    neph_image_destroy(s.frame);
+}
+
 /* Colours by their luminance (ITU-R BT.709). */
 static void test_the_meter_sees_luminance(void **state)
 {
@@ -247,6 +267,7 @@ int main(void)
         cmocka_unit_test(test_what_is_flat_is_shown_grey),
         cmocka_unit_test(test_percentiles_of_a_ramp),
         cmocka_unit_test(test_the_meter_is_its_formula),
+        cmocka_unit_test(test_the_meter_sees_every_pixel),
         cmocka_unit_test(test_the_meter_sees_luminance),
         cmocka_unit_test(test_a_step_of_light_is_approached),
         cmocka_unit_test(test_the_way_does_not_know_the_frame_rate),
