@@ -102,7 +102,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph post --list\n"
         "  neph post out/cloud.exr -p unreal -s exposure_ev=1 --png\n"
         "  neph post 'half/frame.*.exr' -s upscale=lanczos -s screen_percent=50 -o full\n"
-        "  neph post 'walk/frame.*.exr' -p unreal -s auto_exposure=on -s bloom=conserving --png\n"
+        "  neph post 'walk/frame.*.exr' -p unreal -s auto_exposure=on --png\n"
         "  neph post 'walk/frame.*.exr' --chain chain.yaml --scene walk.yaml",
 };
 
