@@ -227,14 +227,14 @@ bool depth_matters(Tap taps[TAPS_MAX], Tap nearest)
 
 bool all_within(Tap taps[TAPS_MAX], float limit_m)
 {
+    bool are_within = true; // a loop with a way out would not be unrolled
     [[unroll]] for (int i = 0; i < tap_count(); i++)
         if (taps[i].is_used && !(taps[i].difference_m < limit_m))
-            return false;
-    return true;
+            are_within = false;
+    return are_within;
 }
 
-// --- the choice
-// -----------------------------------------------------------------------------------
+// --- the choice ---------------------------------------------------------------------------------
 
 // `regardless` of depth.
 float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
