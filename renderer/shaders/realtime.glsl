@@ -273,11 +273,23 @@ int last_tap(vec4 weights)
 // Bits, because a compiler may assume that there is no NaN.
 bool is_finite(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
 
-// In-scattered radiance and transmittance that can be: finite and not negative.
+// In-scattered radiance and transmittance that can be: finite and not negative. All at once, for
+// with a way out between them a GPU would wait for one value after the other.
 bool is_sound(vec4 value)
 {
-    return is_finite(value.x) && is_finite(value.y) && is_finite(value.z) && is_finite(value.w) &&
-           value.x >= 0.0 && value.y >= 0.0 && value.z >= 0.0 && value.w >= 0.0;
+    uvec4 magnitudes = floatBitsToUint(value) & 0x7fffffffu;
+    bool are_finite = all(lessThan(magnitudes, uvec4(0x7f800000u)));
+    bool are_positive = all(greaterThanEqual(value, vec4(0.0)));
+    return are_finite && are_positive;
+}
+
+// A volume over the radiance of what is behind it. `precise`, because a fused multiply-add would
+// round once where march.comp rounds twice.
+vec3 over(vec4 volume, vec3 behind)
+{
+    precise vec3 transmitted = volume.w * behind;
+    precise vec3 radiance = volume.xyz + transmitted;
+    return radiance;
 }
 
 // --- rays -----------------------------------------------------------------------------------

@@ -20,4 +20,11 @@ bool own_element(ivec2 size, out ivec2 element)
     return element.y < size.y;
 }
 
+// The block of this work group in an image, row by row of blocks; its first element.
+ivec2 own_block(ivec2 size, ivec2 block)
+{
+    int index = int(run.first_thread / gl_WorkGroupSize.x + gl_WorkGroupID.x);
+    return block * element_at(index, (size.x - 1) / block.x + 1);
+}
+
 #endif

@@ -143,10 +143,8 @@ void choose_colour(int thread)
 // The block of this work group.
 void choose_block(bool may_override)
 {
-    int block = int(run.first_thread / gl_WorkGroupSize.x + gl_WorkGroupID.x);
     int thread = int(gl_LocalInvocationID.x);
-    ivec2 first = RT_COLOUR_BLOCK *
-                  element_at(block, (tile_count().x - 1) / RT_COLOUR_BLOCK + 1);
+    ivec2 first = own_block(tile_count(), ivec2(RT_COLOUR_BLOCK));
     ivec2 in_block = ivec2(thread % RT_COLOUR_BLOCK, thread / RT_COLOUR_BLOCK);
     area_corner = first - HALO;
     for (colour = 0; may_override && colour < 4; colour++) {
