@@ -310,6 +310,15 @@ ViewLine view_line_at(ViewCamera camera, vec2 place_px)
     return ViewLine(vec3(0.0), normalize(camera.forward + x * camera.right + y * camera.up));
 }
 
+// Whether this frame's camera stands where that of the frame before stood, and sees as that did.
+bool camera_rests()
+{
+    return view_before.position_m == vec3(0.0) && view_now.forward == view_before.forward &&
+           view_now.right == view_before.right && view_now.up == view_before.up &&
+           view_now.half_width == view_before.half_width &&
+           view_now.half_height == view_before.half_height;
+}
+
 // What the width of the picture grows with: the depth, or nothing.
 float view_spread(ViewCamera camera, float depth) { return camera.is_parallel != 0u ? 1.0 : depth; }
 

@@ -120,12 +120,8 @@ vec3 medium_from_m()
 // What it sees stays where it is: motions would come out as 0.
 bool rests()
 {
-    return !follows_solids() && view_before.position_m == vec3(0.0) &&
-           (!follows_medium() || medium_from_m() == vec3(0.0)) &&
-           view_now.forward == view_before.forward &&
-           view_now.right == view_before.right && view_now.up == view_before.up &&
-           view_now.half_width == view_before.half_width &&
-           view_now.half_height == view_before.half_height;
+    return !follows_solids() && camera_rests() &&
+           (!follows_medium() || medium_from_m() == vec3(0.0));
 }
 
 bool is_at_rest; // on a GPU, for all of a column; elsewhere what it saves is spent anyhow
