@@ -115,9 +115,8 @@ vec3 composed(ivec2 pixel)
     return over(fetch_full(RT_VOLUME, pixel), fetch_full(RT_BEHIND, pixel).rgb);
 }
 
-Sample fetch_sample(ivec2 pixel)
+Sample sample_of(vec3 colour)
 {
-    vec3 colour = composed(pixel);
     bool is_counted = !guarded() || is_finite(colour);
     colour = guard(colour);
     return Sample(colour, hdr_weight(colour), is_counted);
@@ -134,10 +133,18 @@ ivec2 area_corner; // its first pixel
 void fetch_area(ivec2 first_pixel)
 {
     area_corner = first_pixel - 1;
-    for (int i = int(gl_LocalInvocationID.x); i < AREA.x * AREA.y;
-         i += int(gl_WorkGroupSize.x)) {
-        Sample seen = fetch_sample(area_corner + ivec2(i % AREA.x, i / AREA.x));
-        area[i] = seen.is_counted ? vec4(seen.colour, seen.hdr_weight) : vec4(0.0);
+    const int count = AREA.x * AREA.y, turns = (count - 1) / GROUP_THREADS + 1;
+    int thread = int(gl_LocalInvocationID.x);
+    vec3 colours[turns]; // all on their way before the first is looked at
+    [[unroll]] for (int k = 0; k < turns; k++) {
+        int i = min(thread + GROUP_THREADS * k, count - 1);
+        colours[k] = composed(area_corner + ivec2(i % AREA.x, i / AREA.x));
+    }
+    [[unroll]] for (int k = 0; k < turns; k++) {
+        Sample seen = sample_of(colours[k]);
+        if (thread + GROUP_THREADS * k < count)
+            area[thread + GROUP_THREADS * k] =
+                seen.is_counted ? vec4(seen.colour, seen.hdr_weight) : vec4(0.0);
     }
     barrier();
 }
@@ -145,7 +152,7 @@ void fetch_area(ivec2 first_pixel)
 Sample sample_at(ivec2 pixel)
 {
     if (!ON_GPU)
-        return fetch_sample(pixel);
+        return sample_of(composed(pixel));
     ivec2 at = pixel - area_corner;
     vec4 seen = area[at.x + AREA.x * at.y];
     return Sample(seen.rgb, seen.a, !guarded() || seen.a > 0.0);
