@@ -156,7 +156,9 @@
 #define RT_FROXEL_JITTER 126
 #define RT_FROXEL_HISTORY 127
 #define RT_FROXEL_HOLD 128
-#define RT_SETTING_COUNT 129
+// Where the volume is laid over what is behind it.
+#define RT_COMPOSITION 129
+#define RT_SETTING_COUNT 130
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -176,6 +178,9 @@
 // Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
 // three of them.
 #define RT_TAA_COLUMN 4
+// Pixels of the block that a work group of 64 takes through it on a GPU.
+#define RT_TAA_BLOCK_WIDTH 32
+#define RT_TAA_BLOCK_HEIGHT 8
 
 // Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
 // colours take turns.
@@ -278,6 +283,10 @@
 
 #define RT_MOTION_CENTRE 0
 #define RT_MOTION_CROSS 1
+
+#define RT_COMPOSITION_AUTO 0
+#define RT_COMPOSITION_PASS 1
+#define RT_COMPOSITION_TAA 2
 
 #define RT_ROUNDING_NEAREST 0
 #define RT_ROUNDING_STOCHASTIC 1
