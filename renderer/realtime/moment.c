@@ -16,11 +16,12 @@ static void set_vector(float out[3], struct neph_vec3 vector)
 }
 
 static struct neph_gpu_view_camera camera_from(const struct neph_camera *camera,
-                                               struct neph_vec3 origin_m, const uint32_t size_px[2])
+                                               struct neph_vec3 origin_m,
+                                               const uint32_t picture_px[2])
 {
     const double half_height = neph_camera_half_height(camera);
     struct neph_gpu_view_camera made = {
-        .half_width = (float)(half_height * size_px[0] / size_px[1]),
+        .half_width = (float)(half_height * picture_px[0] / picture_px[1]),
         .half_height = (float)half_height,
         .is_parallel = camera->orthographic_height_m > 0.0,
     };
@@ -108,8 +109,8 @@ void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene
         past = in_world_of(&past, now);
     before = &past;
     const bool is_cut = !is_first && neph_scene_is_cut(scene, before->frame, now->frame);
-    view->now = camera_from(&now->camera, now->camera.position_m, view->size_px);
-    view->before = camera_from(&before->camera, now->camera.position_m, view->size_px);
+    view->now = camera_from(&now->camera, now->camera.position_m, view->picture_px);
+    view->before = camera_from(&before->camera, now->camera.position_m, view->picture_px);
     view->frame = number;
     view->is_cut = is_cut;
     view->has_history = !is_first && !(is_cut && view->settings[RT_CUT_RESET] != 0.0f);

@@ -156,7 +156,9 @@
 #define RT_FROXEL_JITTER 126
 #define RT_FROXEL_HISTORY 127
 #define RT_FROXEL_HOLD 128
-#define RT_SETTING_COUNT 129
+// A picture of more pixels than are rendered.
+#define RT_SCREEN_PERCENT 129
+#define RT_SETTING_COUNT 130
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -272,6 +274,10 @@
 #define RT_AROUND_ON 1
 #define RT_AROUND_MOVED 2
 
+#define RT_TAA_OFF 0
+#define RT_TAA_ON 1
+#define RT_TAA_UPSAMPLING 2
+
 #define RT_JITTER_NONE 0
 #define RT_JITTER_UE 1
 #define RT_JITTER_HALTON 2
@@ -353,6 +359,8 @@
 #define RT_FROXEL 5
 #define RT_FROXEL_COLUMN 6
 #define RT_FROXEL_SECTIONS 3
+// The pixels of the picture: as many as RT_FULL, or more with screen_percent.
+#define RT_PICTURE 7
 
 #define RT_FIXED (-1) // no setting chooses the format
 
@@ -373,10 +381,10 @@
     {RT_FULL, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},     /* RT_VOLUME */ \
     {RT_FULL, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},           /* RT_VOLUME_DISTANCE */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_COLOR */ \
-    {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_OUT */ \
-    {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_BEFORE */ \
+    {RT_PICTURE, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_TAA_OUT */ \
+    {RT_PICTURE, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_TAA_BEFORE */ \
     {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_STEADY_DEPTH */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */ \
+    {RT_PICTURE, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_SHARPENED */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */ \
     {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},          /* RT_FROXELS */ \
     {RT_HALF, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_RAY */ \

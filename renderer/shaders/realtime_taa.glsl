@@ -1,0 +1,548 @@
+// SPDX-License-Identifier: MIT
+//
+// What temporal anti-aliasing and upsampling have in common: a pixel of the picture and the rendered
+// pixels around its source, of which it is made; the same pixel at 100 %. What is different from
+// Unreal Engine is said in rt_taa.comp.
+#ifndef NEPH_REALTIME_TAA_GLSL
+#define NEPH_REALTIME_TAA_GLSL
+
+#include "random.glsl"
+#include "realtime_change.glsl"
+#include "realtime_pass.glsl"
+#include "realtime_slots.glsl"
+
+bool guarded() { return choice(RT_TAA_GUARD) != 0; }
+
+// 4 times the luma: what the HDR weights and the contrast law go by.
+float luma_4(vec3 colour) { return colour.r + 2.0 * colour.g + colour.b; }
+
+// Comparisons, so that NaN stays NaN; between limits that have crossed nothing is held.
+float hold(float value, float low, float high)
+{
+    return low > high ? value : value < low ? low : value > high ? high : value;
+}
+
+vec3 hold(vec3 value, vec3 low, vec3 high)
+{
+    return vec3(hold(value.r, low.r, high.r), hold(value.g, low.g, high.g),
+                hold(value.b, low.b, high.b));
+}
+
+vec3 guard(vec3 colour)
+{
+    return guarded() ? hold(colour, vec3(0.0), vec3(HALF_MAX)) : colour;
+}
+
+bool is_finite(vec3 value)
+{
+    return is_finite(value.r) && is_finite(value.g) && is_finite(value.b);
+}
+
+// --- motion of the camera -------------------------------------------------------------------
+
+float dot_in_order(vec3 a, vec3 b)
+{
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+// The place at eye depth 1 of what a pixel's centre sees, without jitter.
+vec3 ray_through(vec2 centre_px)
+{
+    precise float x = (2.0 * centre_px.x / float(picture_px.x) - 1.0) * view_now.half_width;
+    precise float y = (1.0 - 2.0 * centre_px.y / float(picture_px.y)) * view_now.half_height;
+    precise vec3 ray = view_now.forward + x * view_now.right + y * view_now.up;
+    return ray;
+}
+
+// Where a camera sees something at `from`, in pixels from the middle of the picture.
+vec2 place_from_middle(ViewCamera camera, vec3 from, float depth)
+{
+    precise vec2 place;
+    place.x = 0.5 * float(picture_px.x) *
+              (dot_in_order(from, camera.right) /
+               (view_spread(camera, depth) * camera.half_width));
+    place.y = -0.5 * float(picture_px.y) *
+              (dot_in_order(from, camera.up) /
+               (view_spread(camera, depth) * camera.half_height));
+    return place;
+}
+
+bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }
+
+// The nearest of the pixel's depth and four around, so that the rim of an object goes with it, and
+// how far what is there has moved by itself. As in Unreal the motion is that of the pixel's own
+// place at this depth, not of the neighbour's.
+float depth_of_motion(ivec2 pixel, out vec3 moved_m)
+{
+    moved_m = vec3(0.0);
+    ivec2 nearest = pixel;
+    float nearest_m = fetch_full(RT_DEPTH, pixel).x;
+    for (int i = 0; i < 4 && choice(RT_TAA_MOTION) != RT_MOTION_CENTRE; i++) {
+        ivec2 other = pixel + 4 * ivec2(i & 1, i >> 1) - 2;
+        float depth_m = fetch_full(RT_DEPTH, other).x;
+        if (depth_m < nearest_m) {
+            nearest_m = depth_m;
+            nearest = other;
+        }
+    }
+    if (follows_solids())
+        moved_m = fetch_full(RT_MOVED, nearest).xyz;
+    return nearest_m;
+}
+
+Change of_medium, of_behind; // around the column of this thread
+
+bool asks_for_change() { return choice(RT_GRADIENT) != 0 && is_set(RT_TAA_AGE_MAX); }
+
+void find_change(ivec2 tile)
+{
+    of_medium = change_of(RT_CHANGE, tile);
+    of_behind = change_of(RT_CHANGE_BEHIND, tile);
+}
+
+float change() { return max(of_medium.residue, of_behind.residue); }
+
+// What the wind carries is followed. What stands still has its distance, but that is a mean over
+// all that a ray sees, by which a camera that moves finds no better history than by the scene's.
+// What does not change does not move, whatever the wind: a veil that looks the same everywhere.
+bool follows_medium()
+{
+    return choice(RT_TAA_MEDIUM) != 0 && choice(RT_WIND) != 0 && wind_m() != vec3(0.0) &&
+           (!asks_for_change() || beyond(change(), setting(RT_TAA_CHANGE)) > 0.0);
+}
+
+// Where the medium stood for the camera of the frame before, off from where it is now.
+vec3 medium_from_m()
+{
+    precise vec3 from_m = view_before.position_m + wind_m();
+    return from_m;
+}
+
+// What it sees stays where it is: motions would come out as 0.
+bool rests()
+{
+    return !follows_solids() && view_before.position_m == vec3(0.0) &&
+           (!follows_medium() || medium_from_m() == vec3(0.0)) &&
+           view_now.forward == view_before.forward &&
+           view_now.right == view_before.right && view_now.up == view_before.up &&
+           view_now.half_width == view_before.half_width &&
+           view_now.half_height == view_before.half_height;
+}
+
+// How far what is `depth_m` deep has come in the picture since the frame before, when it stood
+// `from_m` off from where it is now, as seen by the camera; false when it was behind that. Lengths
+// are divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
+// difference of two places found alike: it is exactly 0 for a camera at rest. In an orthographic
+// picture all depths move alike, since its camera never turns (scenes/load_motion.c).
+bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
+{
+    precise vec3 ray_before = ray - from_m / view_spread(view_now, depth_m);
+    float depth_before = view_spread(view_before, dot_in_order(ray_before, view_before.forward));
+    precise vec2 moved_px =
+        place_from_middle(view_now, ray, dot_in_order(ray, view_now.forward)) -
+        place_from_middle(view_before, ray_before, depth_before);
+    motion_px = moved_px;
+    return depth_before > 0.0;
+}
+
+const float HARDLY_SEEN = 0.0625; // what moves by itself, behind a medium that lets less through
+
+// A pixel goes with the medium where that hides more than half of what is behind, nearly all of
+// what moves by itself, and before the sky, which has nothing that could smear; not at the rim of
+// what is before the medium. A mix of both motions is that of neither: it drags solids along in the
+// haze before them. False, too, where the medium was behind the camera.
+bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, bool has_moved, out vec2 motion_px)
+{
+    float through = fetch_full(RT_VOLUME, pixel).a;
+    float distance_m = fetch_full(RT_VOLUME_DISTANCE, pixel).x;
+    float most = has_moved ? HARDLY_SEEN : is_sky(scene_m) ? 1.0 : 0.5;
+    bool is_seen = through >= 0.0 && through < most && distance_m > 0.0 && distance_m < FAR_M;
+    precise float depth_m = distance_m / sqrt(dot_in_order(ray, ray));
+    return is_seen && depth_m < scene_m && find_motion(ray, depth_m, medium_from_m(), motion_px);
+}
+
+// The place in the frame before of what a pixel shows, by the depths about its source; false when
+// that was out of the picture.
+bool find_before(ivec2 pixel, ivec2 source, out vec2 place_px, out float speed_px)
+{
+    precise vec2 centre_px = vec2(pixel) + 0.5;
+    if (ON_GPU && rests()) {
+        place_px = centre_px;
+        speed_px = 0.0;
+        return true;
+    }
+    vec3 ray = ray_through(centre_px), moved_m = vec3(0.0);
+    vec2 motion_px;
+    // Else all depths move alike.
+    bool has_moved = view_before.position_m != vec3(0.0) || follows_solids();
+    float scene_m = has_moved || follows_medium() ? depth_of_motion(source, moved_m) : FAR_M;
+    precise vec3 from_m = view_before.position_m + moved_m;
+    bool is_mover = moved_m != vec3(0.0);
+    bool is_before = (follows_medium() &&
+                      goes_with_medium(source, ray, scene_m, is_mover, motion_px)) ||
+                     find_motion(ray, has_moved ? scene_m : FAR_M, from_m, motion_px);
+    precise vec2 before_px = centre_px - motion_px;
+    place_px = before_px;
+    speed_px = length(motion_px);
+    return is_before && before_px.x > 0.0 && before_px.x < float(picture_px.x) &&
+           before_px.y > 0.0 && before_px.y < float(picture_px.y);
+}
+
+// --- history ------------------------------------------------------------------------------------
+
+// Weights of four texels in a row for a place `x` of the way from the second to the third.
+vec4 filter_weights(float x)
+{
+    switch (choice(RT_TAA_HISTORY)) {
+    case RT_FILTER_NEAREST:
+        return x < 0.5 ? vec4(0.0, 1.0, 0.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
+    case RT_FILTER_BILINEAR:
+        return vec4(0.0, 1.0 - x, x, 0.0);
+    default:
+        return vec4(x * (-0.5 + x * (1.0 - 0.5 * x)), 1.0 + x * x * (-2.5 + 1.5 * x),
+                    x * (0.5 + x * (2.0 - 1.5 * x)), x * x * (-0.5 + 0.5 * x));
+    }
+}
+
+vec3 filtered_history(vec2 place_px)
+{
+    precise vec2 corner = floor(place_px - 0.5);
+    precise vec2 way = place_px - 0.5 - corner;
+    if (ON_GPU && rests())
+        return fetch_picture(RT_TAA_BEFORE, ivec2(corner)).rgb;
+    vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
+    ivec2 first = ivec2(first_tap(columns), first_tap(rows));
+    ivec2 last = ivec2(last_tap(columns), last_tap(rows));
+    vec3 sum = vec3(0.0);
+    for (int y = first.y; y <= last.y; y++)
+        for (int x = first.x; x <= last.x; x++) {
+            float weight = columns[x] * rows[y];
+            if (weight != 0.0)
+                sum += weight * fetch_picture(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
+        }
+    return sum;
+}
+
+// False when the guard finds the history void.
+bool fetch_history(vec2 place_px, out vec3 history)
+{
+    history = filtered_history(place_px);
+    bool is_sound = !guarded() || is_finite(history);
+    history = guard(history);
+    return is_sound;
+}
+
+// How many frames the pixel at a place is the mean of.
+float age_at(vec2 place_px)
+{
+    if (!is_set(RT_TAA_AGE_MAX))
+        return 0.0;
+    float age = fetch_picture(RT_TAA_BEFORE, ivec2(floor(place_px))).a;
+    return age >= 1.0 ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
+}
+
+// --- the frame ----------------------------------------------------------------------------------
+
+// The 3x3 colours around the source, row by row.
+struct Surroundings {
+    vec3 colours[9];
+    float hdr_weights[9];
+    uint counted; // bit i: colours[i] counts
+};
+
+const int CENTRE = 4;
+const uint SQUARE = 0x1ffu, PLUS = 0x0bau;
+
+ivec2 offset_of(int i) { return ivec2(i % 3, i / 3) - 1; }
+
+bool is_counted(uint counted, int i) { return (counted >> i & 1u) != 0u; }
+
+// From the pixel's centre to where the source's ray went, in rendered pixels.
+vec2 shift_px = jitter_px;
+
+// To where the ray of a neighbour of the source went, squared.
+float distance_squared(int i)
+{
+    precise float x = float(offset_of(i).x) + shift_px.x;
+    precise float y = float(offset_of(i).y) + shift_px.y;
+    precise float sum = x * x + y * y;
+    return sum;
+}
+
+// Bright samples count less, or a single one would shine through for many frames.
+float hdr_weight(vec3 colour)
+{
+    return choice(RT_TAA_HDR_WEIGHT) != 0 ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
+}
+
+// One of them.
+void look_at(ivec2 source, int i, inout Surroundings around)
+{
+    vec3 colour = fetch_full(RT_COLOR, source + offset_of(i)).rgb;
+    if (!guarded() || is_finite(colour))
+        around.counted |= 1u << i;
+    around.colours[i] = guard(colour);
+    around.hdr_weights[i] = hdr_weight(around.colours[i]);
+}
+
+float nearness[9]; // of the rays to the pixel's centre
+
+// False when no colour counts.
+bool filter_frame(Surroundings around, out vec3 colour)
+{
+    colour = around.colours[CENTRE];
+    if (choice(RT_TAA_FILTER) == 0)
+        return is_counted(around.counted, CENTRE);
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 9; i++) {
+        if (!is_counted(around.counted, i))
+            continue;
+        float weight = nearness[i] * around.hdr_weights[i];
+        sum += weight * around.colours[i];
+        weights += weight;
+    }
+    colour = sum / weights;
+    return around.counted != 0u;
+}
+
+// --- the box: neighbourhood clamp ---------------------------------------------------------------
+
+vec3 to_space(vec3 colour)
+{
+    switch (choice(RT_TAA_SPACE)) {
+    case RT_SPACE_YCOCG:
+        return vec3(luma_4(colour), 2.0 * (colour.r - colour.b),
+                    2.0 * colour.g - colour.r - colour.b);
+    case RT_SPACE_REINHARD:
+        return colour / (1.0 + abs(colour));
+    default:
+        return colour;
+    }
+}
+
+vec3 from_space(vec3 value)
+{
+    switch (choice(RT_TAA_SPACE)) {
+    case RT_SPACE_YCOCG:
+        return 0.25 * vec3(value.x + value.y - value.z, value.x + value.z,
+                           value.x - value.y - value.z);
+    case RT_SPACE_REINHARD:
+        return value / (1.0 - abs(value));
+    default:
+        return value;
+    }
+}
+
+struct Box {
+    vec3 low, high; // crossed when the box is of no colour
+};
+
+Box extremes(Surroundings around, uint among)
+{
+    Box box = Box(vec3(3e38), vec3(-3e38));
+    for (int i = 0; i < 9; i++) {
+        if (!is_counted(around.counted & among, i))
+            continue;
+        for (int c = 0; c < 3; c++) {
+            if (around.colours[i][c] < box.low[c])
+                box.low[c] = around.colours[i][c];
+            if (around.colours[i][c] > box.high[c])
+                box.high[c] = around.colours[i][c];
+        }
+    }
+    return box;
+}
+
+// Halfway between the extremes of 5 colours, the plus, and of 9, the square: rounder than the
+// square.
+Box rounded_box(Surroundings around)
+{
+    Box square = extremes(around, SQUARE), plus = extremes(around, PLUS);
+    if ((around.counted & PLUS) == 0u)
+        return square;
+    return Box(0.5 * (square.low + plus.low), 0.5 * (square.high + plus.high));
+}
+
+// A GPU divides once where all are divided by the same, lavapipe by a true division.
+vec3 part_of(vec3 value, float count)
+{
+    return ON_GPU ? value * (1.0 / count) : value / count;
+}
+
+// M. Salvi, "An Excursion in Temporal Supersampling", GDC 2016; the filtered colour is in it.
+Box variance_box(Surroundings around, vec3 filtered)
+{
+    vec3 mean = vec3(0.0), variance = vec3(0.0);
+    float count = float(bitCount(around.counted));
+    for (int i = 0; i < 9; i++)
+        if (is_counted(around.counted, i))
+            mean += part_of(around.colours[i], count);
+    for (int i = 0; i < 9; i++)
+        if (is_counted(around.counted, i))
+            variance += part_of((around.colours[i] - mean) * (around.colours[i] - mean), count);
+    vec3 reach = setting(RT_TAA_SIGMA) * sqrt(variance);
+    vec3 low = mean - reach, high = mean + reach;
+    return Box(mix(low, filtered, lessThan(filtered, low)),
+               mix(high, filtered, greaterThan(filtered, high)));
+}
+
+float box_reach_squared = 2.2801; // 1.51 px
+
+// Extremes of the rays that went through within a distance.
+Box distance_box(Surroundings around)
+{
+    uint near = 0u;
+    for (int i = 0; i < 9; i++)
+        if (distance_squared(i) < box_reach_squared)
+            near |= 1u << i;
+    return extremes(around, near);
+}
+
+vec3 hold_history(vec3 history, Surroundings around, vec3 filtered)
+{
+    for (int i = 0; i < 9; i++)
+        around.colours[i] = to_space(around.colours[i]);
+    Box box;
+    switch (choice(RT_TAA_BOX)) {
+    case RT_BOX_MIN_MAX:
+        box = rounded_box(around);
+        break;
+    case RT_BOX_VARIANCE:
+        box = variance_box(around, to_space(filtered));
+        break;
+    case RT_BOX_DISTANCE:
+        box = distance_box(around);
+        break;
+    default:
+        return history;
+    }
+    vec3 value = to_space(history);
+    vec3 held = hold(value, box.low, box.high);
+    return held == value ? history : from_space(held);
+}
+
+// --- the blend ----------------------------------------------------------------------------------
+
+float coverage = 1.0; // of the pixel by rays about its centre
+
+// Weight of the frame: more when the picture moves, and enough for a step of taa_contrast of the
+// history's luma (before it was held). So a pixel whose noise is below that is not averaged.
+float frame_weight(float luma, float history_luma, float speed_px)
+{
+    float way = speed_px / setting(RT_TAA_VELOCITY_PX);
+    float alpha = mix(coverage * setting(RT_TAA_ALPHA), setting(RT_TAA_ALPHA_MOVING),
+                      way < 1.0 ? way : 1.0);
+    if (setting(RT_TAA_CONTRAST) == 0.0 || (guarded() && !(history_luma > 0.0)))
+        return alpha;
+    precise float least = setting(RT_TAA_CONTRAST) * history_luma / abs(luma - history_luma);
+    if (least <= alpha)
+        return alpha;
+    return least > 1.0 ? 1.0 : least; // or NaN
+}
+
+// It does not change by taa_change in so many. Rays look again after four frames, and at what is
+// behind all media after those of the jitter.
+float frames_alike()
+{
+    float limit = setting(RT_TAA_CHANGE);
+    return min(4.0 * lasting(of_medium.residue, limit),
+               setting(RT_TAA_JITTER_LENGTH) * lasting(of_behind.residue, limit));
+}
+
+// Where it rests history has the light of this frame, by the shares that both have in the pixel.
+vec3 relit(vec3 history, ivec2 source, Surroundings around, float speed_px)
+{
+    if (!asks_for_change() || !is_set(RT_RELIGHT) || !is_counted(around.counted, CENTRE))
+        return history;
+    vec3 colour = around.colours[CENTRE];
+    vec3 medium = hold(fetch_full(RT_VOLUME, source).rgb, vec3(0.0), colour);
+    vec3 then = medium / of_medium.gain + (colour - medium) / of_behind.gain;
+    vec3 gain = mix(vec3(1.0), colour / then, greaterThan(then, vec3(0.0)));
+    return mix(gain, vec3(1.0), beyond(speed_px, setting(RT_TAA_REST_PX))) * history;
+}
+
+// How far a pixel is from being at rest, 0..1.
+float unrest(float speed_px)
+{
+    if (!asks_for_change())
+        return 1.0;
+    return max(beyond(speed_px, setting(RT_TAA_REST_PX)),
+               beyond(change(), setting(RT_TAA_CHANGE)));
+}
+
+// At rest the weight of one frame more. The age counts frames since the last change, so that what
+// came before goes as soon as the light stands still, and no more of them than are alike.
+float weight_with_age(float alpha, float unrest, inout float age)
+{
+    if (!is_set(RT_TAA_AGE_MAX))
+        return alpha;
+    if (choice(RT_GRADIENT) != 0)
+        age = max(min(age, frames_alike()), 1.0);
+    alpha = mix(1.0 / (age + 1.0), alpha, unrest);
+    age = min(mix(age + 1.0, 1.0, unrest), setting(RT_TAA_AGE_MAX));
+    return alpha;
+}
+
+vec3 blend(vec3 frame, vec3 history, float alpha)
+{
+    float of_frame = alpha * hdr_weight(frame);
+    float of_history = (1.0 - alpha) * hdr_weight(history);
+    float weight = of_frame / (of_frame + of_history);
+    return weight == 1.0 ? frame : history + weight * (frame - history);
+}
+
+// --- the output ---------------------------------------------------------------------------------
+
+// One of the two halves next to a value, by a number from 0 to 1: the value is their mean.
+float round_by_chance(float value, float number)
+{
+    uint magnitude = floatBitsToUint(value) & 0x7fffffffu;
+    if (magnitude >= 0x477fe000u) // from 65504 on
+        return value;
+    uint exponent = max(magnitude >> 23, 113u); // the least of normal halves is 2^-14
+    float halves_per_unit = uintBitsToFloat((264u - exponent) << 23); // 2^10 of them in an octave
+    float half_step = uintBitsToFloat((exponent - 10u) << 23);
+    precise float halves = value * halves_per_unit;
+    precise float below = floor(halves);
+    precise float above_it = halves - below;
+    return (number < above_it ? below + 1.0 : below) * half_step;
+}
+
+vec3 round_to_format(vec3 colour, ivec2 pixel)
+{
+    if (choice(RT_TAA_FORMAT) != RT_FORMAT_HALF ||
+        choice(RT_TAA_ROUNDING) != RT_ROUNDING_STOCHASTIC)
+        return colour;
+    // The hash's first number is the white dither's (renderer/dither.h).
+    vec3 numbers = uniform_from(pcg4d(uvec4(pixel, view_frame, view_seed)).yzw);
+    return vec3(round_by_chance(colour.r, numbers.x), round_by_chance(colour.g, numbers.y),
+                round_by_chance(colour.b, numbers.z));
+}
+
+// The colour of a pixel of the picture, which is made of the rendered ones around `source`, and its
+// age.
+vec4 resolved(ivec2 pixel, ivec2 source, Surroundings around)
+{
+    bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
+    vec2 before_px;
+    float speed_px;
+    vec3 history, colour;
+    bool has_history =
+        !is_reset && find_before(pixel, source, before_px, speed_px) && fetch_history(before_px, history);
+    float age = has_history ? age_at(before_px) : is_set(RT_TAA_AGE_MAX) ? 1.0 : 0.0;
+    if (!filter_frame(around, colour)) {
+        colour = has_history ? history : vec3(0.0);
+    } else if (has_history) {
+        history = relit(history, source, around, speed_px);
+        float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
+        float part = unrest(speed_px);
+        alpha = weight_with_age(alpha, part, age);
+        vec3 held = hold_history(history, around, colour);
+        colour = blend(colour, part == 1.0 ? held : mix(history, held, part), alpha);
+    }
+    return vec4(guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX))), age);
+}
+
+#endif
