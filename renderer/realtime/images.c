@@ -66,9 +66,16 @@ enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *
     return status;
 }
 
+/* What the anti-aliasing makes is exposed. */
+static float exposure_of(const struct neph_gpu_view *view, int target)
+{
+    return neph_rt_is_of_picture(target) && view->settings[RT_TAA] != 0.0f ? view->exposure : 1.0f;
+}
+
 enum neph_status neph_rt_bring(struct neph_rt_device *device, int target, float *const channels[4],
                                struct neph_diag *diag)
 {
+    const float exposure = exposure_of(device->view, target);
     uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
     if (!words)
         return neph_fail_memory(diag);
@@ -79,7 +86,7 @@ enum neph_status neph_rt_bring(struct neph_rt_device *device, int target, float 
         neph_rt_load(&device->view->targets[target], words, texel_for(device, target, i), value);
         for (int c = 0; c < 4; c++)
             if (channels[c])
-                channels[c][i] = value[c];
+                channels[c][i] = value[c] / exposure;
     }
     free(words);
     return status;

@@ -97,9 +97,11 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
     for (int s = 0; s < RT_SETTING_COUNT; s++)
         view->settings[s] = (float)settings->values[s];
     set_upsampling(view);
-    /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on. */
+    view->exposure = view->exposure_before = 1.0f;
+    /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on; no volume. */
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
-        view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] = 0.0f;
+        view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] =
+            view->settings[RT_TAA_RESPONSIVE] = 0.0f;
     for (int axis = 0; axis < 2; axis++) {
         const int size_px = neph_rt_rendered_px(picture_px[axis],
                                                 (int)view->settings[RT_SCREEN_PERCENT]);

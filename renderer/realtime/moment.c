@@ -47,6 +47,7 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
         .drift_m = neph_scene_wind_displacement_m(scene, frame),
         .origin_m = neph_injected_origin_at(&scene->injections, frame),
         .frame = frame,
+        .exposure = neph_injected_exposure_at(&scene->injections, frame),
     };
     double jitter_px[2] = {0.0, 0.0};
     if (moves_rays && view->settings[RT_TAA] != 0.0f)
@@ -118,6 +119,8 @@ void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene
     memcpy(view->jitter_px, now->jitter_px, sizeof(view->jitter_px));
     memcpy(view->jitter_before_px, before->jitter_px, sizeof(view->jitter_before_px));
     set_vector(view->wind_m, neph_vec3_sub(now->drift_m, before->drift_m));
+    view->exposure = (float)now->exposure;
+    view->exposure_before = (float)before->exposure;
     view->mover_count = (uint32_t)scene->mover_count;
     for (int i = 0; i < scene->mover_count; i++)
         view->movers[i] = mover_from(scene, &scene->movers[i], now, before);

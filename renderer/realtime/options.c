@@ -38,6 +38,7 @@ static const char *const upscales[] = {"nearest", "bilinear", "mean", "bilateral
                                        "inverse", "square",   NULL};
 static const char *const laws[] = {"constant", "opacity", NULL};
 static const char *const pairs[] = {"shared", "independent", NULL};
+static const char *const responsives[] = {"off", "medium", NULL};
 static const char *const taas[] = {"off", "on", "upsampling", NULL};
 static const char *const jitters[] = {"none", "ue", "halton", NULL};
 static const char *const arounds[] = {"off", "on", "moved", NULL};
@@ -431,5 +432,18 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "makes the picture of it. Below 100 there are 1 / percent^2 times as many places of the "
         "jitter, taa_jitter=ue is plain Halton, and taa_box=min_max is distance, within 1.51 px, "
         "1.3 at 50 %, as in Unreal"),
+
+    [RT_TAA_ANTIGHOST] = CHOICE(
+        "taa_antighost", 0, switches,
+        "pixels remember that they were of a solid that may move; what it uncovers has no history. "
+        "Counts with solid_motion=on"),
+    [RT_TAA_RESPONSIVE] = CHOICE(
+        "taa_responsive", RT_RESPONSIVE_OFF, responsives,
+        "where the media hide more than half of what is behind them the frame weighs a quarter or "
+        "more: they have no motion vectors; counts with split=four"),
+    [RT_TAA_PRE_EXPOSURE] = CHOICE(
+        "taa_pre_exposure", 0, switches,
+        "where the camera's exposure changes (inject.exposures), history is multiplied by as much; "
+        "off: it keeps that of its own frame"),
     {.name = NULL},
 };

@@ -61,7 +61,9 @@ static const uint32_t froxel_apply_spirv[] = {
 #define TAA_SPARED                                                                                 \
     {                                                                                              \
         {{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME_DISTANCE)},                                             \
-            {{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME), .or = {RT_GRADIENT, 1}},                          \
+            {{RT_TAA_MEDIUM, 1},                                                                   \
+             BIT(RT_VOLUME),                                                                       \
+             .or = {{RT_GRADIENT, 1}, {RT_TAA_RESPONSIVE, RT_RESPONSIVE_MEDIUM}}},                 \
             {{RT_GRADIENT, 1}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},                            \
         {                                                                                          \
             {RT_SOLID_MOTION, 1}, BIT(RT_MOVED)                                                    \
@@ -292,7 +294,8 @@ uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct 
     uint32_t touched = pass->reads | pass->writes;
     for (int i = 0; i < NEPH_RT_SPARED_MAX && pass->spared[i].targets; i++)
         if (!neph_rt_holds(view, pass->spared[i].unless) &&
-            !neph_rt_holds(view, pass->spared[i].or))
+            !neph_rt_holds(view, pass->spared[i].or[0]) &&
+            !neph_rt_holds(view, pass->spared[i].or[1]))
             touched &= ~pass->spared[i].targets;
     return touched;
 }

@@ -80,6 +80,8 @@ layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     Mover movers[RT_MOVERS_MAX];
     uint picture_px[2]; // what the view becomes: size_px, or more with screen_percent
     float rendered_per_px[2]; // size_px over picture_px
+    float exposure; // of the camera, by which colours are multiplied before they are kept
+    float exposure_before;
 } view;
 
 // Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).
@@ -109,6 +111,7 @@ ivec2 origin_px = ivec2(view.origin_px[0], view.origin_px[1]);
 ivec2 size_px = ivec2(view.size_px[0], view.size_px[1]);
 ivec2 picture_px = ivec2(view.picture_px[0], view.picture_px[1]);
 vec2 rendered_per_px = vec2(view.rendered_per_px[0], view.rendered_per_px[1]);
+float exposure = view.exposure, exposure_before = view.exposure_before;
 ivec2 half_size_px = ivec2(view.half_size_px[0], view.half_size_px[1]);
 ivec2 tiles = ivec2(view.tile_count[0], view.tile_count[1]);
 vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);

@@ -158,7 +158,11 @@
 #define RT_FROXEL_HOLD 128
 // A picture of more pixels than are rendered.
 #define RT_SCREEN_PERCENT 129
-#define RT_SETTING_COUNT 130
+// Anti-aliasing of what moves by itself, of what has no motion vectors, and of exposed colours.
+#define RT_TAA_ANTIGHOST 130
+#define RT_TAA_RESPONSIVE 131
+#define RT_TAA_PRE_EXPOSURE 132
+#define RT_SETTING_COUNT 133
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -282,6 +286,11 @@
 #define RT_JITTER_UE 1
 #define RT_JITTER_HALTON 2
 
+#define RT_OF_MOVER 4096 // in place of an age, of which none is as large: a solid that may move
+
+#define RT_RESPONSIVE_OFF 0
+#define RT_RESPONSIVE_MEDIUM 1
+
 #define RT_MOTION_CENTRE 0
 #define RT_MOTION_CROSS 1
 
@@ -319,14 +328,15 @@
 #define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale
 #define RT_VOLUME_DISTANCE 12 // R: [m]
 #define RT_COLOR 13     // RGB: the composed frame
-// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
+// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max; or RT_OF_MOVER
 #define RT_TAA_OUT 14
 #define RT_TAA_BEFORE 15
 // The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
 // jittered_depth is on.
 #define RT_STEADY_DEPTH 16
 #define RT_SHARPENED 17 // RGB: the picture after sharpening
-// RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move
+// RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move.
+// A: 1 where it is one of those, moving or not
 #define RT_MOVED 18
 // Froxels (froxels.glsl). RGB: light that is scattered per metre, A: extinction [1/m]; of the sums
 // in-scattered radiance and transmittance

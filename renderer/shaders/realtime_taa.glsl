@@ -228,18 +228,20 @@ vec3 filtered_history(vec2 place_px)
 bool fetch_history(vec2 place_px, out vec3 history)
 {
     history = filtered_history(place_px);
+    if (choice(RT_TAA_PRE_EXPOSURE) != 0)
+        history *= exposure / exposure_before;
     bool is_sound = !guarded() || is_finite(history);
     history = guard(history);
     return is_sound;
 }
 
-// How many frames the pixel at a place is the mean of.
+// How many frames the pixel at a place is the mean of. That of a mover has no age.
 float age_at(vec2 place_px)
 {
     if (!is_set(RT_TAA_AGE_MAX))
         return 0.0;
     float age = fetch_picture(RT_TAA_BEFORE, ivec2(floor(place_px))).a;
-    return age >= 1.0 ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
+    return age >= 1.0 && age != float(RT_OF_MOVER) ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 
 // --- the frame ----------------------------------------------------------------------------------
@@ -279,7 +281,7 @@ float hdr_weight(vec3 colour)
 // One of them.
 void look_at(ivec2 source, int i, inout Surroundings around)
 {
-    vec3 colour = fetch_full(RT_COLOR, source + offset_of(i)).rgb;
+    vec3 colour = exposure * fetch_full(RT_COLOR, source + offset_of(i)).rgb;
     if (!guarded() || is_finite(colour))
         around.counted |= 1u << i;
     around.colours[i] = guard(colour);
@@ -457,7 +459,7 @@ vec3 relit(vec3 history, ivec2 source, Surroundings around, float speed_px)
     if (!asks_for_change() || !is_set(RT_RELIGHT) || !is_counted(around.counted, CENTRE))
         return history;
     vec3 colour = around.colours[CENTRE];
-    vec3 medium = hold(fetch_full(RT_VOLUME, source).rgb, vec3(0.0), colour);
+    vec3 medium = hold(exposure * fetch_full(RT_VOLUME, source).rgb, vec3(0.0), colour);
     vec3 then = medium / of_medium.gain + (colour - medium) / of_behind.gain;
     vec3 gain = mix(vec3(1.0), colour / then, greaterThan(then, vec3(0.0)));
     return mix(gain, vec3(1.0), beyond(speed_px, setting(RT_TAA_REST_PX))) * history;
@@ -521,6 +523,35 @@ vec3 round_to_format(vec3 colour, ivec2 pixel)
                 round_by_chance(colour.b, numbers.z));
 }
 
+// --- the anti-ghosting flag --------------------------------------------------------------------
+
+bool flags_movers() { return follows_solids() && choice(RT_TAA_ANTIGHOST) != 0; }
+
+// Whether the source or one of the four next to it is of a solid that may move.
+bool is_at_mover(ivec2 source)
+{
+    for (int i = 0; i < 9; i++)
+        if (is_counted(PLUS, i) && fetch_full(RT_MOVED, source + offset_of(i)).a != 0.0)
+            return true;
+    return false;
+}
+
+// What a mover leaves behind: its colours are no history of what was behind it.
+bool is_ghost(bool at_mover, vec2 before_px)
+{
+    return flags_movers() && !at_mover &&
+           fetch_picture(RT_TAA_BEFORE, ivec2(floor(before_px))).a == float(RT_OF_MOVER);
+}
+
+// --- the responsive mask ------------------------------------------------------------------------
+
+// What hides more than half of what is behind it, and has no motion vectors.
+bool is_responsive(ivec2 source)
+{
+    return choice(RT_TAA_RESPONSIVE) == RT_RESPONSIVE_MEDIUM &&
+           fetch_full(RT_VOLUME, source).a < 0.5;
+}
+
 // The colour of a pixel of the picture, which is made of the rendered ones around `source`, and its
 // age.
 vec4 resolved(ivec2 pixel, ivec2 source, Surroundings around)
@@ -529,8 +560,9 @@ vec4 resolved(ivec2 pixel, ivec2 source, Surroundings around)
     vec2 before_px;
     float speed_px;
     vec3 history, colour;
-    bool has_history =
-        !is_reset && find_before(pixel, source, before_px, speed_px) && fetch_history(before_px, history);
+    bool at_mover = flags_movers() && is_at_mover(source);
+    bool has_history = !is_reset && find_before(pixel, source, before_px, speed_px) &&
+                       !is_ghost(at_mover, before_px) && fetch_history(before_px, history);
     float age = has_history ? age_at(before_px) : is_set(RT_TAA_AGE_MAX) ? 1.0 : 0.0;
     if (!filter_frame(around, colour)) {
         colour = has_history ? history : vec3(0.0);
@@ -539,10 +571,13 @@ vec4 resolved(ivec2 pixel, ivec2 source, Surroundings around)
         float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
         float part = unrest(speed_px);
         alpha = weight_with_age(alpha, part, age);
+        if (is_responsive(source))
+            alpha = max(alpha, 0.25);
         vec3 held = hold_history(history, around, colour);
         colour = blend(colour, part == 1.0 ? held : mix(history, held, part), alpha);
     }
-    return vec4(guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX))), age);
+    return vec4(guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX))),
+                at_mover ? float(RT_OF_MOVER) : age);
 }
 
 #endif

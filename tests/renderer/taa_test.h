@@ -66,7 +66,7 @@ static inline void fill_depths(struct test_passes *test, uint64_t *seed)
 /* Clouds of all distances, at some pixels none; what has changed, and ages of any kind. */
 static inline void fill_medium(struct test_passes *test, uint64_t *seed)
 {
-    static const float ages[] = {0.0f, 1.0f, 3.0f, 100.0f, 255.0f, -1.0f, NAN};
+    static const float ages[] = {0.0f, 1.0f, 3.0f, 100.0f, 255.0f, -1.0f, NAN, RT_OF_MOVER};
     for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
         const float through = test_random(seed) % 8 ? (float)test_uniform(seed) : 1.0f;
         float colour[4]; /* of which the medium has a part, here and there more than all */
@@ -79,7 +79,7 @@ static inline void fill_medium(struct test_passes *test, uint64_t *seed)
     for (size_t i = 0; i < test_elements(test, RT_TAA_BEFORE); i++) {
         float before[4];
         test_get(test, RT_TAA_BEFORE, i, before);
-        before[3] = ages[test_random(seed) % 7];
+        before[3] = ages[test_random(seed) % 8];
         test_set(test, RT_TAA_BEFORE, i, before);
     }
     for (size_t i = 0; i < 2 * test_elements(test, RT_CHANGE); i++) {
@@ -100,6 +100,7 @@ static inline void fill_moves(struct test_passes *test, uint64_t seed)
         float way_m[4] = {0.0f};
         for (int c = 0; c < 3 && test_random(&seed) % 2; c++)
             way_m[c] = (float)between(&seed, -1.0, 1.0);
+        way_m[3] = test_random(&seed) % 4 == 0;
         test_set(test, RT_MOVED, i, way_m);
     }
 }
@@ -152,8 +153,11 @@ static inline struct neph_settings random_settings(uint64_t *seed, char *text, s
         {"taa_change", {"0", "0.1", "0.5"}},
     };
     uint64_t own = *seed; /* draws of its own, so that others stay theirs */
-    size_t length = (size_t)snprintf(text, text_size, "relight=%s ",
-                                     test_random(&own) % 2 ? "0.1" : "0");
+    size_t length = (size_t)snprintf(
+        text, text_size,
+        "relight=%s taa_antighost=%s taa_responsive=%s taa_pre_exposure=%s ",
+        test_random(&own) % 2 ? "0.1" : "0", test_random(&own) % 2 ? "on" : "off",
+        test_random(&own) % 3 ? "off" : "medium", test_random(&own) % 2 ? "on" : "off");
     for (size_t i = 0; i < sizeof(choices) / sizeof(choices[0]); i++) {
         size_t count = 0;
         while (count < 5 && choices[i].values[count])

@@ -71,7 +71,7 @@ static void test_the_pass_equals_the_twin(void **state)
     uint64_t seed = 1;
     for (int round = 0; round < 120; round++) {
         const uint64_t start = seed;
-        char text[512];
+        char text[768];
         const struct neph_settings settings = random_settings(&seed, text, sizeof(text));
         const int size = round == 60 ? SIZES - 1 : round % (SIZES - 1);
         const int origin_px[2] = {round % 3 * 4, round % 2 * 8};
@@ -91,11 +91,15 @@ static void test_the_pass_equals_the_twin(void **state)
         fill_colours(&test, RT_COLOR, most, &seed);
         fill_colours(&test, RT_TAA_BEFORE, most, &seed);
         fill_medium(&test, &seed);
+        if (round % 5 == 2) {
+            test.view.exposure = 8.0f;
+            test.view.exposure_before = 0.5f;
+        }
         if (round % 3 == 1)
             fill_moves(&test, start);
         run(&test);
         twin_taa(&test.twin);
-        compare(&test, most, start, text);
+        compare(&test, round % 5 == 2 ? 16.0 * most : most, start, text);
         test_passes_close(&test);
     }
 }
@@ -109,7 +113,7 @@ static void test_the_guard_keeps_bad_numbers_out(void **state)
     uint64_t seed = 20261122;
     for (int round = 0; round < 40; round++) {
         const uint64_t start = seed;
-        char text[512];
+        char text[768];
         struct neph_settings settings = random_settings(&seed, text, sizeof(text));
         settings.values[RT_TAA_GUARD] = 1;
         struct test_passes test;

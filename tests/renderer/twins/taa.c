@@ -54,11 +54,13 @@ static struct colour guard(const struct twin *twin, struct colour colour)
     return colour;
 }
 
+/* Of the frame, as the camera exposes it. */
 static struct colour fetch(const struct twin *twin, int target, int x, int y)
 {
     float value[4];
     twin_fetch_full(twin, target, x, y, value);
-    return (struct colour){{value[0], value[1], value[2]}};
+    const float exposure = twin->view->exposure;
+    return (struct colour){{exposure * value[0], exposure * value[1], exposure * value[2]}};
 }
 
 static struct colour fetch_before(const struct twin *twin, int x, int y)
@@ -236,6 +238,9 @@ static bool fetch_history(const struct twin *twin, const float place_px[2], stru
             for (int c = 0; c < 3 && weight != 0.0; c++)
                 history->c[c] += weight * texel.c[c];
         }
+    const double ratio = (double)twin->view->exposure / (double)twin->view->exposure_before;
+    for (int c = 0; c < 3 && choice(twin, RT_TAA_PRE_EXPOSURE); c++)
+        history->c[c] *= ratio;
     const bool is_sound = !choice(twin, RT_TAA_GUARD) || is_finite(*history);
     *history = guard(twin, *history);
     return is_sound;
@@ -481,7 +486,8 @@ static struct colour relit(const struct twin *twin, int x, int y, struct colour 
     twin_fetch_full(twin, RT_VOLUME, x, y, volume);
     const double moved = beyond(speed_px, setting(twin, RT_TAA_REST_PX));
     for (int c = 0; c < 3; c++) {
-        const double colour = around->colours[4].c[c], medium = hold(volume[c], 0.0, colour);
+        const double colour = around->colours[4].c[c];
+        const double medium = hold((double)(twin->view->exposure * volume[c]), 0.0, colour);
         const double then = medium / changes[0][c] + (colour - medium) / changes[1][c];
         const double gain = then > 0.0 ? colour / then : 1.0;
         history.c[c] *= (1.0 - moved) * gain + moved;
@@ -498,7 +504,42 @@ static double age_at(const struct twin *twin, const float place_px[2])
         return fmin(most, 1.0);
     twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]),
                        value);
-    return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
+    return value[3] >= 1.0f && value[3] != RT_OF_MOVER ? fmin(value[3], most) : 1.0;
+}
+
+static bool flags_movers(const struct twin *twin)
+{
+    return choice(twin, RT_TAA_ANTIGHOST) && choice(twin, RT_SOLID_MOTION);
+}
+
+/* A mover in the plus about the source. */
+static bool is_at_mover(const struct twin *twin, struct place at)
+{
+    static const int plus[5][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    bool is_one = false;
+    for (int i = 0; i < 5 && flags_movers(twin); i++) {
+        float moved[4];
+        twin_fetch_full(twin, RT_MOVED, at.source_x + plus[i][0], at.source_y + plus[i][1], moved);
+        is_one |= moved[3] != 0.0f;
+    }
+    return is_one;
+}
+
+/* The history is that of a mover which is no longer there. */
+static bool is_ghost(const struct twin *twin, struct place at, const float before_px[2])
+{
+    float value[4];
+    twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(before_px[0]), (int)floorf(before_px[1]),
+                       value);
+    return flags_movers(twin) && !is_at_mover(twin, at) && value[3] == RT_OF_MOVER;
+}
+
+/* A medium that hides more than half. */
+static bool is_responsive(const struct twin *twin, int x, int y)
+{
+    float volume[4];
+    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
+    return choice(twin, RT_TAA_RESPONSIVE) && volume[3] < 0.5f;
 }
 
 static struct colour blend(const struct twin *twin, struct colour frame, struct colour history,
@@ -574,7 +615,7 @@ static struct colour pixel_colour(const struct twin *twin, struct place at, doub
     double speed_px = 0.0;
     struct colour history, filtered;
     const bool has_history = !is_reset && find_before(twin, at, before_px, &speed_px) &&
-                             fetch_history(twin, before_px, &history);
+                             !is_ghost(twin, at, before_px) && fetch_history(twin, before_px, &history);
     const struct surroundings around = look_around(twin, at);
     *age = age_at(twin, has_history ? before_px : NULL);
     if (!filter_frame(twin, &around, &filtered))
@@ -591,6 +632,8 @@ static struct colour pixel_colour(const struct twin *twin, struct place at, doub
         alpha = (1.0 - part) / (*age + 1.0) + part * alpha;
         *age = fmin((1.0 - part) * (*age + 1.0) + part, age_max);
     }
+    if (is_responsive(twin, x, y))
+        alpha = fmax(alpha, 0.25);
     const struct colour held = hold_history(twin, history, around, filtered);
     return blend(twin, filtered, between(history, held, part), alpha);
 }
@@ -600,7 +643,8 @@ void twin_taa(const struct twin *twin)
     for (int y = 0; y < (int)twin->view->picture_px[1]; y++)
         for (int x = 0; x < (int)twin->view->picture_px[0]; x++) {
             double age;
-            const struct colour colour = pixel_colour(twin, place_of(twin, x, y), &age);
-            write(twin, x, y, colour, age);
+            const struct place at = place_of(twin, x, y);
+            const struct colour colour = pixel_colour(twin, at, &age);
+            write(twin, x, y, colour, is_at_mover(twin, at) ? RT_OF_MOVER : age);
         }
 }
