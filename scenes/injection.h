@@ -72,10 +72,10 @@ struct neph_injected_exposure {
 /* All zero: nothing. Lists by ascending frames. */
 struct neph_injections {
     int history_count, ray_count, size_count, origin_count, exposure_count;
-    struct neph_injected_history *histories; /* owned */
-    struct neph_injected_rays *rays;         /* owned */
-    struct neph_injected_size *sizes;        /* owned */
-    struct neph_injected_origin *origins;    /* owned */
+    struct neph_injected_history *histories;  /* owned */
+    struct neph_injected_rays *rays;          /* owned */
+    struct neph_injected_size *sizes;         /* owned */
+    struct neph_injected_origin *origins;     /* owned */
     struct neph_injected_exposure *exposures; /* owned */
     struct neph_injected_view view;
     struct neph_injected_mirror mirror;

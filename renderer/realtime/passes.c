@@ -294,8 +294,8 @@ uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct 
     uint32_t touched = pass->reads | pass->writes;
     for (int i = 0; i < NEPH_RT_SPARED_MAX && pass->spared[i].targets; i++)
         if (!neph_rt_holds(view, pass->spared[i].unless) &&
-            !neph_rt_holds(view, pass->spared[i].or[0]) &&
-            !neph_rt_holds(view, pass->spared[i].or[1]))
+            !neph_rt_holds(view, pass->spared[i].or [0]) &&
+            !neph_rt_holds(view, pass->spared[i].or [1]))
             touched &= ~pass->spared[i].targets;
     return touched;
 }

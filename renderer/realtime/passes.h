@@ -37,7 +37,7 @@ enum neph_rt_rays {
 struct neph_rt_spared {
     struct neph_rt_condition unless;
     uint32_t targets;
-    struct neph_rt_condition or[2];
+    struct neph_rt_condition or [2];
 };
 
 enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 4, NEPH_RT_PASSES_MAX = 32 };

@@ -154,8 +154,7 @@ static inline struct neph_settings random_settings(uint64_t *seed, char *text, s
     };
     uint64_t own = *seed; /* draws of its own, so that others stay theirs */
     size_t length = (size_t)snprintf(
-        text, text_size,
-        "relight=%s taa_antighost=%s taa_responsive=%s taa_pre_exposure=%s ",
+        text, text_size, "relight=%s taa_antighost=%s taa_responsive=%s taa_pre_exposure=%s ",
         test_random(&own) % 2 ? "0.1" : "0", test_random(&own) % 2 ? "on" : "off",
         test_random(&own) % 3 ? "off" : "medium", test_random(&own) % 2 ? "on" : "off");
     for (size_t i = 0; i < sizeof(choices) / sizeof(choices[0]); i++) {

@@ -49,8 +49,7 @@ static void test_what_a_mover_uncovers_has_no_history(void **state)
             for (int y = 0; y < 8; y++)
                 for (int x = 0; x < 16; x++) {
                     const bool is_now = x >= 4 && x < 8 && y < 4, was = x >= 2 && x < 6 && y < 4;
-                    twin_put_full(&test.twin, RT_MOVED, x, y,
-                                  (float[4]){0.0f, 0.0f, 0.0f, is_now});
+                    twin_put_full(&test.twin, RT_MOVED, x, y, (float[4]){0.0f, 0.0f, 0.0f, is_now});
                     twin_put_picture(&test.twin, RT_TAA_BEFORE, x, y,
                                      (float[4]){1.0f, 1.0f, 1.0f, was ? RT_OF_MOVER : 0.0f});
                 }

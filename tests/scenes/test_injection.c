@@ -54,10 +54,9 @@ static void test_each_is_found_at_its_picture(void **state)
         assert_int_equal(neph_injected_size_at(all, frame) != NULL, frame == 9);
         assert_int_equal(neph_injected_mirror_at(all, frame), frame >= 2 && frame < 5);
         const struct neph_vec3 by_m = neph_injected_origin_at(all, frame);
-        assert_true(neph_injected_exposure_at(all, frame) ==
-                    (frame < 5   ? 1.0
-                     : frame < 7 ? 8.0
-                                 : 0.5));
+        assert_true(neph_injected_exposure_at(all, frame) == (frame < 5   ? 1.0
+                                                              : frame < 7 ? 8.0
+                                                                          : 0.5));
         assert_true(by_m.x == (frame == 6 || frame == 7 ? 1.0 : 0.0));
         assert_true(by_m.z == (frame < 6 ? 0.0 : frame < 8 ? 3.0 : 4.0));
     }

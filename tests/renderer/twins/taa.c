@@ -615,7 +615,8 @@ static struct colour pixel_colour(const struct twin *twin, struct place at, doub
     double speed_px = 0.0;
     struct colour history, filtered;
     const bool has_history = !is_reset && find_before(twin, at, before_px, &speed_px) &&
-                             !is_ghost(twin, at, before_px) && fetch_history(twin, before_px, &history);
+                             !is_ghost(twin, at, before_px) &&
+                             fetch_history(twin, before_px, &history);
     const struct surroundings around = look_around(twin, at);
     *age = age_at(twin, has_history ? before_px : NULL);
     if (!filter_frame(twin, &around, &filtered))
