@@ -90,6 +90,16 @@ static void set_upsampling(struct neph_gpu_view *view)
         (int)settings[RT_TAA_JITTER_LENGTH], percent);
 }
 
+/* As on a CPU. */
+static int composition_of(const struct neph_gpu_view *view)
+{
+    if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
+        return RT_COMPOSITION_AUTO; /* none */
+    return view->settings[RT_TAA] == (float)RT_TAA_ON && whole(view, RT_COMPOSITION) == RT_COMPOSITION_TAA
+               ? RT_COMPOSITION_TAA
+               : RT_COMPOSITION_PASS;
+}
+
 void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *settings,
                        const int picture_px[2], const int origin_px[2], const int buffer_px[2])
 {
@@ -102,6 +112,7 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
         view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] =
             view->settings[RT_TAA_RESPONSIVE] = 0.0f;
+    view->settings[RT_COMPOSITION] = (float)composition_of(view);
     for (int axis = 0; axis < 2; axis++) {
         const int size_px = neph_rt_rendered_px(picture_px[axis],
                                                 (int)view->settings[RT_SCREEN_PERCENT]);

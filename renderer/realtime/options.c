@@ -45,6 +45,7 @@ static const char *const arounds[] = {"off", "on", "moved", NULL};
 static const char *const motions[] = {"centre", "cross", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
+static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
 #define CHOICE(name, value, words, help)                                                           \
@@ -425,6 +426,11 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_FROXEL_HOLD] = CHOICE("froxel_hold", 1, switches,
                               "a froxel with a surface in it is looked at before that; off: light "
                               "leaks through from behind"),
+
+    [RT_COMPOSITION] = CHOICE(
+        "composition", RT_COMPOSITION_AUTO, compositions,
+        "where the volume is laid over what is behind it: in a pass of its own, or where the "
+        "anti-aliasing reads both, which spares a picture; auto: so on a GPU. Same bits"),
 
     [RT_SCREEN_PERCENT] = WHOLE(
         "screen_percent", 100, 50, 100,

@@ -254,6 +254,20 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
                                        &realtime->states, diag);
 }
 
+/* What the settings say where it pays alone. */
+static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
+                   struct neph_gpu_view *view)
+{
+    const bool has_taa = choice_of(realtime, RT_TAA) != 0 &&
+                         choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
+    if (scene->mover_count == 0 || !has_taa)
+        view->settings[RT_SOLID_MOTION] = 0.0f;
+    if (has_taa && view->settings[RT_TAA] == (float)RT_TAA_ON &&
+        choice_of(realtime, RT_COMPOSITION) == RT_COMPOSITION_AUTO &&
+        !realtime->vulkan->description.is_cpu)
+        view->settings[RT_COMPOSITION] = RT_COMPOSITION_TAA;
+}
+
 /* Everything that depends on the size. */
 static enum neph_status create_sized(struct neph_realtime *realtime, const struct neph_scene *scene,
                                      struct neph_diag *diag)
@@ -266,9 +280,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
                               around->top_px + size_px[1] + around->bottom_px};
     neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
-    if (scene->mover_count == 0 || choice_of(realtime, RT_TAA) == 0 ||
-        choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE) /* it costs where it does something */
-        view.settings[RT_SOLID_MOTION] = 0.0f;
+    choose(realtime, scene, &view);
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),

@@ -291,11 +291,23 @@ int last_tap(vec4 weights)
 // Bits, because a compiler may assume that there is no NaN.
 bool is_finite(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
 
-// In-scattered radiance and transmittance that can be: finite and not negative.
+// In-scattered radiance and transmittance that can be: finite and not negative. All at once, for
+// with a way out between them a GPU would wait for one value after the other.
 bool is_sound(vec4 value)
 {
-    return is_finite(value.x) && is_finite(value.y) && is_finite(value.z) && is_finite(value.w) &&
-           value.x >= 0.0 && value.y >= 0.0 && value.z >= 0.0 && value.w >= 0.0;
+    uvec4 magnitudes = floatBitsToUint(value) & 0x7fffffffu;
+    bool are_finite = all(lessThan(magnitudes, uvec4(0x7f800000u)));
+    bool are_positive = all(greaterThanEqual(value, vec4(0.0)));
+    return are_finite && are_positive;
+}
+
+// A volume over the radiance of what is behind it. `precise`, because a fused multiply-add would
+// round once where march.comp rounds twice.
+vec3 over(vec4 volume, vec3 behind)
+{
+    precise vec3 transmitted = volume.w * behind;
+    precise vec3 radiance = volume.xyz + transmitted;
+    return radiance;
 }
 
 // --- rays -----------------------------------------------------------------------------------
@@ -314,6 +326,15 @@ ViewLine view_line_at(ViewCamera camera, vec2 place_px)
     if (camera.is_parallel != 0u)
         return ViewLine(x * camera.right + y * camera.up, camera.forward);
     return ViewLine(vec3(0.0), normalize(camera.forward + x * camera.right + y * camera.up));
+}
+
+// Whether this frame's camera stands where that of the frame before stood, and sees as that did.
+bool camera_rests()
+{
+    return view_before.position_m == vec3(0.0) && view_now.forward == view_before.forward &&
+           view_now.right == view_before.right && view_now.up == view_before.up &&
+           view_now.half_width == view_before.half_width &&
+           view_now.half_height == view_before.half_height;
 }
 
 // What the width of the picture grows with: the depth, or nothing.

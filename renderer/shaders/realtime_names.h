@@ -156,13 +156,15 @@
 #define RT_FROXEL_JITTER 126
 #define RT_FROXEL_HISTORY 127
 #define RT_FROXEL_HOLD 128
+// Where the volume is laid over what is behind it.
+#define RT_COMPOSITION 129
 // A picture of more pixels than are rendered.
-#define RT_SCREEN_PERCENT 129
+#define RT_SCREEN_PERCENT 130
 // Anti-aliasing of what moves by itself, of what has no motion vectors, and of exposed colours.
-#define RT_TAA_ANTIGHOST 130
-#define RT_TAA_RESPONSIVE 131
-#define RT_TAA_PRE_EXPOSURE 132
-#define RT_SETTING_COUNT 133
+#define RT_TAA_ANTIGHOST 131
+#define RT_TAA_RESPONSIVE 132
+#define RT_TAA_PRE_EXPOSURE 133
+#define RT_SETTING_COUNT 134
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -182,6 +184,9 @@
 // Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
 // three of them.
 #define RT_TAA_COLUMN 4
+// Pixels of the block that a work group of 64 takes through it on a GPU.
+#define RT_TAA_BLOCK_WIDTH 32
+#define RT_TAA_BLOCK_HEIGHT 8
 
 // Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
 // colours take turns.
@@ -293,6 +298,10 @@
 
 #define RT_MOTION_CENTRE 0
 #define RT_MOTION_CROSS 1
+
+#define RT_COMPOSITION_AUTO 0
+#define RT_COMPOSITION_PASS 1
+#define RT_COMPOSITION_TAA 2
 
 #define RT_ROUNDING_NEAREST 0
 #define RT_ROUNDING_STOCHASTIC 1

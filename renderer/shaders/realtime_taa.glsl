@@ -8,35 +8,8 @@
 
 #include "random.glsl"
 #include "realtime_change.glsl"
-#include "realtime_pass.glsl"
+#include "realtime_film.glsl"
 #include "realtime_slots.glsl"
-
-bool guarded() { return choice(RT_TAA_GUARD) != 0; }
-
-// 4 times the luma: what the HDR weights and the contrast law go by.
-float luma_4(vec3 colour) { return colour.r + 2.0 * colour.g + colour.b; }
-
-// Comparisons, so that NaN stays NaN; between limits that have crossed nothing is held.
-float hold(float value, float low, float high)
-{
-    return low > high ? value : value < low ? low : value > high ? high : value;
-}
-
-vec3 hold(vec3 value, vec3 low, vec3 high)
-{
-    return vec3(hold(value.r, low.r, high.r), hold(value.g, low.g, high.g),
-                hold(value.b, low.b, high.b));
-}
-
-vec3 guard(vec3 colour)
-{
-    return guarded() ? hold(colour, vec3(0.0), vec3(HALF_MAX)) : colour;
-}
-
-bool is_finite(vec3 value)
-{
-    return is_finite(value.r) && is_finite(value.g) && is_finite(value.b);
-}
 
 // --- motion of the camera -------------------------------------------------------------------
 
@@ -122,13 +95,11 @@ vec3 medium_from_m()
 // What it sees stays where it is: motions would come out as 0.
 bool rests()
 {
-    return !follows_solids() && view_before.position_m == vec3(0.0) &&
-           (!follows_medium() || medium_from_m() == vec3(0.0)) &&
-           view_now.forward == view_before.forward &&
-           view_now.right == view_before.right && view_now.up == view_before.up &&
-           view_now.half_width == view_before.half_width &&
-           view_now.half_height == view_before.half_height;
+    return !follows_solids() && camera_rests() &&
+           (!follows_medium() || medium_from_m() == vec3(0.0));
 }
+
+bool is_at_rest; // on a GPU, for all of a column; elsewhere what it saves is spent anyhow
 
 // How far what is `depth_m` deep has come in the picture since the frame before, when it stood
 // `from_m` off from where it is now, as seen by the camera; false when it was behind that. Lengths
@@ -167,7 +138,7 @@ bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, bool has_moved, out 
 bool find_before(ivec2 pixel, ivec2 source, out vec2 place_px, out float speed_px)
 {
     precise vec2 centre_px = vec2(pixel) + 0.5;
-    if (ON_GPU && rests()) {
+    if (is_at_rest) {
         place_px = centre_px;
         speed_px = 0.0;
         return true;
@@ -209,7 +180,7 @@ vec3 filtered_history(vec2 place_px)
 {
     precise vec2 corner = floor(place_px - 0.5);
     precise vec2 way = place_px - 0.5 - corner;
-    if (ON_GPU && rests())
+    if (is_at_rest)
         return fetch_picture(RT_TAA_BEFORE, ivec2(corner)).rgb;
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
     ivec2 first = ivec2(first_tap(columns), first_tap(rows));
@@ -244,188 +215,16 @@ float age_at(vec2 place_px)
     return age >= 1.0 && age != float(RT_OF_MOVER) ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 
-// --- the frame ----------------------------------------------------------------------------------
+// --- the blend ----------------------------------------------------------------------------------
 
-// The 3x3 colours around the source, row by row.
-struct Surroundings {
-    vec3 colours[9];
-    float hdr_weights[9];
-    uint counted; // bit i: colours[i] counts
-};
-
-const int CENTRE = 4;
-const uint SQUARE = 0x1ffu, PLUS = 0x0bau;
-
-ivec2 offset_of(int i) { return ivec2(i % 3, i / 3) - 1; }
-
-bool is_counted(uint counted, int i) { return (counted >> i & 1u) != 0u; }
-
-// From the pixel's centre to where the source's ray went, in rendered pixels.
-vec2 shift_px = jitter_px;
-
-// To where the ray of a neighbour of the source went, squared.
-float distance_squared(int i)
+vec3 hold_history(vec3 history, Box box)
 {
-    precise float x = float(offset_of(i).x) + shift_px.x;
-    precise float y = float(offset_of(i).y) + shift_px.y;
-    precise float sum = x * x + y * y;
-    return sum;
-}
-
-// Bright samples count less, or a single one would shine through for many frames.
-float hdr_weight(vec3 colour)
-{
-    return choice(RT_TAA_HDR_WEIGHT) != 0 ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
-}
-
-// One of them.
-void look_at(ivec2 source, int i, inout Surroundings around)
-{
-    vec3 colour = exposure * fetch_full(RT_COLOR, source + offset_of(i)).rgb;
-    if (!guarded() || is_finite(colour))
-        around.counted |= 1u << i;
-    around.colours[i] = guard(colour);
-    around.hdr_weights[i] = hdr_weight(around.colours[i]);
-}
-
-float nearness[9]; // of the rays to the pixel's centre
-
-// False when no colour counts.
-bool filter_frame(Surroundings around, out vec3 colour)
-{
-    colour = around.colours[CENTRE];
-    if (choice(RT_TAA_FILTER) == 0)
-        return is_counted(around.counted, CENTRE);
-    vec3 sum = vec3(0.0);
-    float weights = 0.0;
-    for (int i = 0; i < 9; i++) {
-        if (!is_counted(around.counted, i))
-            continue;
-        float weight = nearness[i] * around.hdr_weights[i];
-        sum += weight * around.colours[i];
-        weights += weight;
-    }
-    colour = sum / weights;
-    return around.counted != 0u;
-}
-
-// --- the box: neighbourhood clamp ---------------------------------------------------------------
-
-vec3 to_space(vec3 colour)
-{
-    switch (choice(RT_TAA_SPACE)) {
-    case RT_SPACE_YCOCG:
-        return vec3(luma_4(colour), 2.0 * (colour.r - colour.b),
-                    2.0 * colour.g - colour.r - colour.b);
-    case RT_SPACE_REINHARD:
-        return colour / (1.0 + abs(colour));
-    default:
-        return colour;
-    }
-}
-
-vec3 from_space(vec3 value)
-{
-    switch (choice(RT_TAA_SPACE)) {
-    case RT_SPACE_YCOCG:
-        return 0.25 * vec3(value.x + value.y - value.z, value.x + value.z,
-                           value.x - value.y - value.z);
-    case RT_SPACE_REINHARD:
-        return value / (1.0 - abs(value));
-    default:
-        return value;
-    }
-}
-
-struct Box {
-    vec3 low, high; // crossed when the box is of no colour
-};
-
-Box extremes(Surroundings around, uint among)
-{
-    Box box = Box(vec3(3e38), vec3(-3e38));
-    for (int i = 0; i < 9; i++) {
-        if (!is_counted(around.counted & among, i))
-            continue;
-        for (int c = 0; c < 3; c++) {
-            if (around.colours[i][c] < box.low[c])
-                box.low[c] = around.colours[i][c];
-            if (around.colours[i][c] > box.high[c])
-                box.high[c] = around.colours[i][c];
-        }
-    }
-    return box;
-}
-
-// Halfway between the extremes of 5 colours, the plus, and of 9, the square: rounder than the
-// square.
-Box rounded_box(Surroundings around)
-{
-    Box square = extremes(around, SQUARE), plus = extremes(around, PLUS);
-    if ((around.counted & PLUS) == 0u)
-        return square;
-    return Box(0.5 * (square.low + plus.low), 0.5 * (square.high + plus.high));
-}
-
-// A GPU divides once where all are divided by the same, lavapipe by a true division.
-vec3 part_of(vec3 value, float count)
-{
-    return ON_GPU ? value * (1.0 / count) : value / count;
-}
-
-// M. Salvi, "An Excursion in Temporal Supersampling", GDC 2016; the filtered colour is in it.
-Box variance_box(Surroundings around, vec3 filtered)
-{
-    vec3 mean = vec3(0.0), variance = vec3(0.0);
-    float count = float(bitCount(around.counted));
-    for (int i = 0; i < 9; i++)
-        if (is_counted(around.counted, i))
-            mean += part_of(around.colours[i], count);
-    for (int i = 0; i < 9; i++)
-        if (is_counted(around.counted, i))
-            variance += part_of((around.colours[i] - mean) * (around.colours[i] - mean), count);
-    vec3 reach = setting(RT_TAA_SIGMA) * sqrt(variance);
-    vec3 low = mean - reach, high = mean + reach;
-    return Box(mix(low, filtered, lessThan(filtered, low)),
-               mix(high, filtered, greaterThan(filtered, high)));
-}
-
-float box_reach_squared = 2.2801; // 1.51 px
-
-// Extremes of the rays that went through within a distance.
-Box distance_box(Surroundings around)
-{
-    uint near = 0u;
-    for (int i = 0; i < 9; i++)
-        if (distance_squared(i) < box_reach_squared)
-            near |= 1u << i;
-    return extremes(around, near);
-}
-
-vec3 hold_history(vec3 history, Surroundings around, vec3 filtered)
-{
-    for (int i = 0; i < 9; i++)
-        around.colours[i] = to_space(around.colours[i]);
-    Box box;
-    switch (choice(RT_TAA_BOX)) {
-    case RT_BOX_MIN_MAX:
-        box = rounded_box(around);
-        break;
-    case RT_BOX_VARIANCE:
-        box = variance_box(around, to_space(filtered));
-        break;
-    case RT_BOX_DISTANCE:
-        box = distance_box(around);
-        break;
-    default:
+    if (choice(RT_TAA_BOX) == RT_BOX_NONE)
         return history;
-    }
     vec3 value = to_space(history);
     vec3 held = hold(value, box.low, box.high);
     return held == value ? history : from_space(held);
 }
-
-// --- the blend ----------------------------------------------------------------------------------
 
 float coverage = 1.0; // of the pixel by rays about its centre
 
@@ -454,11 +253,11 @@ float frames_alike()
 }
 
 // Where it rests history has the light of this frame, by the shares that both have in the pixel.
-vec3 relit(vec3 history, ivec2 source, Surroundings around, float speed_px)
+vec3 relit(vec3 history, ivec2 source, Film film, float speed_px)
 {
-    if (!asks_for_change() || !is_set(RT_RELIGHT) || !is_counted(around.counted, CENTRE))
+    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own)
         return history;
-    vec3 colour = around.colours[CENTRE];
+    vec3 colour = film.own;
     vec3 medium = hold(exposure * fetch_full(RT_VOLUME, source).rgb, vec3(0.0), colour);
     vec3 then = medium / of_medium.gain + (colour - medium) / of_behind.gain;
     vec3 gain = mix(vec3(1.0), colour / then, greaterThan(then, vec3(0.0)));
@@ -554,26 +353,26 @@ bool is_responsive(ivec2 source)
 
 // The colour of a pixel of the picture, which is made of the rendered ones around `source`, and its
 // age.
-vec4 resolved(ivec2 pixel, ivec2 source, Surroundings around)
+vec4 resolved(ivec2 pixel, ivec2 source, Film film)
 {
     bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
     vec2 before_px;
     float speed_px;
-    vec3 history, colour;
+    vec3 history, colour = film.colour;
     bool at_mover = flags_movers() && is_at_mover(source);
     bool has_history = !is_reset && find_before(pixel, source, before_px, speed_px) &&
                        !is_ghost(at_mover, before_px) && fetch_history(before_px, history);
     float age = has_history ? age_at(before_px) : is_set(RT_TAA_AGE_MAX) ? 1.0 : 0.0;
-    if (!filter_frame(around, colour)) {
+    if (!film.is_any) {
         colour = has_history ? history : vec3(0.0);
     } else if (has_history) {
-        history = relit(history, source, around, speed_px);
+        history = relit(history, source, film, speed_px);
         float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
         float part = unrest(speed_px);
         alpha = weight_with_age(alpha, part, age);
         if (is_responsive(source))
             alpha = max(alpha, 0.25);
-        vec3 held = hold_history(history, around, colour);
+        vec3 held = hold_history(history, film.box);
         colour = blend(colour, part == 1.0 ? held : mix(history, held, part), alpha);
     }
     return vec4(guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX))),

@@ -34,50 +34,34 @@
 
 #include "realtime_taa.glsl"
 
-// One row down: two of three rows are known.
-void look_down(ivec2 pixel, inout Surroundings around)
+// The first pixel of this thread's column; false when there is none left.
+bool own_column(ivec2 size, out ivec2 pixel)
 {
-    around.counted >>= 3;
-    for (int i = 0; i < 6; i++) {
-        around.colours[i] = around.colours[i + 3];
-        around.hdr_weights[i] = around.hdr_weights[i + 3];
+    if (ON_GPU) {
+        ivec2 block = own_block(size, BLOCK);
+        int thread = int(gl_LocalInvocationID.x);
+        fetch_area(block);
+        pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x * RT_TAA_COLUMN);
+        return all(lessThan(pixel, size));
     }
-    for (int i = 6; i < 9; i++)
-        look_at(pixel, i, around);
-}
-
-Surroundings look_above(ivec2 pixel)
-{
-    Surroundings around;
-    around.counted = 0u;
-    look_down(pixel - ivec2(0, 2), around);
-    look_down(pixel - ivec2(0, 1), around);
-    return around;
-}
-
-// A Gaussian about the unjittered centre: Unreal's exp(-2.29 d^2), 0.47 px, a fit to the Blackman-
-// Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is another filter here, not
-// of the history.)
-void find_nearness()
-{
-    for (int i = 0; i < 9; i++)
-        nearness[i] = exp(-2.29 * distance_squared(i));
+    bool is_left = own_element(ivec2(size.x, (size.y - 1) / RT_TAA_COLUMN + 1), pixel);
+    pixel.y *= RT_TAA_COLUMN;
+    return is_left;
 }
 
 void main()
 {
     ivec2 pixel, size = view_size();
-    if (!own_element(ivec2(size.x, (size.y - 1) / RT_TAA_COLUMN + 1), pixel))
+    if (!own_column(size, pixel))
         return;
-    pixel.y *= RT_TAA_COLUMN;
     int end = min(pixel.y + RT_TAA_COLUMN, size.y);
-    find_nearness();
     if (asks_for_change())
         find_change(pixel / 4);
-    Surroundings around = look_above(pixel);
+    is_at_rest = ON_GPU && rests();
+    Window window = look_above(pixel);
     for (; pixel.y < end; pixel.y++) {
-        look_down(pixel, around);
-        vec4 made = resolved(pixel, pixel, around);
+        look_down(pixel, window);
+        vec4 made = resolved(pixel, pixel, film_in(window));
         put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
     }
 }

@@ -22,12 +22,12 @@ ivec2 find_source(ivec2 pixel)
     return ivec2(nearest);
 }
 
-void find_nearness()
+void find_weights()
 {
     coverage = 0.0;
     for (int i = 0; i < 9; i++) {
         vec2 way = (vec2(offset_of(i)) + shift_px) / rendered_per_px;
-        nearness[i] = exp(-2.29 * dot(way, way));
+        nearness[i] = exp(-SHARPNESS * dot(way, way));
         coverage += nearness[i];
     }
     coverage = min(coverage, 1.0);
@@ -47,14 +47,11 @@ void main()
     if (!own_element(picture_size(), pixel))
         return;
     ivec2 source = find_source(pixel);
-    find_nearness();
+    find_weights();
     find_reach();
     if (asks_for_change())
         find_change(clamp(source, ivec2(0), view_size() - 1) / 4);
-    Surroundings around;
-    around.counted = 0u;
-    for (int i = 0; i < 9; i++)
-        look_at(source, i, around);
-    vec4 made = resolved(pixel, source, around);
+    is_at_rest = ON_GPU && rests();
+    vec4 made = resolved(pixel, source, film_of(look_around(source)));
     put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
 }

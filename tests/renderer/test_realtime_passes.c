@@ -165,12 +165,21 @@ static void test_threads_cover_all_texels(void **state)
                                           .column = cases[i].column};
         assert_int_equal(neph_rt_thread_count(&view, &pass, i % 2 == 0), cases[i].count);
     }
+    /* A group of 64 for each block on a GPU. */
     const struct neph_rt_condition always = {RT_OVERRIDE, (int)settings.values[RT_OVERRIDE]};
-    const struct neph_rt_pass turns = {.resolution = RT_QUARTER, .in_colours = &always};
+    const struct neph_rt_pass blocks = {.resolution = RT_FULL, .column = 4, .block = {32, 8}};
+    assert_int_equal(neph_rt_thread_count(&view, &blocks, false), 37 * 6);
+    assert_int_equal(neph_rt_thread_count(&view, &blocks, true), 64 * 2 * 3);
+    const struct neph_rt_pass turns = {
+        .resolution = RT_QUARTER, .block = {8, 8}, .in_colours = &always};
     assert_int_equal(neph_rt_colour_count(&view, &turns, false), 4);
     assert_int_equal(neph_rt_thread_count(&view, &turns, false), 10 * 6);
     assert_int_equal(neph_rt_colour_count(&view, &turns, true), 1);
-    assert_int_equal(neph_rt_thread_count(&view, &turns, true), 64 * 2 * 1); /* blocks of 8x8 */
+    assert_int_equal(neph_rt_thread_count(&view, &turns, true), 64 * 2 * 1);
+    const struct neph_rt_condition never = {RT_OVERRIDE, RT_OVERRIDE_NONE};
+    const struct neph_rt_pass none = {
+        .resolution = RT_QUARTER, .block = {8, 8}, .in_colours = &never};
+    assert_int_equal(neph_rt_thread_count(&view, &none, true), 10 * 6);
 }
 
 int main(void)

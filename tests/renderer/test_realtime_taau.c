@@ -53,7 +53,7 @@ static void test_the_pass_equals_the_twin(void **state)
     static const double brightest[] = {1e-3, 1.0, 100.0, 6e4};
     static const char *const percents[] = {"50", "58", "67", "77", "99", "100"};
     uint64_t seed = 20261125;
-    for (int round = 0; round < 60; round++) {
+    for (int round = 0; round < neph_test_by_day(18, 60); round++) {
         const uint64_t start = seed;
         char text[896];
         random_settings(&seed, text, 768);
@@ -199,7 +199,7 @@ static void test_waves_come_back_that_no_frame_has(void **state)
 {
     static const int percents[] = {50, 67, 77, 99};
     static const double periods_px[] = {6.0, 4.0};
-    for (int p = 0; p < 4; p++)
+    for (int p = 0; p < neph_test_by_day(2, 4); p++)
         for (int k = 0; k < 2; k++) {
             const struct kept kept = film_waves(*state, percents[p], periods_px[k]);
             const double expected = exp(-2.0 * pow(M_PI * 0.47 / periods_px[k], 2.0));
