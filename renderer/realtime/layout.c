@@ -50,6 +50,9 @@ static struct neph_gpu_target shape_of(const struct neph_gpu_view *view, int tar
     };
 }
 
+/* What froxel_px=0 stands for: 12 pixels of 1920, and as many columns of other pictures. */
+enum { FROXEL_COLUMNS = 160 };
+
 void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *settings,
                        const int size_px[2], const int origin_px[2], const int buffer_px[2])
 {
@@ -59,6 +62,10 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
     /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on. */
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
         view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] = 0.0f;
+    if (view->settings[RT_FROXEL_VOLUME] == 0.0f)
+        view->settings[RT_LAMP_PEAKS] = 0.0f;
+    if (view->settings[RT_FROXEL_PX] == 0.0f)
+        view->settings[RT_FROXEL_PX] = (float)divide_up(size_px[0], FROXEL_COLUMNS);
     for (int axis = 0; axis < 2; axis++) {
         view->origin_px[axis] = (uint32_t)origin_px[axis];
         view->size_px[axis] = (uint32_t)size_px[axis];

@@ -230,6 +230,8 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     if (scene->mover_count == 0 || choice_of(realtime, RT_TAA) == 0 ||
         choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE) /* it costs where it does something */
         view.settings[RT_SOLID_MOTION] = 0.0f;
+    if (scene->light_count == 0)
+        view.settings[RT_LAMP_PEAKS] = 0.0f;
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),

@@ -156,7 +156,8 @@
 #define RT_FROXEL_JITTER 126
 #define RT_FROXEL_HISTORY 127
 #define RT_FROXEL_HOLD 128
-#define RT_SETTING_COUNT 129
+#define RT_LAMP_PEAKS 129
+#define RT_SETTING_COUNT 130
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -191,9 +192,9 @@
 #define RT_DEPTH_MAP_FARTHEST 2
 #define RT_DEPTH_MAP_REVERSED 3
 
-#define RT_SLOT_ORDER_CLOCKWISE 0 // (0,0) (1,0) (1,1) (0,1)
-#define RT_SLOT_ORDER_RASTER 1    // (0,0) (1,0) (0,1) (1,1)
-#define RT_SLOT_ORDER_DIAGONAL 2  // (0,0) (1,1) (1,0) (0,1)
+#define RT_SLOT_ORDER_CLOCKWISE 0     // (0,0) (1,0) (1,1) (0,1)
+#define RT_SLOT_ORDER_RASTER 1        // (0,0) (1,0) (0,1) (1,1)
+#define RT_SLOT_ORDER_DIAGONAL 2      // (0,0) (1,1) (1,0) (0,1)
 #define RT_SLOT_ORDER_ANTICLOCKWISE 3 // (0,0) (0,1) (1,1) (1,0)
 
 #define RT_OVERRIDE_NONE 0
@@ -295,24 +296,24 @@
 // --- targets: the images that passes hand to each other ---------------------------------------
 
 // Full resolution.
-#define RT_DEPTH 0      // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
-#define RT_BEHIND 1     // RGB: radiance of what is behind all media, of the same rays
+#define RT_DEPTH 0  // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
+#define RT_BEHIND 1 // RGB: radiance of what is behind all media, of the same rays
 // Half resolution, rounded up.
-#define RT_HALF_DEPTH 2 // R: eye depth [m] chosen from 2x2 pixels
+#define RT_HALF_DEPTH 2        // R: eye depth [m] chosen from 2x2 pixels
 #define RT_HALF_DEPTH_BEFORE 3 // RT_HALF_DEPTH of the frame before
-#define RT_HISTORY 4    // RGBA: in-scattered radiance, transmittance; of the reconstruction
+#define RT_HISTORY 4           // RGBA: in-scattered radiance, transmittance; of the reconstruction
 #define RT_HISTORY_BEFORE 5
 // R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
 #define RT_HISTORY_STATE 6
 #define RT_HISTORY_STATE_BEFORE 7
 // Quarter resolution, rounded up.
-#define RT_TILE 8       // R: slot 0..3 of the tile's ray, G: its depth / 10000 m
-#define RT_RAY 9        // RGBA: in-scattered radiance, transmittance of this frame's ray
+#define RT_TILE 8          // R: slot 0..3 of the tile's ray, G: its depth / 10000 m
+#define RT_RAY 9           // RGBA: in-scattered radiance, transmittance of this frame's ray
 #define RT_RAY_DISTANCE 10 // R: distance along the ray of what the medium shows [m]
 // Full resolution again.
-#define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale
+#define RT_VOLUME 11          // RGBA: in-scattered radiance, transmittance after the upscale
 #define RT_VOLUME_DISTANCE 12 // R: [m]
-#define RT_COLOR 13     // RGB: the composed frame
+#define RT_COLOR 13           // RGB: the composed frame
 // RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
 #define RT_TAA_OUT 14
 #define RT_TAA_BEFORE 15
@@ -358,34 +359,34 @@
 
 // The table of targets, rows for a C array or a GLSL one: resolution; the setting that chooses the
 // format; the format where that is half; where it is float.
-#define RT_TARGETS \
-    {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_DEPTH */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_BEHIND */ \
-    {RT_HALF, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_HALF_DEPTH */ \
-    {RT_HALF, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_HALF_DEPTH_BEFORE */ \
-    {RT_HALF, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},     /* RT_HISTORY */ \
-    {RT_HALF, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},     /* RT_HISTORY_BEFORE */ \
-    {RT_HALF, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},         /* RT_HISTORY_STATE */ \
-    {RT_HALF, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},         /* RT_HISTORY_STATE_BEFORE */ \
-    {RT_QUARTER, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},      /* RT_TILE */ \
-    {RT_QUARTER, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},  /* RT_RAY */ \
-    {RT_QUARTER, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},        /* RT_RAY_DISTANCE */ \
-    {RT_FULL, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},     /* RT_VOLUME */ \
-    {RT_FULL, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},           /* RT_VOLUME_DISTANCE */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_COLOR */ \
-    {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_OUT */ \
-    {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_BEFORE */ \
-    {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_STEADY_DEPTH */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */ \
-    {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},          /* RT_FROXELS */ \
-    {RT_HALF, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_RAY */ \
-    {RT_FULL, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_BEHIND */ \
-    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_NOW */ \
-    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_THEN */ \
-    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_BEHIND_NOW */ \
-    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_BEHIND_THEN */ \
-    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE */ \
-    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE_BEHIND */
+#define RT_TARGETS                                                                                 \
+    {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                     /* RT_DEPTH */                      \
+        {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},           /* RT_BEHIND */                     \
+        {RT_HALF, RT_FIXED, RT_R32F, RT_R32F},                 /* RT_HALF_DEPTH */                 \
+        {RT_HALF, RT_FIXED, RT_R32F, RT_R32F},                 /* RT_HALF_DEPTH_BEFORE */          \
+        {RT_HALF, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY */                    \
+        {RT_HALF, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY_BEFORE */             \
+        {RT_HALF, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE */              \
+        {RT_HALF, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE_BEFORE */       \
+        {RT_QUARTER, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},     /* RT_TILE */                       \
+        {RT_QUARTER, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */                        \
+        {RT_QUARTER, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},       /* RT_RAY_DISTANCE */               \
+        {RT_FULL, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_VOLUME */                     \
+        {RT_FULL, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},          /* RT_VOLUME_DISTANCE */            \
+        {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},           /* RT_COLOR */                      \
+        {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},      /* RT_TAA_OUT */                    \
+        {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},      /* RT_TAA_BEFORE */                 \
+        {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                 /* RT_STEADY_DEPTH */               \
+        {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},           /* RT_SHARPENED */                  \
+        {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},           /* RT_MOVED */                      \
+        {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_FROXELS */                    \
+        {RT_HALF, RT_FIXED, RT_RGBA16F, RT_RGBA16F},           /* RT_KEPT_RAY */                   \
+        {RT_FULL, RT_FIXED, RT_RGBA16F, RT_RGBA16F},           /* RT_KEPT_BEHIND */                \
+        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_NOW */                   \
+        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_THEN */                  \
+        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_BEHIND_NOW */            \
+        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_BEHIND_THEN */           \
+        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_CHANGE */                     \
+        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_CHANGE_BEHIND */
 
 #endif

@@ -70,7 +70,7 @@ static void test_settings_say_what_the_variants_do(void **state)
 static void test_suites_hold_scenes_that_are_there(void **state)
 {
     (void)state;
-    static const char *const suites[] = {"tuning", "test", "test2"};
+    static const char *const suites[] = {"tuning", "test", "test2", "air"};
     for (size_t s = 0; s < sizeof(suites) / sizeof(suites[0]); s++) {
         char **names = NULL;
         int count = 0;
