@@ -76,7 +76,7 @@ vec4 froxel_over(vec4 before, vec4 behind)
     return vec4(before.rgb + before.a * behind.rgb, before.a * behind.a);
 }
 
-// Of a column what lies before a depth in a slice, the last froxel in part.
+// What lies before a depth in a slice of one column, the last froxel in part.
 vec4 column_before(ivec2 column, int slice, float length_m)
 {
     vec4 before = vec4(0.0, 0.0, 0.0, 1.0);
@@ -86,7 +86,7 @@ vec4 column_before(ivec2 column, int slice, float length_m)
     return froxel_over(before, froxel_stretch(last, length_m));
 }
 
-// What lies before a depth at a place of the picture: of the four columns around it.
+// What lies before a depth at a place of the picture, by the four columns around it.
 vec4 froxels_before(vec2 place_px, float depth_m, float slope)
 {
     int slice = clamp(int(froxel_place(depth_m)), 0, froxel_count.z - 1);

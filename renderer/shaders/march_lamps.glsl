@@ -26,8 +26,8 @@ vec3 lamp_optical_depth(vec3 point_m, vec3 direction, float distance_m)
     return optical_depth;
 }
 
-// A ray as a lamp sees it. Of a ball around the lamp, where there is one, light is left out: more of
-// it the nearer it is, all at the lamp (froxels.glsl: it is found a pixel at a time).
+// A ray as a lamp sees it. Within a ball around the lamp, where there is one, light is left out,
+// more of it the nearer it is, all at the lamp (froxels.glsl: it is found a pixel at a time).
 struct LampPass {
     float foot_m, height_m;
     float ball_m; // 0: none
@@ -54,8 +54,7 @@ float lamp_whole(LampPass pass, float s0_m, float s1_m)
     return lamp_angle(pass, s0_m, s1_m) / pass.height_m;
 }
 
-// That of what is left of it outside of the ball, whose part is (1 - d^2 / R^2)^2 of it: inside,
-// 2 / R^2 - d^2 / R^4 is left.
+// 1/d^2 that the ball leaves, which takes (1 - d^2 / R^2)^2 of it: 2 / R^2 - d^2 / R^4 within.
 float lamp_outside(LampPass pass, float s0_m, float s1_m)
 {
     float square = pass.ball_m * pass.ball_m, rest = square - pass.height_m * pass.height_m;

@@ -17,7 +17,7 @@ Stretch stretch_in_ball(LampPass pass, float end_m)
     return Stretch(max(-half_m, -pass.foot_m), min(half_m, end_m - pass.foot_m));
 }
 
-// Of one stretch of even angles: all is taken where the bisector meets it, as steps of a march are.
+// The light of a short stretch, whose media are those of its middle; as a step of a march.
 vec3 part_of_peak(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m)
 {
     float length_m = s1_m - s0_m;

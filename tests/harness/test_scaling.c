@@ -166,8 +166,8 @@ static void test_parts_of_the_air(void **state)
         {"froxel_seam", "no scattering", "", 2},
         {"cloud_shadow", "scattered once", "cloud_shadow=map", 2},
         {"cloud_gaps", "scattered once", "cloud_shadow=map", 2},
-        {"height_fog_multiple", "octaves", "lighting=octaves froxels=on", 4},
-        {"height_fog_multiple", "fitted octaves", "lighting=octaves_fitted", 4},
+        {"slab_multiple_thin", "octaves", "lighting=octaves froxels=on", 4},
+        {"slab_multiple_thin", "fitted octaves", "lighting=octaves_fitted", 4},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_scene *scene = load(cases[i].scene);
