@@ -50,7 +50,7 @@ double neph_sheet_drop_m(const struct neph_sheet *sheet, double x_m, double z_m)
     return square / (radius_m + sqrt(radius_m * radius_m - square));
 }
 
-/* Of a column of nodes, each half a thickness above the one before, the highest at the middle. */
+/* A column of nodes, each half a thickness above the one before, the highest at the middle. */
 static void fill_column(const struct neph_sheet *sheet, int height, struct neph_vec3 from_m,
                         float *values, size_t step)
 {

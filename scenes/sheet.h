@@ -6,9 +6,9 @@
  * closed form, and half of it from the middle plane on.
  *
  * Around a planet it is as many nodes high as it goes down towards its corners, each column a tent
- * between those next to its middle: tents of half a thickness add up to 1 wherever they lie, so that
- * the optical depth straight up is the same, and the middle is where it belongs; the faces are up to
- * half a thickness farther.
+ * between those next to its middle: tents of half a thickness add up to 1 wherever they lie, so
+ * that the optical depth straight up is the same, and the middle is where it belongs; the faces are
+ * up to half a thickness farther.
  */
 #ifndef NEPH_SCENES_SHEET_H
 #define NEPH_SCENES_SHEET_H
