@@ -281,6 +281,8 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
     choose(realtime, scene, &view);
+    if (scene->light_count == 0)
+        view.settings[RT_LAMP_PEAKS] = 0.0f;
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
