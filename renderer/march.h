@@ -23,6 +23,7 @@
 
 #include "base/image.h"
 #include "renderer/march_params.h"
+#include "renderer/sky/sky_times.h"
 #include "renderer/vulkan.h"
 #include "scenes/scene.h"
 
@@ -31,6 +32,7 @@
 
 struct neph_march_stats {
     double gpu_s;  /* device time of all dispatches; NaN when the device has no clock */
+    struct neph_sky_times sky; /* its part for the tables of the sky; 0: none was filled */
     double wall_s; /* from call to return: uploads, copies and the first compilation included */
     /* Points at which the extinction of the media was evaluated, counted by the shader: steps of
      * view rays that meet a medium, and of their marched sun rays. */
@@ -48,6 +50,12 @@ struct neph_march_stats {
  * reach of float32 (renderer/reach.h). */
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
                            char *reason, size_t reason_size);
+
+/* The same where `sky` says that the air of a planet is tables (struct neph_march_sky): also when
+ * there is no such air, or more behind it or around than tables know. */
+bool neph_march_can_render_under(const struct neph_scene *scene, bool sky,
+                                 enum neph_march_lighting lighting, char *reason,
+                                 size_t reason_size);
 
 /* Everything that neph_march_create() refuses before it looks at a device: NEPH_ERR_USAGE, a
  * parameter is out of range; NEPH_ERR_UNSUPPORTED, neph_march_can_render() says no. */

@@ -113,6 +113,8 @@ static enum neph_status label_passes(struct neph_image *frame,
     if (!status && stats->shadow_gpu_s > 0.0)
         status = neph_frame_stats_set(frame, "cloud_shadow_gpu_ms", 1e3 * stats->shadow_gpu_s,
                                       diag);
+    if (!status && neph_sky_gpu_s(&stats->sky) > 0.0)
+        status = neph_frame_stats_set(frame, "sky_gpu_ms", 1e3 * neph_sky_gpu_s(&stats->sky), diag);
     return status;
 }
 
@@ -268,6 +270,7 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
     }
     add_before("higher orders", stats.light_gpu_s, cost);
     add_before("cloud shadow", stats.shadow_gpu_s, cost);
+    add_before("sky", neph_sky_gpu_s(&stats.sky), cost);
     return NEPH_OK;
 }
 

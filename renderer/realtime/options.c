@@ -420,5 +420,10 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_FROXEL_HOLD] = CHOICE("froxel_hold", 1, switches,
                               "a froxel with a surface in it is looked at before that; off: light "
                               "leaks through from behind"),
+    [RT_SKY] = NEPH_OPTION_SKY,
+    [RT_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS,
+    [RT_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,
+    [RT_SKY_SLICES] = NEPH_OPTION_SKY_SLICES,
+    [RT_SKY_FAR_M] = NEPH_OPTION_SKY_FAR,
     {.name = NULL},
 };

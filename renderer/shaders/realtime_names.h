@@ -156,7 +156,13 @@
 #define RT_FROXEL_JITTER 126
 #define RT_FROXEL_HISTORY 127
 #define RT_FROXEL_HOLD 128
-#define RT_SETTING_COUNT 129
+// The sky of a planet.
+#define RT_SKY 129
+#define RT_SKY_COLUMNS 130
+#define RT_SKY_ROWS 131
+#define RT_SKY_SLICES 132
+#define RT_SKY_FAR_M 133
+#define RT_SETTING_COUNT 134
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
