@@ -133,11 +133,13 @@ struct neph_light_diffusion {
  * all media are marched. */
 struct neph_march_sky {
     bool is_on;
+    bool has_shadows; /* of media and solids on the air before the camera */
     struct neph_sky_params tables; /* with views and the air before the camera */
 };
 
 /* The tables as engine `sky` has them by default, with the air before the camera. */
-struct neph_march_sky neph_sky_for_march(bool is_on, struct neph_sky_aerial_params aerial);
+struct neph_march_sky neph_sky_for_march(bool is_on, bool has_shadows,
+                                         struct neph_sky_aerial_params aerial);
 
 struct neph_march_params {
     int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */

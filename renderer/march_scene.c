@@ -66,7 +66,11 @@ static enum neph_status create_marched(struct neph_vulkan *vulkan, const struct 
     if (!status)
         status = neph_diffused_light_create(vulkan, from, &scene->gpu, params,
                                             &scene->diffused_light, diag);
-    return status ? status : neph_slab_light_create(vulkan, from, params, &scene->slab_light, diag);
+    if (!status)
+        status = neph_slab_light_create(vulkan, from, params, &scene->slab_light, diag);
+    return status || !scene->has_sky
+               ? status
+               : neph_sky_shade_create(vulkan, from, &scene->gpu, params, &scene->sky_shade, diag);
 }
 
 enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struct neph_scene *from,
@@ -83,6 +87,7 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene)
 {
     neph_buffer_destroy(vulkan, &scene->no_sky);
+    neph_sky_shade_destroy(&scene->sky_shade);
     neph_sky_tables_destroy(&scene->sky);
     neph_slab_light_destroy(&scene->slab_light);
     neph_diffused_light_destroy(&scene->diffused_light);
@@ -145,7 +150,8 @@ static enum neph_status look_at_sky(const struct neph_scene *from, const struct 
     struct neph_sky_look look = {.scene = from,
                                  .frame = frame,
                                  .width_px = params->width_px,
-                                 .height_px = params->height_px};
+                                 .height_px = params->height_px,
+                                 .is_shaded = scene->sky_shade.vulkan};
     look.lights = neph_march_sky_lights(params) && neph_sky_rest_middle(rest, &look.place_m);
     return scene->has_sky ? neph_sky_tables_look(&scene->sky, &look, times, diag) : NEPH_OK;
 }
@@ -188,6 +194,17 @@ static enum neph_status show_marched(const struct neph_scene *from,
     return status ? status : find_light(from, frame, moment, scene, cost->light_gpu_s, diag);
 }
 
+/* The air before the camera, and shadows on it. */
+static enum neph_status veil(const struct neph_scene *rest, struct neph_march_scene *scene,
+                             struct neph_march_scene_cost *cost, struct neph_diag *diag)
+{
+    struct neph_dispatch bound = {.group_count = 0};
+    neph_march_scene_bind(scene, &bound);
+    const enum neph_status status = neph_sky_shade_fill(&scene->sky_shade, rest, &scene->gpu,
+                                                        &bound, &scene->sky, cost->fill, diag);
+    return status ? status : neph_sky_tables_veil(&scene->sky, cost->sky, diag);
+}
+
 enum neph_status neph_march_scene_show(const struct neph_scene *from,
                                        const struct neph_march_params *params, double frame,
                                        const struct neph_march_moment *moment,
@@ -196,8 +213,10 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
 {
     struct neph_scene rest;
     const struct neph_scene *shown = marched(scene, from, &rest);
-    const enum neph_status status = look_at_sky(from, shown, params, frame, scene, cost->sky, diag);
-    return status ? status : show_marched(shown, params, frame, moment, scene, cost, diag);
+    enum neph_status status = look_at_sky(from, shown, params, frame, scene, cost->sky, diag);
+    if (!status)
+        status = show_marched(shown, params, frame, moment, scene, cost, diag);
+    return status || !scene->has_sky ? status : veil(shown, scene, cost, diag);
 }
 
 static const struct neph_buffer *higher_orders(const struct neph_march_scene *scene)

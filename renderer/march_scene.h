@@ -13,6 +13,7 @@
 #include "renderer/skip_cells.h"
 #include "renderer/sky/split.h"
 #include "renderer/sky/tables.h"
+#include "renderer/sky_shade.h"
 #include "renderer/slab_light.h"
 #include "renderer/sun_cache.h"
 #include "renderer/traced_light.h"
@@ -29,6 +30,7 @@ struct neph_march_scene {
     bool has_sky;
     struct neph_sky_split split; /* of the air, where there is one */
     struct neph_sky_tables sky;
+    struct neph_sky_shade sky_shade;
     struct neph_buffer no_sky;
 };
 

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/march_params.h"
 
-struct neph_march_sky neph_sky_for_march(bool is_on, struct neph_sky_aerial_params aerial)
+struct neph_march_sky neph_sky_for_march(bool is_on, bool has_shadows,
+                                         struct neph_sky_aerial_params aerial)
 {
     return (struct neph_march_sky){
         .is_on = is_on,
+        .has_shadows = has_shadows,
         .tables = {.steps = 48,
                    .sun_altitudes = 64,
                    .sun_cosines = 256,

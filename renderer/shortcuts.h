@@ -14,7 +14,7 @@
 extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_grid_samplings[],
                                                                      *const neph_texel_formats[];
 extern const char *const neph_lights_ahead[], *const neph_cloud_shadows[];
-extern const char *const neph_shadow_planes[], *const neph_skies[];
+extern const char *const neph_shadow_planes[], *const neph_skies[], *const neph_switches[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -122,6 +122,13 @@ extern const char *const neph_shadow_planes[], *const neph_skies[];
     {                                                                                              \
         "sky_far_m", NEPH_OPTION_REAL, 2e5, 1, 1e8, NULL,                                          \
             "the last of them: air behind it does not veil media and solids"                       \
+    }
+
+#define NEPH_OPTION_SKY_SHADOWS                                                                    \
+    {                                                                                              \
+        "sky_shadows", NEPH_OPTION_CHOICE, 1, 0, 0, neph_switches,                                 \
+            "sky=tables: media and solids throw shadows on the air of that table; off: the sun "   \
+            "is seen from all of it"                                                               \
     }
 
 /* Traced light is no shortcut, but its rows are shared as well. */

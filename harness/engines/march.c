@@ -45,6 +45,7 @@ enum {
     OPTION_SKY_ROWS,
     OPTION_SKY_SLICES,
     OPTION_SKY_FAR,
+    OPTION_SKY_SHADOWS,
     OPTION_LIGHT_TEXEL, /* from here on of march_traced alone */
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
@@ -101,7 +102,8 @@ enum {
     [OPTION_CLOUD_SHADOW_EXTENT] = NEPH_OPTION_CLOUD_SHADOW_EXTENT,                                \
     [OPTION_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE, [OPTION_SKY] = NEPH_OPTION_SKY,  \
     [OPTION_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS, [OPTION_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,      \
-    [OPTION_SKY_SLICES] = NEPH_OPTION_SKY_SLICES, [OPTION_SKY_FAR] = NEPH_OPTION_SKY_FAR
+    [OPTION_SKY_SLICES] = NEPH_OPTION_SKY_SLICES, [OPTION_SKY_FAR] = NEPH_OPTION_SKY_FAR,      \
+    [OPTION_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS
 
 static const struct neph_option options[] = {OPTIONS_OF_ALL, {.name = NULL}};
 
@@ -214,7 +216,7 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                                      int)values[OPTION_CLOUD_SHADOW_PLANE]}},
     };
     params.sky = neph_sky_for_march(
-        values[OPTION_SKY] != 0.0,
+        values[OPTION_SKY] != 0.0, values[OPTION_SKY_SHADOWS] != 0.0,
         (struct neph_sky_aerial_params){.columns = (int)values[OPTION_SKY_COLUMNS],
                                         .rows = (int)values[OPTION_SKY_ROWS],
                                         .slices = (int)values[OPTION_SKY_SLICES],

@@ -245,6 +245,11 @@ struct Behind {
 Behind sky_behind(Hit hit, ViewRay ray)
 {
     SkyLight all = sky_look_up(eye.places[0], sky_ray_along(eye.places[0], ray.direction));
+    if (eye.is_shaded != 0u) {
+        vec3 shade = sky_veil_part(sky_froxel(ray.direction, hit.t_m), VEIL_SHADE);
+        all.volume = max(all.volume - shade, vec3(0.0));
+        all.radiance = max(all.radiance - shade, vec3(0.0));
+    }
     if (hit.solid == NO_SOLID)
         return Behind(frame.sun_irradiance * all.radiance, frame.sun_irradiance * all.volume,
                       all.transmittance);

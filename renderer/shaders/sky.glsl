@@ -57,6 +57,7 @@ struct SkyEye {
     uint aerial_columns, aerial_rows, aerial_slices; // of the air before the camera; 0: not there
     float aerial_far_m;
     uint aerial_first;
+    uint is_shaded; // 0 or 1: by what throws shadows on the air
     uint place_count;
     SkyPlace places[NEPH_GPU_SKY_PLACES]; // of the camera, and of what the sky lights
 };

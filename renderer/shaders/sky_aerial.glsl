@@ -9,10 +9,13 @@
 
 #include "sky.glsl"
 
-// What is between: light for a sun of irradiance 1.
+// What is between: light for a sun of irradiance 1, without what shadows take of it.
 struct SkyVeil {
     vec3 light, through;
 };
+
+// Parts of a node, in their order.
+const uint VEIL_LIGHT = 0, VEIL_THROUGH = 1, VEIL_SHADE = 2, VEIL_PARTS = 3;
 
 float sky_slice_m(uint slice)
 {
@@ -24,7 +27,7 @@ float sky_slice_m(uint slice)
 uint sky_aerial_node(uint column, uint row, uint slice)
 {
     uint index = ((slice - 1u) * eye.aerial_rows + row) * eye.aerial_columns + column;
-    return eye.aerial_first + 2u * index;
+    return eye.aerial_first + VEIL_PARTS * index;
 }
 
 vec3 sky_aerial_direction(uint column, uint row)
@@ -34,32 +37,48 @@ vec3 sky_aerial_direction(uint column, uint row)
     return normalize(eye.forward + x * eye.half_width * eye.right + y * eye.half_height * eye.up);
 }
 
-SkyVeil sky_slice_veil(uint i, uint j, float x, float y, uint slice)
-{
-    if (slice == 0u)
-        return SkyVeil(vec3(0.0), vec3(1.0));
-    uint a = sky_aerial_node(i, j, slice), c = a + 2u * eye.aerial_columns;
-    return SkyVeil(mix(mix(sky_nodes[a].rgb, sky_nodes[a + 2u].rgb, x),
-                       mix(sky_nodes[c].rgb, sky_nodes[c + 2u].rgb, x), y),
-                   mix(mix(sky_nodes[a + 1u].rgb, sky_nodes[a + 3u].rgb, x),
-                       mix(sky_nodes[c + 1u].rgb, sky_nodes[c + 3u].rgb, x), y));
-}
+// Between nodes: the four directions around one, and the distances before and behind.
+struct SkyFroxel {
+    uint column, row, slice;
+    float x, y, z; // parts of the way to the next
+};
 
-// Up to a distance in a direction of the picture; beyond the last slice it stays as it is there.
-SkyVeil sky_veil(vec3 direction, float distance_m)
+// In a direction of the picture; beyond the last slice all stays as it is there.
+SkyFroxel sky_froxel(vec3 direction, float distance_m)
 {
+    SkyFroxel at;
     float ahead = max(dot(direction, eye.forward), 1e-6);
     float right = dot(direction, eye.right) / (ahead * eye.half_width);
     float up = dot(direction, eye.up) / (ahead * eye.half_height);
-    uint i, j;
-    float x = sky_among(0.5 + 0.5 * right, eye.aerial_columns, i);
-    float y = sky_among(0.5 - 0.5 * up, eye.aerial_rows, j);
+    at.x = sky_among(0.5 + 0.5 * right, eye.aerial_columns, at.column);
+    at.y = sky_among(0.5 - 0.5 * up, eye.aerial_rows, at.row);
     float root = sqrt(min(distance_m / eye.aerial_far_m, 1.0)) * float(eye.aerial_slices);
-    uint slice = min(uint(root), eye.aerial_slices - 1u);
-    float near_m = sky_slice_m(slice), far_m = sky_slice_m(slice + 1u);
-    float z = clamp((distance_m - near_m) / (far_m - near_m), 0.0, 1.0);
-    SkyVeil near = sky_slice_veil(i, j, x, y, slice), far = sky_slice_veil(i, j, x, y, slice + 1u);
-    return SkyVeil(mix(near.light, far.light, z), mix(near.through, far.through, z));
+    at.slice = min(uint(root), eye.aerial_slices - 1u);
+    float near_m = sky_slice_m(at.slice), far_m = sky_slice_m(at.slice + 1u);
+    at.z = clamp((distance_m - near_m) / (far_m - near_m), 0.0, 1.0);
+    return at;
+}
+
+// A part of the nodes of a slice.
+vec3 sky_slice_part(SkyFroxel at, uint slice, uint part)
+{
+    if (slice == 0u)
+        return vec3(part == VEIL_THROUGH ? 1.0 : 0.0);
+    uint low = sky_aerial_node(at.column, at.row, slice) + part;
+    uint high = low + VEIL_PARTS * eye.aerial_columns;
+    return mix(mix(sky_nodes[low].rgb, sky_nodes[low + VEIL_PARTS].rgb, at.x),
+               mix(sky_nodes[high].rgb, sky_nodes[high + VEIL_PARTS].rgb, at.x), at.y);
+}
+
+vec3 sky_veil_part(SkyFroxel at, uint part)
+{
+    return mix(sky_slice_part(at, at.slice, part), sky_slice_part(at, at.slice + 1u, part), at.z);
+}
+
+SkyVeil sky_veil(vec3 direction, float distance_m)
+{
+    SkyFroxel at = sky_froxel(direction, distance_m);
+    return SkyVeil(sky_veil_part(at, VEIL_LIGHT), sky_veil_part(at, VEIL_THROUGH));
 }
 
 #endif

@@ -24,7 +24,8 @@ static const uint32_t aerial_spirv[] = {
 #include "shaders/sky_aerial.comp.inc"
 };
 
-enum { local_size = 64 };
+/* Parts of a node of air before the camera, of shaders/sky_aerial.glsl. */
+enum { local_size = 64, VEIL_PARTS = 3 };
 
 enum kernel { SUN, GATHER, SUM, VIEW, AERIAL };
 
@@ -101,7 +102,7 @@ static size_t aerial_first(const struct neph_sky_air *air, const struct neph_sky
 
 static size_t node_count(const struct neph_sky_air *air, const struct neph_sky_params *params)
 {
-    return aerial_first(air, params) + 2 * column_count(params) * (size_t)params->aerial.slices;
+    return aerial_first(air, params) + VEIL_PARTS * column_count(params) * (size_t)params->aerial.slices;
 }
 
 /* --- what can be filled ----------------------------------------------------------------------- */
@@ -122,7 +123,7 @@ const char *neph_sky_tables_obstacle(const struct neph_scene *scene, const struc
                                      const struct neph_sky_params *params)
 {
     uint64_t steps = (uint64_t)fmax(params->steps, params->field.steps);
-    steps = (uint64_t)fmax((double)steps, 2.0 * params->aerial.slices);
+    steps = (uint64_t)fmax((double)steps, 4.0 * params->aerial.slices);
     const uint64_t sum = direction_count(&params->field) * (NEPH_SKY_DEGREE_MAX + 3);
     if (scene->orthographic_height_m > 0.0)
         return "an orthographic camera, on a device";
@@ -222,6 +223,7 @@ static struct neph_gpu_sky_eye eye_of(const struct neph_sky_tables *tables,
         .aerial_slices = (uint32_t)params->aerial.slices,
         .aerial_far_m = (float)params->aerial.far_m,
         .aerial_first = (uint32_t)aerial_first(&tables->air, params),
+        .is_shaded = look->is_shaded,
         .place_count = look->lights ? 2 : 1,
         .places = {place_of(tables, look, camera.position_m, 0),
                    place_of(tables, look, look->place_m, 1)},
@@ -389,6 +391,15 @@ static enum neph_status fill_air(struct neph_sky_tables *tables, double *gpu_s,
     return status;
 }
 
+/* What was made for another eye is stale. */
+static void take_eye(struct neph_sky_tables *tables, const struct neph_gpu_sky_eye *eye)
+{
+    if (memcmp(&tables->eye, eye, sizeof(*eye)) == 0)
+        return;
+    tables->eye = *eye;
+    tables->has_views = tables->has_aerial = false;
+}
+
 enum neph_status neph_sky_tables_look(struct neph_sky_tables *tables,
                                       const struct neph_sky_look *look,
                                       struct neph_sky_times *times, struct neph_diag *diag)
@@ -397,15 +408,23 @@ enum neph_status neph_sky_tables_look(struct neph_sky_tables *tables,
     const size_t parts = (size_t)tables->air.layer_count + 1;
     neph_turns_take(&tables->turns, &tables->told);
     memcpy(tables->told.mapped, &told, sizeof(told));
+    take_eye(tables, &told.eye);
     enum neph_status status = tables->has_air ? NEPH_OK : fill_air(tables, &times->air_s, diag);
-    if (status || (tables->has_eye && memcmp(&tables->eye, &told.eye, sizeof(told.eye)) == 0))
+    if (status || tables->has_views)
         return status;
-    tables->has_eye = false;
     status = fill(tables, VIEW, told.eye.place_count * view_count(&tables->params) * parts,
                   &times->view_s, diag);
-    if (!status)
-        status = fill(tables, AERIAL, column_count(&tables->params), &times->aerial_s, diag);
-    tables->eye = told.eye;
-    tables->has_eye = !status;
+    tables->has_views = !status;
+    return status;
+}
+
+enum neph_status neph_sky_tables_veil(struct neph_sky_tables *tables, struct neph_sky_times *times,
+                                      struct neph_diag *diag)
+{
+    if (tables->has_aerial)
+        return NEPH_OK;
+    const enum neph_status status = fill(tables, AERIAL, column_count(&tables->params),
+                                         &times->aerial_s, diag);
+    tables->has_aerial = !status;
     return status;
 }

@@ -27,8 +27,8 @@ struct neph_sky_tables {
     const struct neph_kernel *kernels[NEPH_SKY_KERNELS]; /* owned by the device */
     struct neph_buffer told, nodes, caps, arrivals;
     struct neph_turns turns; /* of what shaders are told */
-    bool has_air, has_eye;   /* the tables that are filled */
-    struct neph_gpu_sky_eye eye;
+    bool has_air, has_views, has_aerial; /* the tables that are filled */
+    struct neph_gpu_sky_eye eye;         /* what the latter two are for */
 };
 
 /* Who looks, from where, and at what. */
@@ -36,8 +36,9 @@ struct neph_sky_look {
     const struct neph_scene *scene; /* its sun and camera, not orthographic */
     double frame;
     int width_px, height_px;
-    bool lights;             /* there is a second place, .. */
+    bool lights;              /* there is a second place, .. */
     struct neph_vec3 place_m; /* .. of what the sky lights */
+    bool is_shaded; /* shadows on the air are in its table before that is filled (sky_shade.h) */
 };
 
 /* Loop turns (compute.h) of one look into all tables, at most, by layers of the air and the degree
@@ -58,11 +59,15 @@ enum neph_status neph_sky_tables_create(struct neph_vulkan *vulkan, const struct
 /* A zero one is fine. */
 void neph_sky_tables_destroy(struct neph_sky_tables *tables);
 
-/* Fill what is not filled for a look yet: on its way when this returns, its times added when it is
- * home (borrowed until then). Once a frame, after
- * neph_in_flight_begin(). */
+/* Tell shaders who looks, and fill what is not filled of that but for the air before the camera: on
+ * its way when this returns, its times added when it is home (borrowed until then). Once a frame,
+ * after neph_in_flight_begin(). */
 enum neph_status neph_sky_tables_look(struct neph_sky_tables *tables,
                                       const struct neph_sky_look *look,
                                       struct neph_sky_times *times, struct neph_diag *diag);
+
+/* And then the air before the camera. */
+enum neph_status neph_sky_tables_veil(struct neph_sky_tables *tables, struct neph_sky_times *times,
+                                      struct neph_diag *diag);
 
 #endif
