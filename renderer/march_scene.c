@@ -141,7 +141,16 @@ static void bind_sky(const struct neph_march_scene *scene, struct neph_dispatch 
     dispatch->buffers[first + 1] = scene->has_sky ? &scene->sky.nodes : &scene->no_sky;
 }
 
-/* The sky from the camera, and from the middle of what it lights. */
+/* Where media are lit by the sky: in the middle of those that end. */
+static struct neph_vec3 lit_place_m(const struct neph_scene *rest, double frame)
+{
+    struct neph_bounds box;
+    if (!neph_shapes_box(rest, &box))
+        return neph_scene_camera(rest, frame).position_m;
+    return neph_vec3_scale(neph_vec3_add(box.min_m, box.max_m), 0.5);
+}
+
+/* The sky from the camera, and from what it lights. */
 static enum neph_status look_at_sky(const struct neph_scene *from, const struct neph_scene *rest,
                                     const struct neph_march_params *params, double frame,
                                     struct neph_march_scene *scene, struct neph_sky_times *times,
@@ -151,8 +160,10 @@ static enum neph_status look_at_sky(const struct neph_scene *from, const struct 
                                  .frame = frame,
                                  .width_px = params->width_px,
                                  .height_px = params->height_px,
+                                 .lights = neph_march_sky_lights(params),
                                  .is_shaded = scene->sky_shade.vulkan};
-    look.lights = neph_march_sky_lights(params) && neph_sky_rest_middle(rest, &look.place_m);
+    if (look.lights)
+        look.place_m = lit_place_m(rest, frame);
     return scene->has_sky ? neph_sky_tables_look(&scene->sky, &look, times, diag) : NEPH_OK;
 }
 

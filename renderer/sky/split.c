@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/sky/split.h"
 
-#include <math.h>
 #include <stdio.h>
 
 static bool is_around(const struct neph_solid *ground, struct neph_vec3 center_m, double radius_m)
@@ -53,24 +52,4 @@ struct neph_scene neph_sky_rest(const struct neph_scene *scene, const struct nep
     if (rest.medium_count == 0)
         rest.scattering = NEPH_SCATTERING_NONE;
     return rest;
-}
-
-bool neph_sky_rest_middle(const struct neph_scene *rest, struct neph_vec3 *middle_m)
-{
-    struct neph_vec3 low_m = {INFINITY, INFINITY, INFINITY};
-    struct neph_vec3 high_m = {-INFINITY, -INFINITY, -INFINITY};
-    for (int i = 0; i < rest->medium_count; i++) {
-        const struct neph_bounds *bounds = &rest->media[i].bounds;
-        low_m.x = fmin(low_m.x, bounds->min_m.x);
-        low_m.y = fmin(low_m.y, bounds->min_m.y);
-        low_m.z = fmin(low_m.z, bounds->min_m.z);
-        high_m.x = fmax(high_m.x, bounds->max_m.x);
-        high_m.y = fmax(high_m.y, bounds->max_m.y);
-        high_m.z = fmax(high_m.z, bounds->max_m.z);
-    }
-    const struct neph_vec3 middle = neph_vec3_scale(neph_vec3_add(low_m, high_m), 0.5);
-    if (!isfinite(middle.x) || !isfinite(middle.y) || !isfinite(middle.z))
-        return false;
-    *middle_m = middle;
-    return true;
 }

@@ -22,7 +22,4 @@ bool neph_sky_split(const struct neph_scene *scene, struct neph_sky_split *split
  * medium nothing is left to scatter light. */
 struct neph_scene neph_sky_rest(const struct neph_scene *scene, const struct neph_sky_split *split);
 
-/* The middle of all its media, as far as they end; false: there is none. */
-bool neph_sky_rest_middle(const struct neph_scene *rest, struct neph_vec3 *middle_m);
-
 #endif
