@@ -31,7 +31,7 @@
 #include <stdint.h>
 
 struct neph_march_stats {
-    double gpu_s;  /* device time of all dispatches; NaN when the device has no clock */
+    double gpu_s;              /* device time of all dispatches; NaN when the device has no clock */
     struct neph_sky_times sky; /* its part for the tables of the sky; 0: none was filled */
     double wall_s; /* from call to return: uploads, copies and the first compilation included */
     /* Points at which the extinction of the media was evaluated, counted by the shader: steps of
@@ -84,8 +84,8 @@ void neph_march_destroy(struct neph_march *march);
  * left alone; up to NEPH_IN_FLIGHT_FRAMES of them are in flight. */
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
                                   double frame, const struct neph_march_moment *moment,
-                                  struct neph_image **image,
-                                  struct neph_march_stats *stats, struct neph_diag *diag);
+                                  struct neph_image **image, struct neph_march_stats *stats,
+                                  struct neph_diag *diag);
 
 /* The device's time for the oldest frame in flight (NaN: it has no clock), waited for. One whose
  * turn is over, or that had a frame with an image after it, is forgotten. NEPH_ERR_USAGE: none is

@@ -6,8 +6,8 @@
 #define NEPH_RENDERER_MARCH_PARAMS_H
 
 #include "base/vec3.h"
-#include "renderer/sky/sky.h"
 #include "renderer/shaders/constants.h"
+#include "renderer/sky/sky.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -133,7 +133,7 @@ struct neph_light_diffusion {
  * all media are marched. */
 struct neph_march_sky {
     bool is_on;
-    bool has_shadows; /* of media and solids on the air before the camera */
+    bool has_shadows;              /* of media and solids on the air before the camera */
     struct neph_sky_params tables; /* with views and the air before the camera */
 };
 

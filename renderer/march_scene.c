@@ -79,9 +79,8 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
 {
     struct neph_scene rest;
     const enum neph_status status = create_sky(vulkan, from, params, scene, diag);
-    return status
-               ? status
-               : create_marched(vulkan, marched(scene, from, &rest), params, scene, diag);
+    return status ? status
+                  : create_marched(vulkan, marched(scene, from, &rest), params, scene, diag);
 }
 
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene)

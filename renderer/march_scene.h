@@ -46,7 +46,7 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
 /* What a picture costs before it is marched, told when that is home; borrowed until then. */
 struct neph_march_scene_cost {
     struct neph_sun_fill_cost *fill;
-    double *light_gpu_s; /* the device's time for traced or diffused light */
+    double *light_gpu_s;        /* the device's time for traced or diffused light */
     struct neph_sky_times *sky; /* added to; NULL where there is none */
 };
 

@@ -196,12 +196,12 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                   .seed = params->seed},
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
                       .cycles = (int)values[RT_DIFFUSION_CYCLES]},
-        .sky = neph_sky_for_march(values[RT_SKY] != 0.0, values[RT_SKY_SHADOWS] != 0.0,
-                                  (struct neph_sky_aerial_params){
-                                      .columns = (int)values[RT_SKY_COLUMNS],
-                                      .rows = (int)values[RT_SKY_ROWS],
-                                      .slices = (int)values[RT_SKY_SLICES],
-                                      .far_m = values[RT_SKY_FAR_M]}),
+        .sky = neph_sky_for_march(
+            values[RT_SKY] != 0.0, values[RT_SKY_SHADOWS] != 0.0,
+            (struct neph_sky_aerial_params){.columns = (int)values[RT_SKY_COLUMNS],
+                                            .rows = (int)values[RT_SKY_ROWS],
+                                            .slices = (int)values[RT_SKY_SLICES],
+                                            .far_m = values[RT_SKY_FAR_M]}),
     };
 }
 

@@ -262,7 +262,8 @@ void arrive()
     }
     if (solid_ahead.solid == NO_SOLID && path.events > 0u && run.has_environment != 0u)
         sums.light += path.throughput * frame.background;
-    if (SKY_LIGHTS && path.events > 0u && (solid_ahead.solid == NO_SOLID || solid_ahead.solid == 0u))
+    bool is_out = solid_ahead.solid == NO_SOLID || solid_ahead.solid == 0u;
+    if (SKY_LIGHTS && path.events > 0u && is_out)
         meet_air();
     if (solid_ahead.solid == NO_SOLID || path.events == 0u ||
         solids[solid_ahead.solid].albedo.rgb == vec3(0.0))

@@ -235,8 +235,8 @@ vec3 surface_radiance(Hit hit, vec3 point_m)
     return radiance;
 }
 
-// What lies behind all media under a sky: all of it, what the air adds to it, and what comes through
-// the air.
+// What lies behind all media under a sky: all of it, what the air adds to it, and what comes
+// through the air.
 struct Behind {
     vec3 radiance, air, through;
 };

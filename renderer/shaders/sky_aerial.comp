@@ -3,8 +3,9 @@
 //
 // Fills the air before the camera (sky_aerial.glsl): a thread is a column of froxels, which it
 // walks from the camera on, in two steps a slice. Where something throws shadows on the air,
-// sky_sunlit.comp has left in place of the shade how much of the sun each slice sees. Columns that meet the ground go on below it, in
-// air as it is at the ground, so that there is something to interpolate to.
+// sky_sunlit.comp has left in place of the shade how much of the sun each slice sees. Columns that
+// meet the ground go on below it, in air as it is at the ground, so that there is something to
+// interpolate to.
 #extension GL_GOOGLE_include_directive : require
 
 #define SKY_IS_FILLED

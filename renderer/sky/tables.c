@@ -102,7 +102,8 @@ static size_t aerial_first(const struct neph_sky_air *air, const struct neph_sky
 
 static size_t node_count(const struct neph_sky_air *air, const struct neph_sky_params *params)
 {
-    return aerial_first(air, params) + VEIL_PARTS * column_count(params) * (size_t)params->aerial.slices;
+    return aerial_first(air, params) +
+           VEIL_PARTS * column_count(params) * (size_t)params->aerial.slices;
 }
 
 /* --- what can be filled ----------------------------------------------------------------------- */

@@ -26,7 +26,7 @@ struct neph_sky_tables {
     bool media_scatter, has_field;
     const struct neph_kernel *kernels[NEPH_SKY_KERNELS]; /* owned by the device */
     struct neph_buffer told, nodes, caps, arrivals;
-    struct neph_turns turns; /* of what shaders are told */
+    struct neph_turns turns;             /* of what shaders are told */
     bool has_air, has_views, has_aerial; /* the tables that are filled */
     struct neph_gpu_sky_eye eye;         /* what the latter two are for */
 };
