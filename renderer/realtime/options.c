@@ -456,5 +456,11 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "lamp_peaks", 1, switches,
         "near a lamp, where its light is sharper than froxels are, it is found "
         "a pixel at a time; off: in froxels, too. Counts with froxels=on"),
+    [RT_SKY] = NEPH_OPTION_SKY,
+    [RT_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS,
+    [RT_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,
+    [RT_SKY_SLICES] = NEPH_OPTION_SKY_SLICES,
+    [RT_SKY_FAR_M] = NEPH_OPTION_SKY_FAR,
+    [RT_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS,
     {.name = NULL},
 };

@@ -166,7 +166,14 @@
 #define RT_TAA_PRE_EXPOSURE 133
 // Where froxels are too coarse.
 #define RT_LAMP_PEAKS 134
-#define RT_SETTING_COUNT 135
+// The sky of a planet.
+#define RT_SKY 135
+#define RT_SKY_COLUMNS 136
+#define RT_SKY_ROWS 137
+#define RT_SKY_SLICES 138
+#define RT_SKY_FAR_M 139
+#define RT_SKY_SHADOWS 140
+#define RT_SETTING_COUNT 141
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
