@@ -173,6 +173,15 @@ class Runs(unittest.TestCase):
         self.assertEqual(found["fixed"]["value"], 0.0)
         self.assertGreater(found["fixed+validity=off"]["value"], 0.0)
 
+    def test_what_is_not_kept_is_rendered_once(self):
+        """By whichever process: each says one line for each of its results."""
+        done = neph("validate", "--suite", "failure", "-o", self.folder, "--on-device", "--only",
+                    "ray_bad", "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
+                    "--jobs", "2", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["frames"], 64)
+        self.assertEqual(done.stderr.count(": measured"), 2, done.stderr)
+
     def test_at_another_size_bad_values_alone_are_judged(self):
         done = suite(self.folder, "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
                      "--json")
@@ -245,28 +254,46 @@ class Engines(unittest.TestCase):
 
 
 class Interrupted(unittest.TestCase):
+    ONE = ["--only", "fog_none", "--preset", "fixed", "--preset", "ours", "--size", "32x18"]
+    TWO = [*ONE, "--only", "history_first", "--only", "ray_bad", "--preset", "seed", "--jobs", "2"]
+
+    def interrupt(self, folder, words, when):
+        """A run that is interrupted as soon as there is something of it."""
+        command = [NEPH, "validate", "--suite", "failure", "-q", "-o", folder, *words]
+        run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        deadline = time.monotonic() + 120
+        while not when() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        run.send_signal(signal.SIGINT)
+        out, err = run.communicate(timeout=60)
+        self.assertEqual((run.returncode, out), (130, ""), err)
+        self.assertEqual(page_of(folder)["state"], "interrupted")
+        self.assertIn("report so far", err)
+
     def test_what_is_finished_is_not_rendered_again(self):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
-            words = ["--only", "fog_none", "--preset", "fixed", "--preset", "ours", "--size",
-                     "32x18"]
-            command = [NEPH, "validate", "--suite", "failure", "-q", "-o", name, *words]
-            run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True)
-            store, deadline = folder / "store/frames", time.monotonic() + 120
-            while not (store.exists()
-                       and any(store.iterdir())) and time.monotonic() < deadline:
-                time.sleep(0.02)
-            run.send_signal(signal.SIGINT)
-            out, err = run.communicate(timeout=60)
-            self.assertEqual((run.returncode, out), (130, ""), err)
-            self.assertEqual(page_of(folder)["state"], "interrupted")
-            self.assertIn("report so far", err)
+            store = folder / "store/frames"
+            self.interrupt(folder, self.ONE, lambda: store.exists() and any(store.iterdir()))
             kept = {path: path.stat().st_mtime_ns for path in store.iterdir()}
-            done = suite(folder, *words, "--json")
+            done = suite(folder, *self.ONE, "--json")
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertGreaterEqual(len(kept), 1)
             self.assertEqual({path: path.stat().st_mtime_ns for path in kept}, kept)
+
+    def test_the_page_is_of_all_processes(self):
+        """While they run: the process that shows it renders nothing itself."""
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            data = folder / "report/data.json"
+            self.interrupt(folder, self.TWO,
+                           lambda: data.exists() and page_of(folder)["compared"] > 0)
+            told = [r for r in page_of(folder)["results"] if r["verdict"] != "not_yet"]
+            done = suite(folder, *self.TWO, "--json")
+            whole = json.loads(done.stdout)["results"]
+            self.assertGreater(len(whole), len(told))
+            for result in told:
+                self.assertIn(result, whole)
 
 
 class Words(unittest.TestCase):
