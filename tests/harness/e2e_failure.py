@@ -397,7 +397,7 @@ class Words(unittest.TestCase):
         for word in ("fails ", "symptom ", "limit       period_4 over all <= 0.002", "pitch_m"):
             self.assertIn(word, done.stdout)
         shown = json.loads(neph("scenes", "fence_tiles", "--json").stdout)["failure"]
-        self.assertEqual((len(shown["points"]), shown["engines"]), (1 + 6 * 3 * 2, False))
+        self.assertEqual((len(shown["points"]), shown["engines"]), (1 + 6 * 3 * 4, False))
         self.assertIn("presets all and engines", neph("scenes", "fog_seam").stdout)
         self.assertIsNone(json.loads(neph("scenes", "fence_sky", "--json").stdout)["failure"])
 
