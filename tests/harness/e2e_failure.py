@@ -277,6 +277,20 @@ class Engines(unittest.TestCase):
             self.assertIn(("fog_seam", "falloff_per_m=2", column), cannot)
 
 
+class Quick(unittest.TestCase):
+    @night.of_the_night
+    def test_the_quick_tier_passes_and_is_the_same_twice(self):
+        """Alone, and by four processes at a time."""
+        documents = []
+        for jobs in ("1", "4"):
+            with tempfile.TemporaryDirectory() as folder:
+                done = suite(folder, "--pictures", "none", "--jobs", jobs, "--json")
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            documents.append(json.loads(done.stdout)["results"])
+        self.assertGreater(len(documents[0]), 100)
+        self.assertEqual(documents[0], documents[1])
+
+
 class Results(unittest.TestCase):
     """scripts/failure over results as the suite writes them."""
 
