@@ -26,9 +26,10 @@ static const struct {
     int guess_series;
 } suites[] = {
     [NEPH_NIGHT_CATALOG] = {{"validate"},
-                            {"-e", "exact", "-e", "tracer", "-e", "march", "-e", "realtime", "-e",
-                             "fog_look", "-e", "sky", "-e", "cycles", "-e", "povray", "--no-charts",
-                             "--budget", "60"},
+                            {"-e",          "exact",    "-e", "surfaces", "-e", "tracer",
+                             "-e",          "march",    "-e", "realtime", "-e", "fog_look",
+                             "-e",          "sky",      "-e", "cycles",   "-e", "povray",
+                             "--no-charts", "--budget", "60"},
                             "96x54",
                             20.0,
                             12},
