@@ -101,8 +101,8 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
 
     [SCREEN_TARGETS] = CHOICE("targets", SCREEN_FLOAT32, formats,
                               "all but depth, which has 32 bits"),
-    [SCREEN_FRAMES] = WHOLE("frames", 32, 1, 4096,
-                            "of a picture alone: it is the last of so many in which nothing moves"),
+    [SCREEN_WARM_UP] = WHOLE("warm_up", 31, 0, 4096,
+                             "pictures before the first, as if the sequence had begun earlier"),
     {.name = NULL},
 };
 
