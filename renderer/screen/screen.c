@@ -132,6 +132,8 @@ enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct 
     made->params = *params;
     enum neph_status status = neph_gpu_scene_create(vulkan, scene, 0.0, params->width_px,
                                                     params->height_px, false, &made->gpu, diag);
+    if (scene->mover_count > 0) /* no box has turned before it moves */
+        made->gpu.constants[1] |= NEPH_GPU_TURNED;
     if (!status)
         status = create_buffers(made, diag);
     if (!status)
