@@ -85,8 +85,8 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     [SCREEN_GI_STEPS] = WHOLE("gi_steps", 24, 1, 1024, "of a ray, and no more than its pixels"),
     [SCREEN_GI_REACH_M] = REAL("gi_reach_m", 0, 0, 1e6, "of a ray [m]; 0: as far as the picture"),
     [SCREEN_GI_BOUNCES] = CHOICE("gi_bounces", SCREEN_BOUNCES_ALL, bounces,
-                                 "what rays meet has direct light alone, or its indirect light of "
-                                 "the frame before, too"),
+                                 "what rays meet has light of sun, lamps and sky alone, or its "
+                                 "indirect light of the frame before"),
     [SCREEN_GI_HISTORY] = WHOLE("gi_history", 16, 0, 1024, "frames before in the mean over frames"),
     [SCREEN_GI_SMOOTH] = WHOLE("gi_smooth", 3, 0, 6,
                                "turns of the smoothing, 5x5 pixels 2^k apart"),

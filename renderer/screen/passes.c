@@ -67,7 +67,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "of diffuse surfaces, by rays through the picture",
         .shader = {"screen_gi", gi_spirv, sizeof(gi_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI},
-        .reads = GBUFFER | BEFORE | LIGHT_BEFORE,
+        .reads = GBUFFER | BEFORE | LIGHT_BEFORE | OPEN,
         .writes = BIT(SCREEN_GI_RAW),
     },
     {
@@ -106,7 +106,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "of metal, by rays through the picture",
         .shader = {"screen_ssr", ssr_spirv, sizeof(ssr_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
-        .reads = GBUFFER | BEFORE | LIGHT_BEFORE | BIT(SCREEN_LIT),
+        .reads = GBUFFER | BEFORE | LIGHT_BEFORE | OPEN | BIT(SCREEN_LIT),
         .writes = BIT(SCREEN_SSR_RAW),
     },
     {

@@ -26,14 +26,22 @@ bool seen_before(uint solid, vec3 point_m, vec3 normal, out ivec2 pixel)
     return abs(dot(direction_before(solid, normal), seen_m - was_m)) < OFF_PLANE * was_m.z;
 }
 
+// What a surface in the picture reflects of the sky, where no frame before knows more: as much as
+// its ambient occlusion leaves open.
+vec3 sky_reflected(ivec2 pixel)
+{
+    float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;
+    return load(SCREEN_BASE, pixel).rgb * open * sky_light();
+}
+
 // What a surface in the picture reflected of others and the sky in the frame before: off its
 // diffuse part, if that is asked for, and off its metal, as the camera saw it.
 vec3 indirect_before(ScreenHit hit, bool with_diffuse)
 {
     ivec2 was;
-    if (!seen_before(solid_at(hit.pixel), hit.point_m, normal_at(hit.pixel), was))
-        return vec3(0.0);
     vec4 base = load(SCREEN_BASE, hit.pixel);
+    if (!seen_before(solid_at(hit.pixel), hit.point_m, normal_at(hit.pixel), was))
+        return (with_diffuse ? 1.0 : base.w) * sky_reflected(hit.pixel);
     vec3 light = vec3(0.0);
     if (with_diffuse && view.gi_at != SCREEN_NONE) {
         vec4 diffuse = load(SCREEN_GI_BEFORE, was);

@@ -176,7 +176,8 @@ static struct floor_gap lit_floor_gap(struct neph_vulkan *vulkan, const char *se
  * which frames and smoothing take away. */
 static void test_light_of_a_wall(void **state)
 {
-    const char *const rays = "gi_bounces=one gi_smooth=0 gi_history=1024 gi_rays=4 gi_steps=128";
+    const char *const rays = "gi_bounces=one gi_smooth=0 gi_history=1024 gi_rays=4 gi_steps=128 "
+                             "ray_step_power=1.5";
     const struct floor_gap once = lit_floor_gap(*state, rays, 1);
     const struct floor_gap often = lit_floor_gap(*state, rays, 16);
     assert_true(often.off < 0.2 * once.off && often.bias > -0.05 && often.bias < 0.01);
