@@ -155,7 +155,7 @@ static void test_the_blur(void **state)
     }
 }
 
-/* Of both signals, by the targets that their first turn reads and writes. */
+/* Either signal, by the targets that its first turn reads and writes. */
 static void check_smoothing(const struct picture *picture, int from, int to)
 {
     int count = 0;
