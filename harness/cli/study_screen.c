@@ -53,7 +53,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph study screen --markdown screen.md\n"
         "  neph study screen surface_corner --models screen,screen+ao_places=pixel --radius 2\n"
-        "  neph study screen surface_room --models screen+frames=1,screen+frames=32",
+        "  neph study screen surface_room --models screen+warm_up=0,screen+warm_up=63",
 };
 
 static const char *const usual_scenes[] = {"surface_step",   "surface_corner", "surface_room",

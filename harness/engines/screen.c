@@ -72,37 +72,82 @@ static enum neph_status label(struct neph_image *image, const struct neph_screen
     return status ? status : neph_frame_stats_set(image, "gpu_ms", 1e3 * *gpu_s, diag);
 }
 
-/* The last of several frames in which nothing moves. */
-static enum neph_status take_picture(struct neph_vulkan *vulkan, const struct neph_shot *shot,
-                                     struct neph_image **image, struct neph_screen_stats *stats,
-                                     struct neph_diag *diag)
+struct sequence {
+    struct neph_vulkan *vulkan;
+    struct neph_screening *screen; /* of pictures of this size */
+    int width_px, height_px;
+};
+
+static void close_sequence(void *opened)
 {
-    const struct neph_screen_params params = {
-        .settings = shot->settings, .width_px = shot->width_px, .height_px = shot->height_px};
-    const int frames = (int)shot->settings.values[SCREEN_FRAMES];
-    struct neph_screening *screen = NULL;
-    enum neph_status status = neph_screening_create(vulkan, shot->scene, &params, &screen, diag);
-    for (int i = 1; i <= frames && !status; i++)
-        status = neph_screening_frame(screen, shot->scene, shot->frame, i == frames ? image : NULL,
-                                      stats, diag);
-    neph_screening_destroy(screen);
+    struct sequence *sequence = opened;
+    if (!sequence)
+        return;
+    neph_screening_destroy(sequence->screen);
+    neph_vulkan_destroy(sequence->vulkan);
+    free(sequence);
+}
+
+/* The pictures before the first, as if the sequence had begun earlier; before picture 0 all stands
+ * still. */
+static enum neph_status warm_up(struct sequence *sequence, const struct neph_shot *shot,
+                                struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int left = (int)shot->settings.values[SCREEN_WARM_UP]; left > 0 && !status; left--)
+        status = neph_screening_frame(sequence->screen, shot->scene, shot->frame - left, NULL, NULL,
+                                      diag);
     return status;
 }
 
-static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
-                               struct neph_cost *cost, struct neph_diag *diag)
+/* Another size begins anew. */
+static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
+                               struct neph_diag *diag)
 {
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    struct neph_vulkan *vulkan = NULL;
-    struct neph_image *image = NULL;
-    struct neph_screen_stats stats;
-    double gpu_s = NAN;
-    enum neph_status status = neph_vulkan_open(&vulkan, diag);
+    const struct neph_screen_params params = {
+        .settings = shot->settings, .width_px = shot->width_px, .height_px = shot->height_px};
+    neph_screening_destroy(sequence->screen);
+    sequence->screen = NULL;
+    sequence->width_px = shot->width_px;
+    sequence->height_px = shot->height_px;
+    const enum neph_status status = neph_screening_create(sequence->vulkan, shot->scene, &params,
+                                                          &sequence->screen, diag);
+    return status ? status : warm_up(sequence, shot, diag);
+}
+
+static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
+                                      struct neph_diag *diag)
+{
+    struct sequence *sequence = calloc(1, sizeof(*sequence));
+    if (!sequence)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_vulkan_open(&sequence->vulkan, diag);
     if (!status)
-        status = take_picture(vulkan, shot, &image, &stats, diag);
+        status = set_up(sequence, shot, diag);
+    if (status)
+        close_sequence(sequence);
+    else
+        *opened = sequence;
+    return status;
+}
+
+static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
+                                     struct neph_image **frame, struct neph_cost *cost,
+                                     struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    const struct neph_stopwatch start = neph_stopwatch_start();
+    const bool fits = shot->width_px == sequence->width_px &&
+                      shot->height_px == sequence->height_px && sequence->screen;
+    struct neph_screen_stats stats;
+    struct neph_image *image = NULL;
+    double gpu_s = NAN;
+    enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
+    if (!status)
+        status = neph_screening_frame(sequence->screen, shot->scene, shot->frame, &image, &stats,
+                                      diag);
     if (!status)
         status = label(image, &stats, &gpu_s, diag);
-    neph_vulkan_destroy(vulkan);
     if (status) {
         neph_image_destroy(image);
         return status;
@@ -112,6 +157,27 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     return NEPH_OK;
 }
 
+/* A picture alone pays for what it is set up with. */
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    const struct neph_stopwatch start = neph_stopwatch_start();
+    void *sequence = NULL;
+    enum neph_status status = open_sequence(shot, &sequence, diag);
+    if (!status)
+        status = next_picture(sequence, shot, frame, cost, diag);
+    close_sequence(sequence);
+    if (!status)
+        *cost = neph_own_cost(start, cost->render_s);
+    return status;
+}
+
+static const struct neph_engine_sequence sequence_of = {
+    .open = open_sequence,
+    .next = next_picture,
+    .close = close_sequence,
+};
+
 const struct neph_engine neph_engine_screen = {
     .name = "screen",
     .summary = "solids by direct light, and the rest from depth and normals of the picture alone",
@@ -119,6 +185,8 @@ const struct neph_engine neph_engine_screen = {
     .look = true,
     .bias = "what is off the screen or behind what it shows is not there; docs/screen.md",
     .is_narrow = true,
+    .sequence = &sequence_of,
+    .remembers = true,
     .typical_s = 1.0,
     .options = neph_screen_options,
     .presets = neph_screen_presets,

@@ -70,7 +70,7 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
                                     "thick"),
     [SCREEN_RAY_REFINE] = WHOLE("ray_refine", 4, 0, 16,
                                 "halvings of the step in which a ray went behind something"),
-    [SCREEN_RAY_STEP_POWER] = REAL("ray_step_power", 1.5, 1, 4,
+    [SCREEN_RAY_STEP_POWER] = REAL("ray_step_power", 1, 1, 4,
                                    "step k of n lies at (k / n) to this power of the ray's way on "
                                    "the screen"),
     [SCREEN_RAY_METAL] = CHOICE("ray_metal", SCREEN_METAL_RELIT, metals,
@@ -85,24 +85,24 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     [SCREEN_GI_STEPS] = WHOLE("gi_steps", 24, 1, 1024, "of a ray, and no more than its pixels"),
     [SCREEN_GI_REACH_M] = REAL("gi_reach_m", 0, 0, 1e6, "of a ray [m]; 0: as far as the picture"),
     [SCREEN_GI_BOUNCES] = CHOICE("gi_bounces", SCREEN_BOUNCES_ALL, bounces,
-                                 "what rays meet has direct light alone, or its indirect light of "
-                                 "the frame before, too"),
-    [SCREEN_GI_HISTORY] = WHOLE("gi_history", 32, 0, 1024, "frames before in the mean over frames"),
+                                 "what rays meet has light of sun, lamps and sky alone, or its "
+                                 "indirect light of the frame before"),
+    [SCREEN_GI_HISTORY] = WHOLE("gi_history", 16, 0, 1024, "frames before in the mean over frames"),
     [SCREEN_GI_SMOOTH] = WHOLE("gi_smooth", 3, 0, 6,
                                "turns of the smoothing, 5x5 pixels 2^k apart"),
 
     [SCREEN_SSR] = CHOICE("ssr", 1, switches, "reflections of metal by rays"),
     [SCREEN_SSR_RAYS] = WHOLE("ssr_rays", 4, 1, 256, "a pixel and frame; of a mirror 1"),
     [SCREEN_SSR_STEPS] = WHOLE("ssr_steps", 64, 1, 4096, "of a ray, and no more than its pixels"),
-    [SCREEN_SSR_HISTORY] = WHOLE("ssr_history", 32, 0, 1024,
+    [SCREEN_SSR_HISTORY] = WHOLE("ssr_history", 16, 0, 1024,
                                  "frames before in the mean over frames"),
     [SCREEN_SSR_SMOOTH] = WHOLE("ssr_smooth", 2, 0, 6,
                                 "turns of the smoothing, as far as the metal is rough"),
 
     [SCREEN_TARGETS] = CHOICE("targets", SCREEN_FLOAT32, formats,
                               "all but depth, which has 32 bits"),
-    [SCREEN_FRAMES] = WHOLE("frames", 32, 1, 4096,
-                            "of a picture alone: it is the last of so many in which nothing moves"),
+    [SCREEN_WARM_UP] = WHOLE("warm_up", 31, 0, 4096,
+                             "pictures before the first, as if the sequence had begun earlier"),
     {.name = NULL},
 };
 

@@ -31,7 +31,7 @@ static const uint32_t compose_spirv[] = {
 
 #define BIT(target) (1u << (target))
 #define SURFACES (BIT(SCREEN_DEPTH) | BIT(SCREEN_NORMAL))
-#define GBUFFER (SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_DIRECT) | BIT(SCREEN_LIGHTS))
+#define GBUFFER (SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_DIRECT) | BIT(SCREEN_MARKS))
 #define BEFORE (BIT(SCREEN_DEPTH_BEFORE) | BIT(SCREEN_NORMAL_BEFORE))
 #define LIGHT_BEFORE (BIT(SCREEN_GI_BEFORE) | BIT(SCREEN_SSR_BEFORE))
 #define OPEN (BIT(SCREEN_OPEN) | BIT(SCREEN_OPEN_SMOOTH))
@@ -67,7 +67,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "of diffuse surfaces, by rays through the picture",
         .shader = {"screen_gi", gi_spirv, sizeof(gi_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI},
-        .reads = GBUFFER | BEFORE | LIGHT_BEFORE,
+        .reads = GBUFFER | BEFORE | LIGHT_BEFORE | OPEN,
         .writes = BIT(SCREEN_GI_RAW),
     },
     {
@@ -75,8 +75,8 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over frames",
         .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI},
-        .reads = SURFACES | BEFORE | BIT(SCREEN_GI_RAW) | BIT(SCREEN_GI_BEFORE) |
-                 BIT(SCREEN_GI_COUNT_BEFORE),
+        .reads = SURFACES | BEFORE | BIT(SCREEN_MARKS) | BIT(SCREEN_GI_RAW) |
+                 BIT(SCREEN_GI_BEFORE) | BIT(SCREEN_GI_COUNT_BEFORE),
         .writes = BIT(SCREEN_GI_MEAN) | BIT(SCREEN_GI_COUNT),
         .from = SCREEN_GI_RAW,
         .to = SCREEN_GI_MEAN,
@@ -106,7 +106,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "of metal, by rays through the picture",
         .shader = {"screen_ssr", ssr_spirv, sizeof(ssr_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
-        .reads = GBUFFER | BEFORE | LIGHT_BEFORE | BIT(SCREEN_LIT),
+        .reads = GBUFFER | BEFORE | LIGHT_BEFORE | OPEN | BIT(SCREEN_LIT),
         .writes = BIT(SCREEN_SSR_RAW),
     },
     {
@@ -114,8 +114,8 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over frames",
         .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
-        .reads = SURFACES | BEFORE | BIT(SCREEN_SSR_RAW) | BIT(SCREEN_SSR_BEFORE) |
-                 BIT(SCREEN_SSR_COUNT_BEFORE),
+        .reads = SURFACES | BEFORE | BIT(SCREEN_MARKS) | BIT(SCREEN_SSR_RAW) |
+                 BIT(SCREEN_SSR_BEFORE) | BIT(SCREEN_SSR_COUNT_BEFORE),
         .writes = BIT(SCREEN_SSR_MEAN) | BIT(SCREEN_SSR_COUNT),
         .from = SCREEN_SSR_RAW,
         .to = SCREEN_SSR_MEAN,
@@ -150,7 +150,7 @@ _Static_assert(sizeof(neph_screen_passes) / sizeof(neph_screen_passes[0]) <=
 
 const char *const neph_screen_targets[SCREEN_TARGET_COUNT] = {
     [SCREEN_DEPTH] = "depth",
-    [SCREEN_LIGHTS] = "lights",
+    [SCREEN_MARKS] = "marks",
     [SCREEN_GI_COUNT] = "indirect count",
     [SCREEN_SSR_COUNT] = "reflected count",
     [SCREEN_GI_COUNT_BEFORE] = "indirect count before",

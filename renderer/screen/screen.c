@@ -3,6 +3,7 @@
 
 #include "renderer/gpu_scene.h"
 #include "renderer/vulkan_device.h"
+#include "scenes/motion.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,6 +11,13 @@
 #include <string.h>
 
 enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 2, CHANNELS = 4 };
+
+/* A frame of the scene and the one before. */
+struct moment {
+    double frame, frame_before;
+    bool has_before;
+    struct neph_camera now, before;
+};
 
 /* Targets that the next frame has under another name. */
 static const int handed_on[][2] = {
@@ -23,9 +31,9 @@ struct neph_screening {
     struct neph_gpu_scene gpu;
     struct neph_buffer view, surfaces, targets[SCREEN_TARGET_COUNT], readback;
     const struct neph_kernel *kernels[NEPH_SCREEN_PASSES_MAX];
-    struct neph_camera camera; /* of the frame before */
-    unsigned used;             /* targets, a bit each */
-    uint32_t frame;            /* how many there were: the noise has other numbers in each */
+    double frame_before; /* of the scene */
+    unsigned used;       /* targets, a bit each */
+    uint32_t frame;      /* how many there were: the noise has other numbers in each */
 };
 
 /* --- what can be rendered --------------------------------------------------------------------- */
@@ -124,6 +132,8 @@ enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct 
     made->params = *params;
     enum neph_status status = neph_gpu_scene_create(vulkan, scene, 0.0, params->width_px,
                                                     params->height_px, false, &made->gpu, diag);
+    if (scene->mover_count > 0) /* no box has turned before it moves */
+        made->gpu.constants[1] |= NEPH_GPU_TURNED;
     if (!status)
         status = create_buffers(made, diag);
     if (!status)
@@ -177,20 +187,6 @@ static uint32_t ssr_target(const double *values)
                : last_target(values[SCREEN_SSR_SMOOTH], SCREEN_SSR_MEAN, SCREEN_SSR_A);
 }
 
-/* A place in the axes of a camera now, as that before has it. */
-static void fill_to_before(const struct neph_camera *now, const struct neph_camera *before,
-                           float rows[12])
-{
-    const struct neph_vec3 axes[3] = {before->right, before->up, before->forward};
-    const struct neph_vec3 moved_m = neph_vec3_sub(now->position_m, before->position_m);
-    for (int i = 0; i < 3; i++, rows += 4) {
-        rows[0] = (float)neph_vec3_dot(axes[i], now->right);
-        rows[1] = (float)neph_vec3_dot(axes[i], now->up);
-        rows[2] = (float)neph_vec3_dot(axes[i], now->forward);
-        rows[3] = (float)neph_vec3_dot(axes[i], moved_m);
-    }
-}
-
 static void fill_sky(const struct neph_scene *scene, float sky[3])
 {
     const struct neph_rgb light = scene->background_w_per_m2_sr;
@@ -199,9 +195,10 @@ static void fill_sky(const struct neph_scene *scene, float sky[3])
     sky[2] = scene->environment_light ? (float)light.b : 0.0f;
 }
 
-static void fill_view(struct neph_screening *screen, const struct neph_scene *scene, double frame)
+static void fill_view(struct neph_screening *screen, const struct neph_scene *scene,
+                      const struct moment *moment)
 {
-    const struct neph_camera camera = neph_scene_camera(scene, frame);
+    const struct neph_camera camera = moment->now;
     const struct neph_screen_params *params = &screen->params;
     const double *values = params->settings.values;
     const double half_height = neph_camera_half_height(&camera);
@@ -213,31 +210,76 @@ static void fill_view(struct neph_screening *screen, const struct neph_scene *sc
     view->half_size[0] = (float)(half_height * params->width_px / params->height_px);
     view->half_size[1] = (float)half_height;
     view->is_orthographic = camera.orthographic_height_m > 0.0;
-    view->has_before = screen->frame > 0;
+    view->has_before = moment->has_before;
     view->has_bounces = scene->scattering == NEPH_SCATTERING_MULTIPLE;
     fill_sky(scene, view->sky_light);
-    fill_to_before(&camera, screen->frame > 0 ? &screen->camera : &camera, view->to_before);
     view->open_at = open_target(values);
     view->gi_at = gi_target(values);
     view->ssr_at = ssr_target(values);
-    view->frame = screen->frame++;
-    screen->camera = camera;
+    view->frame = screen->frame;
 }
 
-static void fill_surfaces(struct neph_screening *screen, const struct neph_scene *scene)
+/* Where a place in the axes of the camera now was in those of the camera before, on a solid that
+ * has moved from one placing to another. */
+static struct neph_vec3 place_before_m(const struct moment *moment, const struct neph_placing *now,
+                                       const struct neph_placing *before, struct neph_vec3 own_m)
+{
+    const struct neph_camera *here = &moment->now, *there = &moment->before;
+    struct neph_vec3 point_m = neph_vec3_along(here->position_m, here->right, own_m.x);
+    point_m = neph_vec3_along(point_m, here->up, own_m.y);
+    point_m = neph_vec3_along(point_m, here->forward, own_m.z);
+    if (now)
+        point_m = neph_placed_before_m(now, before, point_m);
+    const struct neph_vec3 way_m = neph_vec3_sub(point_m, there->position_m);
+    return (struct neph_vec3){neph_vec3_dot(way_m, there->right), neph_vec3_dot(way_m, there->up),
+                              neph_vec3_dot(way_m, there->forward)};
+}
+
+static void fill_to_before(const struct moment *moment, const struct neph_placing *now,
+                           const struct neph_placing *before, float rows[12])
+{
+    const struct neph_vec3 units[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const struct neph_vec3 origin = place_before_m(moment, now, before, (struct neph_vec3){0});
+    for (int c = 0; c < 3; c++) {
+        const struct neph_vec3 column = neph_vec3_sub(place_before_m(moment, now, before, units[c]),
+                                                      origin);
+        rows[c] = (float)column.x;
+        rows[4 + c] = (float)column.y;
+        rows[8 + c] = (float)column.z;
+    }
+    rows[3] = (float)origin.x;
+    rows[7] = (float)origin.y;
+    rows[11] = (float)origin.z;
+}
+
+static void fill_surface(const struct neph_surface *from, struct neph_gpu_screen_surface *surface)
+{
+    const struct neph_rgb other = from->texture.other;
+    *surface = (struct neph_gpu_screen_surface){
+        .other = {(float)other.r, (float)other.g, (float)other.b},
+        .roughness = (float)from->roughness,
+        .metalness = (float)from->metalness,
+        .cell_m = (float)from->texture.cell_m,
+        .is_noise = from->texture.pattern == NEPH_PATTERN_NOISE,
+        .seed = (uint32_t)from->texture.seed,
+    };
+}
+
+/* `scene` is the one over time, which knows how solids move. */
+static void fill_surfaces(struct neph_screening *screen, const struct neph_scene *scene,
+                          const struct moment *moment)
 {
     struct neph_gpu_screen_surface *surfaces = screen->surfaces.mapped;
     for (int i = 0; i < scene->solid_count; i++) {
-        const struct neph_surface *from = &scene->solids[i].surface;
-        const struct neph_rgb other = from->texture.other;
-        surfaces[i] = (struct neph_gpu_screen_surface){
-            .other = {(float)other.r, (float)other.g, (float)other.b},
-            .roughness = (float)from->roughness,
-            .metalness = (float)from->metalness,
-            .cell_m = (float)from->texture.cell_m,
-            .is_noise = from->texture.pattern == NEPH_PATTERN_NOISE,
-            .seed = (uint32_t)from->texture.seed,
-        };
+        fill_surface(&scene->solids[i].surface, &surfaces[i]);
+        fill_to_before(moment, NULL, NULL, surfaces[i].to_before);
+    }
+    for (int m = 0; m < scene->mover_count; m++) {
+        const struct neph_mover *mover = &scene->movers[m];
+        const struct neph_placing now = neph_mover_placing(scene, mover, moment->frame);
+        const struct neph_placing before = neph_mover_placing(scene, mover, moment->frame_before);
+        for (int i = mover->first; i < mover->first + mover->count; i++)
+            fill_to_before(moment, &now, &before, surfaces[i].to_before);
     }
 }
 
@@ -426,19 +468,51 @@ static enum neph_status take_image(struct neph_screening *screen, struct neph_im
     return status;
 }
 
+/* --- a frame ---------------------------------------------------------------------------------- */
+
+static struct moment moment_of(const struct neph_screening *screen, const struct neph_scene *scene,
+                               double frame)
+{
+    const double before = screen->frame > 0 ? screen->frame_before : frame;
+    return (struct moment){
+        .frame = frame,
+        .frame_before = before,
+        .has_before = screen->frame > 0 && !neph_scene_is_cut(scene, before, frame),
+        .now = neph_scene_camera(scene, frame),
+        .before = neph_scene_camera(scene, before),
+    };
+}
+
+/* The device gets the scene as it stands in the frame. */
+static enum neph_status show(struct neph_screening *screen, const struct neph_scene *scene,
+                             double frame, struct neph_diag *diag)
+{
+    const struct moment moment = moment_of(screen, scene, frame);
+    struct neph_scene *still = NULL;
+    const enum neph_status status = neph_scene_at(scene, frame, &still, diag);
+    if (status)
+        return status;
+    if (screen->frame > 0)
+        hand_on(screen);
+    neph_gpu_scene_move(&screen->gpu, still, frame, screen->params.width_px,
+                        screen->params.height_px);
+    fill_view(screen, still, &moment);
+    fill_surfaces(screen, scene, &moment);
+    screen->frame++;
+    screen->frame_before = frame;
+    neph_scene_destroy(still);
+    return NEPH_OK;
+}
+
 enum neph_status neph_screening_frame(struct neph_screening *screen, const struct neph_scene *scene,
                                       double frame, struct neph_image **image,
                                       struct neph_screen_stats *stats, struct neph_diag *diag)
 {
     struct neph_screen_stats own_stats = {{0}};
     struct neph_image *made = NULL;
-    if (screen->frame > 0)
-        hand_on(screen);
-    neph_gpu_scene_move(&screen->gpu, scene, frame, screen->params.width_px,
-                        screen->params.height_px);
-    fill_view(screen, scene, frame);
-    fill_surfaces(screen, scene);
-    enum neph_status status = run_passes(screen, &own_stats, diag);
+    enum neph_status status = show(screen, scene, frame, diag);
+    if (!status)
+        status = run_passes(screen, &own_stats, diag);
     if (!status && image)
         status = neph_image_create(screen->params.width_px, screen->params.height_px, &made, diag);
     if (!status && image)

@@ -28,8 +28,6 @@ layout(std430, binding = 5) readonly buffer ScreenView {
     uint frame; // of the noise
     float sky_light[3]; // radiance of the background, where it lights solids
     uint has_before; // 0: there was no frame before
-    // A place in the axes of the frame before: rows times it, and the last column added.
-    float to_before[12];
     uint has_bounces; // 0: surfaces do not light each other
     uint open_at, gi_at, ssr_at; // targets in which these end up; SCREEN_NONE: there is none
 } view;
@@ -42,6 +40,9 @@ struct ScreenSurface {
     float cell_m; // of the pattern; 0: there is none
     uint is_noise;
     uint seed;
+    // A place of it in the axes of the camera of the frame before, from where it is now: rows times
+    // it, and the last column added.
+    float to_before[12];
 };
 
 layout(std430, binding = 6) readonly buffer ScreenSurfaces {
@@ -158,18 +159,24 @@ vec2 pixel_of(vec3 point_m)
     return (0.5 + 0.5 * vec2(1.0, -1.0) * way / half_size()) * vec2(size_px());
 }
 
-// A place, and a direction, in the axes of the camera of the frame before.
-vec3 direction_before(vec3 v)
+// The number of the solid that a pixel shows.
+uint solid_at(ivec2 pixel)
 {
-    return vec3(dot(v, vec3(view.to_before[0], view.to_before[1], view.to_before[2])),
-                dot(v, vec3(view.to_before[4], view.to_before[5], view.to_before[6])),
-                dot(v, vec3(view.to_before[8], view.to_before[9], view.to_before[10])));
+    return targets[SCREEN_MARKS].words[texel_of(pixel)] >> SCREEN_LIGHT_BITS;
 }
 
-vec3 place_before_m(vec3 point_m)
+// A direction and a place of a solid as the camera of the frame before has them.
+vec3 direction_before(uint solid, vec3 v)
 {
-    return direction_before(point_m) +
-           vec3(view.to_before[3], view.to_before[7], view.to_before[11]);
+    float rows[12] = surfaces[solid].to_before;
+    return vec3(dot(v, vec3(rows[0], rows[1], rows[2])), dot(v, vec3(rows[4], rows[5], rows[6])),
+                dot(v, vec3(rows[8], rows[9], rows[10])));
+}
+
+vec3 place_before_m(uint solid, vec3 point_m)
+{
+    float rows[12] = surfaces[solid].to_before;
+    return direction_before(solid, point_m) + vec3(rows[3], rows[7], rows[11]);
 }
 
 // From a place to the camera, unit.

@@ -57,7 +57,7 @@ void main()
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     if (hit.solid == NO_SOLID) {
         store_one(SCREEN_DEPTH, pixel, FAR_M);
-        targets[SCREEN_LIGHTS].words[texel_of(pixel)] = 0u;
+        targets[SCREEN_MARKS].words[texel_of(pixel)] = 0u;
         store(SCREEN_NORMAL, pixel, vec4(0.0, 0.0, -1.0, 0.0));
         store(SCREEN_BASE, pixel, vec4(0.0));
         store(SCREEN_DIRECT, pixel, vec4(frame.background, 0.0));
@@ -68,6 +68,6 @@ void main()
     store(SCREEN_NORMAL, pixel, vec4(in_camera_axes(place.normal), place.roughness));
     store(SCREEN_BASE, pixel, vec4(place.base, place.metalness));
     uint seen = lights_seen(place);
-    targets[SCREEN_LIGHTS].words[texel_of(pixel)] = seen;
+    targets[SCREEN_MARKS].words[texel_of(pixel)] = seen | hit.solid << SCREEN_LIGHT_BITS;
     store(SCREEN_DIRECT, pixel, vec4(direct_light(place, seen), 1.0));
 }

@@ -16,7 +16,7 @@ vec3 light_of(ScreenHit hit, vec3 direction)
         return vec3(0.0);
     vec3 light = direct_into(direction, hit.pixel);
     bool with_indirect = choice(SCREEN_GI_BOUNCES) == SCREEN_BOUNCES_ALL;
-    return with_indirect ? light + indirect_before(hit, true) : light;
+    return light + (with_indirect ? indirect_before(hit, true) : sky_reflected(hit.pixel));
 }
 
 void main()

@@ -92,7 +92,7 @@ vec3 direct_into(vec3 direction, ivec2 pixel)
     place.base = base.rgb;
     place.roughness = load(SCREEN_NORMAL, pixel).w;
     place.metalness = base.w;
-    return direct_light(place, targets[SCREEN_LIGHTS].words[texel_of(pixel)]);
+    return direct_light(place, targets[SCREEN_MARKS].words[texel_of(pixel)]);
 }
 
 #endif

@@ -10,10 +10,10 @@
 bool is_gi() { return run.turn == 0u; }
 
 // Between the pixels of the frame before that show the same plane; `count` frames, 0 for none.
-vec4 history(vec3 point_m, vec3 normal, out float count)
+vec4 history(uint solid, vec3 point_m, vec3 normal, out float count)
 {
     const float OFF_PLANE = 0.01, SAME_NORMAL = 0.9; // of the depth; a cosine
-    vec3 was_m = place_before_m(point_m), was_normal = direction_before(normal);
+    vec3 was_m = place_before_m(solid, point_m), was_normal = direction_before(solid, normal);
     count = 0.0;
     if (view.has_before == 0u || !(was_m.z > 0.0))
         return vec4(0.0);
@@ -49,7 +49,8 @@ void main()
     float depth_m = depth_at_m(pixel), count = 0.0;
     vec4 mean = vec4(0.0);
     if (!is_sky(depth_m)) {
-        mean = history(place_m(centre_of(pixel), depth_m), normal_at(pixel), count);
+        mean = history(solid_at(pixel), place_m(centre_of(pixel), depth_m), normal_at(pixel),
+                       count);
         count = min(count, setting(is_gi() ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY)) + 1.0;
         mean = mix(mean, load(int(run.from), pixel), 1.0 / count);
     }

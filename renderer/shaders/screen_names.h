@@ -44,7 +44,7 @@
 #define SCREEN_SSR_HISTORY 30
 #define SCREEN_SSR_SMOOTH 31
 #define SCREEN_TARGETS 32
-#define SCREEN_FRAMES 33
+#define SCREEN_WARM_UP 33
 #define SCREEN_SETTING_COUNT 34
 
 // --- choices ----------------------------------------------------------------------------------
@@ -76,7 +76,7 @@
 
 // Those with one number, always 32 bits.
 #define SCREEN_DEPTH 0 // linear eye depth [m]; FAR_M for the sky
-#define SCREEN_LIGHTS 1 // bits of sun and lamps that are seen from there
+#define SCREEN_MARKS 1 // bits of sun and lamps that are seen from there, and which solid it is
 #define SCREEN_GI_COUNT 2 // frames in the mean
 #define SCREEN_SSR_COUNT 3
 // These in the frame before.
@@ -107,6 +107,7 @@
 #define SCREEN_SSR_BEFORE 24
 #define SCREEN_TARGET_COUNT 25
 #define SCREEN_FIRST_OF_FOUR SCREEN_NORMAL
+#define SCREEN_LIGHT_BITS 17
 #define SCREEN_NONE 0xffffffffu
 
 // Words of a texel where it has four channels, by SCREEN_TARGETS.

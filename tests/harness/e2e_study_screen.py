@@ -26,7 +26,7 @@ class StudyScreen(unittest.TestCase):
     def test_a_table_and_its_files(self):
         # Slices know the step, whose foot is in the picture; nothing of it is behind anything.
         words = ("surface_step", "surface_rough", "--size", "24x14", "--samples", "64", "--models",
-                 "screen+gi=off+frames=1+ssr_rays=1,screen+preset=slices+gi=off+ssr=off+frames=1",
+                 "screen+gi=off+warm_up=0+ssr_rays=1,screen+preset=slices+gi=off+ssr=off+warm_up=0",
                  "--markdown", "a.md", "--quiet")
         done = self.run_neph(*words, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)

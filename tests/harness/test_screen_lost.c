@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Why a screen does not know what it does not: a wall of which the picture shows a part, a screen
+ * between the camera and a wall, a post that hides nothing.
+ */
+#include "tests/scene_builders.h"
+
+#include "harness/study/screen_lost.h"
+
+enum { SIDE = 64, RAYS = 4096 };
+
+/* The camera looks along -z from above, without perspective: its picture is 4 m wide, and its sides
+ * are the planes x = -2 and x = 2. */
+static void set_ground(struct test_scene *test)
+{
+    test_scene_init(test);
+    test->key.position_m = (struct neph_vec3){0.0, 10.0, 10.0};
+    test->key.look_at_m = (struct neph_vec3){0.0, 0.0, 0.0};
+    test->scene.vertical_fov_rad = 0.0;
+    test->scene.orthographic_height_m = 4.0;
+    test_add_box(test, (struct neph_vec3){-50, -1, -50}, (struct neph_vec3){50, 0, 50});
+}
+
+/* At the pixel that shows a place of the ground. */
+static void look_from(const struct test_scene *test, double x_m, double z_m, double reach_m,
+                      double shares[NEPH_SCREEN_LOSSES])
+{
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    const struct neph_vec3 way_m = neph_vec3_sub((struct neph_vec3){x_m, 0.0, z_m},
+                                                 camera.position_m);
+    const int column = (int)((0.5 + neph_vec3_dot(way_m, camera.right) / 4.0) * SIDE);
+    const int row = (int)((0.5 - neph_vec3_dot(way_m, camera.up) / 4.0) * SIDE);
+    neph_screen_lost(&test->scene, &camera, SIDE, SIDE, column, row, reach_m, RAYS, shares);
+}
+
+/* The form factor of a rectangle that stands on a plane, from x = 0 to a width (J. R. Howell, "A
+ * Catalog of Radiation Heat Transfer Configuration Factors", B-4). */
+static double standing_rectangle(double distance_m, double width_m, double height_m)
+{
+    const double slant_m = hypot(distance_m, height_m);
+    return (atan(width_m / distance_m) - distance_m / slant_m * atan(width_m / slant_m)) /
+           (2.0 * M_PI);
+}
+
+/* The ground before it sees the wall from x = 1.5 to 7; beyond 2 it is off the picture. Half a
+ * pixel is 3 cm. */
+static void test_a_wall_that_goes_on_beyond_the_picture(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    double shares[NEPH_SCREEN_LOSSES];
+    set_ground(&test);
+    test_add_box(&test, (struct neph_vec3){1.5, 0, -1.2}, (struct neph_vec3){7, 1, -1});
+    look_from(&test, 1.0, 0.0, INFINITY, shares);
+    const double off = standing_rectangle(1.0, 6.0, 1.0) - standing_rectangle(1.0, 1.0, 1.0);
+    neph_assert_close(shares[NEPH_LOST_OFF], off, 0.06, 0.002);
+    neph_assert_close(shares[NEPH_LOST_BEHIND], 0.0, 0.0, 0.002);
+    neph_assert_close(shares[NEPH_LOST_THIN], 0.0, 0.0,
+                      0.01);                 /* past its near end, and behind it */
+    look_from(&test, 1.0, 0.0, 1.2, shares); /* the part off the picture begins 1.4 m away */
+    assert_true(shares[NEPH_LOST_OFF] == 0.0);
+}
+
+/* A plate lies over the ground: from beneath, its lower side is met, which the camera does not see;
+ * beside it, rays go behind its edge and meet that side, or pass. */
+static void test_a_plate_over_the_ground(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    double shares[NEPH_SCREEN_LOSSES];
+    set_ground(&test);
+    test_add_box(&test, (struct neph_vec3){-1, 0.5, -0.5}, (struct neph_vec3){1, 0.52, 0.5});
+    look_from(&test, 0.0, 0.9, INFINITY, shares);
+    assert_true(shares[NEPH_LOST_BEHIND] > 0.05 && shares[NEPH_LOST_OFF] == 0.0);
+    assert_true(shares[NEPH_LOST_THIN] > 0.005);
+    look_from(&test, 0.0, 0.9, 0.3, shares); /* it is farther */
+    for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
+        neph_assert_close(shares[i], 0.0, 0.0, 1e-9);
+}
+
+/* From all of a convex thing's own surface nothing is lost to itself, nor from open ground. */
+static void test_a_ball_and_the_ground(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    double shares[NEPH_SCREEN_LOSSES];
+    set_ground(&test);
+    look_from(&test, 0.7, -0.3, INFINITY, shares);
+    for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
+        assert_true(shares[i] == 0.0);
+    test_add_sphere(&test, (struct neph_vec3){0, 0.5, 0}, 0.5);
+    look_from(&test, -1.6, 0.0, INFINITY, shares); /* half of the ball, seen from its side */
+    assert_true(shares[NEPH_LOST_BEHIND] > 0.0 && shares[NEPH_LOST_OFF] == 0.0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_wall_that_goes_on_beyond_the_picture),
+        cmocka_unit_test(test_a_plate_over_the_ground),
+        cmocka_unit_test(test_a_ball_and_the_ground),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
