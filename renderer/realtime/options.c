@@ -43,6 +43,7 @@ static const char *const arounds[] = {"off", "on", "moved", NULL};
 static const char *const motions[] = {"centre", "cross", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
+static const char *const depth_map_passes[] = {"auto", "own", NULL};
 static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
@@ -426,5 +427,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "composition", RT_COMPOSITION_AUTO, compositions,
         "where the volume is laid over what is behind it: in a pass of its own, or where the "
         "anti-aliasing reads both, which spares a picture; auto: so on a GPU. Same bits"),
+    [RT_DEPTH_MAP_PASS] = CHOICE(
+        "depth_map_pass", RT_DEPTH_MAP_PASS_AUTO, depth_map_passes,
+        "auto: on a GPU the tile index makes the depth map, too, with override=sequential, "
+        "gather=texel and tile_origin=view. Same bits"),
     {.name = NULL},
 };

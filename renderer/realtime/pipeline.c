@@ -226,6 +226,12 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
     if (has_taa && choice_of(realtime, RT_COMPOSITION) == RT_COMPOSITION_AUTO &&
         !realtime->vulkan->description.is_cpu)
         view->settings[RT_COMPOSITION] = RT_COMPOSITION_TAA;
+    if (choice_of(realtime, RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_AUTO &&
+        choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
+        choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
+        choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW &&
+        !realtime->vulkan->description.is_cpu)
+        view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
 }
 
 /* Everything that depends on the size. */
@@ -430,13 +436,26 @@ static enum neph_status add_pass(struct neph_realtime *realtime, const struct ne
 }
 
 /* Those that the settings want and that make something which is not given. */
+static bool is_wanted(const struct neph_realtime *realtime, const struct neph_rt_pass *pass,
+                      const struct progress *made)
+{
+    return neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given);
+}
+
+static bool is_done_by_other(const struct neph_realtime *realtime, const struct neph_rt_pass *pass)
+{
+    return pass->done_by_other && neph_rt_holds(realtime->device.view, *pass->done_by_other);
+}
+
 static enum neph_status run_passes(struct neph_realtime *realtime, struct progress *made,
                                    struct neph_diag *diag)
 {
     struct neph_rt_submission submission = {.vulkan = realtime->vulkan};
     enum neph_status status = NEPH_OK;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++)
-        if (neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given))
+        if (is_done_by_other(realtime, pass))
+            made->past |= neph_rt_targets_before(pass);
+        else if (is_wanted(realtime, pass, made))
             status = add_pass(realtime, pass, &submission, made, diag);
     return status ? status : neph_rt_submission_send(&submission, diag);
 }

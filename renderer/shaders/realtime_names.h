@@ -158,7 +158,9 @@
 #define RT_FROXEL_HOLD 128
 // Where the volume is laid over what is behind it.
 #define RT_COMPOSITION 129
-#define RT_SETTING_COUNT 130
+// And where the depth map is made.
+#define RT_DEPTH_MAP_PASS 130
+#define RT_SETTING_COUNT 131
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -283,6 +285,10 @@
 
 #define RT_MOTION_CENTRE 0
 #define RT_MOTION_CROSS 1
+
+#define RT_DEPTH_MAP_PASS_AUTO 0
+#define RT_DEPTH_MAP_PASS_OWN 1
+#define RT_DEPTH_MAP_PASS_TILE_INDEX 2 // of views alone
 
 #define RT_COMPOSITION_AUTO 0
 #define RT_COMPOSITION_PASS 1
