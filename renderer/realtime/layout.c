@@ -50,16 +50,6 @@ static struct neph_gpu_target shape_of(const struct neph_gpu_view *view, int tar
     };
 }
 
-/* As on a CPU. */
-static int composition_of(const struct neph_gpu_view *view)
-{
-    if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
-        return RT_COMPOSITION_AUTO; /* none */
-    return view->settings[RT_TAA] != 0.0f && whole(view, RT_COMPOSITION) == RT_COMPOSITION_TAA
-               ? RT_COMPOSITION_TAA
-               : RT_COMPOSITION_PASS;
-}
-
 void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *settings,
                        const int size_px[2], const int origin_px[2], const int buffer_px[2])
 {
@@ -69,7 +59,6 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
     /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on. */
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
         view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] = 0.0f;
-    view->settings[RT_COMPOSITION] = (float)composition_of(view);
     for (int axis = 0; axis < 2; axis++) {
         view->origin_px[axis] = (uint32_t)origin_px[axis];
         view->size_px[axis] = (uint32_t)size_px[axis];

@@ -170,7 +170,8 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .name = "composition",
         .note = "the volume over what is behind it",
         .shader = {"rt_compose", compose_spirv, sizeof(compose_spirv)},
-        .condition = {RT_COMPOSITION, RT_COMPOSITION_PASS},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .done_by_other = &(const struct neph_rt_condition){RT_COMPOSITION, RT_COMPOSITION_TAA},
         .resolution = RT_FULL,
         .reads = BIT(RT_VOLUME) | BIT(RT_BEHIND),
         .writes = BIT(RT_COLOR),
@@ -289,11 +290,16 @@ uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct 
     return touched;
 }
 
+bool neph_rt_is_done_by_other(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+{
+    return pass->done_by_other && neph_rt_holds(view, *pass->done_by_other);
+}
+
 uint32_t neph_rt_targets_used(const struct neph_gpu_view *view)
 {
     uint32_t used = 0;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
-        if (neph_rt_holds(view, pass->condition))
+        if (neph_rt_holds(view, pass->condition) && !neph_rt_is_done_by_other(view, pass))
             used |= neph_rt_targets_touched(view, pass);
     return used;
 }

@@ -77,6 +77,9 @@ const char *neph_rt_target_name(int target);
 
 bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition condition);
 
+/* Whether what a pass makes is made elsewhere. */
+bool neph_rt_is_done_by_other(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
+
 /* What a pass reads and writes with the settings of a view: all that it is bound to. */
 uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
 
