@@ -33,7 +33,7 @@ enum neph_rt_rays {
     NEPH_RT_RAYS_THROUGH_MEDIA /* of all steps */
 };
 
-enum { NEPH_RT_UNLESS_MAX = 3 };
+enum { NEPH_RT_UNLESS_MAX = 4 };
 
 /* Targets that a pass leaves alone unless one of these holds. {0} never does: there is a step. */
 struct neph_rt_spared {

@@ -11,6 +11,8 @@
 #ifndef NEPH_REALTIME_FILM_GLSL
 #define NEPH_REALTIME_FILM_GLSL
 
+#extension GL_EXT_control_flow_attributes : require
+
 #include "realtime_pass.glsl"
 
 bool guarded() { return choice(RT_TAA_GUARD) != 0; }
@@ -107,12 +109,13 @@ struct Sample {
     bool is_counted;
 };
 
-// Where there is no pass for it the volume is laid over what is behind it here (rt_compose.comp).
+// As the camera exposes it. Where there is no pass for it the volume is laid over what is behind it
+// here (rt_compose.comp).
 vec3 composed(ivec2 pixel)
 {
     if (choice(RT_COMPOSITION) != RT_COMPOSITION_TAA)
-        return fetch_full(RT_COLOR, pixel).rgb;
-    return over(fetch_full(RT_VOLUME, pixel), fetch_full(RT_BEHIND, pixel).rgb);
+        return exposure * fetch_full(RT_COLOR, pixel).rgb;
+    return exposure * over(fetch_full(RT_VOLUME, pixel), fetch_full(RT_BEHIND, pixel).rgb);
 }
 
 Sample sample_of(vec3 colour)
@@ -174,13 +177,35 @@ ivec2 offset_of(int i) { return ivec2(i % 3, i / 3) - 1; }
 
 bool is_counted(uint counted, int i) { return (counted >> i & 1u) != 0u; }
 
-// From the pixel's centre to where the ray of a neighbour went [px], squared.
+// From the pixel's centre to where the source's ray went, in rendered pixels. The source is the
+// rendered pixel in the middle of those that the pixel is made of: itself at 100 %.
+vec2 shift_px = jitter_px;
+
+// To where the ray of a neighbour of the source went, squared.
 float distance_squared(int i)
 {
-    precise float x = float(offset_of(i).x) + jitter_px.x;
-    precise float y = float(offset_of(i).y) + jitter_px.y;
+    precise float x = float(offset_of(i).x) + shift_px.x;
+    precise float y = float(offset_of(i).y) + shift_px.y;
     precise float sum = x * x + y * y;
     return sum;
+}
+
+void take(Sample seen, int i, inout Surroundings around)
+{
+    if (seen.is_counted)
+        around.counted |= 1u << i;
+    around.colours[i] = seen.colour;
+    around.hdr_weights[i] = seen.hdr_weight;
+}
+
+// Of a pixel whose source is no pixel of a block.
+Surroundings look_around(ivec2 source)
+{
+    Surroundings around;
+    around.counted = 0u;
+    for (int i = 0; i < 9; i++)
+        take(sample_of(composed(source + offset_of(i))), i, around);
+    return around;
 }
 
 // One row down: two of three rows are known.
@@ -191,21 +216,16 @@ void look_down(ivec2 pixel, inout Surroundings around)
         around.colours[i] = around.colours[i + 3];
         around.hdr_weights[i] = around.hdr_weights[i + 3];
     }
-    for (int i = 6; i < 9; i++) {
-        Sample seen = sample_at(pixel + offset_of(i));
-        if (seen.is_counted)
-            around.counted |= 1u << i;
-        around.colours[i] = seen.colour;
-        around.hdr_weights[i] = seen.hdr_weight;
-    }
+    for (int i = 6; i < 9; i++)
+        take(sample_at(pixel + offset_of(i)), i, around);
 }
 
-float nearness[9]; // of the rays to the pixel's centre, the same in all pixels
+float nearness[9]; // of the rays to the pixel's centre
 
 const float SHARPNESS = 2.29;
 
-// A Gaussian about the unjittered centre: Unreal's exp(-SHARPNESS d^2), 0.47 px, a fit to the Blackman-
-// Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is another filter here, not
+// A Gaussian about the unjittered centre, the same in all pixels: Unreal's exp(-2.29 d^2), 0.47 px,
+// a fit to the Blackman-Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is another filter here, not
 // of the history.)
 void find_nearness()
 {
@@ -271,16 +291,31 @@ Box variance_box(Surroundings around, vec3 filtered)
     return box_about(mean, variance, filtered);
 }
 
-// Extremes of the rays that went through within 1.51 px.
+float box_reach_squared = 2.2801; // 1.51 px
+
+// Extremes of the rays that went through within a distance.
 Box distance_box(Surroundings around)
 {
     uint near = 0u;
     for (int i = 0; i < 9; i++)
-        if (distance_squared(i) < 2.2801)
+        if (distance_squared(i) < box_reach_squared)
             near |= 1u << i;
     return extremes(around, near);
 }
 
+Box box_of(Surroundings around, vec3 filtered)
+{
+    for (int i = 0; i < 9; i++)
+        around.colours[i] = to_space(around.colours[i]);
+    switch (choice(RT_TAA_BOX)) {
+    case RT_BOX_MIN_MAX:
+        return rounded_box(around);
+    case RT_BOX_VARIANCE:
+        return variance_box(around, to_space(filtered));
+    default:
+        return distance_box(around);
+    }
+}
 
 Film film_of(Surroundings around)
 {
@@ -288,18 +323,7 @@ Film film_of(Surroundings around)
     film.own = around.colours[CENTRE];
     film.has_own = is_counted(around.counted, CENTRE);
     film.is_any = filter_frame(around, film.colour);
-    for (int i = 0; i < 9; i++)
-        around.colours[i] = to_space(around.colours[i]);
-    switch (choice(RT_TAA_BOX)) {
-    case RT_BOX_MIN_MAX:
-        film.box = rounded_box(around);
-        break;
-    case RT_BOX_VARIANCE:
-        film.box = variance_box(around, to_space(film.colour));
-        break;
-    default:
-        film.box = distance_box(around);
-    }
+    film.box = box_of(around, film.colour);
     return film;
 }
 
