@@ -433,10 +433,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "composition", RT_COMPOSITION_AUTO, compositions,
         "where the volume is laid over what is behind it: in a pass of its own, or where the "
         "anti-aliasing reads both, which spares a picture; auto: so on a GPU. Same bits"),
-    [RT_DEPTH_MAP_PASS] = CHOICE(
-        "depth_map_pass", RT_DEPTH_MAP_PASS_AUTO, depth_map_passes,
-        "auto: on a GPU the tile index makes the depth map, too, with override=sequential, "
-        "gather=texel and tile_origin=view. Same bits"),
 
     [RT_SCREEN_PERCENT] = WHOLE(
         "screen_percent", 100, 50, 100,
@@ -467,5 +463,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SKY_SLICES] = NEPH_OPTION_SKY_SLICES,
     [RT_SKY_FAR_M] = NEPH_OPTION_SKY_FAR,
     [RT_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS,
+    [RT_DEPTH_MAP_PASS] = CHOICE(
+        "depth_map_pass", RT_DEPTH_MAP_PASS_AUTO, depth_map_passes,
+        "auto: on a GPU the tile index makes the depth map, too, with override=sequential, "
+        "gather=texel and tile_origin=view. Same bits"),
     {.name = NULL},
 };

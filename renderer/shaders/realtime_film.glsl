@@ -225,8 +225,8 @@ float nearness[9]; // of the rays to the pixel's centre
 const float SHARPNESS = 2.29;
 
 // A Gaussian about the unjittered centre, the same in all pixels: Unreal's exp(-2.29 d^2), 0.47 px,
-// a fit to the Blackman-Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is another filter here, not
-// of the history.)
+// a fit to the Blackman-Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is
+// another filter here, not of the history.)
 void find_nearness()
 {
     for (int i = 0; i < 9; i++)
