@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The depth map (realtime_depth_map.glsl), a thread for each texel. On a GPU the tile index can make
-// it by itself (rt_tile_index.comp).
+// The depth map (realtime_depth_map.glsl), a thread for each texel. On a GPU the tile index can
+// make it by itself (rt_tile_index.comp).
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_depth_map.glsl"
