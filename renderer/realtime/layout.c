@@ -90,17 +90,6 @@ static void set_upsampling(struct neph_gpu_view *view)
         (int)settings[RT_TAA_JITTER_LENGTH], percent);
 }
 
-/* As on a CPU. */
-static int composition_of(const struct neph_gpu_view *view)
-{
-    if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
-        return RT_COMPOSITION_AUTO; /* none */
-    return view->settings[RT_TAA] == (float)RT_TAA_ON &&
-                   whole(view, RT_COMPOSITION) == RT_COMPOSITION_TAA
-               ? RT_COMPOSITION_TAA
-               : RT_COMPOSITION_PASS;
-}
-
 /* What froxel_px=0 stands for: 12 pixels of 1920, and as many columns of other pictures. */
 enum { FROXEL_COLUMNS = 160 };
 
@@ -116,7 +105,6 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
         view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] =
             view->settings[RT_TAA_RESPONSIVE] = 0.0f;
-    view->settings[RT_COMPOSITION] = (float)composition_of(view);
     if (view->settings[RT_FROXEL_VOLUME] == 0.0f)
         view->settings[RT_LAMP_PEAKS] = 0.0f;
     if (view->settings[RT_FROXEL_PX] == 0.0f)

@@ -45,6 +45,7 @@ static const char *const arounds[] = {"off", "on", "moved", NULL};
 static const char *const motions[] = {"centre", "cross", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
+static const char *const depth_map_passes[] = {"auto", "own", NULL};
 static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
@@ -462,5 +463,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SKY_SLICES] = NEPH_OPTION_SKY_SLICES,
     [RT_SKY_FAR_M] = NEPH_OPTION_SKY_FAR,
     [RT_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS,
+    [RT_DEPTH_MAP_PASS] = CHOICE(
+        "depth_map_pass", RT_DEPTH_MAP_PASS_AUTO, depth_map_passes,
+        "auto: on a GPU the tile index makes the depth map, too, with override=sequential, "
+        "gather=texel and tile_origin=view. Same bits"),
     {.name = NULL},
 };

@@ -66,15 +66,15 @@ static const uint32_t lamp_peaks_spirv[] = {
     {                                                                                              \
         {{{RT_COMPOSITION, RT_COMPOSITION_AUTO}, {RT_COMPOSITION, RT_COMPOSITION_PASS}},           \
          BIT(RT_COLOR)},                                                                           \
-        {{{RT_COMPOSITION, RT_COMPOSITION_TAA}}, BIT(RT_BEHIND)},                                  \
-        {{{RT_TAA_MEDIUM, 1}}, BIT(RT_VOLUME_DISTANCE)},                                           \
-        {{{RT_TAA_MEDIUM, 1},                                                                      \
-          {RT_GRADIENT, 1},                                                                        \
-          {RT_COMPOSITION, RT_COMPOSITION_TAA},                                                    \
-          {RT_TAA_RESPONSIVE, RT_RESPONSIVE_MEDIUM}},                                              \
-         BIT(RT_VOLUME)},                                                                          \
-        {{{RT_GRADIENT, 1}}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},                              \
-        {{{RT_SOLID_MOTION, 1}}, BIT(RT_MOVED)},                                                   \
+            {{{RT_COMPOSITION, RT_COMPOSITION_TAA}}, BIT(RT_BEHIND)},                              \
+            {{{RT_TAA_MEDIUM, 1}}, BIT(RT_VOLUME_DISTANCE)},                                       \
+            {{{RT_TAA_MEDIUM, 1},                                                                  \
+              {RT_GRADIENT, 1},                                                                    \
+              {RT_COMPOSITION, RT_COMPOSITION_TAA},                                                \
+              {RT_TAA_RESPONSIVE, RT_RESPONSIVE_MEDIUM}},                                          \
+             BIT(RT_VOLUME)},                                                                      \
+            {{{RT_GRADIENT, 1}}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},                          \
+            {{{RT_SOLID_MOTION, 1}}, BIT(RT_MOVED)},                                               \
     }
 /* clang-format on */
 
@@ -93,6 +93,8 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "one of 2x2 depths",
         .shader = {"rt_min_max", min_max_spirv, sizeof(min_max_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .done_by_other = &(const struct neph_rt_condition){RT_DEPTH_MAP_PASS,
+                                                           RT_DEPTH_MAP_PASS_TILE_INDEX},
         .resolution = RT_HALF,
         .reads = BIT(RT_STEADY_DEPTH),
         .writes = BIT(RT_HALF_DEPTH),
@@ -125,8 +127,9 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .resolution = RT_QUARTER,
         .block = {RT_COLOUR_BLOCK, RT_COLOUR_BLOCK},
         .in_colours = &(const struct neph_rt_condition){RT_OVERRIDE, RT_OVERRIDE_SEQUENTIAL},
-        .reads = BIT(RT_HALF_DEPTH) | BIT(RT_TILE),
-        .writes = BIT(RT_TILE),
+        .reads = BIT(RT_STEADY_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_TILE),
+        .spared = {{{{RT_DEPTH_MAP_PASS, RT_DEPTH_MAP_PASS_TILE_INDEX}}, BIT(RT_STEADY_DEPTH)}},
+        .writes = BIT(RT_HALF_DEPTH) | BIT(RT_TILE),
     },
     {
         .name = "march",
@@ -204,7 +207,8 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .name = "composition",
         .note = "the volume over what is behind it",
         .shader = {"rt_compose", compose_spirv, sizeof(compose_spirv)},
-        .condition = {RT_COMPOSITION, RT_COMPOSITION_PASS},
+        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .done_by_other = &(const struct neph_rt_condition){RT_COMPOSITION, RT_COMPOSITION_TAA},
         .resolution = RT_FULL,
         .reads = BIT(RT_VOLUME) | BIT(RT_BEHIND),
         .writes = BIT(RT_COLOR),
@@ -326,11 +330,16 @@ uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct 
     return touched;
 }
 
+bool neph_rt_is_done_by_other(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+{
+    return pass->done_by_other && neph_rt_holds(view, *pass->done_by_other);
+}
+
 uint32_t neph_rt_targets_used(const struct neph_gpu_view *view)
 {
     uint32_t used = 0;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
-        if (neph_rt_holds(view, pass->condition))
+        if (neph_rt_holds(view, pass->condition) && !neph_rt_is_done_by_other(view, pass))
             used |= neph_rt_targets_touched(view, pass);
     return used;
 }

@@ -49,8 +49,9 @@ struct neph_rt_pass {
     const char *name; /* "tile index" */
     const char *note; /* what it makes, in a few words */
     struct neph_rt_shader shader;
-    struct neph_rt_condition condition; /* of being in the frame */
-    int resolution;                     /* RT_FULL, ..: of the texels that it makes */
+    struct neph_rt_condition condition;            /* of being in the frame */
+    const struct neph_rt_condition *done_by_other; /* where this holds; or NULL */
+    int resolution;                                /* RT_FULL, ..: of the texels that it makes */
     int column; /* texels, one below the other, that a thread makes; 0: one */
     /* Texels that a group makes together on a GPU, where there is in_colours if that holds; {0}:
      * they are by themselves. */
@@ -75,6 +76,9 @@ const struct neph_rt_pass *neph_rt_pass_named(const char *name);
 const char *neph_rt_target_name(int target);
 
 bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition condition);
+
+/* Whether what a pass makes is made elsewhere. */
+bool neph_rt_is_done_by_other(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
 
 /* What a pass reads and writes with the settings of a view: all that it is bound to. */
 uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);

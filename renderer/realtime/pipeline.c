@@ -274,12 +274,18 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
 {
     const bool has_taa = choice_of(realtime, RT_TAA) != 0 &&
                          choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
+    const bool on_gpu = !realtime->vulkan->description.is_cpu;
     if (scene->mover_count == 0 || !has_taa)
         view->settings[RT_SOLID_MOTION] = 0.0f;
-    if (has_taa && view->settings[RT_TAA] == (float)RT_TAA_ON &&
-        choice_of(realtime, RT_COMPOSITION) == RT_COMPOSITION_AUTO &&
-        !realtime->vulkan->description.is_cpu)
+    if (!has_taa || view->settings[RT_TAA] != (float)RT_TAA_ON)
+        view->settings[RT_COMPOSITION] = RT_COMPOSITION_PASS;
+    else if (on_gpu && choice_of(realtime, RT_COMPOSITION) == RT_COMPOSITION_AUTO)
         view->settings[RT_COMPOSITION] = RT_COMPOSITION_TAA;
+    if (on_gpu && choice_of(realtime, RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_AUTO &&
+        choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
+        choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
+        choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW)
+        view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
 }
 
 /* Everything that depends on the size. */
@@ -487,13 +493,21 @@ static enum neph_status add_pass(struct neph_realtime *realtime, const struct ne
 }
 
 /* Those that the settings want and that make something which is not given. */
+static bool is_wanted(const struct neph_realtime *realtime, const struct neph_rt_pass *pass,
+                      const struct progress *made)
+{
+    return neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given);
+}
+
 static enum neph_status run_passes(struct neph_realtime *realtime, struct progress *made,
                                    struct neph_diag *diag)
 {
     struct neph_rt_submission submission = {.vulkan = realtime->vulkan};
     enum neph_status status = NEPH_OK;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++)
-        if (neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given))
+        if (neph_rt_is_done_by_other(realtime->device.view, pass))
+            made->past |= neph_rt_targets_before(pass);
+        else if (is_wanted(realtime, pass, made))
             status = add_pass(realtime, pass, &submission, made, diag);
     return status ? status : neph_rt_submission_send(&submission, diag);
 }

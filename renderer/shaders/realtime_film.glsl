@@ -101,7 +101,7 @@ Box box_about(vec3 mean, vec3 variance, vec3 filtered)
                mix(high, filtered, greaterThan(filtered, high)));
 }
 
-// --- the colours ----------------------------------------------------------------------------------
+// --- the colours ---------------------------------------------------------------------------------
 
 struct Sample {
     vec3 colour;
@@ -225,8 +225,8 @@ float nearness[9]; // of the rays to the pixel's centre
 const float SHARPNESS = 2.29;
 
 // A Gaussian about the unjittered centre, the same in all pixels: Unreal's exp(-2.29 d^2), 0.47 px,
-// a fit to the Blackman-Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is another filter here, not
-// of the history.)
+// a fit to the Blackman-Harris window of 3.3 px. (Its r.TemporalAACatmullRom, off by default, is
+// another filter here, not of the history.)
 void find_nearness()
 {
     for (int i = 0; i < 9; i++)
@@ -327,7 +327,7 @@ Film film_of(Surroundings around)
     return film;
 }
 
-// --- row by row -----------------------------------------------------------------------------------
+// --- row by row ----------------------------------------------------------------------------------
 
 // Three colours side by side. Those that do not count are 0.
 struct Row {
@@ -407,7 +407,7 @@ Film film_of(Row rows[3])
     return film;
 }
 
-// --- both -----------------------------------------------------------------------------------------
+// --- both ----------------------------------------------------------------------------------------
 
 bool goes_by_rows() { return ON_GPU && choice(RT_TAA_BOX) == RT_BOX_VARIANCE; }
 

@@ -173,7 +173,9 @@
 #define RT_SKY_SLICES 138
 #define RT_SKY_FAR_M 139
 #define RT_SKY_SHADOWS 140
-#define RT_SETTING_COUNT 141
+// And where the depth map is made.
+#define RT_DEPTH_MAP_PASS 141
+#define RT_SETTING_COUNT 142
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -307,6 +309,10 @@
 
 #define RT_MOTION_CENTRE 0
 #define RT_MOTION_CROSS 1
+
+#define RT_DEPTH_MAP_PASS_AUTO 0
+#define RT_DEPTH_MAP_PASS_OWN 1
+#define RT_DEPTH_MAP_PASS_TILE_INDEX 2 // of views alone
 
 #define RT_COMPOSITION_AUTO 0
 #define RT_COMPOSITION_PASS 1

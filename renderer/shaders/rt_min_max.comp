@@ -1,13 +1,11 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The depth map at half resolution. One texel stands for 2x2 pixels by one of their eye depths: on
-// the checkerboard's white squares (x % 2 == y % 2) the nearest, on the black ones the farthest, so
-// that 2x2 texels, a tile, know two near and two far depths of their 4x4 pixels.
-// "Nearest" and "farthest" are meant in distance: in a reversed depth buffer the names swap. The
-// article takes the minimum of such a buffer, the farthest, on the white squares: `reversed`.
+// The depth map (realtime_depth_map.glsl), a thread for each texel. On a GPU the tile index can
+// make it by itself (rt_tile_index.comp).
 #extension GL_GOOGLE_include_directive : require
 
+#include "realtime_depth_map.glsl"
 #include "realtime_pass.glsl"
 
 void main()
@@ -15,15 +13,5 @@ void main()
     ivec2 element;
     if (!own_element(half_size(), element))
         return;
-    bool is_white = (element.x & 1) == (element.y & 1);
-    bool nearest = choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_NEAREST ||
-                   (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_CHECKERBOARD && is_white) ||
-                   (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_REVERSED && !is_white);
-    float chosen_m = fetch_full(RT_STEADY_DEPTH, 2 * element).x;
-    for (int i = 1; i < 4; i++) {
-        float depth_m = fetch_full(RT_STEADY_DEPTH, 2 * element + ivec2(i & 1, i >> 1)).x;
-        if (nearest ? depth_m < chosen_m : depth_m > chosen_m)
-            chosen_m = depth_m;
-    }
-    put_half(RT_HALF_DEPTH, element, vec4(chosen_m));
+    put_half(RT_HALF_DEPTH, element, vec4(mapped_depth_m(element)));
 }

@@ -14,7 +14,8 @@
 // of 2x2 tiles; a tile sees what earlier colours chose and what later ones would by default. On a
 // GPU, where a dispatch waits longer than it works, it is one: a work group takes its 8x8 tiles
 // through all colours by itself, and with them as many tiles around as these depend on, three on
-// each side: a tile looks at its neighbours of the colour before, and so on.
+// each side: a tile looks at its neighbours of the colour before, and so on. There it also makes
+// the depth map of its block (depth_map_pass).
 //
 // "Nearest" and "farthest" go by the scene's depth, in which the sky is the farthest whatever
 // override_sky_m says. The comparison goes by unlimited depths: ray_depth_max_m is for what is
@@ -30,6 +31,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
+#include "realtime_depth_map.glsl"
 #include "realtime_pass.glsl"
 #include "realtime_slots.glsl"
 
@@ -44,9 +46,14 @@ ivec2 area_corner; // its first tile; on a GPU
 // A tile's own depths may lie elsewhere (tile_origin).
 bool has_area_depths() { return choice(RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW; }
 
+// Whether the depth map is made here, by each group for its block.
+bool makes_depth_map() { return choice(RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_TILE_INDEX; }
+
 // Eye depth of a half-resolution texel, counted from an origin [m].
 float half_depth_m(ivec2 half_pixel, ivec2 origin_px)
 {
+    if (makes_depth_map())
+        return mapped_depth_m(min(half_pixel, half_size() - 1));
     ivec2 last = choice(RT_GATHER) == RT_GATHER_TEXEL ? origin_px / 2 + half_size() - 1
                                                       : target_size(RT_HALF_DEPTH) - 1;
     return fetch(RT_HALF_DEPTH, min(origin_px / 2 + half_pixel, last)).x;
@@ -77,6 +84,17 @@ void fetch_area_depths()
         if (thread + GROUP_THREADS * k < count)
             area_depths_m[thread + GROUP_THREADS * k] = depths_m[k];
     barrier();
+}
+
+void put_depth_map()
+{
+    const int side = 2 * RT_COLOUR_BLOCK;
+    ivec2 first = 2 * (area_corner + HALO);
+    for (int i = int(gl_LocalInvocationID.x); i < side * side; i += GROUP_THREADS) {
+        ivec2 in_block = ivec2(i % side, i / side), at = in_block + 2 * HALO;
+        if (all(lessThan(first + in_block, half_size())))
+            put_half(RT_HALF_DEPTH, first + in_block, vec4(area_depths_m[at.x + 2 * AREA * at.y]));
+    }
 }
 
 float compared_depth_m(float depth_m)
@@ -181,6 +199,8 @@ void choose_block(bool may_override)
     area_corner = first - HALO;
     if (has_area_depths())
         fetch_area_depths();
+    if (makes_depth_map())
+        put_depth_map();
     for (colour = 0; may_override && colour < 4; colour++) {
         choose_colour(thread);
         barrier();

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+//
+// The depth map at half resolution. One texel stands for 2x2 pixels by one of their eye depths: on
+// the checkerboard's white squares (x % 2 == y % 2) the nearest, on the black ones the farthest, so
+// that 2x2 texels, a tile, know two near and two far depths of their 4x4 pixels.
+// "Nearest" and "farthest" are meant in distance: in a reversed depth buffer the names swap. The
+// article takes the minimum of such a buffer, the farthest, on the white squares: `reversed`.
+#ifndef NEPH_REALTIME_DEPTH_MAP_GLSL
+#define NEPH_REALTIME_DEPTH_MAP_GLSL
+
+#include "realtime.glsl"
+
+// Of a texel of the view [m].
+float mapped_depth_m(ivec2 half_pixel)
+{
+    bool is_white = (half_pixel.x & 1) == (half_pixel.y & 1);
+    bool nearest = choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_NEAREST ||
+                   (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_CHECKERBOARD && is_white) ||
+                   (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_REVERSED && !is_white);
+    float chosen_m = fetch_full(RT_STEADY_DEPTH, 2 * half_pixel).x;
+    for (int i = 1; i < 4; i++) {
+        float depth_m = fetch_full(RT_STEADY_DEPTH, 2 * half_pixel + ivec2(i & 1, i >> 1)).x;
+        if (nearest ? depth_m < chosen_m : depth_m > chosen_m)
+            chosen_m = depth_m;
+    }
+    return chosen_m;
+}
+
+#endif
