@@ -111,7 +111,7 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
     /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on; no volume. */
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
         view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] =
-            view->settings[RT_TAA_RESPONSIVE] = 0.0f;
+            view->settings[RT_TAA_RESPONSIVE] = view->settings[RT_ATROUS] = 0.0f;
     view->settings[RT_COMPOSITION] = (float)composition_of(view);
     for (int axis = 0; axis < 2; axis++) {
         const int size_px = neph_rt_rendered_px(picture_px[axis],
