@@ -140,7 +140,7 @@ static enum neph_status get_walk(struct neph_traced_light *light, const struct n
         .name = "light_walk",
         .spirv = walk_spirv,
         .spirv_size_bytes = sizeof(walk_spirv),
-        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 4,
+        .buffer_count = NEPH_MARCH_BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_light_run),

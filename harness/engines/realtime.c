@@ -113,6 +113,9 @@ static enum neph_status label_passes(struct neph_image *frame,
     if (!status && stats->shadow_gpu_s > 0.0)
         status = neph_frame_stats_set(frame, "cloud_shadow_gpu_ms", 1e3 * stats->shadow_gpu_s,
                                       diag);
+    const double sky_s = neph_sky_gpu_s(&stats->sky) + stats->sky_shade_gpu_s;
+    if (!status && sky_s > 0.0)
+        status = neph_frame_stats_set(frame, "sky_gpu_ms", 1e3 * sky_s, diag);
     return status;
 }
 
@@ -270,6 +273,7 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
     }
     add_before("higher orders", stats.light_gpu_s, cost);
     add_before("cloud shadow", stats.shadow_gpu_s, cost);
+    add_before("sky", neph_sky_gpu_s(&stats.sky) + stats.sky_shade_gpu_s, cost);
     return NEPH_OK;
 }
 

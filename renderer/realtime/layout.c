@@ -95,10 +95,14 @@ static int composition_of(const struct neph_gpu_view *view)
 {
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
         return RT_COMPOSITION_AUTO; /* none */
-    return view->settings[RT_TAA] == (float)RT_TAA_ON && whole(view, RT_COMPOSITION) == RT_COMPOSITION_TAA
+    return view->settings[RT_TAA] == (float)RT_TAA_ON &&
+                   whole(view, RT_COMPOSITION) == RT_COMPOSITION_TAA
                ? RT_COMPOSITION_TAA
                : RT_COMPOSITION_PASS;
 }
+
+/* What froxel_px=0 stands for: 12 pixels of 1920, and as many columns of other pictures. */
+enum { FROXEL_COLUMNS = 160 };
 
 void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *settings,
                        const int picture_px[2], const int origin_px[2], const int buffer_px[2])
@@ -113,6 +117,12 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
         view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] =
             view->settings[RT_TAA_RESPONSIVE] = view->settings[RT_ATROUS] = 0.0f;
     view->settings[RT_COMPOSITION] = (float)composition_of(view);
+    if (view->settings[RT_FROXEL_VOLUME] == 0.0f)
+        view->settings[RT_LAMP_PEAKS] = 0.0f;
+    if (view->settings[RT_FROXEL_PX] == 0.0f)
+        view->settings[RT_FROXEL_PX] = (float)divide_up(
+            neph_rt_rendered_px(picture_px[0], (int)view->settings[RT_SCREEN_PERCENT]),
+            FROXEL_COLUMNS);
     for (int axis = 0; axis < 2; axis++) {
         const int size_px = neph_rt_rendered_px(picture_px[axis],
                                                 (int)view->settings[RT_SCREEN_PERCENT]);

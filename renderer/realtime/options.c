@@ -411,8 +411,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "froxels", 0, switches,
         "media near the camera in froxels, a volume of columns, rows and slices of the view; the "
         "march begins at its end. Counts with split=four; knows lighting single and octaves"),
-    [RT_FROXEL_PX] = WHOLE("froxel_px", 12, 1, 256,
-                           "pixels along a side of a froxel: 12 makes 160x90 columns of 1920x1080"),
+    [RT_FROXEL_PX] = WHOLE("froxel_px", 0, 0, 256,
+                           "pixels along a side of a froxel; 0: as many as make 160 columns of the "
+                           "picture, 12 at 1920x1080"),
     [RT_FROXEL_SLICES] = WHOLE("froxel_slices", 64, 1, 256, "froxels along the depth"),
     [RT_FROXEL_NEAR_M] = REAL("froxel_near_m", 4, 0.01, 1e4,
                               "depth up to which slices are about even; they grow with depth from "
@@ -453,6 +454,16 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "taa_pre_exposure", 0, switches,
         "where the camera's exposure changes (inject.exposures), history is multiplied by as much; "
         "off: it keeps that of its own frame"),
+    [RT_LAMP_PEAKS] = CHOICE(
+        "lamp_peaks", 1, switches,
+        "near a lamp, where its light is sharper than froxels are, it is found "
+        "a pixel at a time; off: in froxels, too. Counts with froxels=on"),
+    [RT_SKY] = NEPH_OPTION_SKY,
+    [RT_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS,
+    [RT_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,
+    [RT_SKY_SLICES] = NEPH_OPTION_SKY_SLICES,
+    [RT_SKY_FAR_M] = NEPH_OPTION_SKY_FAR,
+    [RT_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS,
 
     [RT_LOCK_RATIO] = REAL("lock_ratio", 1.05, 1, 10,
                            "with taa=locks, ratio of lumas up to which neighbours are alike; a "

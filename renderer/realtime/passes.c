@@ -63,6 +63,9 @@ static const uint32_t froxel_sum_spirv[] = {
 static const uint32_t froxel_apply_spirv[] = {
 #include "shaders/rt_froxel_apply.comp.inc"
 };
+static const uint32_t lamp_peaks_spirv[] = {
+#include "shaders/rt_lamp_peaks.comp.inc"
+};
 
 #define BIT NEPH_RT_BIT
 
@@ -227,6 +230,16 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_froxel_apply", froxel_apply_spirv, sizeof(froxel_apply_spirv)},
         .condition = {RT_FROXEL_VOLUME, 1},
         .resolution = RT_FULL,
+        .reads = BIT(RT_FROXELS) | BIT(RT_DEPTH) | BIT(RT_VOLUME),
+        .writes = BIT(RT_VOLUME),
+    },
+    {
+        .name = "lamp peaks",
+        .note = "what froxels leave out around each lamp, a ray per pixel",
+        .shader = {"rt_lamp_peaks", lamp_peaks_spirv, sizeof(lamp_peaks_spirv)},
+        .condition = {RT_LAMP_PEAKS, 1},
+        .resolution = RT_FULL,
+        .rays = NEPH_RT_POINTS_IN_MEDIA,
         .reads = BIT(RT_FROXELS) | BIT(RT_DEPTH) | BIT(RT_VOLUME),
         .writes = BIT(RT_VOLUME),
     },

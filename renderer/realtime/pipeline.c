@@ -148,14 +148,22 @@ static bool can_upsample(const struct neph_scene *scene, const struct neph_setti
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {
-    if (is_upsampled(settings) && !can_upsample(scene, settings, reason, reason_size))
+    const bool has_sky = settings->values[RT_SKY] != 0.0;
+    struct neph_sky_split split;
+    if ((has_sky && !neph_sky_split(scene, &split, reason, reason_size)) ||
+        (is_upsampled(settings) && !can_upsample(scene, settings, reason, reason_size)))
         return false;
     for (int i = 0; i < scene->medium_count; i++) {
-        if (!neph_medium_is_coloured(&scene->media[i]))
+        if ((has_sky && split.is_air[i]) || !neph_medium_is_coloured(&scene->media[i]))
             continue;
         snprintf(reason, reason_size,
                  "extinction that differs between the channels: rays and histories have one "
-                 "transmittance");
+                 "transmittance%s",
+                 has_sky ? "" : " (sky=tables: that of a planet's air may)");
+        return false;
+    }
+    if (has_sky && settings->values[RT_FROXEL_VOLUME] != 0.0) {
+        snprintf(reason, reason_size, "froxels under sky=tables: froxels=off");
         return false;
     }
     if (neph_scene_emits(scene)) {
@@ -175,7 +183,7 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  "this lighting in froxels, which know single and octaves: froxels=off");
         return false;
     }
-    return neph_march_can_render(scene, lighting, reason, reason_size);
+    return neph_march_can_render_under(scene, has_sky, lighting, reason, reason_size);
 }
 
 /* --- making -------------------------------------------------------------------------------- */
@@ -218,6 +226,12 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                   .seed = params->seed},
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
                       .cycles = (int)values[RT_DIFFUSION_CYCLES]},
+        .sky = neph_sky_for_march(
+            values[RT_SKY] != 0.0, values[RT_SKY_SHADOWS] != 0.0,
+            (struct neph_sky_aerial_params){.columns = (int)values[RT_SKY_COLUMNS],
+                                            .rows = (int)values[RT_SKY_ROWS],
+                                            .slices = (int)values[RT_SKY_SLICES],
+                                            .far_m = values[RT_SKY_FAR_M]}),
     };
 }
 
@@ -286,6 +300,8 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
     choose(realtime, scene, &view);
+    if (scene->light_count == 0)
+        view.settings[RT_LAMP_PEAKS] = 0.0f;
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
@@ -514,7 +530,7 @@ static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_scene *still, struct neph_image **image,
                                      struct progress *made, struct neph_diag *diag)
 {
-    struct neph_march_scene_cost cost = {made->fill, &made->stats->light_gpu_s};
+    struct neph_march_scene_cost cost = {made->fill, &made->stats->light_gpu_s, &made->stats->sky};
     made->counts = image;
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
@@ -622,7 +638,7 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_mo
 /* A frame is home: what its passes took, together, and for the cut of the next. */
 static void take_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
-    stats->gpu_s = stats->light_gpu_s;
+    stats->gpu_s = stats->light_gpu_s + neph_sky_gpu_s(&stats->sky);
     for (int i = 0; neph_rt_passes[i].name; i++) {
         stats->gpu_s += stats->pass_gpu_s[i];
         if (realtime->cuts[i].ray_count > 0)
@@ -638,6 +654,7 @@ static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_fi
     stats->gpu_s += neph_sun_fill_gpu_s(fill);
     stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s[NEPH_SUN_CACHE];
     stats->shadow_gpu_s = fill->gpu_s[NEPH_SUN_MAP];
+    stats->sky_shade_gpu_s = fill->gpu_s[NEPH_SUN_SKY];
     stats->density_evaluations += evaluations;
     stats->closed_forms += closed_forms;
 }

@@ -22,6 +22,7 @@
 
 #include "cloud_shadow.glsl"
 #include "grid_texture.glsl"
+#include "march_sky.glsl"
 #include "sun_cache.glsl"
 #include "traced_light.glsl"
 
@@ -168,7 +169,7 @@ vec3 sunlight(vec3 point_m, uint on_solid)
 {
     if (!sees_sun(point_m, on_solid))
         return vec3(0.0);
-    return frame.sun_irradiance * fraction_through(mapped_or_own_sun_depth(point_m));
+    return sun_at(point_m) * fraction_through(mapped_or_own_sun_depth(point_m));
 }
 
 // What the media are at a point, all of them together.
@@ -286,7 +287,7 @@ vec3 source_function(Mixture mixture, vec3 point_m)
     vec3 optical_depth = sample_sun_depth(point_m);
     vec3 scattered = LIGHTING == OCTAVES ? octave_scattering(optical_depth)
                                          : mixture.scattering * fraction_through(optical_depth);
-    return frame.sun_irradiance * scattered / max(mixture.extinction_per_m, LEAST);
+    return sun_at(point_m) * scattered / max(mixture.extinction_per_m, LEAST);
 }
 
 // --- octaves, fitted -------------------------------------------------------------------------
@@ -314,7 +315,7 @@ vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 st
             phase_part *= frame.media[m].octave_eccentricity;
         }
     }
-    return frame.sun_irradiance * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
+    return sun_at(point_m) * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
 }
 
 // --- similarity ------------------------------------------------------------------------------
@@ -393,7 +394,7 @@ vec3 similarity_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_
             g *= frame.media[m].octave_eccentricity;
         }
     }
-    return frame.sun_irradiance * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
+    return sun_at(point_m) * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
 }
 
 // --- horizon --------------------------------------------------------------------------------

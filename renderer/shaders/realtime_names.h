@@ -164,13 +164,22 @@
 #define RT_TAA_ANTIGHOST 131
 #define RT_TAA_RESPONSIVE 132
 #define RT_TAA_PRE_EXPOSURE 133
+// Where froxels are too coarse.
+#define RT_LAMP_PEAKS 134
+// The sky of a planet.
+#define RT_SKY 135
+#define RT_SKY_COLUMNS 136
+#define RT_SKY_ROWS 137
+#define RT_SKY_SLICES 138
+#define RT_SKY_FAR_M 139
+#define RT_SKY_SHADOWS 140
 // Locks (rt_locks.comp), and the filter of the volume in steps (rt_atrous.glsl).
-#define RT_LOCK_RATIO 134
-#define RT_LOCK_SEPARATION 135
-#define RT_ATROUS 136
-#define RT_ATROUS_SIGMA 137
-#define RT_ATROUS_DEPTH 138
-#define RT_SETTING_COUNT 139
+#define RT_LOCK_RATIO 141
+#define RT_LOCK_SEPARATION 142
+#define RT_ATROUS 143
+#define RT_ATROUS_SIGMA 144
+#define RT_ATROUS_DEPTH 145
+#define RT_SETTING_COUNT 146
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -208,9 +217,9 @@
 #define RT_DEPTH_MAP_FARTHEST 2
 #define RT_DEPTH_MAP_REVERSED 3
 
-#define RT_SLOT_ORDER_CLOCKWISE 0 // (0,0) (1,0) (1,1) (0,1)
-#define RT_SLOT_ORDER_RASTER 1    // (0,0) (1,0) (0,1) (1,1)
-#define RT_SLOT_ORDER_DIAGONAL 2  // (0,0) (1,1) (1,0) (0,1)
+#define RT_SLOT_ORDER_CLOCKWISE 0     // (0,0) (1,0) (1,1) (0,1)
+#define RT_SLOT_ORDER_RASTER 1        // (0,0) (1,0) (0,1) (1,1)
+#define RT_SLOT_ORDER_DIAGONAL 2      // (0,0) (1,1) (1,0) (0,1)
 #define RT_SLOT_ORDER_ANTICLOCKWISE 3 // (0,0) (0,1) (1,1) (1,0)
 
 #define RT_OVERRIDE_NONE 0
@@ -327,22 +336,22 @@
 // --- targets: the images that passes hand to each other ---------------------------------------
 
 // Full resolution.
-#define RT_DEPTH 0      // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
-#define RT_BEHIND 1     // RGB: radiance of what is behind all media, of the same rays
+#define RT_DEPTH 0  // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
+#define RT_BEHIND 1 // RGB: radiance of what is behind all media, of the same rays
 // Half resolution, rounded up.
-#define RT_HALF_DEPTH 2 // R: eye depth [m] chosen from 2x2 pixels
+#define RT_HALF_DEPTH 2        // R: eye depth [m] chosen from 2x2 pixels
 #define RT_HALF_DEPTH_BEFORE 3 // RT_HALF_DEPTH of the frame before
-#define RT_HISTORY 4    // RGBA: in-scattered radiance, transmittance; of the reconstruction
+#define RT_HISTORY 4           // RGBA: in-scattered radiance, transmittance; of the reconstruction
 #define RT_HISTORY_BEFORE 5
 // R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
 #define RT_HISTORY_STATE 6
 #define RT_HISTORY_STATE_BEFORE 7
 // Quarter resolution, rounded up.
-#define RT_TILE 8       // R: slot 0..3 of the tile's ray, G: its depth / 10000 m
-#define RT_RAY 9        // RGBA: in-scattered radiance, transmittance of this frame's ray
+#define RT_TILE 8          // R: slot 0..3 of the tile's ray, G: its depth / 10000 m
+#define RT_RAY 9           // RGBA: in-scattered radiance, transmittance of this frame's ray
 #define RT_RAY_DISTANCE 10 // R: distance along the ray of what the medium shows [m]
 // Full resolution again.
-#define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale
+#define RT_VOLUME 11          // RGBA: in-scattered radiance, transmittance after the upscale
 #define RT_VOLUME_DISTANCE 12 // R: [m]
 #define RT_COLOR 13     // RGB: the composed frame
 // RGB: after TAA; the history of the next frame. A: its age, with taa_age_max; or RT_OF_MOVER

@@ -155,10 +155,18 @@ static void test_threads_cover_all_texels(void **state)
         int resolution, column;
         uint64_t count;
     } cases[] = {
-        {RT_PICTURE, 0, 73 * 41}, {RT_PICTURE, 4, 73 * 11},   {RT_FULL, 0, 37 * 21},
-        {RT_FULL, 4, 37 * 6},     {RT_FULL, 21, 37},          {RT_FULL, 64, 37},
-        {RT_HALF, 0, 19 * 11},    {RT_HALF, 2, 19 * 6},       {RT_QUARTER, 0, 10 * 6},
-        {RT_QUARTER, 3, 10 * 2},  {RT_FROXEL, 0, 4 * 2 * 64}, {RT_FROXEL_COLUMN, 0, 4 * 2},
+        {RT_PICTURE, 0, 73 * 41},
+        {RT_PICTURE, 4, 73 * 11},
+        {RT_FULL, 0, 37 * 21},
+        {RT_FULL, 4, 37 * 6},
+        {RT_FULL, 21, 37},
+        {RT_FULL, 64, 37},
+        {RT_HALF, 0, 19 * 11},
+        {RT_HALF, 2, 19 * 6},
+        {RT_QUARTER, 0, 10 * 6},
+        {RT_QUARTER, 3, 10 * 2},
+        {RT_FROXEL, 0, 37 * 21 * 64},
+        {RT_FROXEL_COLUMN, 0, 37 * 21},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         const struct neph_rt_pass pass = {.resolution = cases[i].resolution,
@@ -182,6 +190,24 @@ static void test_threads_cover_all_texels(void **state)
     assert_int_equal(neph_rt_thread_count(&view, &none, true), 10 * 6);
 }
 
+/* As many columns of every picture, of whole pixels; what is asked for is kept. */
+static void test_columns_of_froxels_go_with_the_picture(void **state)
+{
+    (void)state;
+    static const struct {
+        int width_px, height_px, asked_px, px;
+    } cases[] = {{1920, 1080, 0, 12}, {3840, 2160, 0, 24}, {320, 180, 0, 2}, {161, 90, 0, 2},
+                 {160, 90, 0, 1},     {96, 54, 0, 1},      {96, 54, 12, 12}};
+    struct neph_settings settings = neph_options_default(neph_rt_options);
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const int size_px[2] = {cases[i].width_px, cases[i].height_px};
+        struct neph_gpu_view view;
+        settings.values[RT_FROXEL_PX] = cases[i].asked_px;
+        neph_rt_view_init(&view, &settings, size_px, (int[2]){0, 0}, size_px);
+        assert_int_equal((int)view.settings[RT_FROXEL_PX], cases[i].px);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -190,6 +216,7 @@ int main(void)
         cmocka_unit_test(test_histories_have_one_shape),
         cmocka_unit_test(test_choices_fit_into_their_constants),
         cmocka_unit_test(test_threads_cover_all_texels),
+        cmocka_unit_test(test_columns_of_froxels_go_with_the_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
