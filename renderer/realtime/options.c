@@ -473,10 +473,11 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                                 "with taa=locks, part of the depth by which what was seen at a "
                                 "place must have been nearer for its history to be void"),
 
-    [RT_ATROUS] = CHOICE("atrous", 0, switches,
-                         "the volume at half resolution is filtered three times, over 5x5 texels 1, "
-                         "2 and 4 apart, by place, depth and luma against its deviation, as in "
-                         "SVGF; needs split=four and gradient=off"),
+    [RT_ATROUS] = CHOICE(
+        "atrous", 0, switches,
+        "the volume at half resolution is filtered three times, over 5x5 texels 1, "
+        "2 and 4 apart, by place, depth and luma against its deviation, as in "
+        "SVGF; needs split=four and gradient=off"),
     [RT_ATROUS_SIGMA] = REAL("atrous_sigma", 4, 0.01, 100,
                              "with atrous, difference of luma that counts by 1 / e, in standard "
                              "deviations of the 3x3 around"),

@@ -75,22 +75,20 @@ static const uint32_t lamp_peaks_spirv[] = {
 #define TAA_READS                                                                                  \
     BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) | BIT(RT_BEHIND) |         \
         BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) | BIT(RT_MOVED)
-/* clang-format off: it takes a table in a macro for code */
 #define TAA_SPARED                                                                                 \
     {                                                                                              \
         {{{RT_COMPOSITION, RT_COMPOSITION_AUTO}, {RT_COMPOSITION, RT_COMPOSITION_PASS}},           \
          BIT(RT_COLOR)},                                                                           \
-        {{{RT_COMPOSITION, RT_COMPOSITION_TAA}}, BIT(RT_BEHIND)},                                  \
-        {{{RT_TAA_MEDIUM, 1}}, BIT(RT_VOLUME_DISTANCE)},                                           \
-        {{{RT_TAA_MEDIUM, 1},                                                                      \
-          {RT_GRADIENT, 1},                                                                        \
-          {RT_COMPOSITION, RT_COMPOSITION_TAA},                                                    \
-          {RT_TAA_RESPONSIVE, RT_RESPONSIVE_MEDIUM}},                                              \
-         BIT(RT_VOLUME)},                                                                          \
-        {{{RT_GRADIENT, 1}}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},                              \
-        {{{RT_SOLID_MOTION, 1}}, BIT(RT_MOVED)},                                                   \
+            {{{RT_COMPOSITION, RT_COMPOSITION_TAA}}, BIT(RT_BEHIND)},                              \
+            {{{RT_TAA_MEDIUM, 1}}, BIT(RT_VOLUME_DISTANCE)},                                       \
+            {{{RT_TAA_MEDIUM, 1},                                                                  \
+              {RT_GRADIENT, 1},                                                                    \
+              {RT_COMPOSITION, RT_COMPOSITION_TAA},                                                \
+              {RT_TAA_RESPONSIVE, RT_RESPONSIVE_MEDIUM}},                                          \
+             BIT(RT_VOLUME)},                                                                      \
+            {{{RT_GRADIENT, 1}}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},                          \
+            {{{RT_SOLID_MOTION, 1}}, BIT(RT_MOVED)},                                               \
     }
-/* clang-format on */
 
 const struct neph_rt_pass neph_rt_passes[] = {
     {

@@ -4,8 +4,8 @@
 // al., "Spatiotemporal Variance-Guided Filtering", HPG 2017: 5x5 texels, ATROUS_STEP apart, by a
 // B-spline, by depth, and by the difference of luma against its deviation.
 //
-// Not as there: the deviation is that of the 3x3 around in what the step before has made, for there
-// are no moments over time here; depth counts by its relative difference, without its slope; there
+// Not as there: the deviation is that of the 3x3 around in what the step before has made, from the
+// plane through them, for there are no moments over time here; depth counts by its relative difference, without its slope; there
 // are no normals; and what is handed on to the next frame is not filtered.
 //
 // Who includes this says what it reads, INPUT, and what it writes, OUTPUT.
@@ -23,23 +23,29 @@ bool is_there(vec4 volume, ivec2 half_pixel)
     return fetch_half(RT_HISTORY_STATE, half_pixel).x > 0.0 && is_sound(volume);
 }
 
-// Of the lumas around, in single steps.
+// Of the lumas around, in single steps, from the plane through them: a slope is no noise. Where some
+// do not count, from the mean of the others.
 float deviation_at(ivec2 half_pixel)
 {
     float sum = 0.0, squares = 0.0, count = 0.0;
+    vec2 slope = vec2(0.0);
     float lumas[9];
     for (int i = 0; i < 9; i++) {
-        ivec2 other = half_pixel + ivec2(i % 3, i / 3) - 1;
-        vec4 volume = fetch_half(INPUT, other);
-        bool counts = is_there(volume, other);
+        ivec2 way = ivec2(i % 3, i / 3) - 1;
+        vec4 volume = fetch_half(INPUT, half_pixel + way);
+        bool counts = is_there(volume, half_pixel + way);
         lumas[i] = counts ? luma_of(volume) : -1.0;
         sum += counts ? lumas[i] : 0.0;
+        slope += lumas[i] * vec2(way) / 6.0;
         count += counts ? 1.0 : 0.0;
     }
-    for (int i = 0; i < 9; i++)
-        if (lumas[i] >= 0.0)
-            squares += (lumas[i] - sum / count) * (lumas[i] - sum / count);
-    return count > 0.0 ? sqrt(squares / count) : 0.0;
+    bool is_plane = count == 9.0;
+    for (int i = 0; i < 9; i++) {
+        vec2 way = vec2(i % 3, i / 3) - 1.0;
+        float off = lumas[i] - sum / count - (is_plane ? dot(slope, way) : 0.0);
+        squares += lumas[i] >= 0.0 ? off * off : 0.0;
+    }
+    return count > 0.0 ? sqrt(squares / (is_plane ? 6.0 : count)) : 0.0;
 }
 
 // exp(-x), and 1 for 0 / 0.

@@ -26,18 +26,25 @@ static double luma(const float volume[4])
 
 static double deviation(const struct step *step, int x, int y)
 {
-    double lumas[9], mean = 0.0, variance = 0.0;
+    double lumas[9], mean = 0.0, across = 0.0, down = 0.0, squares = 0.0;
+    bool counts[9];
     int count = 0;
     for (int i = 0; i < 9; i++) {
         float volume[4];
-        if (fetch(step, x + i % 3 - 1, y + i / 3 - 1, volume))
-            lumas[count++] = luma(volume);
+        counts[i] = fetch(step, x + i % 3 - 1, y + i / 3 - 1, volume);
+        lumas[i] = luma(volume);
+        count += counts[i];
     }
-    for (int i = 0; i < count; i++)
-        mean += lumas[i] / count;
-    for (int i = 0; i < count; i++)
-        variance += pow(lumas[i] - mean, 2.0) / count;
-    return sqrt(variance);
+    for (int i = 0; i < 9; i++)
+        mean += counts[i] ? lumas[i] / count : 0.0;
+    for (int i = 0; i < 9 && count == 9; i++) {
+        across += (i % 3 - 1) * lumas[i] / 6.0;
+        down += (i / 3 - 1) * lumas[i] / 6.0;
+    }
+    for (int i = 0; i < 9; i++)
+        if (counts[i])
+            squares += pow(lumas[i] - mean - (i % 3 - 1) * across - (i / 3 - 1) * down, 2.0);
+    return sqrt(squares / (count == 9 ? 6 : count));
 }
 
 static double falling(double difference, double unit)
@@ -69,9 +76,10 @@ static void filter(const struct step *step, int x, int y)
             const int at_x = x + step->apart * u, at_y = y + step->apart * v;
             if (!fetch(step, at_x, at_y, other))
                 continue;
-            const double weight =
-                spline[abs(u)] * spline[abs(v)] * falling(fabs(luma(other) - luma(own)), luma_unit) *
-                falling(fabs(depth_m(step, at_x, at_y) - depth_m(step, x, y)), depth_unit);
+            const double weight = spline[abs(u)] * spline[abs(v)] *
+                                  falling(fabs(luma(other) - luma(own)), luma_unit) *
+                                  falling(fabs(depth_m(step, at_x, at_y) - depth_m(step, x, y)),
+                                          depth_unit);
             weights += weight;
             for (int c = 0; c < 4; c++)
                 sum[c] += weight * other[c];

@@ -182,8 +182,7 @@ static void pixel(const struct twin *twin, struct place at)
     } else if (has_history) {
         const double quickness = fmin(speed_px / setting(twin, RT_TAA_VELOCITY_PX), 1.0);
         weight = weight_before(twin, at, before_px, quickness);
-        struct colour held = taa_hold_history(twin, history, around, colour,
-                                              3.0 - 2.0 * quickness);
+        struct colour held = taa_hold_history(twin, history, around, colour, 3.0 - 2.0 * quickness);
         for (int c = 0; c < 3; c++)
             held.c[c] += (double)lock.left * (history.c[c] - held.c[c]);
         colour = taa_blend(twin, colour, held, seen / (weight + seen));

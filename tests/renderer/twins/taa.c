@@ -281,7 +281,7 @@ struct surroundings taa_look_around(const struct twin *twin, struct place at)
     struct surroundings around;
     for (int i = 0; i < 9; i++) {
         const struct colour colour = taa_fetch(twin, RT_COLOR, at.source_x + i % 3 - 1,
-                                           at.source_y + i / 3 - 1);
+                                               at.source_y + i / 3 - 1);
         around.counts[i] = !choice(twin, RT_TAA_GUARD) || taa_is_finite(colour);
         around.colours[i] = taa_guard(twin, colour);
         around.off_px[i][0] = (float)(i % 3 - 1) + shift_x;
@@ -314,7 +314,7 @@ static double hdr_weight(const struct twin *twin, struct colour colour)
 }
 
 bool taa_filter_frame(const struct twin *twin, const struct surroundings *around,
-                         struct colour *filtered)
+                      struct colour *filtered)
 {
     *filtered = around->colours[4];
     if (!choice(twin, RT_TAA_FILTER))
@@ -541,7 +541,7 @@ static bool is_responsive(const struct twin *twin, int x, int y)
 }
 
 struct colour taa_blend(const struct twin *twin, struct colour frame, struct colour history,
-                           double alpha)
+                        double alpha)
 {
     const double of_frame = alpha * hdr_weight(twin, frame);
     const double of_history = (1.0 - alpha) * hdr_weight(twin, history);
@@ -623,8 +623,8 @@ static struct colour pixel_colour(const struct twin *twin, struct place at, doub
         return filtered;
     history = relit(twin, x, y, history, &around, speed_px);
     const double part = unrest(twin, x, y, speed_px), age_max = setting(twin, RT_TAA_AGE_MAX);
-    double alpha = frame_weight(twin, taa_coverage(twin, &around), taa_luma_4(filtered), taa_luma_4(history),
-                                speed_px);
+    double alpha = frame_weight(twin, taa_coverage(twin, &around), taa_luma_4(filtered),
+                                taa_luma_4(history), speed_px);
     if (age_max > 0.0 && choice(twin, RT_GRADIENT))
         *age = fmax(fmin(*age, frames_alike(twin, x, y)), 1.0);
     if (age_max > 0.0) {
