@@ -219,7 +219,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .resolution = RT_FULL,
         .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_BEFORE) |
                  BIT(RT_HISTORY_STATE),
-        .spared = {{{RT_ATROUS, 0}, BIT(RT_HISTORY)}, {{RT_ATROUS, 1}, BIT(RT_HISTORY_BEFORE)}},
+        .spared = {{{{RT_ATROUS, 0}}, BIT(RT_HISTORY)}, {{{RT_ATROUS, 1}}, BIT(RT_HISTORY_BEFORE)}},
         .writes = BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE),
     },
     {
