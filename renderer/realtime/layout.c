@@ -84,7 +84,8 @@ static void set_upsampling(struct neph_gpu_view *view)
         settings[RT_TAA] = RT_TAA_UPSAMPLING;
     if (percent < 100 && settings[RT_TAA_JITTER] == (float)RT_JITTER_UE)
         settings[RT_TAA_JITTER] = RT_JITTER_HALTON;
-    if (percent < 100 && settings[RT_TAA_BOX] == (float)RT_BOX_MIN_MAX)
+    if (percent < 100 && settings[RT_TAA] == (float)RT_TAA_UPSAMPLING &&
+        settings[RT_TAA_BOX] == (float)RT_BOX_MIN_MAX)
         settings[RT_TAA_BOX] = RT_BOX_DISTANCE;
     settings[RT_TAA_JITTER_LENGTH] = (float)neph_rt_jitter_length(
         (int)settings[RT_TAA_JITTER_LENGTH], percent);

@@ -177,7 +177,7 @@ vec2 lock_of(bool has_history, vec2 before_px, Surroundings around)
     lock.x = left > 0.0 && left <= 1.0 && is_trusted(around, lock.y) ? left : 0.0;
     precise vec2 way = shift_px / rendered_per_px;
     precise float squared = way.x * way.x + way.y * way.y;
-    return squared < 0.5 && is_thin(around) ? vec2(1.0, luma_of(around, CENTRE)) : lock;
+    return squared <= 0.5 && is_thin(around) ? vec2(1.0, luma_of(around, CENTRE)) : lock;
 }
 
 // --- the pixel ----------------------------------------------------------------------------------

@@ -143,7 +143,7 @@ static struct lock lock_of(const struct twin *twin, struct place at, const float
     const float x = shift_px[0] / twin->view->rendered_per_px[0];
     const float y = shift_px[1] / twin->view->rendered_per_px[1];
     squared = x * x + y * y;
-    if (squared < 0.5f && is_thin(twin, around))
+    if (squared <= 0.5f && is_thin(twin, around))
         lock = (struct lock){1.0f, luma_of(around, 4)};
     return lock;
 }

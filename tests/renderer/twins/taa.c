@@ -403,7 +403,7 @@ static struct box variance_box(const struct surroundings *around, struct colour 
 static struct box distance_box(const struct twin *twin, const struct surroundings *around)
 {
     const float reach_px = 1.51f - 0.21f * (1.0f / twin->view->rendered_per_px[0] - 1.0f);
-    const bool is_larger = upsamples(twin);
+    const bool is_larger = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING;
     bool near[9];
     for (int i = 0; i < 9; i++)
         near[i] = distance_squared(around, i) < (is_larger ? reach_px * reach_px : 2.2801f);
