@@ -86,7 +86,8 @@ const struct neph_preset neph_rt_presets[] = {
      "taa_box=variance taa_sigma=1 upscale=bilateral upscale_dither=none"},
     {"fsr2", "`fixed`, upsampled from 67 % after AMD's FSR 2: locks, disocclusion, Lanczos",
      "screen_percent=67 taa=locks taa_jitter=halton taa_jitter_length=8 taa_motion=square "
-     "taa_box=variance taa_sigma=1 taa_age_max=8 taa_responsive=medium upscale_dither=none"},
+     "taa_box=variance taa_sigma=1 taa_age_max=8 taa_responsive=medium "
+     "taa_pre_exposure=on upscale_dither=none"},
     {"svgf", "after SVGF: a mean of five rays, filtered by depth and luma, clamped by variance",
      "history_age_max=5 box=none reject_depth=0.1 fallback=bilateral "
      "fallback_rejected=bilateral atrous=on upscale=bilateral upscale_dither=none "
