@@ -84,7 +84,8 @@ static void set_upsampling(struct neph_gpu_view *view)
         settings[RT_TAA] = RT_TAA_UPSAMPLING;
     if (percent < 100 && settings[RT_TAA_JITTER] == (float)RT_JITTER_UE)
         settings[RT_TAA_JITTER] = RT_JITTER_HALTON;
-    if (percent < 100 && settings[RT_TAA_BOX] == (float)RT_BOX_MIN_MAX)
+    if (percent < 100 && settings[RT_TAA] == (float)RT_TAA_UPSAMPLING &&
+        settings[RT_TAA_BOX] == (float)RT_BOX_MIN_MAX)
         settings[RT_TAA_BOX] = RT_BOX_DISTANCE;
     settings[RT_TAA_JITTER_LENGTH] = (float)neph_rt_jitter_length(
         (int)settings[RT_TAA_JITTER_LENGTH], percent);
@@ -104,7 +105,7 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
     /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on; no volume. */
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
         view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] =
-            view->settings[RT_TAA_RESPONSIVE] = 0.0f;
+            view->settings[RT_TAA_RESPONSIVE] = view->settings[RT_ATROUS] = 0.0f;
     if (view->settings[RT_FROXEL_VOLUME] == 0.0f)
         view->settings[RT_LAMP_PEAKS] = 0.0f;
     if (view->settings[RT_FROXEL_PX] == 0.0f)

@@ -39,10 +39,10 @@ static const char *const upscales[] = {"nearest", "bilinear", "mean", "bilateral
 static const char *const laws[] = {"constant", "opacity", NULL};
 static const char *const pairs[] = {"shared", "independent", NULL};
 static const char *const responsives[] = {"off", "medium", NULL};
-static const char *const taas[] = {"off", "on", "upsampling", NULL};
+static const char *const taas[] = {"off", "on", "upsampling", "locks", NULL};
 static const char *const jitters[] = {"none", "ue", "halton", NULL};
 static const char *const arounds[] = {"off", "on", "moved", NULL};
-static const char *const motions[] = {"centre", "cross", NULL};
+static const char *const motions[] = {"centre", "cross", "square", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
 static const char *const depth_map_passes[] = {"auto", "own", NULL};
@@ -282,7 +282,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_TAA] = CHOICE("taa", RT_TAA_ON, taas,
                       "temporal anti-aliasing of the composed frame; upsampling: by the rays "
                       "nearest to each pixel of the picture, which `on` becomes with "
-                      "screen_percent below 100"),
+                      "screen_percent below 100; locks: upsampling after AMD's FSR 2, where a "
+                      "history counts by what has gone into it, at most taa_age_max frames, and is "
+                      "not held where a thin feature is locked"),
     [RT_TAA_JITTER] = CHOICE("taa_jitter", RT_JITTER_UE, jitters,
                              "sub-pixel places of the rays: Halton with Gaussian warp, or plain"),
     [RT_TAA_JITTER_LENGTH] =
@@ -292,7 +294,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
               "pictures repeat after 28 frames"),
     [RT_TAA_MOTION] = CHOICE("taa_motion", RT_MOTION_CROSS, motions,
                              "motion for the anti-aliasing, by the depth of the pixel or of the "
-                             "nearest of it and four at +-2 px"),
+                             "nearest of it and four at +-2 px, or of 3x3"),
     [RT_TAA_SPACE] = CHOICE("taa_space", RT_SPACE_YCOCG, taa_spaces,
                             "colour space of the box of the anti-aliasing"),
     [RT_TAA_HDR_WEIGHT] = CHOICE("taa_hdr_weight", 1, switches,
@@ -467,5 +469,25 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "depth_map_pass", RT_DEPTH_MAP_PASS_AUTO, depth_map_passes,
         "auto: on a GPU the tile index makes the depth map, too, with override=sequential, "
         "gather=texel and tile_origin=view. Same bits"),
+
+    [RT_LOCK_RATIO] = REAL("lock_ratio", 1.05, 1, 10,
+                           "with taa=locks, ratio of lumas up to which neighbours are alike; a "
+                           "pixel that is like no three at a corner, and brighter or darker than "
+                           "all that are unlike, is locked"),
+    [RT_LOCK_SEPARATION] = REAL("lock_separation", 0.02, 0, 1,
+                                "with taa=locks, part of the depth by which what was seen at a "
+                                "place must have been nearer for its history to be void"),
+
+    [RT_ATROUS] = CHOICE(
+        "atrous", 0, switches,
+        "the volume at half resolution is filtered three times, over 5x5 texels 1, "
+        "2 and 4 apart, by place, depth and luma against its deviation, as in "
+        "SVGF; needs split=four and gradient=off"),
+    [RT_ATROUS_SIGMA] = REAL("atrous_sigma", 4, 0.01, 100,
+                             "with atrous, difference of luma that counts by 1 / e, in standard "
+                             "deviations of the 3x3 around"),
+    [RT_ATROUS_DEPTH] = REAL("atrous_depth", 0.1, 1e-4, 10,
+                             "with atrous, difference of depth that counts by 1 / e, in parts of "
+                             "the depth"),
     {.name = NULL},
 };

@@ -24,6 +24,15 @@ static const uint32_t change_spirv[] = {
 static const uint32_t reconstruct_spirv[] = {
 #include "shaders/rt_reconstruct.comp.inc"
 };
+static const uint32_t atrous_1_spirv[] = {
+#include "shaders/rt_atrous_1.comp.inc"
+};
+static const uint32_t atrous_2_spirv[] = {
+#include "shaders/rt_atrous_2.comp.inc"
+};
+static const uint32_t atrous_4_spirv[] = {
+#include "shaders/rt_atrous_4.comp.inc"
+};
 static const uint32_t upscale_spirv[] = {
 #include "shaders/rt_upscale.comp.inc"
 };
@@ -38,6 +47,9 @@ static const uint32_t taa_spirv[] = {
 };
 static const uint32_t taau_spirv[] = {
 #include "shaders/rt_taau.comp.inc"
+};
+static const uint32_t locks_spirv[] = {
+#include "shaders/rt_locks.comp.inc"
 };
 static const uint32_t sharpen_spirv[] = {
 #include "shaders/rt_sharpen.comp.inc"
@@ -57,11 +69,12 @@ static const uint32_t lamp_peaks_spirv[] = {
 
 #define BIT NEPH_RT_BIT
 
+#define ATROUS_READS BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY_STATE)
+
 /* What anti-aliasing and upsampling are bound to. */
 #define TAA_READS                                                                                  \
     BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) | BIT(RT_BEHIND) |         \
         BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) | BIT(RT_MOVED)
-/* clang-format off: it takes a table in a macro for code */
 #define TAA_SPARED                                                                                 \
     {                                                                                              \
         {{{RT_COMPOSITION, RT_COMPOSITION_AUTO}, {RT_COMPOSITION, RT_COMPOSITION_PASS}},           \
@@ -76,7 +89,6 @@ static const uint32_t lamp_peaks_spirv[] = {
             {{{RT_GRADIENT, 1}}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},                          \
             {{{RT_SOLID_MOTION, 1}}, BIT(RT_MOVED)},                                               \
     }
-/* clang-format on */
 
 const struct neph_rt_pass neph_rt_passes[] = {
     {
@@ -176,12 +188,41 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .histories = {{RT_HISTORY, RT_HISTORY_BEFORE}, {RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE}},
     },
     {
+        .name = "a-trous 1",
+        .note = "the volume filtered by depth and luma",
+        .shader = {"rt_atrous_1", atrous_1_spirv, sizeof(atrous_1_spirv)},
+        .condition = {RT_ATROUS, 1},
+        .resolution = RT_HALF,
+        .reads = BIT(RT_HISTORY) | ATROUS_READS,
+        .writes = BIT(RT_HISTORY_BEFORE),
+    },
+    {
+        .name = "a-trous 2",
+        .note = "the same of texels two apart",
+        .shader = {"rt_atrous_2", atrous_2_spirv, sizeof(atrous_2_spirv)},
+        .condition = {RT_ATROUS, 1},
+        .resolution = RT_HALF,
+        .reads = BIT(RT_HISTORY_BEFORE) | ATROUS_READS,
+        .writes = BIT(RT_KEPT_RAY),
+    },
+    {
+        .name = "a-trous 4",
+        .note = "the same of texels four apart",
+        .shader = {"rt_atrous_4", atrous_4_spirv, sizeof(atrous_4_spirv)},
+        .condition = {RT_ATROUS, 1},
+        .resolution = RT_HALF,
+        .reads = BIT(RT_KEPT_RAY) | ATROUS_READS,
+        .writes = BIT(RT_HISTORY_BEFORE),
+    },
+    {
         .name = "upscale",
         .note = "the volume at full resolution, guided by depth",
         .shader = {"rt_upscale", upscale_spirv, sizeof(upscale_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_FULL,
-        .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE),
+        .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_BEFORE) |
+                 BIT(RT_HISTORY_STATE),
+        .spared = {{{{RT_ATROUS, 0}}, BIT(RT_HISTORY)}, {{{RT_ATROUS, 1}}, BIT(RT_HISTORY_BEFORE)}},
         .writes = BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE),
     },
     {
@@ -250,6 +291,18 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .picture = RT_TAA_OUT,
     },
     {
+        .name = "locks",
+        .note = "upsampling with locks on thin features, after FSR 2",
+        .shader = {"rt_locks", locks_spirv, sizeof(locks_spirv)},
+        .condition = {RT_TAA, RT_TAA_LOCKS},
+        .resolution = RT_PICTURE,
+        .reads = TAA_READS | BIT(RT_TAA_STATE_BEFORE),
+        .spared = TAA_SPARED,
+        .writes = BIT(RT_TAA_OUT) | BIT(RT_TAA_STATE),
+        .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}, {RT_TAA_STATE, RT_TAA_STATE_BEFORE}},
+        .picture = RT_TAA_OUT,
+    },
+    {
         .name = "sharpening",
         .note = "against the blur of anti-aliasing",
         .shader = {"rt_sharpen", sharpen_spirv, sizeof(sharpen_spirv)},
@@ -293,6 +346,8 @@ static const char *const target_names[RT_TARGET_COUNT] = {
     [RT_LOOK_BEHIND_THEN] = "look behind then",
     [RT_MOVED] = "moved",
     [RT_FROXELS] = "froxels",
+    [RT_TAA_STATE] = "locks",
+    [RT_TAA_STATE_BEFORE] = "locks before",
 };
 
 const char *neph_rt_target_name(int target)

@@ -170,6 +170,11 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
     }
+    if (settings->values[RT_ATROUS] != 0.0 && settings->values[RT_GRADIENT] != 0.0) {
+        snprintf(reason, reason_size,
+                 "gradient=on and atrous=on, which share memory: switch one of them off");
+        return false;
+    }
     const enum neph_march_lighting lighting = (enum neph_march_lighting)(
                                                   int)settings->values[RT_LIGHTING];
     if (settings->values[RT_FROXEL_VOLUME] != 0.0 && lighting != NEPH_MARCH_SINGLE &&

@@ -44,6 +44,8 @@
  * ours   its second generation: change is told from noise by rays that are marched twice, so that
  *        what is at rest is the mean of all its frames, at half resolution and in the
  *        anti-aliasing, and takes slow light along; elsewhere that is quick and follows the medium.
+ * fsr2   after AMD's FidelityFX Super Resolution 2, and
+ * svgf   after Schied et al., HPG 2017: docs/taau.md says what in them is not like the originals.
  */
 #include "renderer/realtime/options.h"
 
@@ -84,5 +86,13 @@ const struct neph_preset neph_rt_presets[] = {
      "box_motion_px=0.05 box_change=0.1 history_age_max=32 box_age=0 fallback=bilateral "
      "fallback_rejected=bilateral taa_medium=on taa_age_max=256 taa_change=0.1 taa_alpha=0.1 "
      "taa_box=variance taa_sigma=1 upscale=bilateral upscale_dither=none"},
+    {"fsr2", "`fixed`, upsampled from 67 % after AMD's FSR 2: locks, disocclusion, Lanczos",
+     "screen_percent=67 taa=locks taa_jitter=halton taa_jitter_length=8 taa_motion=square "
+     "taa_box=variance taa_sigma=1 taa_age_max=8 taa_responsive=medium "
+     "taa_pre_exposure=on upscale_dither=none"},
+    {"svgf", "after SVGF: a mean of five rays, filtered by depth and luma, clamped by variance",
+     "history_age_max=5 box=none reject_depth=0.1 fallback=bilateral "
+     "fallback_rejected=bilateral atrous=on upscale=bilateral upscale_dither=none "
+     "taa_box=variance taa_sigma=1"},
     {.name = NULL},
 };

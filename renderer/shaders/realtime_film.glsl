@@ -92,10 +92,12 @@ struct Film {
     bool has_own;
 };
 
+float box_scale = 1.0;
+
 // M. Salvi, "An Excursion in Temporal Supersampling", GDC 2016; the filtered colour is in it.
 Box box_about(vec3 mean, vec3 variance, vec3 filtered)
 {
-    vec3 reach = setting(RT_TAA_SIGMA) * sqrt(variance);
+    vec3 reach = box_scale * setting(RT_TAA_SIGMA) * sqrt(variance);
     vec3 low = mean - reach, high = mean + reach;
     return Box(mix(low, filtered, lessThan(filtered, low)),
                mix(high, filtered, greaterThan(filtered, high)));

@@ -175,7 +175,13 @@
 #define RT_SKY_SHADOWS 140
 // And where the depth map is made.
 #define RT_DEPTH_MAP_PASS 141
-#define RT_SETTING_COUNT 142
+// Locks (rt_locks.comp), and the filter of the volume in steps (rt_atrous.glsl).
+#define RT_LOCK_RATIO 142
+#define RT_LOCK_SEPARATION 143
+#define RT_ATROUS 144
+#define RT_ATROUS_SIGMA 145
+#define RT_ATROUS_DEPTH 146
+#define RT_SETTING_COUNT 147
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -297,6 +303,7 @@
 #define RT_TAA_OFF 0
 #define RT_TAA_ON 1
 #define RT_TAA_UPSAMPLING 2
+#define RT_TAA_LOCKS 3
 
 #define RT_JITTER_NONE 0
 #define RT_JITTER_UE 1
@@ -309,6 +316,7 @@
 
 #define RT_MOTION_CENTRE 0
 #define RT_MOTION_CROSS 1
+#define RT_MOTION_SQUARE 2
 
 #define RT_DEPTH_MAP_PASS_AUTO 0
 #define RT_DEPTH_MAP_PASS_OWN 1
@@ -379,7 +387,11 @@
 // before; A: the change that this does not explain.
 #define RT_CHANGE 26        // of the medium
 #define RT_CHANGE_BEHIND 27 // of what is behind all media
-#define RT_TARGET_COUNT 28
+// With taa=locks. R: what is left of a lock, 0 .. 1; G: four times the luma that it was made with;
+// B: the nearest eye depth of 3x3 rendered pixels [m].
+#define RT_TAA_STATE 28
+#define RT_TAA_STATE_BEFORE 29
+#define RT_TARGET_COUNT 30
 
 // Groups of solids that move, each as one.
 #define RT_MOVERS_MAX 16
@@ -428,6 +440,8 @@
     {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_BEHIND_NOW */ \
     {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_LOOK_BEHIND_THEN */ \
     {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE */ \
-    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE_BEHIND */
+    {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_CHANGE_BEHIND */ \
+    {RT_PICTURE, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_TAA_STATE */ \
+    {RT_PICTURE, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_TAA_STATE_BEFORE */
 
 #endif

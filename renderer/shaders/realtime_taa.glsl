@@ -43,7 +43,10 @@ vec2 place_from_middle(ViewCamera camera, vec3 from, float depth)
 
 bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }
 
-// The nearest of the pixel's depth and four around, so that the rim of an object goes with it, and
+const ivec2 SQUARE_RING[8] = {ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1), ivec2(-1, 0),
+                              ivec2(1, 0),   ivec2(-1, 1), ivec2(0, 1),  ivec2(1, 1)};
+
+// The nearest of the pixel's depth and four or eight around, so that the rim of an object goes with it, and
 // how far what is there has moved by itself. As in Unreal the motion is that of the pixel's own
 // place at this depth, not of the neighbour's.
 float depth_of_motion(ivec2 pixel, out vec3 moved_m)
@@ -51,8 +54,13 @@ float depth_of_motion(ivec2 pixel, out vec3 moved_m)
     moved_m = vec3(0.0);
     ivec2 nearest = pixel;
     float nearest_m = fetch_full(RT_DEPTH, pixel).x;
-    for (int i = 0; i < 4 && choice(RT_TAA_MOTION) != RT_MOTION_CENTRE; i++) {
-        ivec2 other = pixel + 4 * ivec2(i & 1, i >> 1) - 2;
+    int others = choice(RT_TAA_MOTION) == RT_MOTION_CROSS    ? 4
+                 : choice(RT_TAA_MOTION) == RT_MOTION_SQUARE ? 8
+                                                             : 0;
+    for (int i = 0; i < others; i++) {
+        ivec2 other = pixel + (choice(RT_TAA_MOTION) == RT_MOTION_CROSS
+                                   ? 4 * ivec2(i & 1, i >> 1) - 2
+                                   : SQUARE_RING[i]);
         float depth_m = fetch_full(RT_DEPTH, other).x;
         if (depth_m < nearest_m) {
             nearest_m = depth_m;

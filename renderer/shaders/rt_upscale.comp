@@ -73,6 +73,14 @@ const int TAPS_MAX = 9;
 
 int tap_count() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? 9 : 4; }
 
+// Of the reconstruction, filtered or not.
+vec4 fetch_volume(ivec2 half_pixel)
+{
+    if (choice(RT_ATROUS) != 0)
+        return fetch_half(RT_HISTORY_BEFORE, half_pixel);
+    return fetch_half(RT_HISTORY, half_pixel);
+}
+
 // History that may be used; all may be when nobody looks.
 bool is_usable(vec4 volume, float age)
 {
@@ -102,7 +110,7 @@ float shift_amount_px(ivec2 pixel)
     float most_px = setting(RT_UPSCALE_AMOUNT_PX);
     if (choice(RT_UPSCALE_LAW) == RT_LAW_CONSTANT)
         return most_px;
-    vec4 volume = fetch_half(RT_HISTORY, pixel / 2);
+    vec4 volume = fetch_volume(pixel / 2);
     vec4 state = fetch_half(RT_HISTORY_STATE, pixel / 2);
     if (!is_usable(volume, state.x))
         return 0.0;
@@ -162,7 +170,7 @@ float place_weight(ivec2 at, vec2 fraction)
 Tap fetch_tap(ivec2 texel)
 {
     Tap tap;
-    tap.volume = fetch_half(RT_HISTORY, texel);
+    tap.volume = fetch_volume(texel);
     vec4 state = fetch_half(RT_HISTORY_STATE, texel);
     tap.age = state.x;
     tap.distance_m = state.y;

@@ -1,27 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "tests/renderer/twins/twin.h"
+#include "tests/renderer/twins/taa.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double half_max = 65504.0;
-
-/* A colour in double; what it was made of in float is in the targets. */
-struct colour {
-    double c[3];
-};
-
-/* 3x3 colours, row by row; those that do not count are left out of everything. */
-struct surroundings {
-    struct colour colours[9];
-    bool counts[9];
-    float off_px[9][2]; /* where their rays went, from the pixel's centre, in rendered pixels */
-};
-
-/* A pixel of the picture, and the rendered one that it is made of: itself at 100 %. */
-struct place {
-    int x, y, source_x, source_y;
-};
 
 struct box {
     double low[3], high[3];
@@ -37,25 +20,30 @@ static int choice(const struct twin *twin, int index)
     return (int)twin->view->settings[index];
 }
 
-static double hold(double value, double low, double high)
+double taa_hold(double value, double low, double high)
 {
     return low > high ? value : value < low ? low : value > high ? high : value;
 }
 
-static bool is_finite(struct colour colour)
+static bool upsamples(const struct twin *twin)
+{
+    return choice(twin, RT_TAA) == RT_TAA_UPSAMPLING || choice(twin, RT_TAA) == RT_TAA_LOCKS;
+}
+
+bool taa_is_finite(struct colour colour)
 {
     return isfinite(colour.c[0]) && isfinite(colour.c[1]) && isfinite(colour.c[2]);
 }
 
-static struct colour guard(const struct twin *twin, struct colour colour)
+struct colour taa_guard(const struct twin *twin, struct colour colour)
 {
     for (int c = 0; c < 3 && choice(twin, RT_TAA_GUARD); c++)
-        colour.c[c] = hold(colour.c[c], 0.0, half_max);
+        colour.c[c] = taa_hold(colour.c[c], 0.0, half_max);
     return colour;
 }
 
 /* Of the frame, as the camera exposes it. */
-static struct colour fetch(const struct twin *twin, int target, int x, int y)
+struct colour taa_fetch(const struct twin *twin, int target, int x, int y)
 {
     float value[4];
     twin_fetch_full(twin, target, x, y, value);
@@ -70,14 +58,14 @@ static struct colour fetch_before(const struct twin *twin, int x, int y)
     return (struct colour){{value[0], value[1], value[2]}};
 }
 
-static double luma_4(struct colour colour)
+double taa_luma_4(struct colour colour)
 {
     return colour.c[0] + 2.0 * colour.c[1] + colour.c[2];
 }
 
 /* --- motion: the shader's float32, operation by operation ------------------------------------ */
 
-static float dot(const float a[3], const float b[3])
+float taa_dot(const float a[3], const float b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -92,23 +80,28 @@ static void place_from_middle(const struct neph_gpu_view *view,
                               float depth, float place[2])
 {
     place[0] = 0.5f * (float)view->picture_px[0] *
-               (dot(from, camera->right) / (spread(camera, depth) * camera->half_width));
+               (taa_dot(from, camera->right) / (spread(camera, depth) * camera->half_width));
     place[1] = -0.5f * (float)view->picture_px[1] *
-               (dot(from, camera->up) / (spread(camera, depth) * camera->half_height));
+               (taa_dot(from, camera->up) / (spread(camera, depth) * camera->half_height));
 }
 
 static float depth_of_motion(const struct twin *twin, int x, int y, float moved_m[4])
 {
     static const int cross_px[4][2] = {{-2, -2}, {2, -2}, {-2, 2}, {2, 2}};
+    static const int square_px[8][2] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
+                                        {1, 0},   {-1, 1}, {0, 1},  {1, 1}};
+    const int motion = choice(twin, RT_TAA_MOTION);
+    const int count = motion == RT_MOTION_CROSS ? 4 : motion == RT_MOTION_SQUARE ? 8 : 0;
+    const int(*others_px)[2] = motion == RT_MOTION_CROSS ? cross_px : square_px;
     float nearest_m[4], depth_m[4];
     int nearest_x = x, nearest_y = y;
     twin_fetch_full(twin, RT_DEPTH, x, y, nearest_m);
-    for (int i = 0; i < 4 && choice(twin, RT_TAA_MOTION) == RT_MOTION_CROSS; i++) {
-        twin_fetch_full(twin, RT_DEPTH, x + cross_px[i][0], y + cross_px[i][1], depth_m);
+    for (int i = 0; i < count; i++) {
+        twin_fetch_full(twin, RT_DEPTH, x + others_px[i][0], y + others_px[i][1], depth_m);
         if (depth_m[0] < nearest_m[0]) {
             nearest_m[0] = depth_m[0];
-            nearest_x = x + cross_px[i][0];
-            nearest_y = y + cross_px[i][1];
+            nearest_x = x + others_px[i][0];
+            nearest_y = y + others_px[i][1];
         }
     }
     memset(moved_m, 0, 4 * sizeof(*moved_m));
@@ -125,8 +118,8 @@ static bool find_motion(const struct neph_gpu_view *view, const float ray[3], fl
     float ray_before[3], here[2], there[2];
     for (int c = 0; c < 3; c++)
         ray_before[c] = ray[c] - from_m[c] / spread_m;
-    const float depth_before = spread(before, dot(ray_before, before->forward));
-    place_from_middle(view, now, ray, dot(ray, now->forward), here);
+    const float depth_before = spread(before, taa_dot(ray_before, before->forward));
+    place_from_middle(view, now, ray, taa_dot(ray, now->forward), here);
     place_from_middle(view, before, ray_before, depth_before, there);
     motion_px[0] = here[0] - there[0];
     motion_px[1] = here[1] - there[1];
@@ -144,7 +137,7 @@ static bool find_changes(const struct twin *twin, int x, int y, float changes[2]
 
 static double beyond(double value, double least)
 {
-    return least > 0.0 ? hold(value / least - 1.0, 0.0, 1.0) : 1.0;
+    return least > 0.0 ? taa_hold(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
 /* Whether light changes by more than what counts as a change, as far as anybody knows. */
@@ -167,7 +160,7 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
     for (int c = 0; c < 3; c++)
         from_m[c] = view->before.position_m[c] + view->wind_m[c];
     const float scene_m = depth_of_motion(twin, x, y, moved_m);
-    const float depth_m = distance[0] / sqrtf(dot(ray, ray));
+    const float depth_m = distance[0] / sqrtf(taa_dot(ray, ray));
     const bool is_mover = moved_m[0] != 0.0f || moved_m[1] != 0.0f || moved_m[2] != 0.0f;
     const float most = is_mover ? 0.0625f : scene_m >= NEPH_GPU_FAR_M ? 1.0f : 0.5f;
     return volume[3] >= 0.0f && volume[3] < most && distance[0] > 0.0f &&
@@ -175,21 +168,26 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
            find_motion(view, ray, depth_m, from_m, motion_px);
 }
 
-static bool find_before(const struct twin *twin, struct place at, float place_px[2],
-                        double *speed_px)
+void taa_ray_through(const struct neph_gpu_view *view, int x, int y, float ray[3])
+{
+    const struct neph_gpu_view_camera *now = &view->now;
+    const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
+    const float right = (2.0f * centre_px[0] / (float)view->picture_px[0] - 1.0f) * now->half_width;
+    const float up = (1.0f - 2.0f * centre_px[1] / (float)view->picture_px[1]) * now->half_height;
+    for (int c = 0; c < 3; c++)
+        ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
+}
+
+bool taa_find_before(const struct twin *twin, struct place at, float place_px[2], double *speed_px)
 {
     const struct neph_gpu_view *view = twin->view;
-    const struct neph_gpu_view_camera *now = &view->now;
     const float width_px = (float)view->picture_px[0], height_px = (float)view->picture_px[1];
     const float centre_px[2] = {(float)at.x + 0.5f, (float)at.y + 0.5f};
-    const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->half_width;
-    const float up = (1.0f - 2.0f * centre_px[1] / height_px) * now->half_height;
     float ray[3], motion_px[2], moved_m[4], from_m[3];
     const float scene_m = depth_of_motion(twin, at.source_x, at.source_y, moved_m);
-    for (int c = 0; c < 3; c++) {
-        ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
+    taa_ray_through(view, at.x, at.y, ray);
+    for (int c = 0; c < 3; c++)
         from_m[c] = view->before.position_m[c] + moved_m[c];
-    }
     const bool has_wind = view->wind_m[0] != 0.0f || view->wind_m[1] != 0.0f ||
                           view->wind_m[2] != 0.0f;
     const bool is_carried = choice(twin, RT_TAA_MEDIUM) && choice(twin, RT_WIND) && has_wind;
@@ -226,7 +224,7 @@ static double filter_weight(const struct twin *twin, double distance)
     }
 }
 
-static bool fetch_history(const struct twin *twin, const float place_px[2], struct colour *history)
+bool taa_fetch_history(const struct twin *twin, const float place_px[2], struct colour *history)
 {
     const float corner[2] = {floorf(place_px[0] - 0.5f), floorf(place_px[1] - 0.5f)};
     const double way[2] = {place_px[0] - 0.5f - corner[0], place_px[1] - 0.5f - corner[1]};
@@ -241,18 +239,18 @@ static bool fetch_history(const struct twin *twin, const float place_px[2], stru
     const double ratio = (double)twin->view->exposure / (double)twin->view->exposure_before;
     for (int c = 0; c < 3 && choice(twin, RT_TAA_PRE_EXPOSURE); c++)
         history->c[c] *= ratio;
-    const bool is_sound = !choice(twin, RT_TAA_GUARD) || is_finite(*history);
-    *history = guard(twin, *history);
+    const bool is_sound = !choice(twin, RT_TAA_GUARD) || taa_is_finite(*history);
+    *history = taa_guard(twin, *history);
     return is_sound;
 }
 
 /* --- the frame ----------------------------------------------------------------------------- */
 
 /* The rendered pixel whose ray went nearest, in the shader's float32. */
-static struct place place_of(const struct twin *twin, int x, int y)
+struct place taa_place_of(const struct twin *twin, int x, int y)
 {
     const struct neph_gpu_view *view = twin->view;
-    if (choice(twin, RT_TAA) != RT_TAA_UPSAMPLING)
+    if (!upsamples(twin))
         return (struct place){x, y, x, y};
     const float way_x = ((float)x + 0.5f) * view->rendered_per_px[0] - view->jitter_px[0];
     const float way_y = ((float)y + 0.5f) * view->rendered_per_px[1] - view->jitter_px[1];
@@ -260,10 +258,10 @@ static struct place place_of(const struct twin *twin, int x, int y)
 }
 
 /* From a pixel's centre to where its source's ray went, along one side. */
-static float shift_px(const struct twin *twin, int pixel, int source, int axis)
+float taa_shift_px(const struct twin *twin, int pixel, int source, int axis)
 {
     const struct neph_gpu_view *view = twin->view;
-    if (choice(twin, RT_TAA) != RT_TAA_UPSAMPLING)
+    if (!upsamples(twin))
         return view->jitter_px[axis];
     const float way = ((float)pixel + 0.5f) * view->rendered_per_px[axis] - view->jitter_px[axis];
     return (float)source + 0.5f - way;
@@ -276,16 +274,16 @@ static float distance_squared(const struct surroundings *around, int i)
     return x * x + y * y;
 }
 
-static struct surroundings look_around(const struct twin *twin, struct place at)
+struct surroundings taa_look_around(const struct twin *twin, struct place at)
 {
-    const float shift_x = shift_px(twin, at.x, at.source_x, 0);
-    const float shift_y = shift_px(twin, at.y, at.source_y, 1);
+    const float shift_x = taa_shift_px(twin, at.x, at.source_x, 0);
+    const float shift_y = taa_shift_px(twin, at.y, at.source_y, 1);
     struct surroundings around;
     for (int i = 0; i < 9; i++) {
-        const struct colour colour = fetch(twin, RT_COLOR, at.source_x + i % 3 - 1,
-                                           at.source_y + i / 3 - 1);
-        around.counts[i] = !choice(twin, RT_TAA_GUARD) || is_finite(colour);
-        around.colours[i] = guard(twin, colour);
+        const struct colour colour = taa_fetch(twin, RT_COLOR, at.source_x + i % 3 - 1,
+                                               at.source_y + i / 3 - 1);
+        around.counts[i] = !choice(twin, RT_TAA_GUARD) || taa_is_finite(colour);
+        around.colours[i] = taa_guard(twin, colour);
         around.off_px[i][0] = (float)(i % 3 - 1) + shift_x;
         around.off_px[i][1] = (float)(i / 3 - 1) + shift_y;
     }
@@ -302,9 +300,9 @@ static double nearness(const struct twin *twin, const struct surroundings *aroun
 }
 
 /* What there is of the frame in a pixel: the sum of the filter, at most 1. */
-static double coverage(const struct twin *twin, const struct surroundings *around)
+double taa_coverage(const struct twin *twin, const struct surroundings *around)
 {
-    double sum = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING ? 0.0 : 1.0;
+    double sum = upsamples(twin) ? 0.0 : 1.0;
     for (int i = 0; i < 9; i++)
         sum += nearness(twin, around, i);
     return fmin(sum, 1.0);
@@ -312,11 +310,11 @@ static double coverage(const struct twin *twin, const struct surroundings *aroun
 
 static double hdr_weight(const struct twin *twin, struct colour colour)
 {
-    return choice(twin, RT_TAA_HDR_WEIGHT) ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
+    return choice(twin, RT_TAA_HDR_WEIGHT) ? 1.0 / (taa_luma_4(colour) + 4.0) : 1.0;
 }
 
-static bool filter_frame(const struct twin *twin, const struct surroundings *around,
-                         struct colour *filtered)
+bool taa_filter_frame(const struct twin *twin, const struct surroundings *around,
+                      struct colour *filtered)
 {
     *filtered = around->colours[4];
     if (!choice(twin, RT_TAA_FILTER))
@@ -405,15 +403,15 @@ static struct box variance_box(const struct surroundings *around, struct colour 
 static struct box distance_box(const struct twin *twin, const struct surroundings *around)
 {
     const float reach_px = 1.51f - 0.21f * (1.0f / twin->view->rendered_per_px[0] - 1.0f);
-    const bool upsamples = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING;
+    const bool is_larger = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING;
     bool near[9];
     for (int i = 0; i < 9; i++)
-        near[i] = distance_squared(around, i) < (upsamples ? reach_px * reach_px : 2.2801f);
+        near[i] = distance_squared(around, i) < (is_larger ? reach_px * reach_px : 2.2801f);
     return extremes(around, near);
 }
 
-static struct colour hold_history(const struct twin *twin, struct colour history,
-                                  struct surroundings around, struct colour filtered)
+struct colour taa_hold_history(const struct twin *twin, struct colour history,
+                               struct surroundings around, struct colour filtered, double scale)
 {
     const int kind = choice(twin, RT_TAA_BOX), space = choice(twin, RT_TAA_SPACE);
     if (kind == RT_BOX_NONE)
@@ -423,13 +421,13 @@ static struct colour hold_history(const struct twin *twin, struct colour history
     const struct box box = kind == RT_BOX_MIN_MAX ? min_max_box(&around)
                            : kind == RT_BOX_VARIANCE
                                ? variance_box(&around, to_space(space, filtered),
-                                              setting(twin, RT_TAA_SIGMA))
+                                              scale * setting(twin, RT_TAA_SIGMA))
                                : distance_box(twin, &around);
     struct colour held = to_space(space, history);
     bool is_moved = false;
     for (int c = 0; c < 3; c++) {
         const double free = held.c[c];
-        held.c[c] = hold(free, box.low[c], box.high[c]);
+        held.c[c] = taa_hold(free, box.low[c], box.high[c]);
         is_moved |= held.c[c] != free;
     }
     return is_moved ? from_space(space, held) : history;
@@ -487,7 +485,7 @@ static struct colour relit(const struct twin *twin, int x, int y, struct colour 
     const double moved = beyond(speed_px, setting(twin, RT_TAA_REST_PX));
     for (int c = 0; c < 3; c++) {
         const double colour = around->colours[4].c[c];
-        const double medium = hold((double)(twin->view->exposure * volume[c]), 0.0, colour);
+        const double medium = taa_hold((double)(twin->view->exposure * volume[c]), 0.0, colour);
         const double then = medium / changes[0][c] + (colour - medium) / changes[1][c];
         const double gain = then > 0.0 ? colour / then : 1.0;
         history.c[c] *= (1.0 - moved) * gain + moved;
@@ -542,8 +540,8 @@ static bool is_responsive(const struct twin *twin, int x, int y)
     return choice(twin, RT_TAA_RESPONSIVE) && volume[3] < 0.5f;
 }
 
-static struct colour blend(const struct twin *twin, struct colour frame, struct colour history,
-                           double alpha)
+struct colour taa_blend(const struct twin *twin, struct colour frame, struct colour history,
+                        double alpha)
 {
     const double of_frame = alpha * hdr_weight(twin, frame);
     const double of_history = (1.0 - alpha) * hdr_weight(twin, history);
@@ -582,7 +580,7 @@ static float round_by_chance(float value, float number)
     return (number < halves - below ? below + 1.0f : below) * half_step;
 }
 
-static void write(const struct twin *twin, int x, int y, struct colour colour, double age)
+void taa_write(const struct twin *twin, int x, int y, struct colour colour, double age)
 {
     const struct neph_gpu_view *view = twin->view;
     float numbers[3], value[4] = {[3] = (float)age};
@@ -591,7 +589,7 @@ static void write(const struct twin *twin, int x, int y, struct colour colour, d
                            choice(twin, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
     for (int c = 0; c < 3; c++) {
         const double least = choice(twin, RT_TAA_GUARD) ? 0.0 : -half_max;
-        value[c] = (float)hold(colour.c[c], least, half_max);
+        value[c] = (float)taa_hold(colour.c[c], least, half_max);
         if (by_chance)
             value[c] = round_by_chance(value[c], numbers[c]);
     }
@@ -614,19 +612,19 @@ static struct colour pixel_colour(const struct twin *twin, struct place at, doub
     float before_px[2];
     double speed_px = 0.0;
     struct colour history, filtered;
-    const bool has_history = !is_reset && find_before(twin, at, before_px, &speed_px) &&
+    const bool has_history = !is_reset && taa_find_before(twin, at, before_px, &speed_px) &&
                              !is_ghost(twin, at, before_px) &&
-                             fetch_history(twin, before_px, &history);
-    const struct surroundings around = look_around(twin, at);
+                             taa_fetch_history(twin, before_px, &history);
+    const struct surroundings around = taa_look_around(twin, at);
     *age = age_at(twin, has_history ? before_px : NULL);
-    if (!filter_frame(twin, &around, &filtered))
+    if (!taa_filter_frame(twin, &around, &filtered))
         return has_history ? history : (struct colour){{0.0}};
     if (!has_history)
         return filtered;
     history = relit(twin, x, y, history, &around, speed_px);
     const double part = unrest(twin, x, y, speed_px), age_max = setting(twin, RT_TAA_AGE_MAX);
-    double alpha = frame_weight(twin, coverage(twin, &around), luma_4(filtered), luma_4(history),
-                                speed_px);
+    double alpha = frame_weight(twin, taa_coverage(twin, &around), taa_luma_4(filtered),
+                                taa_luma_4(history), speed_px);
     if (age_max > 0.0 && choice(twin, RT_GRADIENT))
         *age = fmax(fmin(*age, frames_alike(twin, x, y)), 1.0);
     if (age_max > 0.0) {
@@ -635,8 +633,8 @@ static struct colour pixel_colour(const struct twin *twin, struct place at, doub
     }
     if (is_responsive(twin, x, y))
         alpha = fmax(alpha, 0.25);
-    const struct colour held = hold_history(twin, history, around, filtered);
-    return blend(twin, filtered, between(history, held, part), alpha);
+    const struct colour held = taa_hold_history(twin, history, around, filtered, 1.0);
+    return taa_blend(twin, filtered, between(history, held, part), alpha);
 }
 
 void twin_taa(const struct twin *twin)
@@ -644,8 +642,8 @@ void twin_taa(const struct twin *twin)
     for (int y = 0; y < (int)twin->view->picture_px[1]; y++)
         for (int x = 0; x < (int)twin->view->picture_px[0]; x++) {
             double age;
-            const struct place at = place_of(twin, x, y);
+            const struct place at = taa_place_of(twin, x, y);
             const struct colour colour = pixel_colour(twin, at, &age);
-            write(twin, x, y, colour, is_at_mover(twin, at) ? RT_OF_MOVER : age);
+            taa_write(twin, x, y, colour, is_at_mover(twin, at) ? RT_OF_MOVER : age);
         }
 }

@@ -47,6 +47,8 @@ void twin_upscale(const struct twin *twin);
 void twin_froxel_sum(const struct twin *twin);
 void twin_froxel_apply(const struct twin *twin);
 void twin_compose(const struct twin *twin);
-void twin_taa(const struct twin *twin); /* and upsampling, by RT_TAA */
+void twin_atrous(const struct twin *twin, int apart); /* 1, 2 or 4 texels */
+void twin_taa(const struct twin *twin);               /* and upsampling, by RT_TAA */
+void twin_locks(const struct twin *twin);
 
 #endif

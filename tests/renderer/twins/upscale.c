@@ -27,6 +27,12 @@ static int choice(const struct twin *twin, int index)
     return (int)twin->view->settings[index];
 }
 
+/* Of the reconstruction, filtered or not. */
+static int volume_target(const struct twin *twin)
+{
+    return choice(twin, RT_ATROUS) ? RT_HISTORY_BEFORE : RT_HISTORY;
+}
+
 static bool is_square(const struct twin *twin)
 {
     return choice(twin, RT_UPSCALE) == RT_UPSCALE_SQUARE;
@@ -64,7 +70,7 @@ static float shift_amount_px(const struct twin *twin, int x, int y)
     if (setting(twin, RT_UPSCALE_LAW) == RT_LAW_CONSTANT)
         return most_px;
     float volume[4], state[4];
-    twin_fetch_half(twin, RT_HISTORY, x / 2, y / 2, volume);
+    twin_fetch_half(twin, volume_target(twin), x / 2, y / 2, volume);
     twin_fetch_half(twin, RT_HISTORY_STATE, x / 2, y / 2, state);
     if (!is_usable(twin, volume, state[0]))
         return 0.0f;
@@ -106,7 +112,7 @@ static struct tap tap_at(const struct twin *twin, const int corner[2], int i,
     const int x = corner[0] + i % side, y = corner[1] + i / side;
     float state[4], depth[4];
     struct tap tap;
-    twin_fetch_half(twin, RT_HISTORY, x, y, tap.volume);
+    twin_fetch_half(twin, volume_target(twin), x, y, tap.volume);
     twin_fetch_half(twin, RT_HISTORY_STATE, x, y, state);
     twin_fetch_half(twin, RT_HALF_DEPTH, x, y, depth);
     tap.distance_m = state[1];
