@@ -426,5 +426,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SKY_SLICES] = NEPH_OPTION_SKY_SLICES,
     [RT_SKY_FAR_M] = NEPH_OPTION_SKY_FAR,
     [RT_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS,
+    [RT_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,
     {.name = NULL},
 };

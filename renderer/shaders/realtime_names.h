@@ -163,7 +163,8 @@
 #define RT_SKY_SLICES 132
 #define RT_SKY_FAR_M 133
 #define RT_SKY_SHADOWS 134
-#define RT_SETTING_COUNT 135
+#define RT_SKY_REFILL 135
+#define RT_SETTING_COUNT 136
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

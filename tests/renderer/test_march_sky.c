@@ -43,8 +43,8 @@ static struct neph_march_params params_of(enum neph_march_lighting lighting, int
         .height_px = HEIGHT,
         .steps = 96,
         .lighting = lighting,
-        .sky = neph_sky_for_march(true, true,
-                                  (struct neph_sky_aerial_params){nodes, nodes, nodes, 6e4}),
+        .sky = neph_sky_for_march(
+            (struct neph_march_sky_choices){true, true, nodes, nodes, nodes, 6e4, 0}),
     };
     params.sky.tables.field.altitudes = 6;
     params.sky.tables.field.suns = 16;
