@@ -11,6 +11,7 @@
 #include "scenes/emission.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -88,6 +89,8 @@ static const char *find_obstacle_to_slab(const struct neph_scene *scene)
 /* NULL when there is none. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_march_lighting lighting)
 {
+    if (neph_surfaces_obstacle(scene))
+        return neph_surfaces_obstacle(scene);
     if (lighting == NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_MULTIPLE)
         return "multiple scattering";
     if (lighting != NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_SINGLE)

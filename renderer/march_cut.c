@@ -56,6 +56,9 @@ static void fit_similar(struct neph_gpu_medium *medium)
 void neph_march_set_frame(const struct neph_scene *scene, const struct neph_march_params *params,
                           struct neph_gpu_frame *frame)
 {
+    if (params->picture_px[0] > 0)
+        frame->half_width = frame->half_height * (float)params->picture_px[0] /
+                            (float)params->picture_px[1];
     frame->steps = (uint32_t)params->steps;
     frame->sun_steps = (uint32_t)neph_march_sun_steps(scene, params);
     frame->early_out = (float)params->shortcuts.early_out;

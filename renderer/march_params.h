@@ -150,6 +150,7 @@ struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices);
 
 struct neph_march_params {
     int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */
+    int picture_px[2];                  /* whose shape the frame has; 0: square pixels */
     double frame;                       /* of the scene; may be fractional */
     int steps;                          /* per view ray, 1..NEPH_MARCH_STEPS_MAX */
     enum neph_march_mode transmittance; /* along the view ray: layer and in-scattering alike */

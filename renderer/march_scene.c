@@ -173,7 +173,8 @@ static enum neph_status find_light(const struct neph_scene *from, double frame,
                                    struct neph_diag *diag)
 {
     struct neph_dispatch bound = {.group_count = 0};
-    const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m};
+    const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m,
+                                           scene->gpu.frame->half_width};
     neph_gpu_scene_bind(&scene->gpu, &bound);
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 3] = diffuses(scene) ? &scene->diffused_light.field

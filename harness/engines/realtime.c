@@ -139,7 +139,9 @@ static enum neph_status label_cycles(struct neph_image *frame, const struct neph
         double period; /* frames; below 2: none */
     } cycles[] = {
         {"slot", splits ? 4.0 : 0.0},
-        {"TAA jitter", jitters ? values[RT_TAA_JITTER_LENGTH] : 0.0},
+        {"TAA jitter", jitters ? neph_rt_jitter_length((int)values[RT_TAA_JITTER_LENGTH],
+                                                       (int)values[RT_SCREEN_PERCENT])
+                               : 0.0},
         {"ray dither", values[RT_RAY_DITHER_AMOUNT] > 0.0
                            ? neph_rt_dither_period((int)values[RT_RAY_DITHER])
                            : 0.0},
@@ -326,11 +328,9 @@ static void name_targets(uint32_t targets, char *text, size_t size)
 
 static bool describe_pass(int index, struct neph_engine_pass *pass)
 {
-    static const char *const resolutions[] = {[RT_FULL] = "full",
-                                              [RT_HALF] = "half",
-                                              [RT_QUARTER] = "quarter",
-                                              [RT_FROXEL] = "froxels",
-                                              [RT_FROXEL_COLUMN] = "columns"};
+    static const char *const resolutions[] = {
+        [RT_PICTURE] = "picture", [RT_FULL] = "full",      [RT_HALF] = "half",
+        [RT_QUARTER] = "quarter", [RT_FROXEL] = "froxels", [RT_FROXEL_COLUMN] = "columns"};
     const struct neph_rt_pass *record = &neph_rt_passes[index];
     if (!record->name)
         return false;

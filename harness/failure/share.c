@@ -2,53 +2,86 @@
 #include "harness/failure/share.h"
 
 #include "base/interrupt.h"
-#include "harness/progress.h"
 
 #include <errno.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+/* Whoever hears looks up so often, whether somebody tells or not. */
+enum { HEAR_EVERY_MS = 1000 };
 
 /* In memory that all processes see. */
 struct neph_share_board {
     atomic_int next;
-    struct {
-        atomic_int steps;
-        atomic_llong time_us;
-    } told[NEPH_PROGRESS_KINDS];
 };
 
-static struct neph_share_board *make_board(void)
-{
-    void *board = mmap(NULL, sizeof(struct neph_share_board), PROT_READ | PROT_WRITE,
-                       MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    return board == MAP_FAILED ? NULL : board;
-}
+/* The other processes. */
+struct crew {
+    struct neph_share_board *board;
+    int tell_fd, hear_fd; /* ends of a socket that keeps texts apart */
+    pid_t *pids;
+    int count;
+    char *text; /* NEPH_SHARE_TEXT_MAX bytes */
+};
 
 int neph_share_next(struct neph_share *share)
 {
     return share->board ? atomic_fetch_add(&share->board->next, 1) : share->next++;
 }
 
-void neph_share_tell(const struct neph_share *share, int kind, int steps, double seconds)
+void neph_share_tell(const struct neph_share *share, const char *text)
 {
-    if (!share->board)
+    const size_t length = strlen(text);
+    if (!share->board || length >= NEPH_SHARE_TEXT_MAX)
         return;
-    atomic_fetch_add(&share->board->told[kind].steps, steps);
-    atomic_fetch_add(&share->board->told[kind].time_us, (long long)(seconds * 1e6));
+    while (send(share->told_fd, text, length, MSG_NOSIGNAL) < 0 && errno == EINTR)
+        continue;
 }
 
-void neph_share_hear(const struct neph_share *share, int kind, int *steps, double *seconds)
+/* ---- the other processes --------------------------------------------------------------------- */
+
+static enum neph_status open_crew(int jobs, struct crew *crew, struct neph_diag *diag)
 {
-    *steps = share->board ? atomic_exchange(&share->board->told[kind].steps, 0) : 0;
-    *seconds = share->board ? 1e-6 * (double)atomic_exchange(&share->board->told[kind].time_us, 0)
-                            : 0.0;
+    int ends[2];
+    *crew = (struct crew){.tell_fd = -1, .hear_fd = -1};
+    void *board = mmap(NULL, sizeof(struct neph_share_board), PROT_READ | PROT_WRITE,
+                       MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    crew->board = board == MAP_FAILED ? NULL : board;
+    crew->pids = calloc((size_t)jobs, sizeof(*crew->pids));
+    crew->text = malloc(NEPH_SHARE_TEXT_MAX);
+    if (!crew->board || !crew->pids || !crew->text)
+        return neph_fail_memory(diag);
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends))
+        return neph_fail(diag, NEPH_ERR_IO, "processes cannot be heard: %s", strerror(errno));
+    crew->tell_fd = ends[0];
+    crew->hear_fd = ends[1];
+    return NEPH_OK;
+}
+
+static void close_end(int *fd)
+{
+    if (*fd >= 0)
+        close(*fd);
+    *fd = -1;
+}
+
+/* Of all that have ended. */
+static void close_crew(struct crew *crew)
+{
+    if (crew->board)
+        munmap(crew->board, sizeof(*crew->board));
+    free(crew->pids);
+    free(crew->text);
 }
 
 /* In the new process: what is on the way to a file is its parent's to write. */
@@ -61,62 +94,93 @@ static void live(struct neph_share *share, pid_t parent, neph_share_work *work, 
     _exit(EXIT_SUCCESS);
 }
 
-static pid_t start(struct neph_share *share, neph_share_work *work, void *context)
+static enum neph_status start(struct crew *crew, int index, int jobs, neph_share_work *work,
+                              void *context, struct neph_diag *diag)
 {
+    struct neph_share share = {
+        .index = index, .count = jobs, .board = crew->board, .told_fd = crew->tell_fd};
     const pid_t parent = getpid();
     fflush(NULL);
     const pid_t pid = fork();
-    if (pid == 0)
-        live(share, parent, work, context);
-    return pid;
-}
-
-static void end(const pid_t *pids, int count)
-{
-    for (int i = 0; i < count; i++) {
-        if (neph_interrupted())
-            kill(pids[i], SIGTERM);
-        while (waitpid(pids[i], NULL, 0) < 0 && errno == EINTR)
-            if (neph_interrupted())
-                kill(pids[i], SIGTERM);
+    if (pid < 0)
+        return neph_fail(diag, NEPH_ERR_IO, "no process could be started: %s", strerror(errno));
+    if (pid == 0) {
+        close(crew->hear_fd);
+        live(&share, parent, work, context);
     }
+    crew->pids[crew->count++] = pid;
+    return NEPH_OK;
 }
 
-/* The shares beside this process's own. */
-static enum neph_status run_shares(int jobs, pid_t *pids, struct neph_share_board *board,
-                                   neph_share_work *work, void *context, struct neph_diag *diag)
+static void stop_all(const struct crew *crew)
 {
-    struct neph_share own = {.index = 0, .count = jobs, .board = board};
+    for (int i = 0; i < crew->count; i++)
+        kill(crew->pids[i], SIGTERM);
+}
+
+static void wait_for_all(const struct crew *crew)
+{
+    for (int i = 0; i < crew->count; i++)
+        while (waitpid(crew->pids[i], NULL, 0) < 0 && errno == EINTR)
+            continue;
+}
+
+/* ---- hearing --------------------------------------------------------------------------------- */
+
+/* NULL: none for a while, or, when it is over, ever again. */
+static const char *next_text(const struct crew *crew, bool *is_over)
+{
+    struct pollfd told = {.fd = crew->hear_fd, .events = POLLIN};
+    *is_over = false;
+    if (poll(&told, 1, HEAR_EVERY_MS) <= 0) /* a signal ends it, too */
+        return NULL;
+    const ssize_t length = recv(crew->hear_fd, crew->text, NEPH_SHARE_TEXT_MAX - 1, 0);
+    *is_over = length == 0 || (length < 0 && errno != EINTR);
+    if (length <= 0)
+        return NULL;
+    crew->text[length] = '\0';
+    return crew->text;
+}
+
+/* Until nobody is left who could tell. */
+static enum neph_status hear_all(const struct crew *crew, neph_share_hear *hear, void *context,
+                                 struct neph_diag *diag)
+{
     enum neph_status status = NEPH_OK;
-    int count = 0;
-    for (int i = 1; i < jobs && !status; i++) {
-        struct neph_share share = {.index = i, .count = jobs, .board = board};
-        const pid_t pid = start(&share, work, context);
-        if (pid < 0)
-            status = neph_fail(diag, NEPH_ERR_IO, "no process could be started: %s",
-                               strerror(errno));
-        else
-            pids[count++] = pid;
+    bool is_over = false;
+    while (!status && !is_over) {
+        if (neph_interrupted())
+            return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
+        const char *text = next_text(crew, &is_over);
+        status = hear(text, context, diag);
     }
-    if (!status)
-        status = work(&own, context, diag);
-    end(pids, count);
     return status;
 }
 
-enum neph_status neph_shares_run(int jobs, neph_share_work *work, void *context,
-                                 struct neph_diag *diag)
+static enum neph_status run_parts(int jobs, neph_share_work *work, neph_share_hear *hear,
+                                  void *context, struct neph_diag *diag)
 {
-    struct neph_share whole = {.count = 1, .again = jobs > 1};
-    enum neph_status status = NEPH_OK;
-    if (jobs > 1) {
-        pid_t *pids = calloc((size_t)jobs, sizeof(*pids));
-        struct neph_share_board *board = make_board();
-        status = pids && board ? run_shares(jobs, pids, board, work, context, diag)
-                               : neph_fail_memory(diag);
-        if (board)
-            munmap(board, sizeof(*board));
-        free(pids);
+    struct crew crew;
+    enum neph_status status = open_crew(jobs, &crew, diag);
+    for (int i = 0; i < jobs && !status; i++)
+        status = start(&crew, i + 1, jobs, work, context, diag);
+    if (!status) {
+        close_end(&crew.tell_fd); /* that is left to those who tell */
+        status = hear_all(&crew, hear, context, diag);
     }
+    if (status)
+        stop_all(&crew);
+    close_end(&crew.tell_fd);
+    close_end(&crew.hear_fd); /* whoever waits to be heard need not */
+    wait_for_all(&crew);
+    close_crew(&crew);
+    return status;
+}
+
+enum neph_status neph_shares_run(int jobs, neph_share_work *work, neph_share_hear *hear,
+                                 void *context, struct neph_diag *diag)
+{
+    struct neph_share whole = {.count = jobs};
+    const enum neph_status status = jobs > 1 ? run_parts(jobs, work, hear, context, diag) : NEPH_OK;
     return status ? status : work(&whole, context, diag);
 }

@@ -5,12 +5,13 @@
 #include "base/interrupt.h"
 #include "harness/engines/engines.h"
 #include "harness/failure/expectations.h"
+#include "harness/failure/letter.h"
 #include "harness/failure/plan.h"
 #include "harness/failure/share.h"
 #include "harness/failure/trial.h"
 
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 
 /* Guesses before the first is over, on two cores. */
 static const double picture_typical_s = 0.2, take_typical_s = 3.0;
@@ -20,6 +21,7 @@ static const double shown_every_s = 2.0;
 
 struct work {
     struct neph_failure_bench bench;
+    bool is_prepared; /* in this process */
     double start_s, shown_s;
 };
 
@@ -64,22 +66,6 @@ static void expect(struct neph_failure_bench *bench)
     }
 }
 
-/* What is over in this process is told to the one that has the line on the terminal. */
-static void exchange(struct neph_failure_bench *bench, const struct neph_share *share,
-                     const struct neph_progress *before)
-{
-    for (int k = 0; k < NEPH_PROGRESS_KINDS; k++) {
-        int steps = bench->progress.kinds[k].done - before->kinds[k].done;
-        double seconds = bench->progress.kinds[k].spent_s - before->kinds[k].spent_s;
-        if (share->index > 0 && steps > 0)
-            neph_share_tell(share, k, steps, seconds);
-        if (share->index > 0)
-            continue;
-        neph_share_hear(share, k, &steps, &seconds);
-        neph_progress_credit(&bench->progress, k, steps, seconds);
-    }
-}
-
 /* ---- showing --------------------------------------------------------------------------------- */
 
 static enum neph_status show(struct work *work, enum neph_failure_state state,
@@ -109,26 +95,97 @@ static void show_end(struct work *work)
         neph_progress_warn("%s", why.message);
 }
 
+/* ---- letters --------------------------------------------------------------------------------- */
+
+/* Tell of a trial that is over, `before` and `frame_count` being as they were before it. */
+static enum neph_status tell(const struct neph_failure_bench *bench, const struct neph_share *share,
+                             const struct neph_failure_point *point, int column,
+                             const struct neph_progress *before, int frame_count,
+                             struct neph_diag *diag)
+{
+    const struct neph_progress *now = &bench->progress;
+    const int reference = NEPH_FAILURE_KIND_REFERENCE;
+    const struct neph_failure_letter letter = {
+        .first_row = point->first_row,
+        .row_count = point->row_count,
+        .column = column,
+        .frame_count = bench->suite->frame_count - frame_count,
+        .seconds = now->kinds[now->kind].spent_s - before->kinds[now->kind].spent_s,
+        .reference_count = now->kinds[reference].done - before->kinds[reference].done,
+        .reference_s = now->kinds[reference].spent_s - before->kinds[reference].spent_s,
+    };
+    char *text = neph_failure_letter_write(&letter, bench->suite);
+    if (!text)
+        return neph_fail_memory(diag);
+    neph_share_tell(share, text);
+    free(text);
+    return NEPH_OK;
+}
+
+/* What another process has told, as if it were of this one. */
+static enum neph_status read(struct neph_failure_bench *bench, const char *text,
+                             struct neph_diag *diag)
+{
+    struct neph_failure_letter letter;
+    char what[NEPH_FAILURE_NAME_SIZE];
+    enum neph_status status = neph_failure_letter_read(text, bench->suite, &letter, diag);
+    if (status)
+        return status;
+    const struct neph_failure_point point = neph_failure_point_at(bench->suite, letter.first_row);
+    neph_failure_name(bench->suite, &point, letter.column, what);
+    bench->suite->frame_count += letter.frame_count;
+    neph_progress_credit(&bench->progress, NEPH_FAILURE_KIND_REFERENCE, letter.reference_count,
+                         letter.reference_s);
+    bench->progress.kind = neph_failure_kind(bench->suite, letter.column);
+    neph_progress_step(&bench->progress, what, "measured", letter.seconds);
+    neph_progress_begin(&bench->progress, "several at a time");
+    return NEPH_OK;
+}
+
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-static enum neph_status run_point(struct work *work, const struct neph_share *share,
-                                  struct neph_failure_point *point, struct neph_diag *diag)
+static bool is_left(const struct neph_failure_suite *suite, const struct neph_failure_point *point,
+                    int column)
+{
+    for (int r = 0; r < point->row_count; r++)
+        if (suite->rows[point->first_row + r].cells[column].verdict == NEPH_FAILURE_NOT_YET)
+            return true;
+    return false;
+}
+
+static enum neph_status run_column(struct work *work, const struct neph_share *share,
+                                   struct neph_failure_point *point, int column,
+                                   struct neph_diag *diag)
 {
     struct neph_failure_bench *bench = &work->bench;
-    const int number = bench->suite->rows[point->first_row].point_index;
-    enum neph_status status = neph_scene_load_point(point->scene, number, &point->at, diag);
-    for (int c = 0; c < bench->suite->column_count && !status; c++) {
-        const struct neph_progress before = bench->progress;
-        if (!neph_failure_is_asked(bench->suite, point, c))
+    const struct neph_progress before = bench->progress;
+    const int frame_count = bench->suite->frame_count;
+    const enum neph_status status = neph_failure_try(bench, point, column, diag);
+    if (status)
+        return status;
+    return share->index > 0 ? tell(bench, share, point, column, &before, frame_count, diag)
+                            : show(work, NEPH_FAILURE_RUNNING, diag);
+}
+
+/* What is left of it. */
+static enum neph_status run_point(struct work *work, const struct neph_share *share, int row,
+                                  struct neph_diag *diag)
+{
+    const struct neph_failure_suite *suite = work->bench.suite;
+    struct neph_failure_point point = neph_failure_point_at(suite, row);
+    enum neph_status status = NEPH_OK;
+    for (int c = 0; c < suite->column_count && !status; c++) {
+        if (!is_left(suite, &point, c))
             continue;
-        status = neph_failure_try(bench, point, c, diag);
-        exchange(bench, share, &before);
-        if (!status && share->index == 0)
-            status = show(work, NEPH_FAILURE_RUNNING, diag);
+        if (!point.at)
+            status = neph_scene_load_point(point.scene, suite->rows[row].point_index, &point.at,
+                                           diag);
+        if (!status)
+            status = run_column(work, share, &point, c, diag);
     }
-    neph_reference_finish(&point->presets);
-    neph_reference_finish(&point->engines);
-    neph_scene_destroy(point->at);
+    neph_reference_finish(&point.presets);
+    neph_reference_finish(&point.engines);
+    neph_scene_destroy(point.at);
     return status;
 }
 
@@ -156,27 +213,39 @@ static int first_row_of(const struct neph_failure_suite *suite, int number)
     return row;
 }
 
+/* Engines are asked, and the time is guessed, in each process. */
+static void prepare(struct work *work, bool quiet)
+{
+    struct neph_failure_bench *bench = &work->bench;
+    if (work->is_prepared)
+        return;
+    bench->progress = neph_progress_start(quiet, 0);
+    bench->progress.workers = bench->params->jobs;
+    probe(bench);
+    expect(bench);
+    work->is_prepared = true;
+}
+
 /* The points of a share, one after the other. */
 static enum neph_status run_share(struct neph_share *share, void *context, struct neph_diag *diag)
 {
     struct work *work = context;
-    struct neph_failure_bench *bench = &work->bench;
-    struct neph_failure_suite *suite = bench->suite;
+    const struct neph_failure_suite *suite = work->bench.suite;
     enum neph_status status = NEPH_OK;
     int row;
-    bench->again = share->again;
-    bench->progress = neph_progress_start(bench->params->quiet || share->index > 0 || share->again,
-                                          0);
-    bench->progress.workers = share->count;
-    probe(bench);
-    suite->frame_count = 0;
-    expect(bench);
-    while (!status && (row = first_row_of(suite, neph_share_next(share))) < suite->row_count) {
-        struct neph_failure_point point = neph_failure_point_at(suite, row);
-        status = run_point(work, share, &point, diag);
-    }
-    neph_progress_end(&bench->progress);
+    prepare(work, work->bench.params->quiet || share->index > 0);
+    while (!status && (row = first_row_of(suite, neph_share_next(share))) < suite->row_count)
+        status = run_point(work, share, row, diag);
+    neph_progress_end(&work->bench.progress);
     return status;
+}
+
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    struct work *work = context;
+    prepare(work, work->bench.params->quiet);
+    const enum neph_status status = text ? read(&work->bench, text, diag) : NEPH_OK;
+    return status ? status : show(work, NEPH_FAILURE_RUNNING, diag);
 }
 
 enum neph_status neph_failure_run(const struct neph_failure_params *params,
@@ -189,7 +258,7 @@ enum neph_status neph_failure_run(const struct neph_failure_params *params,
     if (!status)
         status = neph_failure_expectations_load(NULL, &work.bench.expectations, diag);
     if (!status)
-        status = neph_shares_run(params->jobs, run_share, &work, diag);
+        status = neph_shares_run(params->jobs, run_share, hear, &work, diag);
     json_decref(work.bench.expectations);
     if (!status)
         status = neph_arena_check(&suite->arena, diag);

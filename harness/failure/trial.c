@@ -44,6 +44,23 @@ bool neph_failure_is_asked(const struct neph_failure_suite *suite,
     return false;
 }
 
+/* ---- names and kinds ------------------------------------------------------------------------- */
+
+void neph_failure_name(const struct neph_failure_suite *suite,
+                       const struct neph_failure_point *point, int column,
+                       char name[NEPH_FAILURE_NAME_SIZE])
+{
+    const char *at = suite->rows[point->first_row].point;
+    snprintf(name, NEPH_FAILURE_NAME_SIZE, "%s%s%s, %s %s", point->scene->name, *at ? " " : "", at,
+             suite->columns[column].is_preset ? "preset" : "engine", suite->columns[column].name);
+}
+
+int neph_failure_kind(const struct neph_failure_suite *suite, int column)
+{
+    return suite->columns[column].is_preset ? NEPH_FAILURE_KIND_TAKE
+                                            : NEPH_FAILURE_KIND_ENGINE + column;
+}
+
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
 /* Everything of a trial that is under way. */
@@ -382,8 +399,7 @@ static enum neph_status run(struct trial *trial, struct neph_diag *diag)
     enum neph_status status = make_job(trial, diag);
     if (!status && !trial->bench->params->on_device)
         status = have_truth(trial, diag);
-    trial->bench->progress.kind = is_preset ? NEPH_FAILURE_KIND_TAKE
-                                            : NEPH_FAILURE_KIND_ENGINE + trial->column;
+    trial->bench->progress.kind = neph_failure_kind(trial->bench->suite, trial->column);
     if (status)
         return status;
     return trial->bench->params->on_device ? watch(trial, diag) : measure(trial, diag);
@@ -429,21 +445,13 @@ static bool is_of_one_column(const struct neph_failure_column *column, enum neph
     return false;
 }
 
-static void describe(const struct trial *trial, char *text, size_t size)
-{
-    const struct neph_failure_column *column = column_of(trial);
-    const char *point = row_of(trial, 0)->point;
-    snprintf(text, size, "%s%s%s, %s %s", trial->point->scene->name, *point ? " " : "", point,
-             column->is_preset ? "preset" : "engine", column->name);
-}
-
 static enum neph_status try(struct trial *trial, const char *what, struct neph_diag *diag)
 {
     struct neph_diag why = {.line = 0};
     enum neph_failure_verdict verdict;
     enum neph_status status = run(trial, &why);
     if (is_of_one_column(column_of(trial), status, &verdict)) {
-        if (neph_failure_is_news(verdict) && !trial->bench->again)
+        if (neph_failure_is_news(verdict))
             neph_progress_warn("%s: %s", what, why.message);
         mark_cells(trial, verdict, why.message);
         return NEPH_OK;
@@ -458,18 +466,16 @@ enum neph_status neph_failure_try(struct neph_failure_bench *bench,
                                   struct neph_diag *diag)
 {
     struct trial trial = {.bench = bench, .point = point, .column = column};
-    char what[256];
+    char what[NEPH_FAILURE_NAME_SIZE];
     const double start_s = neph_wall_s();
-    describe(&trial, what, sizeof(what));
+    neph_failure_name(bench->suite, point, column, what);
     neph_progress_begin(&bench->progress, what);
     enum neph_status status = NEPH_OK;
     if (is_skipped(&trial))
         mark_cells(&trial, NEPH_FAILURE_SKIP, "");
     else
         status = try(&trial, what, diag);
-    bench->progress.kind = bench->suite->columns[column].is_preset
-                               ? NEPH_FAILURE_KIND_TAKE
-                               : NEPH_FAILURE_KIND_ENGINE + column;
+    bench->progress.kind = neph_failure_kind(bench->suite, column);
     if (!status)
         neph_progress_step(&bench->progress, what, "measured", neph_wall_s() - start_s);
     return status;

@@ -19,7 +19,6 @@ struct neph_failure_bench {
     struct neph_failure_suite *suite;
     struct neph_store *store;
     json_t *expectations;
-    bool again; /* all was tried before, by several processes, and told */
     struct neph_progress progress;
     struct neph_engine_info infos[NEPH_FAILURE_COLUMNS_MAX]; /* of the columns */
 };
@@ -39,6 +38,15 @@ struct neph_failure_point neph_failure_point_at(const struct neph_failure_suite 
 /* Whether anything of the point is asked of a column. */
 bool neph_failure_is_asked(const struct neph_failure_suite *suite,
                            const struct neph_failure_point *point, int column);
+
+/* "SCENARIO POINT, preset NAME". */
+enum { NEPH_FAILURE_NAME_SIZE = 256 };
+void neph_failure_name(const struct neph_failure_suite *suite,
+                       const struct neph_failure_point *point, int column,
+                       char name[NEPH_FAILURE_NAME_SIZE]);
+
+/* The kind of progress of a column's trials. */
+int neph_failure_kind(const struct neph_failure_suite *suite, int column);
 
 /* Fill the cells of a column. What breaks or cannot be rendered is in them; what ends the run is
  * returned. */

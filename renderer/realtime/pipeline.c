@@ -30,9 +30,10 @@ struct neph_realtime {
     struct neph_settings settings;
     uint32_t seed;
     uint32_t *noise_ranks; /* owned */
-    struct neph_march_params march;
-    struct neph_march_scene scene; /* of the split frame */
-    struct neph_march *whole;      /* owned; without a split the march of every pixel, else NULL */
+    int picture_px[2];
+    struct neph_march_params march; /* of what is rendered for it */
+    struct neph_march_scene scene;  /* of the split frame */
+    struct neph_march *whole;       /* owned; without a split the march of every pixel, else NULL */
     struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* of the passes that have rays */
     struct neph_buffer states, counters;
     struct neph_rt_device device;
@@ -121,12 +122,36 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
 
 /* --- what can be rendered ------------------------------------------------------------------ */
 
+static bool is_upsampled(const struct neph_settings *settings)
+{
+    return settings->values[RT_SCREEN_PERCENT] < 100.0;
+}
+
+/* False, with the reason, where a smaller picture does not become the whole one. */
+static bool can_upsample(const struct neph_scene *scene, const struct neph_settings *settings,
+                         char *reason, size_t reason_size)
+{
+    const struct neph_injected_view *around = &scene->injections.view;
+    if (settings->values[RT_TAA] == RT_TAA_OFF) {
+        snprintf(reason, reason_size,
+                 "a picture of fewer pixels without anti-aliasing, which makes it larger: taa=on "
+                 "or screen_percent=100");
+        return false;
+    }
+    if (around->left_px + around->top_px + around->right_px + around->bottom_px == 0)
+        return true;
+    snprintf(reason, reason_size,
+             "a picture of fewer pixels within larger buffers (inject.view): screen_percent=100");
+    return false;
+}
+
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {
     const bool has_sky = settings->values[RT_SKY] != 0.0;
     struct neph_sky_split split;
-    if (has_sky && !neph_sky_split(scene, &split, reason, reason_size))
+    if ((has_sky && !neph_sky_split(scene, &split, reason, reason_size)) ||
+        (is_upsampled(settings) && !can_upsample(scene, settings, reason, reason_size)))
         return false;
     for (int i = 0; i < scene->medium_count; i++) {
         if ((has_sky && split.is_air[i]) || !neph_medium_is_coloured(&scene->media[i]))
@@ -207,6 +232,19 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
     };
 }
 
+/* A picture of this size. */
+static void set_size(struct neph_realtime *realtime, int width_px, int height_px)
+{
+    const int percent = choice_of(realtime, RT_SCREEN_PERCENT);
+    struct neph_march_params *march = &realtime->march;
+    march->width_px = neph_rt_rendered_px(width_px, percent);
+    march->height_px = neph_rt_rendered_px(height_px, percent);
+    realtime->picture_px[0] = width_px;
+    realtime->picture_px[1] = height_px;
+    if (is_upsampled(&realtime->settings))
+        memcpy(march->picture_px, realtime->picture_px, sizeof(march->picture_px));
+}
+
 /* How the rays of the passes are cut, and room for those that lie in between. */
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
@@ -232,21 +270,35 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
                                        &realtime->states, diag);
 }
 
+/* What the settings say where it pays alone. */
+static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
+                   struct neph_gpu_view *view)
+{
+    const bool has_taa = choice_of(realtime, RT_TAA) != 0 &&
+                         choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
+    if (scene->mover_count == 0 || !has_taa)
+        view->settings[RT_SOLID_MOTION] = 0.0f;
+    if (has_taa && view->settings[RT_TAA] == (float)RT_TAA_ON &&
+        choice_of(realtime, RT_COMPOSITION) == RT_COMPOSITION_AUTO &&
+        !realtime->vulkan->description.is_cpu)
+        view->settings[RT_COMPOSITION] = RT_COMPOSITION_TAA;
+}
+
 /* Everything that depends on the size. */
 static enum neph_status create_sized(struct neph_realtime *realtime, const struct neph_scene *scene,
                                      struct neph_diag *diag)
 {
     struct neph_gpu_view view;
     const struct neph_injected_view *around = &scene->injections.view;
-    const int size_px[2] = {realtime->march.width_px, realtime->march.height_px};
+    const int *size_px = realtime->picture_px;
     const int origin_px[2] = {around->left_px, around->top_px};
     const int buffer_px[2] = {around->left_px + size_px[0] + around->right_px,
                               around->top_px + size_px[1] + around->bottom_px};
     neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
-    if (scene->mover_count == 0 || choice_of(realtime, RT_TAA) == 0 ||
-        choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE) /* it costs where it does something */
-        view.settings[RT_SOLID_MOTION] = 0.0f;
+    choose(realtime, scene, &view);
+    if (scene->light_count == 0)
+        view.settings[RT_LAMP_PEAKS] = 0.0f;
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
@@ -320,6 +372,7 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
     made->settings = *params->settings;
     made->seed = params->seed;
     made->march = march;
+    set_size(made, params->width_px, params->height_px);
     status = create_once(made, scene, params, diag);
     if (!status)
         status = create_sized(made, scene, diag);
@@ -352,7 +405,7 @@ enum neph_status neph_realtime_resize(struct neph_realtime *realtime,
     if (status)
         return status;
     destroy_sized(realtime);
-    realtime->march = march;
+    set_size(realtime, width_px, height_px);
     realtime->has_past = realtime->has_mirrored_past = false;
     return create_sized(realtime, scene, diag);
 }
@@ -480,6 +533,9 @@ static enum neph_status render_split(struct neph_realtime *realtime,
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
     enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
                                                     &made->moment, &realtime->scene, &cost, diag);
+    if (!status && frame->given && is_upsampled(&realtime->settings))
+        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                           "a given depth has the picture's pixels: set screen_percent=100");
     if (!status && frame->given)
         status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)
@@ -491,19 +547,23 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     return status;
 }
 
-/* What passes there are behind the march of every pixel. */
-static enum neph_status finish(struct neph_realtime *realtime, struct neph_image *image,
+/* What passes there are behind the march of every pixel. `image`: in, what was marched; out, the
+ * picture. */
+static enum neph_status finish(struct neph_realtime *realtime, struct neph_image **image,
                                struct progress *made, struct neph_diag *diag)
 {
     float *rgb[3];
-    neph_image_rgb(image, NULL, rgb);
-    float *const depth_m[3] = {neph_image_channel(image, "Z")};
+    neph_image_rgb(*image, NULL, rgb);
+    float *const depth_m[3] = {neph_image_channel(*image, "Z")};
     made->given = NEPH_RT_BIT(RT_COLOR) | NEPH_RT_BIT(RT_DEPTH);
     enum neph_status status = neph_rt_give(&realtime->device, RT_COLOR, rgb, diag);
     if (!status)
         status = neph_rt_give(&realtime->device, RT_DEPTH, depth_m, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
+    if (!status && is_upsampled(&realtime->settings))
+        status = neph_rt_spread(&realtime->device, image, diag);
+    neph_image_rgb(*image, NULL, rgb);
     if (!status && made->picture)
         status = neph_rt_bring(&realtime->device, made->picture,
                                (float *[4]){rgb[0], rgb[1], rgb[2]}, diag);
@@ -550,7 +610,7 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
     stats->closed_forms = march.closed_forms;
     stats->view_steps = march.view_steps;
     stats->rays = neph_rt_texel_count(realtime->device.view, RT_FULL);
-    status = finish(realtime, marched, made, diag);
+    status = finish(realtime, &marched, made, diag);
     if (status)
         neph_image_destroy(marched);
     else
@@ -745,7 +805,7 @@ static enum neph_status render_resized(struct neph_realtime *realtime,
                                        struct neph_diag *diag)
 {
     const struct neph_realtime_frame own = {frame->scene, frame->frame, NULL};
-    const int width_px = realtime->march.width_px, height_px = realtime->march.height_px;
+    const int width_px = realtime->picture_px[0], height_px = realtime->picture_px[1];
     struct neph_image *image = NULL;
     enum neph_status status = neph_realtime_resize(
         realtime, frame->scene, scaled_px(width_px, scale), scaled_px(height_px, scale), diag);

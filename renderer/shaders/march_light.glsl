@@ -186,6 +186,31 @@ float phase_towards_camera_per_sr[MEDIA_MAX];
 // The scattering coefficients at the point where mixture_at() was last [1/m]; NEEDS_MEDIA alone.
 vec3 scattering_per_m[MEDIA_MAX];
 
+// The phase function with its excess over isotropic cut to a part: for Henyey-Greenstein the mean
+// cosine is, as the authors have it.
+float flattened_phase_per_sr(uint m, float part)
+{
+    if (own(frame.media[m].phase_kind) == PHASE_HENYEY_GREENSTEIN)
+        return henyey_greenstein_per_sr(part * frame.media[m].g, view_direction,
+                                        to_sun());
+    return mix(1.0 / (4.0 * PI), phase_towards_camera_per_sr[m], part);
+}
+
+// Those of the first octaves of an only medium, once for a ray.
+const bool KEEPS_PHASES = LIGHTING == OCTAVES && KNOWN_MEDIA == 1u;
+const uint KEPT_PHASES = 8;
+float kept_phases_per_sr[KEPT_PHASES];
+
+void keep_phases()
+{
+    float part = 1.0; // c^i
+    [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
+        if (i < own(frame.octave_count))
+            kept_phases_per_sr[i] = flattened_phase_per_sr(0, part);
+        part *= frame.octave_factors.z;
+    }
+}
+
 void look_along(ViewRay ray)
 {
     view_origin_m = ray.origin_m;
@@ -193,6 +218,8 @@ void look_along(ViewRay ray)
     [[unroll]] for (uint m = 0; m < media_count(); m++)
         phase_towards_camera_per_sr[m] = phase_per_sr(own(frame.media[m].phase_kind),
                                                       frame.media[m].g, ray.direction, to_sun());
+    if (KEEPS_PHASES)
+        keep_phases();
 }
 
 // Where there is no extinction, nothing scatters or emits: guards all divisions by it.
@@ -229,22 +256,18 @@ Mixture mixture_at(vec3 point_m)
 
 // --- octaves --------------------------------------------------------------------------------
 
-// The phase function with its excess over isotropic cut to a part: for Henyey-Greenstein the mean
-// cosine is, as the authors have it.
-float flattened_phase_per_sr(uint m, float part)
-{
-    if (own(frame.media[m].phase_kind) == PHASE_HENYEY_GREENSTEIN)
-        return henyey_greenstein_per_sr(part * frame.media[m].g, view_direction,
-                                        to_sun());
-    return mix(1.0 / (4.0 * PI), phase_towards_camera_per_sr[m], part);
-}
-
 // Sum over octaves of scattering times phase function times the sun's transmittance [1/(m sr)].
 vec3 octave_scattering(vec3 optical_depth)
 {
     vec3 sum = vec3(0.0);
     vec3 scale = vec3(1.0); // a^i, b^i, c^i
-    for (uint i = 0; i < own(frame.octave_count); i++) {
+    [[unroll]] for (uint i = 0; KEEPS_PHASES && i < KEPT_PHASES; i++) {
+        vec3 octave = scattering_per_m[0] * kept_phases_per_sr[i];
+        if (i < own(frame.octave_count))
+            sum += scale.x * octave * fraction_through(scale.y * optical_depth);
+        scale *= frame.octave_factors;
+    }
+    for (uint i = KEEPS_PHASES ? KEPT_PHASES : 0; i < own(frame.octave_count); i++) {
         vec3 octave = vec3(0.0);
         [[unroll]] for (uint m = 0; m < media_count(); m++)
             octave += scattering_per_m[m] * flattened_phase_per_sr(m, scale.z);

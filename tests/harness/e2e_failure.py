@@ -41,15 +41,39 @@ def page_of(folder):
     return json.loads((folder / "report/data.json").read_text())
 
 
-def data_with(folder, expectations):
-    """A folder of the project's data with other expectations."""
+def data_of(folder, *own):
+    """A folder of the project's data in which some files are to be written anew."""
     data = folder / "data"
-    (data / "scenes/studies").mkdir(parents=True)
-    for name in ("catalog", "failure"):
-        (data / "scenes" / name).symlink_to(ROOT / "scenes" / name)
-    (data / "scripts").symlink_to(ROOT / "scripts")
-    (data / "scenes/studies/failure_expectations.json").write_text(json.dumps(
+    for path in [ROOT / "scripts", *(ROOT / "scenes").rglob("*")]:
+        place = data / path.relative_to(ROOT)
+        if path.is_dir() and path.name != "scripts":
+            place.mkdir(parents=True, exist_ok=True)
+        elif str(path.relative_to(ROOT)) not in own:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.symlink_to(path)
+    return data
+
+
+def data_with(folder, expectations):
+    """Other expectations."""
+    name = "scenes/studies/failure_expectations.json"
+    data = data_of(folder, name)
+    (data / name).write_text(json.dumps(
         {"format": "neph-failure-expectations-1", "expectations": expectations}))
+    return data
+
+
+def data_planted(folder, mutation):
+    """A scenario with something injected, or with other words in its file."""
+    name = f"scenes/failure/{mutation['scene']}.yaml"
+    data = data_of(folder, name)
+    text = (ROOT / name).read_text()
+    for old, new in mutation.get("change", {}).items():
+        assert old in text, f"{name} does not say {old!r}"
+        text = text.replace(old, new)
+    if "inject" in mutation:
+        text += f"inject: {json.dumps(mutation['inject'])}\n"
+    (data / name).write_text(text)
     return data
 
 
@@ -173,6 +197,15 @@ class Runs(unittest.TestCase):
         self.assertEqual(found["fixed"]["value"], 0.0)
         self.assertGreater(found["fixed+validity=off"]["value"], 0.0)
 
+    def test_what_is_not_kept_is_rendered_once(self):
+        """By whichever process: each says one line for each of its results."""
+        done = neph("validate", "--suite", "failure", "-o", self.folder, "--on-device", "--only",
+                    "ray_bad", "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
+                    "--jobs", "2", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["frames"], 64)
+        self.assertEqual(done.stderr.count(": measured"), 2, done.stderr)
+
     def test_at_another_size_bad_values_alone_are_judged(self):
         done = suite(self.folder, "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
                      "--json")
@@ -244,29 +277,109 @@ class Engines(unittest.TestCase):
             self.assertIn(("fog_seam", "falloff_per_m=2", column), cannot)
 
 
+class Quick(unittest.TestCase):
+    @night.of_the_night
+    def test_the_quick_tier_passes_and_is_the_same_twice(self):
+        """Alone, and by four processes at a time."""
+        documents = []
+        for jobs in ("1", "4"):
+            with tempfile.TemporaryDirectory() as folder:
+                done = suite(folder, "--pictures", "none", "--jobs", jobs, "--json")
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            documents.append(json.loads(done.stdout)["results"])
+        self.assertGreater(len(documents[0]), 100)
+        self.assertEqual(documents[0], documents[1])
+
+
+class Results(unittest.TestCase):
+    """scripts/failure over results as the suite writes them."""
+
+    @staticmethod
+    def result(value, verdict, **changes):
+        return {"scene": "fence", "point": "", "measure": "error", "over": "all", "limit": 1.0,
+                "column": "ue", "value": value, "infinite": False, "verdict": verdict, **changes}
+
+    def ask(self, verb, *runs):
+        with tempfile.TemporaryDirectory() as name:
+            paths = [pathlib.Path(name, f"{i}.json") for i in range(len(runs))]
+            for path, results in zip(paths, runs):
+                path.write_text(json.dumps({"device": "d", "seconds": 1.0, "results": results}))
+            return subprocess.run([ROOT / "scripts/failure", verb, *paths], capture_output=True,
+                                  text=True, check=False)
+
+    def test_runs_are_the_same_or_not(self):
+        one = self.result(0.5, "pass")
+        never = self.result(None, "fail", infinite=True)
+        for runs, told, code in (
+                (([one], [one]), "1 cells, 0 verdicts differ, 0 numbers", 0),
+                (([never], [never]), "0 verdicts differ, 0 numbers", 0),
+                (([one], [self.result(0.6, "pass")]), "0 verdicts differ, 1 numbers", 0),
+                (([one], [self.result(1.5, "fail")]), "error/all: 0.5 pass, 1.5 fail, limit 1", 1),
+                (([one], [one], [never]), "1 verdicts differ", 1),
+                (([one], []), "alone", 1),
+                (([], []), "0 cells", 1),
+                (([one],), "", 1)):
+            done = self.ask("same", *runs)
+            self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+            self.assertIn(told, done.stdout)
+
+    def test_a_draft_has_no_reason_and_is_refused(self):
+        bad, worse = self.result(2.0, "fail"), self.result(3.0, "fail", column="unity")
+        lines = self.ask("draft", [bad, worse, self.result(0.5, "unexpected_pass", scene="wind")],
+                         [self.result(0.9, "pass"), worse]).stdout.splitlines()
+        entries = json.loads("[" + "".join(lines[:-1]) + "]")
+        self.assertEqual([(e["presets"], e["is"], e["seen"]) for e in entries],
+                         [(["unity"], "fails", {"unity": "3 3 of 1"}),
+                          (["ue"], "flakes", {"ue": "2 0.9 of 1"})])
+        self.assertEqual(lines[-1], "// wind, ue: error/all: 0.5, unexpected_pass")
+        with tempfile.TemporaryDirectory() as folder:
+            data = data_with(pathlib.Path(folder), entries)
+            done = suite(folder, "--only", "fog_none", NEPH_DATA_DIR=str(data))
+        self.assertEqual(done.returncode, 65, done.stderr)
+        self.assertIn("has no 'reason'", done.stderr)
+
+
 class Interrupted(unittest.TestCase):
+    ONE = ["--only", "fog_none", "--preset", "fixed", "--preset", "ours", "--size", "32x18"]
+    TWO = [*ONE, "--only", "history_first", "--only", "ray_bad", "--preset", "seed", "--jobs", "2"]
+
+    def interrupt(self, folder, words, when):
+        """A run that is interrupted as soon as there is something of it."""
+        command = [NEPH, "validate", "--suite", "failure", "-q", "-o", folder, *words]
+        run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        deadline = time.monotonic() + 120
+        while not when() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        run.send_signal(signal.SIGINT)
+        out, err = run.communicate(timeout=60)
+        self.assertEqual((run.returncode, out), (130, ""), err)
+        self.assertEqual(page_of(folder)["state"], "interrupted")
+        self.assertIn("report so far", err)
+
     def test_what_is_finished_is_not_rendered_again(self):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
-            words = ["--only", "fog_none", "--preset", "fixed", "--preset", "ours", "--size",
-                     "32x18"]
-            command = [NEPH, "validate", "--suite", "failure", "-q", "-o", name, *words]
-            run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True)
-            store, deadline = folder / "store/frames", time.monotonic() + 120
-            while not (store.exists()
-                       and any(store.iterdir())) and time.monotonic() < deadline:
-                time.sleep(0.02)
-            run.send_signal(signal.SIGINT)
-            out, err = run.communicate(timeout=60)
-            self.assertEqual((run.returncode, out), (130, ""), err)
-            self.assertEqual(page_of(folder)["state"], "interrupted")
-            self.assertIn("report so far", err)
+            store = folder / "store/frames"
+            self.interrupt(folder, self.ONE, lambda: store.exists() and any(store.iterdir()))
             kept = {path: path.stat().st_mtime_ns for path in store.iterdir()}
-            done = suite(folder, *words, "--json")
+            done = suite(folder, *self.ONE, "--json")
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertGreaterEqual(len(kept), 1)
             self.assertEqual({path: path.stat().st_mtime_ns for path in kept}, kept)
+
+    def test_the_page_is_of_all_processes(self):
+        """While they run: the process that shows it renders nothing itself."""
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            data = folder / "report/data.json"
+            self.interrupt(folder, self.TWO,
+                           lambda: data.exists() and page_of(folder)["compared"] > 0)
+            told = [r for r in page_of(folder)["results"] if r["verdict"] != "not_yet"]
+            done = suite(folder, *self.TWO, "--json")
+            whole = json.loads(done.stdout)["results"]
+            self.assertGreater(len(whole), len(told))
+            for result in told:
+                self.assertIn(result, whole)
 
 
 class Words(unittest.TestCase):
@@ -298,7 +411,7 @@ class Words(unittest.TestCase):
         for word in ("fails ", "symptom ", "limit       period_4 over all <= 0.002", "pitch_m"):
             self.assertIn(word, done.stdout)
         shown = json.loads(neph("scenes", "fence_tiles", "--json").stdout)["failure"]
-        self.assertEqual((len(shown["points"]), shown["engines"]), (1 + 6 * 3 * 2, False))
+        self.assertEqual((len(shown["points"]), shown["engines"]), (1 + 6 * 3 * 4, False))
         self.assertIn("presets all and engines", neph("scenes", "fog_seam").stdout)
         self.assertIsNone(json.loads(neph("scenes", "fence_sky", "--json").stdout)["failure"])
 
@@ -315,15 +428,20 @@ class Mutations(unittest.TestCase):
                 self.plant(mutation)
 
     def plant(self, mutation):
-        preset = mutation["preset"]
-        mutant = preset + "".join(f"+{setting}" for setting in mutation["settings"].split())
-        done = suite(TEMPORARY.name, "--only", mutation["scene"], "--preset", preset, "--preset",
-                     mutant, "--json")
-        self.assertIn(done.returncode, (0, 1), done.stderr)
-        found = cells(done)
+        """`preset` as it is, then with the fault in its settings or in the scenario."""
+        kind = "-e" if mutation.get("engine") else "--preset"
+        column = mutation.get("engine") or mutation["preset"]
+        mutant = column + "".join(f"+{s}" for s in mutation.get("settings", "").split())
         key = mutation["scene"], mutation["measure"], mutation.get("over", "all")
-        self.assertEqual(found[*key, preset]["verdict"], "pass", found[*key, preset])
-        self.assertEqual(found[*key, mutant]["verdict"], "fail", found[*key, mutant])
+        with tempfile.TemporaryDirectory() as folder:
+            data = data_planted(pathlib.Path(folder), mutation)
+            for name, verdict, where in ((column, "pass", {}),
+                                         (mutant, "fail", {"NEPH_DATA_DIR": str(data)})):
+                done = suite(TEMPORARY.name, "--only", mutation["scene"], kind, name, "--json",
+                             **where)
+                self.assertIn(done.returncode, (0, 1), done.stderr)
+                found = cells(done)[*key, name]
+                self.assertEqual(found["verdict"], verdict, found)
 
 
 class Proofs(unittest.TestCase):
@@ -332,12 +450,12 @@ class Proofs(unittest.TestCase):
 
     def test_each_scenario_fails_for_somebody_or_is_listed(self):
         listed = json.loads((ROOT / "scenes/studies/failure_expectations.json").read_text())
-        engines = {"march", "cycles", "povray"}  # a look is what is under test
+        engines = {"cycles", "povray"}  # witnesses; looks and the march are under test
         proven = ({e["scene"] for e in listed["expectations"]
                    if e["is"] == "fails" and not engines & set(e["presets"])}
                   # a single step is a fault of what marches: it proves no history and no mask
                   | {m["scene"] for m in MUTATIONS["mutations"]
-                     if m["settings"] != "steps=1" or m["measure"] == "energy"})
+                     if m.get("settings") != "steps=1" or m["measure"] == "energy"})
         scenarios = {path.stem for path in (ROOT / "scenes/failure").glob("*.yaml")}
         self.assertEqual(scenarios - proven, set(MUTATIONS["unproven"]))
 

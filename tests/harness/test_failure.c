@@ -9,6 +9,7 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/failure/expectations.h"
+#include "harness/failure/letter.h"
 #include "harness/failure/measures.h"
 #include "harness/failure/plan.h"
 #include "harness/failure/share.h"
@@ -457,26 +458,46 @@ static void test_the_worst_is_first(void **state)
 
 /* ---- shares ---------------------------------------------------------------------------------- */
 
-/* A line for each piece, by one write, which does not interleave. */
+enum { PIECES = 10 };
+
+/* What was told here; a line for each piece that was done anywhere is in a file. */
+struct heard {
+    char path[SCRATCH_PATH_MAX];
+    int times[PIECES];
+    int whole; /* pieces that were done here, in the end */
+};
+
+/* The last piece ends its process before it can tell. */
 static enum neph_status note(struct neph_share *share, void *context, struct neph_diag *diag)
 {
-    int number, steps = 0;
-    double seconds = 0.0;
+    struct heard *heard = context;
+    int number;
     (void)diag;
-    while ((number = neph_share_next(share)) < 10) {
-        FILE *file = fopen(context, "a");
+    while ((number = neph_share_next(share)) < PIECES) {
+        char text[40];
+        FILE *file = fopen(heard->path, "a");
         assert_non_null(file);
-        fprintf(file, "%s: %d\n", share->again ? "again" : "part", number);
+        fprintf(file, "%d;", number); /* by one write, which does not interleave */
         fclose(file);
-        neph_share_tell(share, 3, 1, 0.5);
+        if (share->index > 0 && number == PIECES - 1)
+            _exit(1);
+        snprintf(text, sizeof(text), "%d", number);
+        neph_share_tell(share, text);
+        heard->whole += share->index == 0 && heard->times[number] == 0;
     }
-    if (!share->again && share->index == 0)
-        neph_share_hear(share, 3, &steps, &seconds);
-    assert_true(seconds == 0.5 * steps); /* of those that are over by now */
     return NEPH_OK;
 }
 
-static int count_lines(const char *path, const char *line)
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    struct heard *heard = context;
+    (void)diag;
+    if (text)
+        heard->times[atoi(text)]++;
+    return NEPH_OK;
+}
+
+static int count_in(const char *path, const char *line)
 {
     char *text = NULL;
     size_t size = 0;
@@ -488,19 +509,95 @@ static int count_lines(const char *path, const char *line)
     return count;
 }
 
-static void test_shares_are_the_whole_once_and_then_the_whole(void **state)
+static void test_all_shares_are_heard_and_the_whole_is_there_for_the_rest(void **state)
 {
-    char path[SCRATCH_PATH_MAX];
-    scratch_path(state, path, "notes");
-    assert_int_equal(neph_shares_run(3, note, path, NULL), NEPH_OK);
-    for (int number = 0; number < 10; number++) {
-        char line[40];
-        snprintf(line, sizeof(line), "part: %d\n", number);
-        assert_int_equal(count_lines(path, line), 1);
-        snprintf(line, sizeof(line), "again: %d\n", number);
-        assert_int_equal(count_lines(path, line), 1);
+    struct heard heard = {.whole = 0};
+    scratch_path(state, heard.path, "notes");
+    assert_int_equal(neph_shares_run(3, note, hear, &heard, NULL), NEPH_OK);
+    for (int number = 0; number < PIECES; number++)
+        assert_int_equal(heard.times[number], number < PIECES - 1);
+    assert_int_equal(heard.whole, 1);
+    assert_int_equal(count_in(heard.path, ";"), 2 * PIECES); /* each by one part, and the whole */
+}
+
+static void test_one_job_has_nobody_to_tell(void **state)
+{
+    struct heard heard = {.whole = 0};
+    scratch_path(state, heard.path, "notes");
+    assert_int_equal(neph_shares_run(1, note, hear, &heard, NULL), NEPH_OK);
+    assert_int_equal(heard.whole, PIECES);
+    assert_int_equal(count_in(heard.path, ";"), PIECES);
+}
+
+static enum neph_status hear_nothing(const char *text, void *context, struct neph_diag *diag)
+{
+    (void)context;
+    return text ? neph_fail(diag, NEPH_ERR_IO, "the page cannot be written") : NEPH_OK;
+}
+
+/* Who cannot go on ends the others, also those who are about to tell. */
+static void test_what_fails_here_ends_all(void **state)
+{
+    struct heard heard = {.whole = 0};
+    struct neph_diag diag = {.line = 0};
+    scratch_path(state, heard.path, "notes");
+    assert_int_equal(neph_shares_run(3, note, hear_nothing, &heard, &diag), NEPH_ERR_IO);
+    assert_int_equal(heard.whole, 0);
+}
+
+/* ---- letters --------------------------------------------------------------------------------- */
+
+static void assert_same_cell(const struct neph_failure_cell *a, const struct neph_failure_cell *b)
+{
+    assert_memory_equal(&a->value, &b->value, isnan(a->value) ? 0 : sizeof(a->value));
+    assert_int_equal(isnan(a->value), isnan(b->value));
+    assert_int_equal(a->verdict, b->verdict);
+    assert_string_equal(a->why, b->why);
+    assert_string_equal(a->exhibit ? a->exhibit : "none", b->exhibit ? b->exhibit : "none");
+    assert_string_equal(a->frame_key ? a->frame_key : "none", b->frame_key ? b->frame_key : "none");
+}
+
+static void test_a_letter_has_all_of_its_cells(void **state)
+{
+    (void)state;
+    struct neph_failure_cell told[3][1] = {
+        {{0.1, NEPH_FAILURE_KNOWN_FAIL, "\"why\"\n", "/store/a", "key"}},
+        {{INFINITY, NEPH_FAILURE_FAIL, "", NULL, "key"}},
+        {{NAN, NEPH_FAILURE_NO_NUMBER, "it broke", NULL, NULL}},
+    };
+    struct neph_failure_cell heard[3][1] = {{{NAN, NEPH_FAILURE_NOT_YET, "", NULL, NULL}}};
+    struct neph_failure_row from[3] = {{.cells = NULL}}, to[3] = {{.cells = NULL}};
+    for (int r = 0; r < 3; r++) {
+        from[r].cells = told[r];
+        to[r].cells = heard[r];
     }
-    assert_int_equal(count_lines(path, "\n"), 20);
+    const struct neph_failure_suite teller = {.column_count = 1, .row_count = 3, .rows = from};
+    struct neph_failure_suite hearer = {.column_count = 1, .row_count = 3, .rows = to};
+    const struct neph_failure_letter letter = {
+        .row_count = 3,
+        .frame_count = 32,
+        .seconds = 1.5,
+        .reference_count = 7,
+        .reference_s = 0.25,
+    };
+    struct neph_failure_letter read;
+    struct neph_diag diag = {.line = 0};
+    char *text = neph_failure_letter_write(&letter, &teller);
+    neph_assert_ok(neph_failure_letter_read(text, &hearer, &read, &diag), &diag);
+    assert_int_equal(read.first_row, 0);
+    assert_int_equal(read.row_count, 3);
+    assert_int_equal(read.column, 0);
+    assert_int_equal(read.frame_count, 32);
+    assert_true(read.seconds == 1.5 && read.reference_s == 0.25);
+    assert_int_equal(read.reference_count, 7);
+    for (int r = 0; r < 3; r++)
+        assert_same_cell(&told[r][0], &heard[r][0]);
+    hearer.row_count = 2; /* of another plan */
+    assert_int_equal(neph_failure_letter_read(text, &hearer, &read, &diag), NEPH_ERR_INTERNAL);
+    assert_int_equal(neph_failure_letter_read("{}", &hearer, &read, &diag), NEPH_ERR_INTERNAL);
+    assert_int_equal(neph_failure_letter_read("no", &hearer, &read, &diag), NEPH_ERR_INTERNAL);
+    free(text);
+    neph_arena_finish(&hearer.arena);
 }
 
 int main(void)
@@ -520,7 +617,10 @@ int main(void)
         cmocka_unit_test(test_presets_and_engines_choose_columns),
         cmocka_unit_test(test_engines_are_asked_for_what_is_of_a_picture),
         cmocka_unit_test(test_the_worst_is_first),
-        scratch_test(test_shares_are_the_whole_once_and_then_the_whole),
+        scratch_test(test_all_shares_are_heard_and_the_whole_is_there_for_the_rest),
+        scratch_test(test_one_job_has_nobody_to_tell),
+        scratch_test(test_what_fails_here_ends_all),
+        cmocka_unit_test(test_a_letter_has_all_of_its_cells),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

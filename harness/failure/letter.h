@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a process of a run tells the one that shows it: the cells of a column at a point, as it
+ * found them, and what they took.
+ */
+#ifndef NEPH_HARNESS_FAILURE_LETTER_H
+#define NEPH_HARNESS_FAILURE_LETTER_H
+
+#include "harness/failure/results.h"
+
+struct neph_failure_letter {
+    int first_row, row_count, column; /* whose cells */
+    int frame_count;                  /* of the take */
+    double seconds;                   /* of the trial */
+    int reference_count;              /* pictures of the reference, made or found */
+    double reference_s;
+};
+
+/* Write it, with the cells of `suite`, for the caller to free; NULL when memory is short. */
+char *neph_failure_letter_write(const struct neph_failure_letter *letter,
+                                const struct neph_failure_suite *suite);
+
+/* Read it into the cells of `suite`, which was planned alike. NEPH_ERR_INTERNAL: it is no letter of
+ * such a suite. */
+enum neph_status neph_failure_letter_read(const char *text, struct neph_failure_suite *suite,
+                                          struct neph_failure_letter *letter,
+                                          struct neph_diag *diag);
+
+#endif
