@@ -6,6 +6,8 @@
 #include "tests/renderer/renderer_test.h"
 
 #include "renderer/march.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
 #include "renderer/sky/split.h"
 #include "scenes/solids.h"
 #include "truth/transport.h"
@@ -330,6 +332,51 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
     neph_scene_destroy(scene);
 }
 
+/* --- in real time ----------------------------------------------------------------------------- */
+
+static struct neph_settings realtime_settings(void)
+{
+    static const char *const words[] = {"split=four", "sky=tables",   "sky_columns=8",
+                                        "sky_rows=8", "sky_slices=8", "sky_far_m=6e4"};
+    struct neph_settings settings;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, "off", &settings, &diag),
+        &diag);
+    for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i++)
+        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", words[i], &settings, &diag),
+                       &diag);
+    return settings;
+}
+
+/* Where no cloud is, `realtime` shows what the march does: the sky, and solids through the air, in
+ * one order, for which no table of further ones has to be made. */
+static void test_realtime_has_the_same_sky(void **state)
+{
+    struct neph_scene *scene = load("sky_aerial");
+    struct neph_realtime *realtime = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    scene->scattering = NEPH_SCATTERING_SINGLE;
+    const struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
+    struct neph_image *marched = render(*state, scene, &params);
+    double *values = values_of(marched);
+    const struct neph_settings settings = realtime_settings();
+    const struct neph_realtime_params own = {
+        .width_px = WIDTH, .height_px = HEIGHT, .settings = &settings, .seed = 7};
+    const struct neph_realtime_frame picture = {scene, 0, NULL};
+    neph_assert_ok(neph_realtime_create(*state, scene, &own, &realtime, &diag), &diag);
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+    const double off = distance(image, NULL, values);
+    print_message("the sky in real time: off by %.2g\n", off);
+    assert_true(off < 1e-3); /* halves */
+    free(values);
+    neph_image_destroy(image);
+    neph_image_destroy(marched);
+    neph_realtime_destroy(realtime);
+    neph_scene_destroy(scene);
+}
+
 /* --- refusals --------------------------------------------------------------------------------- */
 
 static void refuses(const struct neph_scene *scene, enum neph_march_lighting lighting,
@@ -378,6 +425,7 @@ int main(void)
         cmocka_unit_test(test_without_clouds_it_is_the_sky),
         cmocka_unit_test(test_aerial_perspective_converges),
         cmocka_unit_test(test_the_sky_lights_a_thin_cloud),
+        cmocka_unit_test(test_realtime_has_the_same_sky),
         cmocka_unit_test(test_says_what_it_cannot),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
