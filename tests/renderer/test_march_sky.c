@@ -336,8 +336,9 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
 
 static struct neph_settings realtime_settings(void)
 {
-    static const char *const words[] = {"split=four", "sky=tables",   "sky_columns=8",
-                                        "sky_rows=8", "sky_slices=8", "sky_far_m=6e4"};
+    static const char *const words[] = {"split=four",   "ray_dither=none", "upscale_dither=none",
+                                        "sky=tables",   "sky_columns=8",   "sky_rows=8",
+                                        "sky_slices=8", "sky_far_m=6e4"};
     struct neph_settings settings;
     struct neph_diag diag = {0};
     neph_assert_ok(
