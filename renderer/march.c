@@ -240,6 +240,7 @@ struct neph_march {
     struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* before them */
     double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];             /* paths of traced light before them */
     struct neph_sky_times skies[NEPH_IN_FLIGHT_FRAMES];     /* and tables of the sky */
+    int home_slot;
 };
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
@@ -508,8 +509,14 @@ enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct
     const enum neph_status status = neph_in_flight_home(march->vulkan, &march->flight, &slot, diag);
     if (status)
         return status;
+    march->home_slot = slot;
     neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);
     *gpu_s = march->flights_gpu_s[slot] + neph_sun_fill_gpu_s(&march->fills[slot]) +
              march->lights_gpu_s[slot] + neph_sky_gpu_s(&march->skies[slot]);
     return NEPH_OK;
+}
+
+struct neph_sky_times neph_march_home_sky(const struct neph_march *march)
+{
+    return march->skies[march->home_slot];
 }

@@ -92,4 +92,7 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
  * in flight. */
 enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct neph_diag *diag);
 
+/* Of the frame that _home told last: its part for the tables of the sky. */
+struct neph_sky_times neph_march_home_sky(const struct neph_march *march);
+
 #endif

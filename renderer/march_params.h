@@ -137,9 +137,16 @@ struct neph_march_sky {
     struct neph_sky_params tables; /* with views and the air before the camera */
 };
 
-/* The tables as engine `sky` has them by default, with the air before the camera. */
-struct neph_march_sky neph_sky_for_march(bool is_on, bool has_shadows,
-                                         struct neph_sky_aerial_params aerial);
+/* What a user says of it. */
+struct neph_march_sky_choices {
+    bool is_on, has_shadows;
+    int columns, rows, slices; /* as struct neph_sky_aerial_params */
+    double far_m;
+    int refill; /* enum neph_sky_refill */
+};
+
+/* All tables but that before the camera are as engine `sky` has them by default. */
+struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices);
 
 struct neph_march_params {
     int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */

@@ -212,7 +212,8 @@ static enum neph_status veil(const struct neph_scene *rest, struct neph_march_sc
     struct neph_dispatch bound = {.group_count = 0};
     neph_march_scene_bind(scene, &bound);
     const enum neph_status status = neph_sky_shade_fill(&scene->sky_shade, rest, &scene->gpu,
-                                                        &bound, &scene->sky, cost->fill, diag);
+                                                        &bound, &scene->sky, cost->fill,
+                                                        &cost->sky->shade_s, diag);
     return status ? status : neph_sky_tables_veil(&scene->sky, cost->sky, diag);
 }
 

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/march_params.h"
 
-struct neph_march_sky neph_sky_for_march(bool is_on, bool has_shadows,
-                                         struct neph_sky_aerial_params aerial)
+struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices)
 {
     return (struct neph_march_sky){
-        .is_on = is_on,
-        .has_shadows = has_shadows,
+        .is_on = choices.is_on,
+        .has_shadows = choices.has_shadows,
         .tables = {.steps = 48,
                    .sun_altitudes = 64,
                    .sun_cosines = 256,
@@ -19,6 +18,7 @@ struct neph_march_sky neph_sky_for_march(bool is_on, bool has_shadows,
                              .around = 6,
                              .steps = 16},
                    .view = {.is_table = true, .elevations = 48, .azimuths = 48},
-                   .aerial = aerial},
+                   .aerial = {choices.columns, choices.rows, choices.slices, choices.far_m},
+                   .refill = (enum neph_sky_refill)choices.refill},
     };
 }

@@ -15,6 +15,7 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
                                                                      *const neph_texel_formats[];
 extern const char *const neph_lights_ahead[], *const neph_cloud_shadows[];
 extern const char *const neph_shadow_planes[], *const neph_skies[], *const neph_switches[];
+extern const char *const neph_sky_refills[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -129,6 +130,13 @@ extern const char *const neph_shadow_planes[], *const neph_skies[], *const neph_
         "sky_shadows", NEPH_OPTION_CHOICE, 1, 0, 0, neph_switches,                                 \
             "sky=tables: media and solids throw shadows on the air of that table; off: the sun "   \
             "is seen from all of it"                                                               \
+    }
+
+#define NEPH_OPTION_SKY_REFILL                                                                     \
+    {                                                                                              \
+        "sky_refill", NEPH_OPTION_CHOICE, 0, 0, 0, neph_sky_refills,                               \
+            "sky=tables: what is filled for each picture: what is stale, or, to measure it, also " \
+            "what is of a camera and a sun, or all tables"                                         \
     }
 
 /* Traced light is no shortcut, but its rows are shared as well. */

@@ -49,7 +49,8 @@ struct work {
     const struct neph_sky_shade *shade;
     const struct neph_kernel *kernel;
     struct neph_dispatch dispatch;
-    struct neph_sun_fill_cost *cost; /* borrowed */
+    struct neph_sun_fill_cost *cost; /* borrowed, as the next */
+    double *gpu_s;
 };
 
 static enum neph_status get_kernel(const struct neph_sky_shade *shade,
@@ -83,7 +84,7 @@ static enum neph_status send_run(const struct neph_gpu_march_run *run, void *con
         status = neph_batch_dispatch(&batch, work->kernel, &work->dispatch, diag);
     if (status)
         return status;
-    neph_batch_stamp(&batch, &work->cost->gpu_s[NEPH_SUN_SKY]);
+    neph_batch_stamp(&batch, work->gpu_s);
     work->cost->dispatches++;
     return neph_batch_send(&batch, "the sky's shadows", diag);
 }
@@ -104,9 +105,10 @@ enum neph_status neph_sky_shade_fill(struct neph_sky_shade *shade, const struct 
                                      const struct neph_gpu_scene *gpu,
                                      const struct neph_dispatch *bound,
                                      struct neph_sky_tables *tables,
-                                     struct neph_sun_fill_cost *cost, struct neph_diag *diag)
+                                     struct neph_sun_fill_cost *cost, double *gpu_s,
+                                     struct neph_diag *diag)
 {
-    struct work work = {.shade = shade, .dispatch = *bound, .cost = cost};
+    struct work work = {.shade = shade, .dispatch = *bound, .cost = cost, .gpu_s = gpu_s};
     if (!shade->vulkan || is_as_before(shade, rest, tables))
         return NEPH_OK;
     tables->has_aerial = false;

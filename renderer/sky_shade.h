@@ -31,11 +31,13 @@ enum neph_status neph_sky_shade_create(struct neph_vulkan *vulkan, const struct 
 void neph_sky_shade_destroy(struct neph_sky_shade *shade);
 
 /* Send it on its way, `bound` to what a march is bound to, and make the table of air stale; nothing
- * where all is as it was. Costs as of neph_sun_fill_run(). */
+ * where all is as it was. What is counted goes to `cost`, the device's time is added to `*gpu_s`;
+ * both are borrowed until the frame is home. Errors as of neph_march_frame(). */
 enum neph_status neph_sky_shade_fill(struct neph_sky_shade *shade, const struct neph_scene *rest,
                                      const struct neph_gpu_scene *gpu,
                                      const struct neph_dispatch *bound,
                                      struct neph_sky_tables *tables,
-                                     struct neph_sun_fill_cost *cost, struct neph_diag *diag);
+                                     struct neph_sun_fill_cost *cost, double *gpu_s,
+                                     struct neph_diag *diag);
 
 #endif

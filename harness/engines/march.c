@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/own_cost.h"
+#include "harness/engines/sky_passes.h"
 #include "renderer/march_average.h"
 #include "renderer/shortcuts.h"
 
@@ -46,6 +47,7 @@ enum {
     OPTION_SKY_SLICES,
     OPTION_SKY_FAR,
     OPTION_SKY_SHADOWS,
+    OPTION_SKY_REFILL,
     OPTION_LIGHT_TEXEL, /* from here on of march_traced alone */
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
@@ -103,7 +105,7 @@ enum {
     [OPTION_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE, [OPTION_SKY] = NEPH_OPTION_SKY,  \
     [OPTION_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS, [OPTION_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,      \
     [OPTION_SKY_SLICES] = NEPH_OPTION_SKY_SLICES, [OPTION_SKY_FAR] = NEPH_OPTION_SKY_FAR,          \
-    [OPTION_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS
+    [OPTION_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS, [OPTION_SKY_REFILL] = NEPH_OPTION_SKY_REFILL
 
 static const struct neph_option options[] = {OPTIONS_OF_ALL, {.name = NULL}};
 
@@ -216,11 +218,13 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                                      int)values[OPTION_CLOUD_SHADOW_PLANE]}},
     };
     params.sky = neph_sky_for_march(
-        values[OPTION_SKY] != 0.0, values[OPTION_SKY_SHADOWS] != 0.0,
-        (struct neph_sky_aerial_params){.columns = (int)values[OPTION_SKY_COLUMNS],
+        (struct neph_march_sky_choices){.is_on = values[OPTION_SKY] != 0.0,
+                                        .has_shadows = values[OPTION_SKY_SHADOWS] != 0.0,
+                                        .columns = (int)values[OPTION_SKY_COLUMNS],
                                         .rows = (int)values[OPTION_SKY_ROWS],
                                         .slices = (int)values[OPTION_SKY_SLICES],
-                                        .far_m = values[OPTION_SKY_FAR]});
+                                        .far_m = values[OPTION_SKY_FAR],
+                                        .refill = (int)values[OPTION_SKY_REFILL]});
     if (sequence->lighting == NEPH_MARCH_TRACED) {
         params.light = light_of(shot);
         params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_AHEAD_CELLS],
@@ -295,20 +299,23 @@ static enum neph_status send(void *opened, const struct neph_shot *shot, struct 
     return status;
 }
 
-/* All is one pass. What it moves of grids is not known. */
+/* All is one pass but the tables of the sky. What it moves of grids is not known. */
 static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
 {
     struct sequence *sequence = opened;
     double gpu_s;
     const enum neph_status status = neph_march_home(sequence->march, &gpu_s, diag);
-    if (!status)
-        *cost = (struct neph_flight_cost){
-            .gpu_s = gpu_s,
-            .cpu_s = sequence->sent_s[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX],
-            .pass_count = 1,
-            .passes = {{.name = "march", .gpu_s = gpu_s, .traffic_bytes = NAN}},
-        };
-    return status;
+    if (status)
+        return status;
+    const struct neph_sky_times sky = neph_march_home_sky(sequence->march);
+    *cost = (struct neph_flight_cost){
+        .gpu_s = gpu_s,
+        .cpu_s = sequence->sent_s[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX],
+        .pass_count = 1,
+        .passes = {{.name = "march", .gpu_s = gpu_s - neph_sky_gpu_s(&sky), .traffic_bytes = NAN}},
+    };
+    neph_sky_passes_add(&sky, cost);
+    return NEPH_OK;
 }
 
 /* A picture alone pays for what it is set up with. */

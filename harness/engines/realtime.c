@@ -9,6 +9,7 @@
 #include "harness/data.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/own_cost.h"
+#include "harness/engines/sky_passes.h"
 #include "metrics/extractors/cycle_frequency.h"
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/options.h"
@@ -113,7 +114,7 @@ static enum neph_status label_passes(struct neph_image *frame,
     if (!status && stats->shadow_gpu_s > 0.0)
         status = neph_frame_stats_set(frame, "cloud_shadow_gpu_ms", 1e3 * stats->shadow_gpu_s,
                                       diag);
-    const double sky_s = neph_sky_gpu_s(&stats->sky) + stats->sky_shade_gpu_s;
+    const double sky_s = neph_sky_gpu_s(&stats->sky);
     if (!status && sky_s > 0.0)
         status = neph_frame_stats_set(frame, "sky_gpu_ms", 1e3 * sky_s, diag);
     return status;
@@ -271,9 +272,9 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
         cost->passes[i].traffic_bytes = of_targets(stats.pass_traffic_bytes[i]);
         cost->pass_count = i + 1;
     }
+    neph_sky_passes_add(&stats.sky, cost);
     add_before("higher orders", stats.light_gpu_s, cost);
     add_before("cloud shadow", stats.shadow_gpu_s, cost);
-    add_before("sky", neph_sky_gpu_s(&stats.sky) + stats.sky_shade_gpu_s, cost);
     return NEPH_OK;
 }
 

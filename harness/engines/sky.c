@@ -5,13 +5,18 @@
  */
 #include "harness/engines/engines.h"
 
+#include "base/clock.h"
 #include "base/threads.h"
+#include "harness/engines/frame_stats.h"
 #include "harness/engines/own_cost.h"
+#include "harness/engines/sky_passes.h"
 #include "harness/engines/vulkan_device.h"
+#include "renderer/shortcuts.h"
 #include "renderer/sky/device.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 enum {
     OPTION_ON,
@@ -30,6 +35,7 @@ enum {
     OPTION_TABLE_STEPS,
     OPTION_SUN_ALTITUDES,
     OPTION_SUN_COSINES,
+    OPTION_REFILL,
 };
 
 static const char *const views[] = {"walk", "table", NULL};
@@ -73,6 +79,10 @@ static const struct neph_option options[] = {
                               "nodes of the table of transmittance to the sun"},
     [OPTION_SUN_COSINES] = {"sun_cosines", NEPH_OPTION_INTEGER, 256, 2, 4096, NULL,
                             "nodes of that table: cosines of the sun"},
+    [OPTION_REFILL] =
+        {"refill", NEPH_OPTION_CHOICE, 0, 0, 0, neph_sky_refills,
+         "with on=device, what is filled for each picture of many: what is stale, or, "
+         "to measure it, also the table of views, or all tables"},
     {.name = NULL},
 };
 
@@ -94,6 +104,7 @@ static struct neph_sky_params params_of(const struct neph_settings *settings)
                   .below = (int)v[OPTION_BELOW],
                   .around = (int)v[OPTION_AROUND],
                   .steps = (int)v[OPTION_TABLE_STEPS]},
+        .refill = (enum neph_sky_refill)(int)v[OPTION_REFILL],
     };
 }
 
@@ -178,52 +189,161 @@ static enum neph_status label(struct neph_image *frame, const struct neph_sky_st
     const struct {
         const char *name;
         double seconds;
-    } rows[] = {{"neph.stats.sky_tables_ms", stats->tables_s},
-                {"neph.stats.sky_view_ms", stats->view_s},
-                {"neph.stats.sky_picture_ms", stats->picture_s}};
+    } rows[] = {{"sky_tables_ms", stats->tables.air_s},
+                {"sky_view_ms", stats->tables.view_s},
+                {"sky_picture_ms", stats->picture_s}};
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]) && !status; i++)
-        status = neph_image_set_attribute(frame, rows[i].name, diag, "%.4f", 1e3 * rows[i].seconds);
+        status = neph_frame_stats_set(frame, rows[i].name, 1e3 * rows[i].seconds, diag);
     return status;
 }
 
-static enum neph_status render_on_device(const struct neph_shot *shot,
-                                         const struct neph_sky_params *params,
-                                         struct neph_image **frame, double *gpu_s,
-                                         struct neph_diag *diag)
+/* ---- pictures in a row ----------------------------------------------------------------------- */
+
+struct sequence {
+    struct neph_vulkan *vulkan;         /* NULL: on the CPU */
+    struct neph_sky_pictures *pictures; /* of this size */
+    int width_px, height_px;
+    int sent, home; /* pictures that went on their way, and those no longer on it */
+    double sent_s[NEPH_FLIGHT_PICTURES_MAX]; /* the CPU's part of each, by number */
+};
+
+static void close_sequence(void *opened)
 {
-    struct neph_vulkan *vulkan = NULL;
+    struct sequence *sequence = opened;
+    if (!sequence)
+        return;
+    neph_sky_pictures_destroy(sequence->pictures);
+    neph_vulkan_destroy(sequence->vulkan);
+    free(sequence);
+}
+
+static bool is_on_device(const struct neph_shot *shot)
+{
+    return shot->settings.values[OPTION_ON] != 0.0;
+}
+
+static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
+                               struct neph_diag *diag)
+{
+    const struct neph_sky_params params = params_of(&shot->settings);
+    neph_sky_pictures_destroy(sequence->pictures);
+    sequence->pictures = NULL;
+    sequence->width_px = shot->width_px;
+    sequence->height_px = shot->height_px;
+    return neph_sky_pictures_create(sequence->vulkan, shot->scene, &params, shot->width_px,
+                                    shot->height_px, &sequence->pictures, diag);
+}
+
+static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
+                                      struct neph_diag *diag)
+{
+    struct sequence *sequence = calloc(1, sizeof(*sequence));
+    if (!sequence)
+        return neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
+    if (is_on_device(shot))
+        status = neph_vulkan_open(&sequence->vulkan, diag);
+    if (!status && sequence->vulkan)
+        status = set_up(sequence, shot, diag);
+    if (status)
+        close_sequence(sequence);
+    else
+        *opened = sequence;
+    return status;
+}
+
+static enum neph_status picture_on_device(struct sequence *sequence, const struct neph_shot *shot,
+                                          struct neph_image **frame, double *gpu_s,
+                                          struct neph_diag *diag)
+{
     struct neph_image *image = NULL;
     struct neph_sky_stats stats;
-    enum neph_status status = neph_vulkan_open(&vulkan, diag);
+    sequence->home = sequence->sent; /* those in flight are forgotten */
+    const bool fits = shot->width_px == sequence->width_px &&
+                      shot->height_px == sequence->height_px && sequence->pictures;
+    enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
     if (!status)
-        status = neph_sky_device_render(vulkan, shot->scene, params, shot->frame, shot->width_px,
-                                        shot->height_px, &image, &stats, diag);
+        status = neph_sky_pictures_frame(sequence->pictures, shot->scene, shot->frame, &image,
+                                         &stats, diag);
     if (!status)
         status = label(image, &stats, diag);
-    neph_vulkan_destroy(vulkan);
     if (status) {
         neph_image_destroy(image);
         return status;
     }
-    *gpu_s = stats.tables_s + stats.view_s + stats.picture_s;
+    *gpu_s = neph_sky_gpu_s(&stats.tables) + stats.picture_s;
     *frame = image;
     return NEPH_OK;
 }
 
-static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
-                               struct neph_cost *cost, struct neph_diag *diag)
+static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
+                                     struct neph_image **frame, struct neph_cost *cost,
+                                     struct neph_diag *diag)
 {
+    struct sequence *sequence = opened;
     const struct neph_stopwatch start = neph_stopwatch_start();
     const struct neph_sky_params params = params_of(&shot->settings);
     double gpu_s = NAN;
-    const enum neph_status status = shot->settings.values[OPTION_ON] != 0.0
-                                        ? render_on_device(shot, &params, frame, &gpu_s, diag)
+    const enum neph_status status = sequence->vulkan
+                                        ? picture_on_device(sequence, shot, frame, &gpu_s, diag)
                                         : render_on_cpu(shot, &params, frame, diag);
     if (!status)
         *cost = neph_own_cost(start, gpu_s);
     return status;
 }
+
+static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    if (!sequence->vulkan)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "a sky on the CPU is never in flight: set on=device");
+    const double start_s = neph_wall_s();
+    const enum neph_status status = neph_sky_pictures_frame(sequence->pictures, shot->scene,
+                                                            shot->frame, NULL, NULL, diag);
+    if (!status)
+        sequence->sent_s[sequence->sent++ % NEPH_FLIGHT_PICTURES_MAX] = neph_wall_s() - start_s;
+    return status;
+}
+
+static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    struct neph_sky_stats stats;
+    const enum neph_status status = neph_sky_pictures_home(sequence->pictures, &stats, diag);
+    if (status)
+        return status;
+    *cost = (struct neph_flight_cost){
+        .gpu_s = neph_sky_gpu_s(&stats.tables) + stats.picture_s,
+        .cpu_s = sequence->sent_s[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX],
+        .pass_count = 1,
+        .passes = {{.name = "sky picture", .gpu_s = stats.picture_s, .traffic_bytes = NAN}},
+    };
+    neph_sky_passes_add(&stats.tables, cost);
+    return NEPH_OK;
+}
+
+/* A picture alone pays for what it is set up with. */
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    const struct neph_stopwatch start = neph_stopwatch_start();
+    void *sequence = NULL;
+    enum neph_status status = open_sequence(shot, &sequence, diag);
+    if (!status)
+        status = next_picture(sequence, shot, frame, cost, diag);
+    close_sequence(sequence);
+    if (!status)
+        *cost = neph_own_cost(start, is_on_device(shot) ? cost->render_s : NAN);
+    return status;
+}
+
+static const struct neph_engine_sequence sequence_of_sky = {.open = open_sequence,
+                                                            .next = next_picture,
+                                                            .send = send,
+                                                            .home = home,
+                                                            .close = close_sequence};
 
 /* ---- the table ------------------------------------------------------------------------------- */
 
@@ -263,4 +383,5 @@ const struct neph_engine neph_engine_sky = {
     .probe = probe,
     .can_render = can_render,
     .render = render,
+    .sequence = &sequence_of_sky,
 };

@@ -2,6 +2,7 @@
 #include "harness/report/step_depth.h"
 
 #include "base/files.h"
+#include "renderer/sky/split.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
@@ -135,12 +136,36 @@ static double most_of_moment(const struct neph_shot *shot, bool shared, int step
     return most;
 }
 
+/* Whether the engine takes the scene's air from tables (sky=tables): that is not marched. */
+static bool is_without_air(const struct neph_shot *shot, const struct neph_engine *engine,
+                           struct neph_scene *rest)
+{
+    struct neph_sky_split split;
+    char reason[256];
+    const int sky = neph_option_find(engine->options, "sky");
+    if (sky < 0 || shot->settings.values[sky] == 0.0 ||
+        !neph_sky_split(shot->scene, &split, reason, sizeof(reason)))
+        return false;
+    *rest = neph_sky_rest(shot->scene, &split);
+    return true;
+}
+
+static double most_of_shot(const struct neph_shot *shot, const struct neph_engine *engine,
+                           bool shared)
+{
+    const int steps = (int)neph_setting(engine, &shot->settings, engine->step.option);
+    struct neph_scene rest;
+    struct neph_shot marched = *shot;
+    if (is_without_air(shot, engine, &rest))
+        marched.scene = &rest;
+    return most_of_moment(&marched, shared, steps);
+}
+
 double neph_step_depth(const struct neph_shot *shot, const struct neph_engine *engine)
 {
     for (size_t i = 0; engine->step.option && i < sizeof(marchers) / sizeof(marchers[0]); i++)
         if (strcmp(engine->step.option, marchers[i].option) == 0)
-            return most_of_moment(shot, marchers[i].shared,
-                                  (int)neph_setting(engine, &shot->settings, engine->step.option));
+            return most_of_shot(shot, engine, marchers[i].shared);
     return NAN;
 }
 

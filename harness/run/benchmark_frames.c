@@ -122,6 +122,17 @@ static enum neph_status relative_rmse(const struct neph_image *image,
     return NEPH_OK;
 }
 
+/* A sky from tables or none is no shortcut: the reference has the same. */
+static void keep_sky(const struct neph_job *job, struct neph_job *reference)
+{
+    const struct neph_option *options = reference->engine->options;
+    for (int i = 0; options[i].name; i++) {
+        const int own = neph_option_find(job->engine->options, options[i].name);
+        if (own >= 0 && strncmp(options[i].name, "sky", 3) == 0)
+            reference->shot.settings.values[i] = job->shot.settings.values[own];
+    }
+}
+
 static enum neph_status measure_error(struct neph_benchmark_frames_engine *engine,
                                       const struct neph_image *image, int frame,
                                       struct neph_diag *diag)
@@ -133,6 +144,7 @@ static enum neph_status measure_error(struct neph_benchmark_frames_engine *engin
     job.sequence = NULL;
     job.shot.frame = frame;
     job.shot.settings = neph_settings_default(job.engine);
+    keep_sky(&engine->job, &job);
     enum neph_status status = neph_job_render(&job, &reference, &cost, diag);
     if (!status)
         status = relative_rmse(image, reference, &engine->error, diag);

@@ -489,5 +489,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_ATROUS_DEPTH] = REAL("atrous_depth", 0.1, 1e-4, 10,
                              "with atrous, difference of depth that counts by 1 / e, in parts of "
                              "the depth"),
+    [RT_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,
     {.name = NULL},
 };

@@ -227,11 +227,13 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
                       .cycles = (int)values[RT_DIFFUSION_CYCLES]},
         .sky = neph_sky_for_march(
-            values[RT_SKY] != 0.0, values[RT_SKY_SHADOWS] != 0.0,
-            (struct neph_sky_aerial_params){.columns = (int)values[RT_SKY_COLUMNS],
+            (struct neph_march_sky_choices){.is_on = values[RT_SKY] != 0.0,
+                                            .has_shadows = values[RT_SKY_SHADOWS] != 0.0,
+                                            .columns = (int)values[RT_SKY_COLUMNS],
                                             .rows = (int)values[RT_SKY_ROWS],
                                             .slices = (int)values[RT_SKY_SLICES],
-                                            .far_m = values[RT_SKY_FAR_M]}),
+                                            .far_m = values[RT_SKY_FAR_M],
+                                            .refill = (int)values[RT_SKY_REFILL]}),
     };
 }
 
@@ -668,7 +670,6 @@ static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_fi
     stats->gpu_s += neph_sun_fill_gpu_s(fill);
     stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s[NEPH_SUN_CACHE];
     stats->shadow_gpu_s = fill->gpu_s[NEPH_SUN_MAP];
-    stats->sky_shade_gpu_s = fill->gpu_s[NEPH_SUN_SKY];
     stats->density_evaluations += evaluations;
     stats->closed_forms += closed_forms;
 }

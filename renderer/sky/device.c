@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static const uint32_t picture_spirv[] = {
 #include "shaders/sky_picture.comp.inc"
@@ -12,14 +13,14 @@ static const uint32_t picture_spirv[] = {
 
 enum { local_size = 64, PART_PIXELS = 1 << 20, BUFFERS = NEPH_SKY_BUFFERS + 1 };
 
-struct work {
-    struct neph_vulkan *vulkan;
+struct neph_sky_pictures {
+    struct neph_vulkan *vulkan; /* borrowed */
     struct neph_sky_tables tables;
-    struct neph_sky_times times;
     const struct neph_kernel *kernel;
     struct neph_buffer pixels, readback;
-    size_t pixel_count;
-    struct neph_sky_stats stats;
+    int width_px, height_px;
+    struct neph_in_flight flight;
+    struct neph_sky_stats flights[NEPH_IN_FLIGHT_FRAMES];
 };
 
 /* --- what can be rendered --------------------------------------------------------------------- */
@@ -37,7 +38,7 @@ bool neph_sky_device_can(const struct neph_scene *scene, const struct neph_sky_p
     return !obstacle;
 }
 
-/* --- a picture -------------------------------------------------------------------------------- */
+/* --- layers ----------------------------------------------------------------------------------- */
 
 struct layers {
     float *radiance[3], *volume[3], *transmittance[3], *depth;
@@ -70,99 +71,171 @@ static void take_part(const struct neph_gpu_sky_pixel *pixels, size_t first, siz
     }
 }
 
-static size_t part_pixels(const struct work *work)
+/* --- making ----------------------------------------------------------------------------------- */
+
+static size_t pixel_count(const struct neph_sky_pictures *pictures)
 {
-    return work->pixel_count < PART_PIXELS ? work->pixel_count : PART_PIXELS;
+    return (size_t)pictures->width_px * (size_t)pictures->height_px;
 }
 
-static enum neph_status prepare(struct work *work, struct neph_diag *diag)
+static size_t part_pixels(const struct neph_sky_pictures *pictures)
+{
+    return pixel_count(pictures) < PART_PIXELS ? pixel_count(pictures) : PART_PIXELS;
+}
+
+static enum neph_status prepare(struct neph_sky_pictures *pictures, struct neph_diag *diag)
 {
     const struct neph_kernel_params params = {.name = "sky_picture",
                                               .spirv = picture_spirv,
                                               .spirv_size_bytes = sizeof(picture_spirv),
                                               .buffer_count = BUFFERS,
                                               .push_size_bytes = sizeof(struct neph_gpu_sky_part)};
-    const size_t bytes = part_pixels(work) * sizeof(struct neph_gpu_sky_pixel);
-    enum neph_status status = neph_buffer_create(work->vulkan, NEPH_BUFFER_DEVICE, bytes,
-                                                 "sky pixels", &work->pixels, diag);
+    const size_t bytes = part_pixels(pictures) * sizeof(struct neph_gpu_sky_pixel);
+    enum neph_status status = neph_buffer_create(pictures->vulkan, NEPH_BUFFER_DEVICE, bytes,
+                                                 "sky pixels", &pictures->pixels, diag);
     if (!status)
-        status = neph_buffer_create(work->vulkan, NEPH_BUFFER_READBACK, bytes, "sky readback",
-                                    &work->readback, diag);
-    return status ? status : neph_kernel_get(work->vulkan, &params, &work->kernel, diag);
+        status = neph_buffer_create(pictures->vulkan, NEPH_BUFFER_READBACK, bytes, "sky readback",
+                                    &pictures->readback, diag);
+    return status ? status : neph_kernel_get(pictures->vulkan, &params, &pictures->kernel, diag);
 }
 
-static enum neph_status show_part(struct work *work, struct neph_gpu_sky_part part,
-                                  struct neph_diag *diag)
+enum neph_status neph_sky_pictures_create(struct neph_vulkan *vulkan,
+                                          const struct neph_scene *scene,
+                                          const struct neph_sky_params *params, int width_px,
+                                          int height_px, struct neph_sky_pictures **pictures,
+                                          struct neph_diag *diag)
 {
-    double gpu_s = 0.0;
-    const struct neph_dispatch dispatch = {
-        .buffers = {&work->tables.told, &work->tables.nodes, &work->pixels},
-        .push = &part,
-        .group_count = (part.pixel_count + local_size - 1) / local_size,
-        .copy_from = &work->pixels,
-        .copy_to = &work->readback,
-        .copy_size_bytes = part.pixel_count * sizeof(struct neph_gpu_sky_pixel),
-    };
-    const enum neph_status status = neph_kernel_run(work->vulkan, work->kernel, &dispatch, &gpu_s,
-                                                    diag);
-    work->stats.picture_s += gpu_s;
+    char reason[200];
+    struct neph_sky_air air;
+    if (!neph_sky_device_can(scene, params, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "engine sky has nothing for %s", reason);
+    neph_sky_air_of(scene, &air, reason, sizeof(reason));
+    struct neph_sky_pictures *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->vulkan = vulkan;
+    made->width_px = width_px;
+    made->height_px = height_px;
+    enum neph_status status = neph_sky_tables_create(vulkan, &air, scene->scattering, params,
+                                                     &made->tables, diag);
+    if (!status)
+        status = prepare(made, diag);
+    if (status)
+        neph_sky_pictures_destroy(made);
+    else
+        *pictures = made;
     return status;
 }
 
-static enum neph_status show(struct work *work, struct neph_image *image, struct neph_diag *diag)
+void neph_sky_pictures_destroy(struct neph_sky_pictures *pictures)
 {
-    struct layers layers;
-    enum neph_status status = add_layers(image, &layers, diag);
-    for (size_t first = 0; first < work->pixel_count && !status; first += PART_PIXELS) {
-        const size_t left = work->pixel_count - first;
+    if (!pictures)
+        return;
+    neph_buffer_destroy(pictures->vulkan, &pictures->readback);
+    neph_buffer_destroy(pictures->vulkan, &pictures->pixels);
+    neph_sky_tables_destroy(&pictures->tables);
+    free(pictures);
+}
+
+/* --- a picture -------------------------------------------------------------------------------- */
+
+static enum neph_status send_part(struct neph_sky_pictures *pictures, struct neph_gpu_sky_part part,
+                                  double *gpu_s, struct neph_diag *diag)
+{
+    const struct neph_dispatch dispatch = {
+        .buffers = {&pictures->tables.told, &pictures->tables.nodes, &pictures->pixels},
+        .push = &part,
+        .group_count = (part.pixel_count + local_size - 1) / local_size,
+    };
+    struct neph_batch batch;
+    enum neph_status status = neph_batch_begin(pictures->vulkan, &batch, diag);
+    if (!status)
+        status = neph_batch_dispatch(&batch, pictures->kernel, &dispatch, diag);
+    if (status)
+        return status;
+    neph_batch_stamp(&batch, gpu_s);
+    return neph_batch_send(&batch, "the sky", diag);
+}
+
+/* All parts, and into the layers of an image where there is one. */
+static enum neph_status show(struct neph_sky_pictures *pictures, const struct layers *layers,
+                             double *gpu_s, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (size_t first = 0; first < pixel_count(pictures) && !status; first += PART_PIXELS) {
+        const size_t left = pixel_count(pictures) - first;
         const size_t count = left < PART_PIXELS ? left : PART_PIXELS;
-        status = show_part(work, (struct neph_gpu_sky_part){(uint32_t)first, (uint32_t)count},
-                           diag);
-        if (!status)
-            take_part(work->readback.mapped, first, count, &layers);
+        status = send_part(pictures, (struct neph_gpu_sky_part){(uint32_t)first, (uint32_t)count},
+                           gpu_s, diag);
+        if (!status && layers)
+            status = neph_buffer_download(pictures->vulkan, &pictures->pixels, &pictures->readback,
+                                          count * sizeof(struct neph_gpu_sky_pixel), diag);
+        if (!status && layers)
+            take_part(pictures->readback.mapped, first, count, layers);
     }
     return status;
 }
 
-static void finish(struct work *work)
+static enum neph_status send_picture(struct neph_sky_pictures *pictures,
+                                     const struct neph_scene *scene, double frame,
+                                     const struct layers *layers, struct neph_sky_stats **stats,
+                                     struct neph_diag *diag)
 {
-    neph_buffer_destroy(work->vulkan, &work->readback);
-    neph_buffer_destroy(work->vulkan, &work->pixels);
-    neph_sky_tables_destroy(&work->tables); /* waits: times are told then */
-    work->stats.tables_s = work->times.air_s;
-    work->stats.view_s = work->times.view_s;
+    const struct neph_sky_look look = {.scene = scene,
+                                       .frame = frame,
+                                       .width_px = pictures->width_px,
+                                       .height_px = pictures->height_px};
+    int slot;
+    enum neph_status status = neph_in_flight_begin(pictures->vulkan, &pictures->flight, &slot,
+                                                   diag);
+    if (status)
+        return status;
+    *stats = &pictures->flights[slot];
+    **stats = (struct neph_sky_stats){.picture_s = 0.0};
+    status = neph_sky_tables_look(&pictures->tables, &look, &(*stats)->tables, diag);
+    if (!status)
+        status = show(pictures, layers, &(*stats)->picture_s, diag);
+    if (!status)
+        status = neph_vulkan_check(pictures->vulkan, diag);
+    if (!status)
+        neph_in_flight_end(pictures->vulkan, &pictures->flight);
+    return status;
 }
 
-enum neph_status neph_sky_device_render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                        const struct neph_sky_params *params, double frame,
-                                        int width_px, int height_px, struct neph_image **image,
-                                        struct neph_sky_stats *stats, struct neph_diag *diag)
+enum neph_status neph_sky_pictures_frame(struct neph_sky_pictures *pictures,
+                                         const struct neph_scene *scene, double frame,
+                                         struct neph_image **image, struct neph_sky_stats *stats,
+                                         struct neph_diag *diag)
 {
-    char reason[200];
     struct neph_image *made = NULL;
-    struct neph_sky_air air;
-    const struct neph_sky_look look = {
-        .scene = scene, .frame = frame, .width_px = width_px, .height_px = height_px};
-    struct work work = {.vulkan = vulkan, .pixel_count = (size_t)width_px * (size_t)height_px};
-    if (!neph_sky_device_can(scene, params, reason, sizeof(reason)))
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "engine sky has nothing for %s", reason);
-    neph_sky_air_of(scene, &air, reason, sizeof(reason));
-    enum neph_status status = neph_image_create(width_px, height_px, &made, diag);
+    struct neph_sky_stats *own;
+    struct layers layers;
+    if (!image)
+        return send_picture(pictures, scene, frame, NULL, &own, diag);
+    enum neph_status status = neph_image_create(pictures->width_px, pictures->height_px, &made,
+                                                diag);
     if (!status)
-        status = neph_sky_tables_create(vulkan, &air, scene->scattering, params, &work.tables,
-                                        diag);
+        status = add_layers(made, &layers, diag);
     if (!status)
-        status = prepare(&work, diag);
+        status = send_picture(pictures, scene, frame, &layers, &own, diag);
     if (!status)
-        status = neph_sky_tables_look(&work.tables, &look, &work.times, diag);
-    if (!status)
-        status = show(&work, made, diag);
-    finish(&work);
+        status = neph_in_flight_land(pictures->vulkan, &pictures->flight, diag);
     if (status) {
         neph_image_destroy(made);
         return status;
     }
-    *stats = work.stats;
+    *stats = *own;
     *image = made;
     return NEPH_OK;
+}
+
+enum neph_status neph_sky_pictures_home(struct neph_sky_pictures *pictures,
+                                        struct neph_sky_stats *stats, struct neph_diag *diag)
+{
+    int slot;
+    const enum neph_status status = neph_in_flight_home(pictures->vulkan, &pictures->flight, &slot,
+                                                        diag);
+    if (!status)
+        *stats = pictures->flights[slot];
+    return status;
 }

@@ -17,12 +17,17 @@ struct neph_sky_aerial_params {
     double far_m;      /* where the last one is */
 };
 
+/* Which tables are filled for a picture, on a device: what is stale, or, to know what that costs,
+ * also what is of a camera and a sun, or all. */
+enum neph_sky_refill { NEPH_SKY_REFILL_STALE, NEPH_SKY_REFILL_VIEWS, NEPH_SKY_REFILL_ALL };
+
 struct neph_sky_params {
     int steps;                      /* along a view ray */
     int sun_altitudes, sun_cosines; /* nodes of the table of transmittance to the sun */
     struct neph_sky_solve_params field;
     struct neph_sky_view_params view;
     struct neph_sky_aerial_params aerial;
+    enum neph_sky_refill refill;
 };
 
 struct neph_sky;

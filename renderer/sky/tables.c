@@ -395,7 +395,9 @@ static enum neph_status fill_air(struct neph_sky_tables *tables, double *gpu_s,
 /* What was made for another eye is stale. */
 static void take_eye(struct neph_sky_tables *tables, const struct neph_gpu_sky_eye *eye)
 {
-    if (memcmp(&tables->eye, eye, sizeof(*eye)) == 0)
+    tables->has_air = tables->has_air && tables->params.refill != NEPH_SKY_REFILL_ALL;
+    if (tables->params.refill == NEPH_SKY_REFILL_STALE &&
+        memcmp(&tables->eye, eye, sizeof(*eye)) == 0)
         return;
     tables->eye = *eye;
     tables->has_views = tables->has_aerial = false;

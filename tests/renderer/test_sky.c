@@ -542,9 +542,12 @@ static void test_device_is_the_twin(void **state)
         struct neph_diag diag = {0};
         params.field.degree = cases[n].degree;
         params.view = (struct neph_sky_view_params){cases[n].is_table, 12, 10};
-        neph_assert_ok(neph_sky_device_render(vulkan, scene, &params, 0.0, WIDTH, HEIGHT, &image,
-                                              &stats, &diag),
-                       &diag);
+        struct neph_sky_pictures *pictures = NULL;
+        neph_assert_ok(
+            neph_sky_pictures_create(vulkan, scene, &params, WIDTH, HEIGHT, &pictures, &diag),
+            &diag);
+        neph_assert_ok(neph_sky_pictures_frame(pictures, scene, 0.0, &image, &stats, &diag), &diag);
+        neph_sky_pictures_destroy(pictures);
         float *rgb[3], *volume[3], *through[3], *depth = neph_image_channel(image, "Z");
         assert_true(neph_image_rgb(image, NULL, rgb) && neph_image_rgb(image, "volume", volume) &&
                     neph_image_rgb(image, "transmittance", through) && depth);
