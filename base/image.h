@@ -14,6 +14,7 @@
  *   motion.depth             its linear eye depth in the frame before [m], sky = +inf, 0 where it
  *                            was behind the camera or before a cut
  *   volume.distance          distance of what the medium shows, weighted by its contribution [m]
+ *   normal.x normal.y normal.z   of the surface in view: unit, outward, in the world's axes; sky 0
  *   mask.NAME                a mask of the scene, above 0.5 inside: mask.cloud, mask.fog, mask.sun
  * A layer that an engine cannot give is absent, never filled in.
  */

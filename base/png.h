@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * PNG files through libpng: 8-bit sRGB pictures out; any picture, or raw 16-bit code values, in.
+ * PNG files through libpng: pictures of 8 to 16 bits out; any picture, or raw 16-bit code values,
+ * in.
  */
 #ifndef NEPH_BASE_PNG_H
 #define NEPH_BASE_PNG_H
@@ -13,6 +14,18 @@
  * Complete or not there at all, as neph_exr_write. */
 enum neph_status neph_png_write_rgb8(const char *path, int width_px, int height_px,
                                      const uint8_t *rgb, struct neph_diag *diag);
+
+/* What code values mean; the file says so (chunks sRGB, or cICP of 9/16/0/1). */
+enum neph_png_space {
+    NEPH_PNG_SRGB,
+    NEPH_PNG_BT2020_PQ, /* ITU-R BT.2100 PQ, full range */
+};
+
+/* Write a picture of `bits` a channel, 9 to 16: `rgb` holds width * height * 3 codes of
+ * 0 .. 2^bits - 1. In the file they are scaled to 16 bits, and sBIT says how many count. */
+enum neph_status neph_png_write_rgb16(const char *path, int width_px, int height_px, int bits,
+                                      enum neph_png_space space, const uint16_t *rgb,
+                                      struct neph_diag *diag);
 
 /* Read the raw code values of a 16-bit RGB PNG, without any gamma or colour conversion.
  * `*rgb` holds width * height * 3 values 0..65535 and is freed by the caller with free().

@@ -23,6 +23,7 @@ static const struct rule rules[] = {
     {"variance.", false, false},   {"Z", true, false},
     {"Y", false, false},           {"mask.", false, true},
     {"motion.depth", true, false}, {"motion.", false, true},
+    {"normal.", false, true},
 };
 
 static const struct rule unknown = {"", false, true};

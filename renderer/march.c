@@ -7,9 +7,11 @@
 #include "renderer/march_scene.h"
 #include "renderer/reach.h"
 #include "renderer/shortcuts.h"
+#include "renderer/sky/split.h"
 #include "scenes/emission.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -87,6 +89,8 @@ static const char *find_obstacle_to_slab(const struct neph_scene *scene)
 /* NULL when there is none. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_march_lighting lighting)
 {
+    if (neph_surfaces_obstacle(scene))
+        return neph_surfaces_obstacle(scene);
     if (lighting == NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_MULTIPLE)
         return "multiple scattering";
     if (lighting != NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_SINGLE)
@@ -117,6 +121,34 @@ bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_light
         return neph_float32_reaches(scene, reason, reason_size);
     snprintf(reason, reason_size, "%s", obstacle);
     return false;
+}
+
+static const char *find_obstacle_to_sky(const struct neph_scene *scene,
+                                        enum neph_march_lighting lighting)
+{
+    if (scene->orthographic_height_m > 0.0)
+        return "an orthographic camera under sky=tables";
+    if (lighting == NEPH_MARCH_HORIZON)
+        return "the light of Horizon's clouds, which has no unit, under sky=tables";
+    return NULL;
+}
+
+bool neph_march_can_render_under(const struct neph_scene *scene, bool sky,
+                                 enum neph_march_lighting lighting, char *reason,
+                                 size_t reason_size)
+{
+    struct neph_sky_split split;
+    if (!sky)
+        return neph_march_can_render(scene, lighting, reason, reason_size);
+    if (!neph_sky_split(scene, &split, reason, reason_size))
+        return false;
+    const char *obstacle = find_obstacle_to_sky(scene, lighting);
+    if (obstacle) {
+        snprintf(reason, reason_size, "%s", obstacle);
+        return false;
+    }
+    const struct neph_scene rest = neph_sky_rest(scene, &split);
+    return neph_march_can_render(&rest, lighting, reason, reason_size);
 }
 
 static enum neph_status check_range(const char *name, int value, int maximum,
@@ -189,7 +221,8 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     if (status)
         return status;
     char reason[256];
-    if (!neph_march_can_render(scene, params->lighting, reason, sizeof(reason)))
+    if (!neph_march_can_render_under(scene, params->sky.is_on, params->lighting, reason,
+                                     sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: cannot: %s", reason);
     return NEPH_OK;
 }
@@ -206,6 +239,7 @@ struct neph_march {
     double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES]; /* what dispatches of the frames in flight take */
     struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* before them */
     double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];             /* paths of traced light before them */
+    struct neph_sky_times skies[NEPH_IN_FLIGHT_FRAMES];     /* and tables of the sky */
 };
 
 static enum neph_status create_buffers(struct neph_march *march, struct neph_diag *diag)
@@ -424,7 +458,8 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
     uint64_t evaluations, closed_forms;
     neph_sun_fill_counts(work->cost.fill, &evaluations, &closed_forms);
     work->stats.gpu_s = *work->gpu_s + neph_sun_fill_gpu_s(work->cost.fill) +
-                        *work->cost.light_gpu_s;
+                        *work->cost.light_gpu_s + neph_sky_gpu_s(work->cost.sky);
+    work->stats.sky = *work->cost.sky;
     work->stats.density_evaluations += evaluations;
     work->stats.closed_forms += closed_forms;
     work->stats.dispatches += work->cost.fill->dispatches;
@@ -451,6 +486,8 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
     work.cost.fill = &march->fills[slot];
     work.cost.light_gpu_s = &march->lights_gpu_s[slot];
     *work.cost.light_gpu_s = 0.0;
+    work.cost.sky = &march->skies[slot];
+    *work.cost.sky = (struct neph_sky_times){.air_s = 0.0};
     status = neph_march_scene_show(scene, &march->params, frame, moment, &march->scene, &work.cost,
                                    diag);
     if (status)
@@ -473,6 +510,6 @@ enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct
         return status;
     neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);
     *gpu_s = march->flights_gpu_s[slot] + neph_sun_fill_gpu_s(&march->fills[slot]) +
-             march->lights_gpu_s[slot];
+             march->lights_gpu_s[slot] + neph_sky_gpu_s(&march->skies[slot]);
     return NEPH_OK;
 }

@@ -23,6 +23,7 @@
 
 #include "base/image.h"
 #include "renderer/march_params.h"
+#include "renderer/sky/sky_times.h"
 #include "renderer/vulkan.h"
 #include "scenes/scene.h"
 
@@ -30,7 +31,8 @@
 #include <stdint.h>
 
 struct neph_march_stats {
-    double gpu_s;  /* device time of all dispatches; NaN when the device has no clock */
+    double gpu_s;              /* device time of all dispatches; NaN when the device has no clock */
+    struct neph_sky_times sky; /* its part for the tables of the sky; 0: none was filled */
     double wall_s; /* from call to return: uploads, copies and the first compilation included */
     /* Points at which the extinction of the media was evaluated, counted by the shader: steps of
      * view rays that meet a medium, and of their marched sun rays. */
@@ -48,6 +50,12 @@ struct neph_march_stats {
  * reach of float32 (renderer/reach.h). */
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
                            char *reason, size_t reason_size);
+
+/* The same where `sky` says that the air of a planet is tables (struct neph_march_sky): also when
+ * there is no such air, or more behind it or around than tables know. */
+bool neph_march_can_render_under(const struct neph_scene *scene, bool sky,
+                                 enum neph_march_lighting lighting, char *reason,
+                                 size_t reason_size);
 
 /* Everything that neph_march_create() refuses before it looks at a device: NEPH_ERR_USAGE, a
  * parameter is out of range; NEPH_ERR_UNSUPPORTED, neph_march_can_render() says no. */
@@ -76,8 +84,8 @@ void neph_march_destroy(struct neph_march *march);
  * left alone; up to NEPH_IN_FLIGHT_FRAMES of them are in flight. */
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
                                   double frame, const struct neph_march_moment *moment,
-                                  struct neph_image **image,
-                                  struct neph_march_stats *stats, struct neph_diag *diag);
+                                  struct neph_image **image, struct neph_march_stats *stats,
+                                  struct neph_diag *diag);
 
 /* The device's time for the oldest frame in flight (NaN: it has no clock), waited for. One whose
  * turn is over, or that had a frame with an image after it, is forgotten. NEPH_ERR_USAGE: none is

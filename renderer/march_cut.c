@@ -3,6 +3,7 @@
 
 #include "base/interrupt.h"
 #include "renderer/octaves_fitted.h"
+#include "renderer/sky/tables.h"
 #include "scenes/media.h"
 
 /* The loop turns of all rays in a dispatch before anything is known of the device's speed: about
@@ -55,6 +56,9 @@ static void fit_similar(struct neph_gpu_medium *medium)
 void neph_march_set_frame(const struct neph_scene *scene, const struct neph_march_params *params,
                           struct neph_gpu_frame *frame)
 {
+    if (params->picture_px[0] > 0)
+        frame->half_width = frame->half_height * (float)params->picture_px[0] /
+                            (float)params->picture_px[1];
     frame->steps = (uint32_t)params->steps;
     frame->sun_steps = (uint32_t)neph_march_sun_steps(scene, params);
     frame->early_out = (float)params->shortcuts.early_out;
@@ -62,6 +66,11 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
     frame->step_growth = (float)params->shortcuts.step_growth;
     for (uint32_t m = 0; m < frame->medium_count && params->lighting == NEPH_MARCH_SIMILARITY; m++)
         fit_similar(&frame->media[m]);
+}
+
+bool neph_march_sky_lights(const struct neph_march_params *params)
+{
+    return params->sky.is_on && params->lighting == NEPH_MARCH_TRACED;
 }
 
 static uint64_t octave_count(const struct neph_scene *scene, enum neph_march_lighting lighting)
@@ -108,16 +117,20 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
         sunlight *= 2; /* and away from the sun */
     /* Each light is looked for as the sun is, from each part of a step. */
     sunlight *= 1 + NEPH_GPU_LAMP_PARTS * (uint64_t)scene->light_count;
+    if (params->sky.is_on)
+        sunlight += 2 * neph_sky_look_turns(scene->medium_count, params->sky.tables.field.degree);
     *per_step = 1 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight + 1;
 }
 
-/* `SHORTCUTS` of shaders/shortcuts.glsl. */
-static uint32_t shortcut_bits(const struct neph_shortcuts *shortcuts)
+/* `SHORTCUTS` of shaders/shortcuts.glsl, and the sky. */
+static uint32_t shortcut_bits(const struct neph_march_params *params)
 {
+    const struct neph_shortcuts *shortcuts = &params->shortcuts;
     return (shortcuts->sun_cache ? 1u : 0u) | (shortcuts->skip ? 2u : 0u) |
            (shortcuts->early_out > 0.0 ? 4u : 0u) | (shortcuts->step_growth > 1.0 ? 8u : 0u) |
-           (shortcuts->grid_texture ? 16u : 0u) | (shortcuts->cloud_shadow ? 32u : 0u);
+           (shortcuts->grid_texture ? 16u : 0u) | (shortcuts->cloud_shadow ? 32u : 0u) |
+           (params->sky.is_on ? 64u : 0u) | (neph_march_sky_lights(params) ? 128u : 0u);
 }
 
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
@@ -128,7 +141,7 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[2] = params->transmittance;
     constants[3] = params->sun;
     constants[4] = params->lighting;
-    constants[5] = shortcut_bits(&params->shortcuts);
+    constants[5] = shortcut_bits(params);
 }
 
 static uint64_t least(uint64_t a, uint64_t b)

@@ -15,8 +15,9 @@ enum {
     NEPH_MARCH_LOCAL_SIZE = 64, /* of shaders/march.glsl */
     NEPH_MARCH_STATE_BYTES = sizeof(
         struct neph_gpu_march_state), /* one for each ray of a dispatch */
-    /* The scene's, a march's states, what it makes of them, the sun cache, traced light. */
-    NEPH_MARCH_BUFFERS = NEPH_GPU_SCENE_BUFFERS + 4,
+    /* The scene's, a march's states, what it makes of them, the sun cache, traced light, the sky.
+     */
+    NEPH_MARCH_BUFFERS = NEPH_GPU_SCENE_BUFFERS + 6,
     NEPH_MARCH_CONSTANTS = NEPH_GPU_SCENE_CONSTANTS + 4,
 };
 
@@ -28,6 +29,9 @@ struct neph_march_cut {
     uint64_t turns_least;                        /* of all rays in a dispatch */
     struct neph_pace pace;                       /* in such turns */
 };
+
+/* Whether the sky lights media: paths alone can ask for it in all directions. */
+bool neph_march_sky_lights(const struct neph_march_params *params);
 
 /* Whether sun rays are marched at all. */
 bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params);

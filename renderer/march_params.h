@@ -7,6 +7,7 @@
 
 #include "base/vec3.h"
 #include "renderer/shaders/constants.h"
+#include "renderer/sky/sky.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -128,8 +129,21 @@ struct neph_light_diffusion {
 #define NEPH_DIFFUSION_CELLS_MAX 192
 #define NEPH_DIFFUSION_CYCLES_MAX 1024
 
+/* The sky of a planet from tables, in place of a march through its air (renderer/sky/split.h). Zero:
+ * all media are marched. */
+struct neph_march_sky {
+    bool is_on;
+    bool has_shadows;              /* of media and solids on the air before the camera */
+    struct neph_sky_params tables; /* with views and the air before the camera */
+};
+
+/* The tables as engine `sky` has them by default, with the air before the camera. */
+struct neph_march_sky neph_sky_for_march(bool is_on, bool has_shadows,
+                                         struct neph_sky_aerial_params aerial);
+
 struct neph_march_params {
     int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */
+    int picture_px[2];                  /* whose shape the frame has; 0: square pixels */
     double frame;                       /* of the scene; may be fractional */
     int steps;                          /* per view ray, 1..NEPH_MARCH_STEPS_MAX */
     enum neph_march_mode transmittance; /* along the view ray: layer and in-scattering alike */
@@ -139,6 +153,7 @@ struct neph_march_params {
     struct neph_shortcuts shortcuts;
     struct neph_light_paths light;
     struct neph_light_diffusion diffusion;
+    struct neph_march_sky sky;
 };
 
 /* A picture among others. Zero: through the centres of pixels, a picture by itself. */

@@ -2,6 +2,7 @@
 #include "renderer/march_scene.h"
 
 #include "renderer/grid_textures.h"
+#include "renderer/march_cut.h"
 #include "scenes/motion.h"
 
 static enum neph_status create_turns(const struct neph_vulkan *vulkan,
@@ -14,9 +15,34 @@ static enum neph_status create_turns(const struct neph_vulkan *vulkan,
                                       &scene->solid_turns, diag);
 }
 
-enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struct neph_scene *from,
-                                         const struct neph_march_params *params,
-                                         struct neph_march_scene *scene, struct neph_diag *diag)
+/* What is marched, of a scene of which the air may be tables; `rest` is room for it. */
+static const struct neph_scene *marched(const struct neph_march_scene *scene,
+                                        const struct neph_scene *from, struct neph_scene *rest)
+{
+    if (!scene->has_sky)
+        return from;
+    *rest = neph_sky_rest(from, &scene->split);
+    return rest;
+}
+
+static enum neph_status create_sky(struct neph_vulkan *vulkan, const struct neph_scene *from,
+                                   const struct neph_march_params *params,
+                                   struct neph_march_scene *scene, struct neph_diag *diag)
+{
+    char reason[256];
+    scene->has_sky = params->sky.is_on;
+    if (!scene->has_sky)
+        return neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, 4 * sizeof(float), "no sky",
+                                  &scene->no_sky, diag);
+    if (!neph_sky_split(from, &scene->split, reason, sizeof(reason)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: sky=tables: cannot: %s", reason);
+    return neph_sky_tables_create(vulkan, &scene->split.air, from->scattering, &params->sky.tables,
+                                  &scene->sky, diag);
+}
+
+static enum neph_status create_marched(struct neph_vulkan *vulkan, const struct neph_scene *from,
+                                       const struct neph_march_params *params,
+                                       struct neph_march_scene *scene, struct neph_diag *diag)
 {
     const bool traces = params->lighting == NEPH_MARCH_TRACED;
     enum neph_status status = neph_gpu_scene_create(vulkan, from, params->frame, params->width_px,
@@ -40,11 +66,28 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
     if (!status)
         status = neph_diffused_light_create(vulkan, from, &scene->gpu, params,
                                             &scene->diffused_light, diag);
-    return status ? status : neph_slab_light_create(vulkan, from, params, &scene->slab_light, diag);
+    if (!status)
+        status = neph_slab_light_create(vulkan, from, params, &scene->slab_light, diag);
+    return status || !scene->has_sky
+               ? status
+               : neph_sky_shade_create(vulkan, from, &scene->gpu, params, &scene->sky_shade, diag);
+}
+
+enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struct neph_scene *from,
+                                         const struct neph_march_params *params,
+                                         struct neph_march_scene *scene, struct neph_diag *diag)
+{
+    struct neph_scene rest;
+    const enum neph_status status = create_sky(vulkan, from, params, scene, diag);
+    return status ? status
+                  : create_marched(vulkan, marched(scene, from, &rest), params, scene, diag);
 }
 
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene)
 {
+    neph_buffer_destroy(vulkan, &scene->no_sky);
+    neph_sky_shade_destroy(&scene->sky_shade);
+    neph_sky_tables_destroy(&scene->sky);
     neph_slab_light_destroy(&scene->slab_light);
     neph_diffused_light_destroy(&scene->diffused_light);
     neph_traced_light_destroy(&scene->traced_light);
@@ -90,6 +133,39 @@ static enum neph_status diffuse(const struct neph_scene *from, double frame,
                                      scene->sun_cache.fill.stale_parts > 0, gpu_s, diag);
 }
 
+static void bind_sky(const struct neph_march_scene *scene, struct neph_dispatch *dispatch)
+{
+    const int first = NEPH_MARCH_BUFFERS - NEPH_SKY_BUFFERS;
+    dispatch->buffers[first] = scene->has_sky ? &scene->sky.told : &scene->no_sky;
+    dispatch->buffers[first + 1] = scene->has_sky ? &scene->sky.nodes : &scene->no_sky;
+}
+
+/* Where media are lit by the sky: in the middle of those that end. */
+static struct neph_vec3 lit_place_m(const struct neph_scene *rest, double frame)
+{
+    struct neph_bounds box;
+    if (!neph_shapes_box(rest, &box))
+        return neph_scene_camera(rest, frame).position_m;
+    return neph_vec3_scale(neph_vec3_add(box.min_m, box.max_m), 0.5);
+}
+
+/* The sky from the camera, and from what it lights. */
+static enum neph_status look_at_sky(const struct neph_scene *from, const struct neph_scene *rest,
+                                    const struct neph_march_params *params, double frame,
+                                    struct neph_march_scene *scene, struct neph_sky_times *times,
+                                    struct neph_diag *diag)
+{
+    struct neph_sky_look look = {.scene = from,
+                                 .frame = frame,
+                                 .width_px = params->width_px,
+                                 .height_px = params->height_px,
+                                 .lights = neph_march_sky_lights(params),
+                                 .is_shaded = scene->sky_shade.vulkan};
+    if (look.lights)
+        look.place_m = lit_place_m(rest, frame);
+    return scene->has_sky ? neph_sky_tables_look(&scene->sky, &look, times, diag) : NEPH_OK;
+}
+
 /* Light of higher orders, of whichever kind. Paths have majorants in place of skipped cells. */
 static enum neph_status find_light(const struct neph_scene *from, double frame,
                                    const struct neph_march_moment *moment,
@@ -97,22 +173,24 @@ static enum neph_status find_light(const struct neph_scene *from, double frame,
                                    struct neph_diag *diag)
 {
     struct neph_dispatch bound = {.group_count = 0};
-    const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m};
+    const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m,
+                                           scene->gpu.frame->half_width};
     neph_gpu_scene_bind(&scene->gpu, &bound);
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 3] = diffuses(scene) ? &scene->diffused_light.field
                                                                 : &scene->traced_light.smoothed;
+    bind_sky(scene, &bound);
     const enum neph_status status = diffuse(from, frame, moment, scene, bound, gpu_s, diag);
     return status ? status
                   : neph_traced_light_trace(&scene->traced_light, from, &scene->gpu, &bound, &view,
                                             moment->continues, gpu_s, diag);
 }
 
-enum neph_status neph_march_scene_show(const struct neph_scene *from,
-                                       const struct neph_march_params *params, double frame,
-                                       const struct neph_march_moment *moment,
-                                       struct neph_march_scene *scene,
-                                       struct neph_march_scene_cost *cost, struct neph_diag *diag)
+static enum neph_status show_marched(const struct neph_scene *from,
+                                     const struct neph_march_params *params, double frame,
+                                     const struct neph_march_moment *moment,
+                                     struct neph_march_scene *scene,
+                                     struct neph_march_scene_cost *cost, struct neph_diag *diag)
 {
     *cost->fill = (struct neph_sun_fill_cost){.dispatches = 0};
     show_scene(from, params, frame, scene);
@@ -125,6 +203,31 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
         status = neph_cloud_shadow_fill(&scene->cloud_shadow, from, frame, &scene->gpu,
                                         &scene->skip_cells, &scene->sun_cache, cost->fill, diag);
     return status ? status : find_light(from, frame, moment, scene, cost->light_gpu_s, diag);
+}
+
+/* The air before the camera, and shadows on it. */
+static enum neph_status veil(const struct neph_scene *rest, struct neph_march_scene *scene,
+                             struct neph_march_scene_cost *cost, struct neph_diag *diag)
+{
+    struct neph_dispatch bound = {.group_count = 0};
+    neph_march_scene_bind(scene, &bound);
+    const enum neph_status status = neph_sky_shade_fill(&scene->sky_shade, rest, &scene->gpu,
+                                                        &bound, &scene->sky, cost->fill, diag);
+    return status ? status : neph_sky_tables_veil(&scene->sky, cost->sky, diag);
+}
+
+enum neph_status neph_march_scene_show(const struct neph_scene *from,
+                                       const struct neph_march_params *params, double frame,
+                                       const struct neph_march_moment *moment,
+                                       struct neph_march_scene *scene,
+                                       struct neph_march_scene_cost *cost, struct neph_diag *diag)
+{
+    struct neph_scene rest;
+    const struct neph_scene *shown = marched(scene, from, &rest);
+    enum neph_status status = look_at_sky(from, shown, params, frame, scene, cost->sky, diag);
+    if (!status)
+        status = show_marched(shown, params, frame, moment, scene, cost, diag);
+    return status || !scene->has_sky ? status : veil(shown, scene, cost, diag);
 }
 
 static const struct neph_buffer *higher_orders(const struct neph_march_scene *scene)
@@ -140,4 +243,5 @@ void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dis
     neph_skip_cells_bind(&scene->skip_cells, dispatch);
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 3] = higher_orders(scene);
+    bind_sky(scene, dispatch);
 }

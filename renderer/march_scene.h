@@ -11,6 +11,9 @@
 #include "renderer/gpu_scene.h"
 #include "renderer/in_flight.h"
 #include "renderer/skip_cells.h"
+#include "renderer/sky/split.h"
+#include "renderer/sky/tables.h"
+#include "renderer/sky_shade.h"
 #include "renderer/slab_light.h"
 #include "renderer/sun_cache.h"
 #include "renderer/traced_light.h"
@@ -24,6 +27,11 @@ struct neph_march_scene {
     struct neph_traced_light traced_light;
     struct neph_diffused_light diffused_light;
     struct neph_slab_light slab_light;
+    bool has_sky;
+    struct neph_sky_split split; /* of the air, where there is one */
+    struct neph_sky_tables sky;
+    struct neph_sky_shade sky_shade;
+    struct neph_buffer no_sky;
 };
 
 /* For a march with these parameters, at their frame. Zero-initialise `scene`; free with _destroy,
@@ -38,7 +46,8 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
 /* What a picture costs before it is marched, told when that is home; borrowed until then. */
 struct neph_march_scene_cost {
     struct neph_sun_fill_cost *fill;
-    double *light_gpu_s; /* the device's time for traced or diffused light */
+    double *light_gpu_s;        /* the device's time for traced or diffused light */
+    struct neph_sky_times *sky; /* added to; NULL where there is none */
 };
 
 /* Show another frame, after neph_in_flight_begin(), in memory that no other frame reads.

@@ -10,6 +10,8 @@ const char *const neph_grid_samplings[] = {"exact", "texture", NULL};
 const char *const neph_lights_ahead[] = {"none", "diffusion", "end", NULL};
 const char *const neph_texel_formats[] = {"r32f", "r16f", "r8", NULL};
 const char *const neph_cloud_shadows[] = {"off", "map", NULL};
+const char *const neph_switches[] = {"off", "on", NULL};
+const char *const neph_skies[] = {"off", "tables", NULL};
 const char *const neph_shadow_planes[] = {"level", "sun", NULL};
 
 static enum neph_status check_range(const char *name, double value, double least, double most,

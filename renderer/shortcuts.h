@@ -14,7 +14,7 @@
 extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_grid_samplings[],
                                                                      *const neph_texel_formats[];
 extern const char *const neph_lights_ahead[], *const neph_cloud_shadows[];
-extern const char *const neph_shadow_planes[];
+extern const char *const neph_shadow_planes[], *const neph_skies[], *const neph_switches[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -94,6 +94,41 @@ extern const char *const neph_shadow_planes[];
         "cloud_shadow_plane", NEPH_OPTION_CHOICE, NEPH_SHADOW_LEVEL, 0, 0, neph_shadow_planes,     \
             "what texels lie on: a level plane through the clouds, with which they stay, or the "  \
             "plane across the sunlight, which turns with the sun"                                  \
+    }
+
+/* The sky is no shortcut, but its rows are shared as well. */
+#define NEPH_OPTION_SKY                                                                            \
+    {                                                                                              \
+        "sky", NEPH_OPTION_CHOICE, 0, 0, 0, neph_skies,                                            \
+            "tables: layers around the ball that is the first solid are the air of a planet, and " \
+            "come from tables, behind, before and between all else; their light is that of the "   \
+            "sun and the sky; off: they are media to be marched"                                   \
+    }
+#define NEPH_OPTION_SKY_COLUMNS                                                                    \
+    {                                                                                              \
+        "sky_columns", NEPH_OPTION_INTEGER, 32, 2, 512, NULL,                                      \
+            "sky=tables: nodes of the table of air before the camera, from left to right"          \
+    }
+#define NEPH_OPTION_SKY_ROWS                                                                       \
+    {                                                                                              \
+        "sky_rows", NEPH_OPTION_INTEGER, 32, 2, 512, NULL, "and from top to bottom"                \
+    }
+#define NEPH_OPTION_SKY_SLICES                                                                     \
+    {                                                                                              \
+        "sky_slices", NEPH_OPTION_INTEGER, 32, 1, 512, NULL,                                       \
+            "and distances, which grow as squares"                                                 \
+    }
+#define NEPH_OPTION_SKY_FAR                                                                        \
+    {                                                                                              \
+        "sky_far_m", NEPH_OPTION_REAL, 2e5, 1, 1e8, NULL,                                          \
+            "the last of them: air behind it does not veil media and solids"                       \
+    }
+
+#define NEPH_OPTION_SKY_SHADOWS                                                                    \
+    {                                                                                              \
+        "sky_shadows", NEPH_OPTION_CHOICE, 1, 0, 0, neph_switches,                                 \
+            "sky=tables: media and solids throw shadows on the air of that table; off: the sun "   \
+            "is seen from all of it"                                                               \
     }
 
 /* Traced light is no shortcut, but its rows are shared as well. */

@@ -3,7 +3,8 @@
  * Filling a table of optical depths towards the sun on the device, one thread an entry: what is in
  * it already, and what must be filled anew when sun or media have moved; at once, or a part in each
  * of the next pictures, while the rest still has the depths of before. For the sun cache
- * (sun_cache.h) and the shadow map of clouds (cloud_shadow.h). Not for other folders.
+ * (sun_cache.h) and the shadow map of clouds (cloud_shadow.h); that of the sky (sky_shade.h) has its
+ * costs here. Not for other folders.
  */
 #ifndef NEPH_RENDERER_SUN_FILL_H
 #define NEPH_RENDERER_SUN_FILL_H
@@ -13,7 +14,7 @@
 #include "renderer/skip_cells.h"
 
 /* Tables that a picture may fill. */
-enum { NEPH_SUN_CACHE, NEPH_SUN_MAP, NEPH_SUN_TABLES };
+enum { NEPH_SUN_CACHE, NEPH_SUN_MAP, NEPH_SUN_SKY, NEPH_SUN_TABLES };
 
 /* What filling costs, known when the frame that it is for is home; zeros when nothing was to be
  * done. */

@@ -140,7 +140,7 @@ static enum neph_status get_walk(struct neph_traced_light *light, const struct n
         .name = "light_walk",
         .spirv = walk_spirv,
         .spirv_size_bytes = sizeof(walk_spirv),
-        .buffer_count = NEPH_GPU_SCENE_BUFFERS + 4,
+        .buffer_count = NEPH_MARCH_BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
         .push_size_bytes = sizeof(struct neph_gpu_light_run),
@@ -276,7 +276,7 @@ static void set_fade(const struct neph_traced_light *light, const struct neph_li
     const struct neph_light_moment *before = continues ? &light->past : view;
     const double half_height = neph_camera_half_height(&before->camera);
     *fade = (struct neph_gpu_light_fade){
-        .half_width = (float)(half_height * light->size_px[0] / light->size_px[1]),
+        .half_width = before->half_width,
         .half_height = (float)half_height,
         .keep = continues ? (float)(1.0 - 1.0 / light->params.light.memory) : 0.0f,
         .paths = (uint32_t)light->params.light.paths,

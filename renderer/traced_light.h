@@ -14,10 +14,11 @@
 
 #include "renderer/march_cut.h"
 
-/* The camera and the wind of a picture. */
+/* The camera, its picture and the wind. */
 struct neph_light_moment {
     struct neph_camera camera;
     struct neph_vec3 drift_m;
+    float half_width; /* of the picture, as in struct neph_gpu_frame */
 };
 
 struct neph_traced_light {

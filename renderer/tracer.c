@@ -13,6 +13,7 @@
 #include "renderer/tracer_sums.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 #include "scenes/trapped_light.h"
 
 #include <math.h>
@@ -115,7 +116,7 @@ static bool is_bounded(const struct neph_medium *medium)
 
 bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
-    const char *cannot = NULL;
+    const char *cannot = neph_surfaces_obstacle(scene);
     int coloured_clouds = 0, coloured_fogs = 0;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];

@@ -10,6 +10,7 @@ void neph_injections_finish(struct neph_injections *injections)
     free(injections->rays);
     free(injections->sizes);
     free(injections->origins);
+    free(injections->exposures);
 }
 
 /* --- at a picture ---------------------------------------------------------------------------- */
@@ -55,6 +56,14 @@ struct neph_vec3 neph_injected_origin_at(const struct neph_injections *injection
     return by_m;
 }
 
+double neph_injected_exposure_at(const struct neph_injections *injections, int frame)
+{
+    double factor = 1.0;
+    for (int i = 0; i < injections->exposure_count && injections->exposures[i].frame <= frame; i++)
+        factor = injections->exposures[i].factor;
+    return factor;
+}
+
 /* --- in words -------------------------------------------------------------------------------- */
 
 static void put_history(FILE *out, const char *before, const struct neph_injected_history *history)
@@ -92,6 +101,12 @@ static void put_origin(FILE *out, const char *before, const struct neph_injected
             origin->by_m.z, origin->frame);
 }
 
+static void put_exposure(FILE *out, const char *before,
+                         const struct neph_injected_exposure *exposure)
+{
+    fprintf(out, "%sexposure by %.17g at %d", before, exposure->factor, exposure->frame);
+}
+
 static bool has_view(const struct neph_injected_view *view)
 {
     return view->left_px + view->top_px + view->right_px + view->bottom_px > 0;
@@ -108,6 +123,8 @@ static void put_all(FILE *out, const struct neph_injections *injections)
         put_size(out, before, &injections->sizes[i]);
     for (int i = 0; i < injections->origin_count; i++, before = ", ")
         put_origin(out, before, &injections->origins[i]);
+    for (int i = 0; i < injections->exposure_count; i++, before = ", ")
+        put_exposure(out, before, &injections->exposures[i]);
     if (has_view(&injections->view)) {
         put_view(out, before, &injections->view);
         before = ", ";

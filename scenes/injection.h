@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What is put into a running renderer, to see whether it gets over it: values that no pass has
- * made, memory that is not its own, a second view, another origin. Written in the scene's file
+ * made, memory that is not its own, a second view, another origin, another exposure. Written in the scene's file
  * under `inject`. The scene itself stays what it is: the truth knows nothing of it, and of all
  * engines only those that say so (harness/engines/engine.h) put it in. Frames are of pictures.
  */
@@ -62,13 +62,21 @@ struct neph_injected_origin {
     struct neph_vec3 by_m;
 };
 
+/* From this picture on the camera multiplies light by so much before it is kept. Pictures come out
+ * as radiance all the same. */
+struct neph_injected_exposure {
+    int frame;
+    double factor; /* > 0 */
+};
+
 /* All zero: nothing. Lists by ascending frames. */
 struct neph_injections {
-    int history_count, ray_count, size_count, origin_count;
-    struct neph_injected_history *histories; /* owned */
-    struct neph_injected_rays *rays;         /* owned */
-    struct neph_injected_size *sizes;        /* owned */
-    struct neph_injected_origin *origins;    /* owned */
+    int history_count, ray_count, size_count, origin_count, exposure_count;
+    struct neph_injected_history *histories;  /* owned */
+    struct neph_injected_rays *rays;          /* owned */
+    struct neph_injected_size *sizes;         /* owned */
+    struct neph_injected_origin *origins;     /* owned */
+    struct neph_injected_exposure *exposures; /* owned */
     struct neph_injected_view view;
     struct neph_injected_mirror mirror;
 };
@@ -95,5 +103,8 @@ bool neph_injected_mirror_at(const struct neph_injections *injections, int frame
 
 /* Where the world lies in a picture, from where the file has it. */
 struct neph_vec3 neph_injected_origin_at(const struct neph_injections *injections, int frame);
+
+/* What the camera of a picture multiplies light by; 1 where nobody says. */
+double neph_injected_exposure_at(const struct neph_injections *injections, int frame);
 
 #endif

@@ -16,6 +16,7 @@
 #define VIEW(member) offsetof(struct neph_injected_view, member)
 #define MIRROR(member) offsetof(struct neph_injected_mirror, member)
 #define ORIGIN(member) offsetof(struct neph_injected_origin, member)
+#define EXPOSURE(member) offsetof(struct neph_injected_exposure, member)
 
 enum { FRAME_MAX = 100000, MARGIN_MAX_PX = 4096, LIST_MAX = 64 };
 
@@ -101,6 +102,16 @@ static const struct neph_field origin_fields[] = {
 static const struct neph_record origin_record = {sizeof(struct neph_injected_origin), origin_fields,
                                                  NULL};
 
+static const struct neph_field exposure_fields[] = {
+    {"frame", NEPH_WHOLE, EXPOSURE(frame), "", 0, FRAME_MAX, .note = "the first picture of it"},
+    {"factor", NEPH_NUMBER, EXPOSURE(factor), "", 1e-4, 1e4,
+     .note = "by which the camera multiplies light before it is kept; pictures come out as "
+             "radiance all the same"},
+    {0},
+};
+static const struct neph_record exposure_record = {sizeof(struct neph_injected_exposure),
+                                                   exposure_fields, NULL};
+
 static const struct neph_field injection_fields[] = {
     {"history", NEPH_LIST, ALL(histories),
      .note = "all that a picture takes for its past: histories, their ages and depths",
@@ -122,6 +133,9 @@ static const struct neph_field injection_fields[] = {
     {"origin", NEPH_LIST, ALL(origins), .note = "the world's origin moves", .is_ascending = true,
      .least = 1, .most = LIST_MAX, .count_at = ALL(origin_count), .record = &origin_record,
      .standard = "none"},
+    {"exposures", NEPH_LIST, ALL(exposures), .note = "the camera's exposure changes",
+     .is_ascending = true, .least = 1, .most = LIST_MAX, .count_at = ALL(exposure_count),
+     .record = &exposure_record, .standard = "none"},
     {0},
 };
 

@@ -34,6 +34,41 @@ struct neph_written_solid {
 
 static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
 
+/* --- Surfaces --- */
+
+/* Cycles has a mirror from alpha^2 = 1e-7 on, which is a roughness of 0.0178. */
+static const double smoothest = 0.02;
+
+#define TEXTURE(member) SOLID(surface.texture.member)
+
+static const char *const pattern_words[] = {"checker", "noise", NULL};
+
+static const struct neph_field texture_fields[] = {
+    {"pattern", NEPH_WORD, TEXTURE(pattern), .words = pattern_words},
+    {"cell_m", NEPH_NUMBER, TEXTURE(cell_m), "m", 1e-3, 1e4,
+     .note = "side of a square of it, or between values of noise"},
+    {"albedo", NEPH_THREE, TEXTURE(other), "", 0, 1, .note = "where its value is 1"},
+    {"seed", NEPH_WHOLE, TEXTURE(seed), "", 0, 1e9, .note = "of noise", .standard = "0"},
+    {0},
+};
+static const struct neph_record texture_record = {0, texture_fields, NULL};
+
+#define SURFACE                                                                                    \
+    {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},                          \
+        {"metalness",                                                                              \
+         NEPH_NUMBER,                                                                              \
+         SOLID(surface.metalness),                                                                 \
+         "",                                                                                       \
+         0,                                                                                        \
+         1,                                                                                        \
+         .note = "so much of its light a metal of that colour reflects, the rest is Lambertian",   \
+         .standard = "0"},                                                                         \
+    {                                                                                              \
+        "roughness", NEPH_NUMBER, SOLID(surface.roughness), "", 0, 1,                              \
+            .note = "of the metal, the root of GGX's alpha; 0 is a mirror, else at least 0.02",    \
+            .standard = "0"                                                                        \
+    }
+
 /* --- Motion --- */
 
 static const char *const axis_words[] = {"x", "y", "z", NULL};
@@ -82,7 +117,9 @@ static const struct neph_field box_fields[] = {
      .note = "the lower corner"},
     {"max_m", NEPH_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the upper corner"},
-    {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
+    SURFACE,
+    {"texture", NEPH_RECORD, .record = &texture_record, .standard = "",
+     .note = "on its faces, see Surfaces"},
     MOTION,
     {0},
 };
@@ -91,7 +128,7 @@ static const struct neph_field sphere_fields[] = {
     {"center_m", NEPH_THREE, SOLID(center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
      .note = "of the ball"},
     {"radius_m", NEPH_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M, .note = "a planet, too"},
-    {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},
+    SURFACE,
     MOTION,
     {0},
 };
@@ -171,20 +208,39 @@ static enum neph_status read_fence(struct neph_reader *reader, const yaml_node_t
     return fence->rail_count > 0 ? check_rails(reader, fence) : NEPH_OK;
 }
 
+static enum neph_status check_surface(const struct neph_reader *reader, const yaml_node_t *node,
+                                      const struct neph_surface *surface)
+{
+    if (surface->metalness == 0.0 && neph_reader_has(reader, node, "roughness"))
+        return neph_refuse(reader, "roughness",
+                           "roughness is of the metal's reflection, and there is no metal: give "
+                           "metalness above 0, or leave roughness out");
+    if (surface->roughness > 0.0 && surface->roughness < smoothest)
+        return neph_refuse(reader, "roughness",
+                           "%g is smoother than %g, at which other renderers take a metal for a "
+                           "mirror: 0 is a mirror",
+                           surface->roughness, smoothest);
+    return NEPH_OK;
+}
+
 static enum neph_status read_box(struct neph_reader *reader, const yaml_node_t *node,
                                  const struct neph_record *record, void *target)
 {
     struct neph_solid *solid = &((struct neph_written_solid *)target)->solid;
-    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     solid->kind = NEPH_SOLID_BOX;
+    if (!status)
+        status = check_surface(reader, node, &solid->surface);
     return status ? status : neph_check_extent(reader, "", &solid->box);
 }
 
 static enum neph_status read_sphere(struct neph_reader *reader, const yaml_node_t *node,
                                     const struct neph_record *record, void *target)
 {
-    ((struct neph_written_solid *)target)->solid.kind = NEPH_SOLID_SPHERE;
-    return neph_read_fields(reader, node, record->fields, target);
+    struct neph_solid *solid = &((struct neph_written_solid *)target)->solid;
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    solid->kind = NEPH_SOLID_SPHERE;
+    return status ? status : check_surface(reader, node, &solid->surface);
 }
 
 static const struct neph_record box_record = {0, box_fields, read_box};
@@ -289,9 +345,33 @@ static enum neph_status finish_movers(struct neph_reader *reader,
     return NEPH_OK;
 }
 
+/* Once scattering is known. */
+static enum neph_status check_metals(const struct neph_reader *reader,
+                                     const struct neph_written_scene *written)
+{
+    if (written->scene.scattering == NEPH_SCATTERING_MULTIPLE)
+        return NEPH_OK;
+    for (int i = 0; i < written->solid_count; i++) {
+        const struct neph_solid *solid = &written->solids[i].solid;
+        if (solid->surface.metalness > 0.0)
+            return neph_refuse(
+                reader,
+                neph_at("solids[%d].%s.metalness", i,
+                        solid->kind == NEPH_SOLID_BOX ? "box" : "sphere")
+                    .text,
+                "a metal shows the light of other surfaces, and scattering is %s: say "
+                "scattering: multiple",
+                neph_scattering_name(written->scene.scattering));
+    }
+    return NEPH_OK;
+}
+
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written)
 {
     struct neph_scene *scene = &written->scene;
+    const enum neph_status status = check_metals(reader, written);
+    if (status)
+        return status;
     int count = 0;
     for (int i = 0; i < written->solid_count; i++) {
         count += count_of(&written->solids[i]);

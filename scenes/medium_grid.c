@@ -275,8 +275,11 @@ static const struct neph_field sheet_fields[] = {
     {"side_m", NEPH_NUMBER, SHEET(sheet.side_m), "m", 1e-2, NEPH_FAR_M, .note = "along x and z"},
     {"thickness_m", NEPH_NUMBER, SHEET(sheet.thickness_m), "m", 1e-3, 1e5,
      .note = "between the faces, where the density is 0; it is largest in the middle"},
+    {"planet_radius_m", NEPH_NUMBER, SHEET(sheet.planet_radius_m), "m", 0, 1e9,
+     .note = "it goes around a planet whose ground is at y = 0 under its middle; 0: level",
+     .standard = "0"},
     {"optical_depth", NEPH_NUMBER, SHEET(optical_depth), "", 0, 1e3,
-     .note = "straight through, where the pattern is 1"},
+     .note = "straight up through it, where the pattern is 1"},
     {"nodes", NEPH_WHOLE, SHEET(sheet.nodes), "nodes", 2, NEPH_GRID_SIDE_MAX,
      .note = "of the pattern, along each side", .standard = "512"},
     {"pattern", NEPH_WORD, SHEET(sheet.pattern), .words = patterns,
@@ -303,6 +306,11 @@ static enum neph_status finish_sheet(struct neph_reader *reader, const yaml_node
     if (sheet->sheet.along.x == 0.0 && sheet->sheet.along.z == 0.0)
         return neph_refuse(reader, "along",
                            "wisps lie along a level direction: its x or z is not 0");
+    if (sheet->sheet.planet_radius_m > 0.0 &&
+        sheet->sheet.planet_radius_m + fmin(sheet->sheet.center_m.y, 0.0) < sheet->sheet.side_m)
+        return neph_refuse(reader, "planet_radius_m",
+                           "a planet of %g m is too small for a sheet of %g m: 0 is level",
+                           sheet->sheet.planet_radius_m, sheet->sheet.side_m);
     medium->extinction_per_m = neph_sheet_extinction_per_m(&sheet->sheet, sheet->optical_depth);
     return neph_sheet_make(&sheet->sheet, &medium->grid, reader->diag);
 }
@@ -318,7 +326,7 @@ const struct neph_medium_row neph_medium_grid = {
                grid_fields, sizeof(struct written_grid), finish_grid},
               {"volume", "voxels from a file", volume_fields, sizeof(struct written_volume),
                finish_volume},
-              {"sheet", "a thin level layer, such as cirrus (scenes/sheet.h)", sheet_fields,
+              {"sheet", "a thin layer, such as cirrus (scenes/sheet.h)", sheet_fields,
                sizeof(struct written_sheet), finish_sheet}},
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,

@@ -192,6 +192,7 @@ enum neph_status neph_scene_relit(const struct neph_scene *scene, const struct n
     for (int i = 0; i < scene->solid_count; i++) {
         created->solids[i] = scene->solids[i];
         created->solids[i].albedo = black;
+        created->solids[i].surface = (struct neph_surface){0};
     }
     hold_still(&created->scene);
     light_scene(&created->scene, light);

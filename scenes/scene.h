@@ -15,6 +15,7 @@
 #include "scenes/failing.h"
 #include "scenes/fog_look.h"
 #include "scenes/injection.h"
+#include "scenes/surface.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -136,14 +137,16 @@ struct neph_turn {
     double cosine, sine; /* of its angle; 0, 0: it does not turn at all */
 };
 
-/* Opaque, Lambertian. Lit by the sun directly when its albedo is not 0. */
+/* Opaque; Lambertian, but for what its surface says. Lit by the sun directly when its albedo is not
+ * 0. */
 struct neph_solid {
     enum neph_solid_kind kind;
     struct neph_bounds box; /* kind BOX; finite */
     struct neph_turn turn;  /* of a box, about its middle; it has none before it moves */
     struct neph_vec3 center_m;
     double radius_m;
-    struct neph_rgb albedo;
+    struct neph_rgb albedo; /* its base colour */
+    struct neph_surface surface;
     bool thin; /* a bar of a fence: for the thin-object mask */
 };
 

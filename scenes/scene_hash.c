@@ -99,6 +99,21 @@ static void put_light(FILE *text, const struct neph_scene *scene)
     fprintf(text, "scattering %s\n", neph_scattering_name(scene->scattering));
 }
 
+/* Nothing of a plain one: what was stored before there were others stays valid. */
+static void put_surface(FILE *text, const struct neph_surface *surface)
+{
+    if (surface->metalness > 0.0) {
+        neph_put_number(text, "metalness", surface->metalness);
+        neph_put_number(text, "roughness", surface->roughness);
+    }
+    if (neph_is_textured(surface)) {
+        neph_put_number(text, "pattern", surface->texture.pattern);
+        neph_put_number(text, "cell_m", surface->texture.cell_m);
+        neph_put_rgb(text, "other", surface->texture.other);
+        neph_put_number(text, "seed", surface->texture.seed);
+    }
+}
+
 static void put_solid(FILE *text, const struct neph_solid *solid)
 {
     if (solid->kind == NEPH_SOLID_BOX) {
@@ -109,6 +124,7 @@ static void put_solid(FILE *text, const struct neph_solid *solid)
         neph_put_number(text, "sphere_radius_m", solid->radius_m);
     }
     neph_put_rgb(text, "albedo", solid->albedo);
+    put_surface(text, &solid->surface);
     neph_put_number(text, "thin", solid->thin); /* it changes the thin-object mask of a frame */
 }
 

@@ -40,24 +40,50 @@ double neph_sheet_value(const struct neph_sheet *sheet, struct neph_vec3 point_m
     return sheet->pattern == NEPH_SHEET_EVEN ? 1.0 : streaks(sheet, point_m);
 }
 
+/* From the planet's centre the middle is as high as the layer everywhere. */
+double neph_sheet_drop_m(const struct neph_sheet *sheet, double x_m, double z_m)
+{
+    if (sheet->planet_radius_m == 0.0)
+        return 0.0;
+    const double radius_m = sheet->planet_radius_m + sheet->center_m.y;
+    const double square = x_m * x_m + z_m * z_m;
+    return square / (radius_m + sqrt(radius_m * radius_m - square));
+}
+
+/* A column of nodes, each half a thickness above the one before, the highest at the middle. */
+static void fill_column(const struct neph_sheet *sheet, int height, struct neph_vec3 from_m,
+                        float *values, size_t step)
+{
+    const double value = neph_sheet_value(sheet, neph_vec3_add(sheet->center_m, from_m));
+    const double down = neph_sheet_drop_m(sheet, from_m.x, from_m.z) / (0.5 * sheet->thickness_m);
+    for (int j = 0; j < height; j++)
+        values[(size_t)j * step] = (float)(value * clamp(1.0 - fabs(height - 1 - j - down)));
+}
+
 enum neph_status neph_sheet_make(const struct neph_sheet *sheet, struct neph_grid **grid,
                                  struct neph_diag *diag)
 {
     const int nodes = sheet->nodes;
     const double spacing_m = sheet->side_m / nodes, first_m = 0.5 * (nodes - 1) * spacing_m;
-    const struct neph_vec3 corner_m = neph_vec3_sub(sheet->center_m,
-                                                    (struct neph_vec3){first_m, 0.0, first_m});
+    const double half_m = 0.5 * sheet->thickness_m;
+    const double levels = neph_sheet_drop_m(sheet, first_m, first_m) / half_m;
+    const int height = sheet->planet_radius_m == 0.0 ? 1
+                       : levels < NEPH_GRID_SIDE_MAX ? (int)levels + 2
+                                                     : NEPH_GRID_SIDE_MAX + 1; /* refused */
+    const struct neph_vec3 corner_m = neph_vec3_sub(
+        sheet->center_m, (struct neph_vec3){first_m, (height - 1) * half_m, first_m});
     struct neph_grid *made = NULL;
-    enum neph_status status = neph_grid_create(
-        (const int[3]){nodes, 1, nodes}, corner_m,
-        (struct neph_vec3){spacing_m, 0.5 * sheet->thickness_m, spacing_m}, &made, diag);
+    enum neph_status status = neph_grid_create((const int[3]){nodes, height, nodes}, corner_m,
+                                               (struct neph_vec3){spacing_m, half_m, spacing_m},
+                                               &made, diag);
     if (status)
         return status;
     for (int k = 0; k < nodes; k++)
         for (int i = 0; i < nodes; i++)
-            made->values[k * nodes + i] = (float)neph_sheet_value(
-                sheet,
-                neph_vec3_add(corner_m, (struct neph_vec3){i * spacing_m, 0.0, k * spacing_m}));
+            fill_column(sheet, height,
+                        (struct neph_vec3){i * spacing_m - first_m, 0.0, k * spacing_m - first_m},
+                        &made->values[(size_t)k * (size_t)height * (size_t)nodes + (size_t)i],
+                        (size_t)nodes);
     status = neph_grid_seal(made, diag);
     if (status)
         neph_grid_destroy(made);

@@ -38,19 +38,22 @@ static struct neph_vec3 middle_of(const struct neph_bounds *box)
     return neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
 }
 
+struct neph_vec3 neph_box_direction(const struct neph_solid *box, struct neph_vec3 direction)
+{
+    return neph_is_turned(&box->turn) ? neph_turned_back(&box->turn, direction) : direction;
+}
+
+struct neph_vec3 neph_box_place_m(const struct neph_solid *box, struct neph_vec3 point_m)
+{
+    return neph_box_direction(box, neph_vec3_sub(point_m, middle_of(&box->box)));
+}
+
 /* A point as the box would have it if it had not turned. */
 static struct neph_vec3 own_point(const struct neph_solid *solid, struct neph_vec3 point_m)
 {
     if (!neph_is_turned(&solid->turn))
         return point_m;
-    const struct neph_vec3 middle_m = middle_of(&solid->box);
-    return neph_vec3_add(middle_m,
-                         neph_turned_back(&solid->turn, neph_vec3_sub(point_m, middle_m)));
-}
-
-static struct neph_vec3 own_direction(const struct neph_solid *solid, struct neph_vec3 direction)
-{
-    return neph_is_turned(&solid->turn) ? neph_turned_back(&solid->turn, direction) : direction;
+    return neph_vec3_add(middle_of(&solid->box), neph_box_place_m(solid, point_m));
 }
 
 /* Half the sides of the box around a turned box. */
@@ -120,7 +123,7 @@ static bool solid_interval(const struct neph_solid *solid, struct neph_vec3 orig
     *t0_m = -INFINITY;
     *t1_m = INFINITY;
     return neph_bounds_clip(&solid->box, own_point(solid, origin_m),
-                            own_direction(solid, direction), t0_m, t1_m);
+                            neph_box_direction(solid, direction), t0_m, t1_m);
 }
 
 /* The face of a box on which a point lies, chosen as the one it is nearest to. */
@@ -311,9 +314,9 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
     double u0 = t0_m, u1 = t1_m;
     const bool hidden = solid->kind == NEPH_SOLID_SPHERE
                             ? sphere_shadow(solid, sun_direction, origin_m, direction, &u0, &u1)
-                            : box_shadow(&solid->box, own_direction(solid, sun_direction),
+                            : box_shadow(&solid->box, neph_box_direction(solid, sun_direction),
                                          own_point(solid, origin_m),
-                                         own_direction(solid, direction), &u0, &u1);
+                                         neph_box_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
     *shadow_t0_m = u0;
@@ -425,7 +428,7 @@ bool neph_solid_point_shadow(const struct neph_solid *solid, struct neph_vec3 li
                             ? sphere_point_shadow(solid, light_m, origin_m, direction, &u0, &u1)
                             : box_point_shadow(&solid->box, own_point(solid, light_m),
                                                own_point(solid, origin_m),
-                                               own_direction(solid, direction), &u0, &u1);
+                                               neph_box_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
     *shadow_t0_m = u0;

@@ -27,6 +27,11 @@ bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_
 /* A box around it. */
 struct neph_bounds neph_solid_bounds(const struct neph_solid *solid);
 
+/* A point counted from the middle of a box, and a direction, as the box would have them if it had
+ * not turned. */
+struct neph_vec3 neph_box_place_m(const struct neph_solid *box, struct neph_vec3 point_m);
+struct neph_vec3 neph_box_direction(const struct neph_solid *box, struct neph_vec3 direction);
+
 /* A vector turned, and turned back. */
 struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 vector);
 struct neph_vec3 neph_turned_back(const struct neph_turn *turn, struct neph_vec3 vector);

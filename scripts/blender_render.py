@@ -48,7 +48,7 @@ import time
 import bpy
 from mathutils import Matrix, Vector
 
-FORMAT = 3  # of the spec; raised together with cycles.c
+FORMAT = 4  # of the spec; raised together with cycles.c
 
 # The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of
 # 12) at optical depths of 16; some of the light that leaves a medium of 64 has scattered more
@@ -56,6 +56,7 @@ FORMAT = 3  # of the spec; raised together with cycles.c
 ALL_BOUNCES = 1024
 CLIP_START = 1e-6  # Blender units; what is nearer is clipped, media included
 CLIP_END = 1e9
+FAR_UNITS = 1e9  # so far solids hide where there is no limit
 # More steps are not better: their transmittances are multiplied in single precision, and a step of
 # optical depth below 6e-8 is lost. Measured at 16384: 5e-5 rms, 3e-4 at most.
 STEPS_MAX = 16384
@@ -235,18 +236,60 @@ def set_step(material, medium: dict, step_m: float) -> None:
     material["cycles"]["volume_step_rate"] = step_m / (0.1 * sum(edges_m) / 3.0)
 
 
+def picture_of(texture: dict):
+    """The values of a pattern, as the pixels of a picture that is beside itself on all sides."""
+    side = texture["side"]
+    picture = bpy.data.images.new("texture", side, side, float_buffer=True, is_data=True)
+    picture.pixels = [c for value in texture["pixels"] for c in (value, value, value, 1.0)]
+    picture.pack()
+    return picture
+
+
+def base_color(nodes: Nodes, albedo, texture: dict):
+    """A colour, or the socket of a mix of two."""
+    if texture is None:
+        return albedo
+    values = nodes.add("ShaderNodeTexImage")
+    values.image = picture_of(texture)
+    values.interpolation = "Linear" if texture["is_smooth"] else "Closest"
+    values.extension = "REPEAT"
+    mix = nodes.add("ShaderNodeMixRGB", Fac=values.outputs["Color"], Color1=albedo,
+                    Color2=tuple(texture["other"]))
+    return mix.outputs["Color"]
+
+
+def surface_shader(nodes: Nodes, albedo, surface: dict):
+    """Lambertian, or metal in part. A GlossyBsdf squares its roughness, has no Fresnel term and the
+    shadowing of scenes/surface.h."""
+    if surface is None:
+        return nodes.add("ShaderNodeBsdfDiffuse", Color=albedo, Roughness=0.0).outputs[0]
+    color = base_color(nodes, albedo, surface["texture"])
+    diffuse = nodes.add("ShaderNodeBsdfDiffuse", Color=color, Roughness=0.0).outputs[0]
+    metalness, roughness = surface["metalness"], surface["roughness"]
+    if metalness == 0.0:
+        return diffuse
+    metal = nodes.add("ShaderNodeBsdfGlossy", Color=color, Roughness=roughness)
+    metal.distribution = "GGX" if roughness > 0.0 else "SHARP"
+    both = nodes.add("ShaderNodeMixShader", Fac=metalness)
+    nodes.tree.links.new(diffuse, both.inputs[1])
+    nodes.tree.links.new(metal.outputs[0], both.inputs[2])
+    return both.outputs[0]
+
+
 @functools.cache
-def solid_material(albedo: tuple, is_light: bool):
-    """Lambertian; or, in the transmittance pass, glowing with radiance 1."""
+def solid_material(look: str, is_light: bool):
+    """Of the solids whose albedo and surface these are, as JSON; or, in the transmittance pass,
+    glowing with radiance 1."""
     material = bpy.data.materials.new("solid")
     nodes = Nodes(material)
     if is_light:
-        shader = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0), Strength=1.0)
+        shader = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0), Strength=1.0).outputs[0]
         material.cycles.sample_as_light = False
     else:
-        shader = nodes.add("ShaderNodeBsdfDiffuse", Color=albedo, Roughness=0.0)
+        albedo, surface = json.loads(look)
+        shader = surface_shader(nodes, tuple(albedo), surface)
     output = nodes.add("ShaderNodeOutputMaterial")
-    nodes.tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    nodes.tree.links.new(shader, output.inputs["Surface"])
     return material
 
 
@@ -300,8 +343,25 @@ def box_mesh(lo_m, hi_m, material, units: Units, turn=None):
     return mesh
 
 
+def paint_faces(mesh, solid: dict) -> None:
+    """Coordinates of its texture: in each face the two of (x, y, z) that lie in it, in this order,
+    from the middle of the box, in cells. Pixels of noise have their middles at whole cells."""
+    texture = solid["surface"]["texture"]
+    half_m = [0.5 * (b - a) for a, b in zip(solid["min_m"], solid["max_m"])]
+    shift = 0.5 if texture["is_smooth"] else 0.0
+    layer = mesh.uv_layers.new()
+    for face in mesh.polygons:
+        across = (1, 2, 0)[face.index // 2]  # as box_mesh() lists its faces
+        for loop in face.loop_indices:
+            corner = mesh.loops[loop].vertex_index  # bits 0, 1, 2: high along x, -z, y
+            signs = [1 if corner & 1 else -1, 1 if corner & 4 else -1, -1 if corner & 2 else 1]
+            flat_m = [signs[k] * half_m[k] for k in range(3) if k != across]
+            layer.data[loop].uv = [(m / texture["cell_m"] + shift) / texture["side"]
+                                   for m in flat_m]
+
+
 @functools.cache
-def sphere_mesh(segments: int, albedo: tuple, is_light: bool):
+def sphere_mesh(segments: int, look: str, is_light: bool):
     """A UV sphere of radius 1 with smooth normals: `segments` meridians, half as many rings.
     Spheres that look alike share it, so that Cycles keeps it in memory once."""
     rings = segments // 2
@@ -326,18 +386,20 @@ def sphere_mesh(segments: int, albedo: tuple, is_light: bool):
     mesh = bpy.data.meshes.new("sphere")
     mesh.from_pydata(vertices, [], faces)
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
-    mesh.materials.append(solid_material(albedo, is_light))
+    mesh.materials.append(solid_material(look, is_light))
     return mesh
 
 
 def add_solid(scene, solid: dict, is_light: bool, units: Units) -> None:
-    albedo = tuple(solid["albedo"])
+    look = json.dumps([solid["albedo"], solid["surface"]])
     if solid["kind"] == "box":
-        material = solid_material(albedo, is_light)
+        material = solid_material(look, is_light)
         mesh = box_mesh(solid["min_m"], solid["max_m"], material, units, solid.get("turn"))
+        if solid["surface"] is not None and solid["surface"]["texture"] is not None:
+            paint_faces(mesh, solid)
         add_object(scene, "box", mesh)
     elif solid["kind"] == "sphere":
-        thing = add_object(scene, "sphere", sphere_mesh(solid["segments"], albedo, is_light))
+        thing = add_object(scene, "sphere", sphere_mesh(solid["segments"], look, is_light))
         thing.location = units.point(solid["center_m"])
         thing.scale = [units.length(solid["radius_m"])] * 3
     else:
@@ -451,6 +513,9 @@ def set_cycles(scene, spec: dict, render_pass: dict) -> None:
     multiple = spec["scattering"] == "multiple" and render_pass["kind"] == "radiance"
     scene.cycles.diffuse_bounces = ALL_BOUNCES if multiple else 0
     scene.cycles.volume_bounces = ALL_BOUNCES if multiple else 0
+    if any(solid["surface"] is not None for solid in spec["solids"]):
+        scene.cycles.glossy_bounces = ALL_BOUNCES if multiple else 0
+        scene.cycles.caustics_reflective = True
     scene.cycles.samples = render_pass["samples"]
     scene.cycles.seed = render_pass["seed"]
     scene.cycles.volume_step_rate = 1.0
@@ -474,12 +539,17 @@ def set_output(scene, spec: dict, path: str) -> None:
     scene.view_settings.view_transform = "Raw"
 
 
-def set_layers(scene, emits: bool) -> None:
+def set_layers(scene, emits: bool, has_surfaces: bool) -> None:
     layer = scene.view_layers[0]
     layer.name = "pass"
     layer.use_pass_combined = layer.use_pass_z = True
     layer.use_pass_emit = emits
     layer.cycles.use_pass_volume_direct = layer.cycles.use_pass_volume_indirect = True
+    if has_surfaces:
+        layer.use_pass_diffuse_direct = layer.use_pass_diffuse_indirect = True
+        layer.use_pass_glossy_direct = layer.use_pass_glossy_indirect = True
+        layer.use_pass_diffuse_color = layer.use_pass_glossy_color = True
+        layer.use_pass_ambient_occlusion = True
 
 
 def pass_name(render_pass: dict) -> str:
@@ -499,7 +569,9 @@ def build(spec: dict, render_pass: dict):
     scene = bpy.data.scenes.new(pass_name(render_pass))
     units = Units(spec)
     set_cycles(scene, spec, render_pass)
-    set_layers(scene, emits and any("glow_w_per_m2_sr" in medium for medium in spec["media"]))
+    surface_layers = spec["surface_layers"] if kind == "radiance" else None
+    set_layers(scene, emits and any("glow_w_per_m2_sr" in medium for medium in spec["media"]),
+               surface_layers is not None)
     set_output(scene, spec, os.path.join(file_root(), scene.name))
     add_camera(scene, spec["camera"], units)
     if kind == "radiance":
@@ -510,9 +582,13 @@ def build(spec: dict, render_pass: dict):
             add_lamp(scene, lamp, units)
     else:
         make_world(scene, (0.0,) * 3 if kind == "emission" else (1.0,) * 3, False)
+    if surface_layers is not None:
+        distance_m = surface_layers["ao_distance_m"]
+        scene.world.light_settings.distance = (
+            FAR_UNITS if distance_m is None else units.length(distance_m))
     for solid in spec["solids"]:
         if kind == "emission":
-            solid = {**solid, "albedo": (0.0, 0.0, 0.0)}
+            solid = {**solid, "albedo": (0.0, 0.0, 0.0), "surface": None}
         add_solid(scene, solid, kind in ("transmittance", "depth"), units)
     scatters = kind == "radiance" and spec["scattering"] != "none"
     for medium in spec["media"] if kind != "depth" else []:

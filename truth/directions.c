@@ -44,9 +44,7 @@ double neph_phase_versine(const struct neph_phase *phase, double u)
     return is_backward(phase) ? 2.0 - versine : versine;
 }
 
-/* Two unit vectors across a unit vector (T. Duff et al., "Building an Orthonormal Basis,
- * Revisited", JCGT 6(1), 2017). */
-static void basis(struct neph_vec3 n, struct neph_vec3 *a, struct neph_vec3 *b)
+void neph_basis(struct neph_vec3 n, struct neph_vec3 *a, struct neph_vec3 *b)
 {
     const double sign = copysign(1.0, n.z);
     const double s = -1.0 / (sign + n.z);
@@ -61,7 +59,7 @@ static struct neph_vec3 around(struct neph_vec3 axis, double along, double sine,
                                struct neph_random *random)
 {
     struct neph_vec3 a, b;
-    basis(axis, &a, &b);
+    neph_basis(axis, &a, &b);
     const double azimuth_rad = 2.0 * M_PI * neph_random_uniform(random);
     struct neph_vec3 turned = neph_vec3_scale(axis, along);
     turned = neph_vec3_along(turned, a, sine * cos(azimuth_rad));

@@ -19,6 +19,10 @@ struct neph_vec3 neph_phase_sample(const struct neph_phase *phase, struct neph_v
 /* A direction off a Lambertian surface: density cos / pi over the side of the unit normal. Unit. */
 struct neph_vec3 neph_cosine_sample(struct neph_vec3 normal, struct neph_random *random);
 
+/* Two unit vectors across a unit vector (T. Duff et al., "Building an Orthonormal Basis,
+ * Revisited", JCGT 6(1), 2017). */
+void neph_basis(struct neph_vec3 n, struct neph_vec3 *a, struct neph_vec3 *b);
+
 /* A direction at an angle from an axis (unit), at a random azimuth. */
 struct neph_vec3 neph_direction_around(struct neph_vec3 axis, double angle_rad,
                                        struct neph_random *random);

@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/threads.h"
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 #include "scenes/trapped_light.h"
 #include "truth/path.h"
 
@@ -90,10 +91,12 @@ static void save_sums(struct render *render, size_t pixel, const struct sums *su
 
 bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
-    if (!neph_scene_traps_light(scene))
-        return true;
-    snprintf(reason, reason_size, "%s", neph_trapped_light_reason);
-    return false;
+    const char *cannot = neph_metal_obstacle(scene);
+    if (neph_scene_traps_light(scene))
+        cannot = neph_trapped_light_reason;
+    if (cannot)
+        snprintf(reason, reason_size, "%s", cannot);
+    return !cannot;
 }
 
 static enum neph_status check_params(const struct neph_oracle_params *params,

@@ -54,8 +54,9 @@ struct neph_oracle_stats {
     uint64_t collisions, lookups;
 };
 
-/* False, with the reason in words, for what the estimator cannot do: all orders of scattering
- * without absorption in a fog that has no end, whose paths are of infinite mean length. */
+/* False, with the reason in words, for what the estimator cannot do: metal, and all orders of
+ * scattering without absorption in a fog that has no end, whose paths are of infinite mean
+ * length. */
 bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
 
 /* Render: R G B, volume.*, order1.* (light of the sun or the surroundings scattered exactly once by

@@ -10,6 +10,7 @@
 #include "scenes/emission.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 #include "truth/airlight.h"
 #include "truth/directions.h"
 #include "truth/lamp_draw.h"
@@ -269,9 +270,9 @@ static bool leave_medium(struct path *path, int index, struct neph_rgb *light)
 /* Without the light that sun and lights send to the surface. */
 static bool reach_surface(struct path *path, const struct neph_hit *hit)
 {
-    if (!reflect(path, hit->solid->albedo))
-        return false;
     const struct neph_vec3 point_m = neph_vec3_along(path->at_m, path->direction, hit->t_m);
+    if (!reflect(path, neph_surface_color(hit, point_m)))
+        return false;
     path->at_m = neph_hit_outside_m(hit, point_m);
     return true;
 }
@@ -460,21 +461,30 @@ struct neph_path_light neph_path_trace(const struct neph_scene *scene,
     return light;
 }
 
+static struct neph_vec3 seen_point_m(const struct neph_view *view)
+{
+    return neph_vec3_along(view->origin_m, view->direction, view->hit.t_m);
+}
+
+static struct neph_rgb seen_color(const struct neph_view *view)
+{
+    return neph_surface_color(&view->hit, seen_point_m(view));
+}
+
 /* Lambertian, lit by the sun through the media: albedo / pi * E cos(theta) T V. */
 static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const struct neph_view *view)
 {
     const double cosine = neph_vec3_dot(view->hit.normal, scene->sun.direction);
     if (!scene->sun.present || cosine <= 0.0)
         return black;
-    const struct neph_vec3 point_m = neph_hit_outside_m(
-        &view->hit, neph_vec3_along(view->origin_m, view->direction, view->hit.t_m));
+    const struct neph_vec3 point_m = neph_hit_outside_m(&view->hit, seen_point_m(view));
     if (!neph_scene_sees_sun(scene, point_m))
         return black;
     const struct neph_rgb depth = neph_scene_optical_depth(scene, point_m, scene->sun.direction,
                                                            0.0, INFINITY);
     const struct neph_rgb light = {exp(-depth.r), exp(-depth.g), exp(-depth.b)};
     return neph_rgb_scale(
-        neph_rgb_mul(neph_rgb_mul(view->hit.solid->albedo, scene->sun.irradiance_w_per_m2), light),
+        neph_rgb_mul(neph_rgb_mul(seen_color(view), scene->sun.irradiance_w_per_m2), light),
         cosine / M_PI);
 }
 
@@ -483,9 +493,8 @@ static struct neph_rgb lamplit_surface(const struct neph_scene *scene, const str
 {
     if (scene->light_count == 0)
         return black;
-    const struct neph_vec3 point_m = neph_hit_outside_m(
-        &view->hit, neph_vec3_along(view->origin_m, view->direction, view->hit.t_m));
-    return neph_rgb_mul(view->hit.solid->albedo,
+    const struct neph_vec3 point_m = neph_hit_outside_m(&view->hit, seen_point_m(view));
+    return neph_rgb_mul(seen_color(view),
                         neph_lamplight_reflected(scene, point_m, view->hit.normal));
 }
 

@@ -17,6 +17,7 @@
 #include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
+#include "scenes/surfaces.h"
 #include "truth/airlight.h"
 #include "truth/cuts.h"
 #include "truth/pieces.h"
@@ -494,7 +495,8 @@ static struct neph_rgb sunlit_radiance(const struct neph_scene *scene, const str
         return (struct neph_rgb){0, 0, 0};
     const struct neph_rgb light = neph_rgb_scale(transmittance(sun_optical_depth(scene, outside_m)),
                                                  cosine / M_PI);
-    return neph_rgb_mul(neph_rgb_mul(hit->solid->albedo, scene->sun.irradiance_w_per_m2), light);
+    return neph_rgb_mul(
+        neph_rgb_mul(neph_surface_color(hit, point_m), scene->sun.irradiance_w_per_m2), light);
 }
 
 static struct neph_rgb surface_radiance(const struct neph_scene *scene, const struct neph_hit *hit,
@@ -505,7 +507,7 @@ static struct neph_rgb surface_radiance(const struct neph_scene *scene, const st
         return sunlit;
     const struct neph_rgb lamplit = neph_lamplight_reflected(
         scene, neph_hit_outside_m(hit, point_m), hit->normal);
-    return neph_rgb_add(sunlit, neph_rgb_mul(hit->solid->albedo, lamplit));
+    return neph_rgb_add(sunlit, neph_rgb_mul(neph_surface_color(hit, point_m), lamplit));
 }
 
 static bool is_white(struct neph_rgb albedo)
@@ -538,7 +540,7 @@ static bool is_furnace(const struct neph_scene *scene)
         if (!is_balanced(&scene->media[m], scene->background_w_per_m2_sr))
             return false;
     for (int i = 0; i < scene->solid_count; i++)
-        if (!is_white(scene->solids[i].albedo))
+        if (!is_white(scene->solids[i].albedo) || neph_is_textured(&scene->solids[i].surface))
             return false;
     return true;
 }
@@ -554,7 +556,7 @@ static bool media_scatter(const struct neph_scene *scene)
 static bool solids_reflect(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->solid_count; i++)
-        if (!is_black(scene->solids[i].albedo))
+        if (!is_black(scene->solids[i].albedo) || neph_is_textured(&scene->solids[i].surface))
             return true;
     return false;
 }
@@ -573,13 +575,14 @@ bool neph_transport_is_exact(const struct neph_scene *scene, char *reason, size_
         snprintf(reason, reason_size, "clouds whose optical depth is itself quadrature");
         return false;
     }
-    if (is_furnace(scene))
+    const char *cannot = neph_metal_obstacle(scene);
+    if (!cannot && is_furnace(scene))
         return true;
-    const char *cannot = NULL;
     const bool scatters = media_scatter(scene) && scene->scattering != NEPH_SCATTERING_NONE;
-    if (scene->scattering == NEPH_SCATTERING_MULTIPLE && (scatters || solids_reflect(scene)))
+    if (!cannot && scene->scattering == NEPH_SCATTERING_MULTIPLE &&
+        (scatters || solids_reflect(scene)))
         cannot = "multiple scattering (outside a furnace)";
-    else if (scene->environment_light && (scatters || solids_reflect(scene)))
+    else if (!cannot && scene->environment_light && (scatters || solids_reflect(scene)))
         cannot = "light of the surroundings on media or solids";
     if (cannot)
         snprintf(reason, reason_size, "%s", cannot);

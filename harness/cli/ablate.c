@@ -25,7 +25,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, .at = offsetof(struct request, preset), .otherwise = "ours"},
     {"suite", 0, "NAME",
      "tuning: the scenes that presets were chosen by; test, test2: others, for what is to be "
-     "reported (default, without a SCENE: tuning)",
+     "reported; air: near fog, lamps, shafts, cirrus and shadows of clouds (default, without a "
+     "SCENE: tuning)",
      NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
     {"only", 0, "PART,...", "These parts alone, in place of all that the preset has", NEPH_CLI_WORD,
      .at = offsetof(struct request, only)},

@@ -53,8 +53,8 @@ static void print_passes(const struct neph_engine *engine)
     for (int i = 0; engine->describe_pass && engine->describe_pass(i, &pass); i++) {
         const char *const rows[][2] = {
             {"reads", pass.reads}, {"writes", pass.writes}, {"hands on", pass.hands_on}};
-        printf("      %-15s %s\n%22s%s resolution, where %s\n", pass.name, pass.note, "",
-               pass.resolution, pass.condition);
+        printf("      %-15s %s\n%22s%s resolution%s%s\n", pass.name, pass.note, "", pass.resolution,
+               pass.condition[0] ? ", where " : "", pass.condition);
         for (size_t r = 0; r < sizeof(rows) / sizeof(rows[0]); r++)
             if (rows[r][1][0])
                 printf("%22s%-8s %s\n", "", rows[r][0], rows[r][1]);

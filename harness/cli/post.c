@@ -2,7 +2,7 @@
  *
  * `neph post`: frames of any renderer through the picture chain.
  */
-#include "harness/cli/cli.h"
+#include "harness/cli/post_list.h"
 
 #include "base/clock.h"
 #include "base/exr.h"
@@ -12,10 +12,14 @@
 #include "base/text.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/sequence.h"
+#include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
+#include "metrics/statistics.h"
 #include "renderer/post/chain.h"
 #include "renderer/post/display.h"
+#include "renderer/post/plan.h"
+#include "scenes/scene.h"
 
 #include <limits.h>
 #include <math.h>
@@ -24,10 +28,14 @@
 #include <string.h>
 #include <sys/stat.h>
 
+enum { REPEAT_MAX = 1000 };
+
 struct request {
     struct neph_cli_shared shared;
-    const char *preset, *layer;
-    int seed;
+    const char *preset, *chain, *scene, *layer;
+    int repeat;
+    int seed, bits; /* bits: -1: by the encoding */
+    double rate_hz; /* NaN: what the frames say */
     bool list, png, stats;
 };
 
@@ -36,15 +44,26 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, list)},
     {"preset", 'p', "NAME", "A set of settings by name, before any --set", NEPH_CLI_WORD,
      .at = offsetof(struct request, preset), .otherwise = "off"},
+    {"chain", 0, "FILE",
+     "Order, settings and volumes of the chain; --set goes on top of its settings", NEPH_CLI_WORD,
+     .at = offsetof(struct request, chain)},
+    {"scene", 0, "SCENE", "Whose camera is in the chain's volumes, at the number of each frame",
+     NEPH_CLI_WORD, .at = offsetof(struct request, scene)},
     {.name = "set", .help = "A setting of the chain; may be given several times"},
     {"layer", 0, "NAME", "Radiance is the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, .at = offsetof(struct request, layer)},
     {"seed", 0, "N", "Of the grain", NEPH_CLI_INTEGER, .at = offsetof(struct request, seed),
      .otherwise = "0", .minimum = 0, .maximum = INT_MAX},
-    {"png", 0, NULL, "An 8-bit PNG beside each EXR", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, png)},
-    {"stats", 0, NULL, "The device's time of each stage", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, stats)},
+    {"fps", 0, "HZ", "Frames a second, for auto_exposure (default: what they say, else 30)",
+     NEPH_CLI_REAL, .at = offsetof(struct request, rate_hz), .minimum = 1e-3, .maximum = 1e4},
+    {"png", 0, NULL, "A PNG beside each EXR", NEPH_CLI_FLAG, .at = offsetof(struct request, png)},
+    {"bits", 0, "N", "Of a channel of the PNG, 8 to 16 (default: 8, for an HDR display 10)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, bits), .minimum = 8, .maximum = 16},
+    {"stats", 0, NULL, "The device's time of each stage, and what the eye is adapted to",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
+    {"repeat", 0, "N", "Times that each frame goes through the chain; --stats has the medians",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .otherwise = "1", .minimum = 1,
+     .maximum = REPEAT_MAX},
     {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
     {.name = "json"},
     {.name = "quiet"},
@@ -60,6 +79,10 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "which frames?");
     if (request->list && request->shared.operand_count > 0)
         argp_error(state, "--list takes no frames");
+    if (request->chain && strcmp(request->preset, "off") != 0)
+        argp_error(state, "a chain names its preset itself: no --preset with --chain");
+    if (request->scene && !request->chain)
+        argp_error(state, "--scene is for the volumes of a --chain");
 }
 
 static const struct neph_cli_syntax syntax = {
@@ -70,90 +93,97 @@ static const struct neph_cli_syntax syntax = {
         "Frames of any renderer through the picture chain: what stands between a frame and the "
         "display.\v"
         "FRAMES: " NEPH_SEQUENCE_HELP ". R G B are scene-linear radiance. DIR gets an EXR of each "
-        "by its own name: the linear light that an sRGB display makes of the picture, 1 being its "
-        "white, which `neph compare`, `flicker` and `view` know as a display's. Put the reference "
+        "by its own name: the linear light that the display makes of the picture, 1 being its "
+        "white, or with encode=pq peak_nits, which `neph compare`, `flicker` and `view` know as a "
+        "display's. Put the reference "
         "through the same chain before you compare. Without tone mapping it is still radiance.\n\n"
         "The device is lavapipe unless NEPH_VULKAN_DEVICE names part of another's name.\n\n"
         "Examples:\n"
         "  neph post --list\n"
         "  neph post out/cloud.exr -p unreal -s exposure_ev=1 --png\n"
-        "  neph post 'half/frame.*.exr' -s upscale=lanczos -s screen_percent=50 -o full",
+        "  neph post 'half/frame.*.exr' -s upscale=lanczos -s screen_percent=50 -o full\n"
+        "  neph post 'walk/frame.*.exr' -p unreal -s auto_exposure=on --png\n"
+        "  neph post 'walk/frame.*.exr' --chain chain.yaml --scene walk.yaml",
 };
-
-/* ---- the list -------------------------------------------------------------------------------- */
-
-static const char *size_of(const struct neph_post_stage *stage)
-{
-    static const char *const sizes[] = {
-        [NEPH_POST_MAKES_PICTURE] = "the size that it gets",
-        [NEPH_POST_MAKES_LARGER] = "the display's size",
-        [NEPH_POST_MAKES_TABLE] = "a table",
-    };
-    return sizes[stage->makes];
-}
-
-static json_t *list_json(void)
-{
-    json_t *stages = json_array(), *presets = json_array();
-    for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
-        neph_json_add(&stages,
-                      json_pack("{s:s, s:s, s:s, s:s}", "name", s->name, "note", s->note, "setting",
-                                neph_post_options[s->settings[1]].name, "makes", size_of(s)));
-    for (const struct neph_preset *p = neph_post_presets; p->name; p++)
-        neph_json_add(&presets, json_pack("{s:s, s:s, s:s}", "name", p->name, "summary", p->summary,
-                                          "settings", p->assignments));
-    return json_pack("{s:o, s:o, s:o}", "stages", stages, "settings",
-                     neph_cli_options_json(neph_post_options), "presets", presets);
-}
-
-static enum neph_status list(bool as_json, struct neph_diag *diag)
-{
-    if (as_json)
-        return neph_cli_print_json(list_json(), diag);
-    printf("stages, in their order\n");
-    for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
-        printf("    %-17s %s; on with %s\n", s->name, s->note,
-               neph_post_options[s->settings[1]].name);
-    printf("settings\n");
-    neph_cli_print_options(neph_post_options);
-    printf("presets, each the defaults with\n");
-    for (const struct neph_preset *p = neph_post_presets; p->name; p++)
-        printf("    %-10s %s\n               %s\n", p->name, p->summary,
-               p->assignments[0] ? p->assignments : "(nothing else)");
-    return NEPH_OK;
-}
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
 /* A chain and what goes through it. */
 struct work {
     const struct request *request;
+    struct neph_post_plan plan;    /* of --chain */
+    struct neph_scene *scene;      /* NULL: none */
+    struct neph_settings settings; /* before volumes */
     struct neph_post_params params;
+    struct neph_post_eye eye;
     struct neph_vulkan *vulkan;
     struct neph_sequence frames;
     json_t *results;
 };
 
-/* These two hold what they make to 0..1, which would cut off radiance. */
-static enum neph_status check_range(const struct neph_settings *settings, struct neph_diag *diag)
+/* Passes that are not in the chain's order are off. */
+static void hold_to_order(const struct neph_post_order *order, struct neph_settings *settings)
 {
-    const bool wants_picture = settings->values[POST_FXAA] != 0.0 ||
-                               settings->values[POST_SHARPEN] != 0.0;
-    if (!wants_picture || neph_post_is_displayed(settings))
+    for (int pass = 0; pass < NEPH_POST_PASS_COUNT; pass++) {
+        bool is_there = false;
+        for (int i = 0; i < order->count; i++)
+            is_there = is_there || (int)order->passes[i] == pass;
+        if (!is_there)
+            settings->values[neph_post_switch((enum neph_post_pass)pass)] = 0.0;
+    }
+}
+
+static enum neph_status check_settings(const struct work *work, struct neph_settings *settings,
+                                       struct neph_diag *diag)
+{
+    if (work->params.order)
+        hold_to_order(work->params.order, settings);
+    return neph_post_check(settings, diag);
+}
+
+/* What is set where the camera is in a frame. */
+static enum neph_status settle(struct work *work, struct neph_diag *diag)
+{
+    struct neph_settings *settings = &work->params.settings;
+    struct neph_vec3 place_m = {0.0, 0.0, 0.0};
+    *settings = work->settings;
+    if (work->scene)
+        place_m = neph_scene_camera(work->scene, work->params.frame).position_m;
+    neph_post_blend(work->plan.volumes, work->plan.volume_count, place_m, settings);
+    return check_settings(work, settings, diag);
+}
+
+static enum neph_status find_chain(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    if (!request->chain)
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_USAGE,
-              "fxaa and sharpen work on a display's picture, and tone is off");
-    neph_hint(diag, "--set tone=on, with --set tone_map=none for values that are within 0 and 1");
+    enum neph_status status = neph_post_plan_load(request->chain, &work->plan, diag);
+    if (status)
+        return status;
+    work->params.order = &work->plan.order;
+    if (request->scene)
+        return neph_data_load_scene(request->scene, &work->scene, diag);
+    if (!neph_post_plan_wants_camera(&work->plan) || request->list)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "'%s' has volumes in boxes: where is the camera?",
+              request->chain);
+    neph_hint(diag, "--scene SCENE");
     return NEPH_ERR_USAGE;
 }
 
 static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
 {
     const struct request *request = work->request;
-    struct neph_settings *settings = &work->params.settings;
+    struct neph_settings *settings = &work->settings;
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
     static const char owner[] = "the picture chain";
-    enum neph_status status = neph_options_preset(neph_post_options, owner, neph_post_presets,
-                                                  request->preset, settings, diag);
+    enum neph_status status = NEPH_OK;
+    if (request->chain)
+        *settings = neph_post_plan_settings(&work->plan);
+    else
+        status = neph_options_preset(neph_post_options, owner, neph_post_presets, request->preset,
+                                     settings, diag);
     for (int i = 0; i < request->shared.settings.count && !status; i++)
         status = neph_options_set(neph_post_options, owner, request->shared.settings.list[i],
                                   settings, diag);
@@ -162,12 +192,13 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
             neph_hint(diag, "`neph post --list` explains them");
         return status;
     }
-    status = check_range(settings, diag);
+    status = check_settings(work, settings, diag);
+    if (!status && request->png && request->bits == 8 && neph_post_is_hdr(settings))
+        status = neph_fail(diag, NEPH_ERR_USAGE, "--bits=8: ST 2084 wants 10 to 16");
     if (status)
         return status;
-    for (const struct neph_post_stage *stage = neph_post_stages; stage->name; stage++)
-        if (neph_post_is_on(stage, settings))
-            return NEPH_OK;
+    if (neph_post_sequence(work->params.order, settings, stages) > 0 || work->plan.volume_count > 0)
+        return NEPH_OK;
     neph_fail(diag, NEPH_ERR_USAGE, "all stages of the chain are off");
     neph_hint(diag, "give a --preset, or --set; `neph post --list` explains them");
     return NEPH_ERR_USAGE;
@@ -227,15 +258,35 @@ static enum neph_status check_names(const struct work *work, struct neph_diag *d
     return status;
 }
 
+static enum neph_status write_bytes(const struct neph_image *picture, const char *path,
+                                    const uint16_t *codes, struct neph_diag *diag)
+{
+    const size_t count = 3 * neph_image_pixel_count(picture);
+    uint8_t *bytes = malloc(count);
+    if (!bytes)
+        return neph_fail_memory(diag);
+    for (size_t i = 0; i < count; i++)
+        bytes[i] = (uint8_t)codes[i];
+    const enum neph_status status = neph_png_write_rgb8(path, picture->width_px, picture->height_px,
+                                                        bytes, diag);
+    free(bytes);
+    return status;
+}
+
 static enum neph_status write_png(const struct work *work, const struct neph_image *picture,
                                   const char *path, struct neph_diag *diag)
 {
-    uint8_t *codes = malloc(3 * neph_image_pixel_count(picture));
+    const size_t count = 3 * neph_image_pixel_count(picture);
+    const bool is_hdr = neph_post_is_hdr(&work->params.settings);
+    const int bits = work->request->bits > 0 ? work->request->bits : is_hdr ? 10 : 8;
+    uint16_t *codes = malloc(count * sizeof(*codes));
     if (!codes)
         return neph_fail_memory(diag);
-    neph_post_codes(&work->params.settings, picture, codes);
-    const enum neph_status status = neph_png_write_rgb8(path, picture->width_px, picture->height_px,
-                                                        codes, diag);
+    neph_post_codes(&work->params.settings, picture, bits, codes);
+    const enum neph_status status =
+        bits == 8 ? write_bytes(picture, path, codes, diag)
+                  : neph_png_write_rgb16(path, picture->width_px, picture->height_px, bits,
+                                         is_hdr ? NEPH_PNG_BT2020_PQ : NEPH_PNG_SRGB, codes, diag);
     free(codes);
     return status;
 }
@@ -244,7 +295,8 @@ static enum neph_status show(const struct neph_settings *settings, struct neph_i
                              struct neph_diag *diag)
 {
     neph_post_show(settings, picture);
-    return neph_image_set_attribute(picture, NEPH_DISPLAY_ATTRIBUTE, diag, "sRGB");
+    return neph_image_set_attribute(picture, NEPH_DISPLAY_ATTRIBUTE, diag, "%s",
+                                    neph_post_is_hdr(settings) ? "PQ" : "sRGB");
 }
 
 static enum neph_status write(const struct work *work, const char *frame,
@@ -273,18 +325,62 @@ static void note(struct work *work, const char *frame, const struct neph_image *
                  const struct neph_post_stats *stats)
 {
     json_t *stages = json_array();
-    for (int i = 0; neph_post_stages[i].name; i++) {
-        if (!neph_post_is_on(&neph_post_stages[i], &work->params.settings))
-            continue;
-        const double ms = 1e3 * stats->gpu_s[i];
+    const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(work->params.order, &work->params.settings, sequence);
+    for (int i = 0; i < count; i++) {
+        const double ms = 1e3 * stats->gpu_s[sequence[i] - neph_post_stages];
         if (work->request->stats && !work->request->shared.json)
-            printf("%s: %-17s %8.3f ms\n", frame, neph_post_stages[i].name, ms);
-        neph_json_add(&stages, json_pack("{s:s, s:o}", "name", neph_post_stages[i].name, "ms",
-                                         isfinite(ms) ? json_real(ms) : json_null()));
+            printf("%s: %-17s %8.3f ms\n", frame, sequence[i]->name, ms);
+        neph_json_add(&stages, json_pack("{s:s, s:o}", "name", sequence[i]->name, "ms",
+                                         neph_json_number(ms)));
     }
-    neph_json_add(&work->results,
-                  json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px", picture->width_px,
-                            "height_px", picture->height_px, "stages", stages));
+    json_t *result = json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px",
+                               picture->width_px, "height_px", picture->height_px, "stages",
+                               stages);
+    if (isfinite(stats->adapted_ev)) {
+        neph_json_set(&result, "metered_ev", neph_json_number(stats->metered_ev));
+        neph_json_set(&result, "adapted_ev", neph_json_number(stats->adapted_ev));
+        if (work->request->stats && !work->request->shared.json)
+            printf("%s: metered %.4f EV, adapted to %.4f EV\n", frame, stats->metered_ev,
+                   stats->adapted_ev);
+    }
+    neph_json_add(&work->results, result);
+}
+
+/* Each time as if it were the only one: the eye goes on from the frame before. */
+static enum neph_status run(struct work *work, const struct neph_image *frame,
+                            struct neph_image **picture, struct neph_post_stats *stats,
+                            struct neph_diag *diag)
+{
+    const int count = work->request->repeat;
+    double(*seconds)[REPEAT_MAX] = calloc(NEPH_POST_STAGES_MAX, sizeof(*seconds));
+    struct neph_post_eye eye = work->eye;
+    enum neph_status status = seconds ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < count && !status; i++) {
+        eye = work->eye;
+        work->params.eye = &eye;
+        neph_image_destroy(*picture);
+        *picture = NULL;
+        status = neph_post_run(work->vulkan, &work->params, frame, picture, stats, diag);
+        for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
+            seconds[s][i] = stats->gpu_s[s];
+    }
+    for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
+        if (!isnan(stats->gpu_s[s])) /* the device has a clock */
+            stats->gpu_s[s] = neph_percentile(seconds[s], (size_t)count, 0.5);
+    work->params.eye = NULL;
+    work->eye = eye;
+    free(seconds);
+    return status;
+}
+
+static double frame_rate_hz(const struct work *work, const struct neph_image *frame)
+{
+    const char *text = neph_image_attribute(frame, NEPH_FRAME_RATE_ATTRIBUTE);
+    const double said_hz = text ? strtod(text, NULL) : 0.0;
+    if (!isnan(work->request->rate_hz))
+        return work->request->rate_hz;
+    return isfinite(said_hz) && said_hz > 0.0 ? said_hz : 30.0;
 }
 
 static enum neph_status make(struct work *work, int index, struct neph_diag *diag)
@@ -296,11 +392,13 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     if (status)
         return status;
     work->params.frame = work->frames.numbers ? (int)work->frames.numbers[index] : index;
-    if (neph_image_attribute(frame, "encoding"))
+    work->params.step_s = 1.0 / frame_rate_hz(work, frame);
+    status = settle(work, diag);
+    if (!status && neph_image_attribute(frame, "encoding"))
         status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
                            path);
     if (!status)
-        status = neph_post_run(work->vulkan, &work->params, frame, &picture, &stats, diag);
+        status = run(work, frame, &picture, &stats, diag);
     if (!status)
         status = write(work, path, picture, diag);
     if (!status)
@@ -332,24 +430,35 @@ static enum neph_status make_all(struct work *work, struct neph_diag *diag)
     return status;
 }
 
+static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    enum neph_status status = find_settings(work, diag);
+    if (!status)
+        status = neph_sequence_find(request->shared.operand_count, request->shared.operands,
+                                    &work->frames, diag);
+    if (!status)
+        status = make_all(work, diag);
+    if (!status && request->shared.json)
+        status = neph_cli_print_json(json_incref(work->results), diag);
+    return status;
+}
+
 enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
-    if (request.list)
-        return list(request.shared.json, diag);
     struct work work = {.request = &request, .results = json_array()};
     work.params.seed = (uint64_t)request.seed;
-    enum neph_status status = find_settings(&work, diag);
-    if (!status)
-        status = neph_sequence_find(request.shared.operand_count, request.shared.operands,
-                                    &work.frames, diag);
-    if (!status)
-        status = make_all(&work, diag);
-    if (!status && request.shared.json)
-        status = neph_cli_print_json(json_incref(work.results), diag);
+    enum neph_status status = find_chain(&work, diag);
+    if (!status && request.list)
+        status = neph_cli_post_list(request.chain ? &work.plan : NULL, request.shared.json, diag);
+    if (!status && !request.list)
+        status = make_pictures(&work, diag);
     json_decref(work.results);
     neph_vulkan_destroy(work.vulkan);
     neph_sequence_finish(&work.frames);
+    neph_scene_destroy(work.scene);
+    neph_post_plan_finish(&work.plan);
     return status;
 }

@@ -24,8 +24,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, .at = offsetof(struct request, presets),
      .otherwise = "seed,fixed,ue,c52e,unity,ours"},
     {"suite", 0, "NAME",
-     "tuning: the scenes that presets were chosen by; test, test2: others (default, without a "
-     "SCENE: test)",
+     "tuning: the scenes that presets were chosen by; test, test2: others; air: near fog, lamps, "
+     "shafts, cirrus and shadows of clouds (default, without a SCENE: test)",
      NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
     {"seeds", 0, "N", "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, seed_count), .otherwise = "3", .minimum = 1,

@@ -47,7 +47,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORDS, .at = offsetof(struct request, only)},
     {"preset", 0, "NAME",
      "Of the failure suite: only this preset, or PRESET+KEY=VALUE; may be given several times "
-     "(default: seed, fixed and ours, in the full tier all but ours2; march, cycles and povray "
+     "(default: seed, fixed and ours, in the full tier all but ours1; march, cycles and povray "
      "beside them)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, presets)},
     {"on-device", 0, NULL,

@@ -10,8 +10,9 @@
 /* The attribute of a frame of a sequence: how many of them a second it was made for. */
 #define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
 
-/* The attribute of a picture for a display (`neph post`): "sRGB". Its values are the linear light
- * that such a display makes of it, 1 being its white. */
+/* The attribute of a picture for a display (`neph post`): "sRGB", or "PQ" for an HDR display. Its
+ * values are the linear light that the display makes of it, 1 being its white, or an HDR display's
+ * peak. */
 #define NEPH_DISPLAY_ATTRIBUTE "neph.display"
 
 /* Read an OpenEXR or PNG file, told apart by content, and pass it through gate G0

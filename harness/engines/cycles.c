@@ -22,6 +22,7 @@
 #include "harness/engines/baked_scene.h"
 #include "harness/engines/bakes.h"
 #include "harness/engines/cycles_spec.h"
+#include "harness/engines/cycles_surface.h"
 #include "harness/engines/program.h"
 #include "scenes/emission.h"
 #include "scenes/volume_file.h"
@@ -40,6 +41,8 @@ enum { SIDE_MIN_PX = 4 };
 
 /* Python asks for no files beside Blender's own, and leaves none. */
 static const char *const environment[] = {"PYTHONNOUSERSITE=1", "PYTHONDONTWRITEBYTECODE=1", NULL};
+
+static const char *const switches[] = {"off", "on", NULL};
 
 /* Defaults by measurement over height fogs of vertical optical depth 0.07 to 10 and views up and
  * down. At a step of 0.1 scale heights single scattering is within 0.1 % row by row and 0.03 % over
@@ -67,6 +70,16 @@ static const struct neph_option options[] = {
      .maximum = 1024,
      .help = "threads of Blender, 0 for one per processor (changes no bit of the frame)"},
     NEPH_OPTION_BAKE_RESOLUTION,
+    {.name = "surface_layers",
+     .kind = NEPH_OPTION_CHOICE,
+     .choices = switches,
+     .help = "the light of solids in parts, too: the layers of engine surfaces"},
+    {.name = "ao_distance_m",
+     .kind = NEPH_OPTION_REAL,
+     .default_value = 0,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "their layer ao: what is farther hides nothing [m]; 0: no limit"},
     {.name = NULL},
 };
 
@@ -188,6 +201,8 @@ static enum neph_status open_session(const struct neph_shot *shot, const char *d
         .samples = (int)neph_setting(&neph_engine_cycles, settings, "samples"),
         .step = neph_setting(&neph_engine_cycles, settings, "step"),
         .threads = threads > 0 ? threads : neph_processor_count(),
+        .surface_layers = neph_setting(&neph_engine_cycles, settings, "surface_layers") != 0.0,
+        .ao_distance_m = neph_setting(&neph_engine_cycles, settings, "ao_distance_m"),
     };
     return adapt_scene(shot, session, diag);
 }
@@ -418,6 +433,18 @@ static enum neph_status radiance_layers(const struct session *session, struct ne
     return status;
 }
 
+/* They are in the picture of all channels. */
+static enum neph_status surface_layers(const struct session *session, struct neph_image *frame,
+                                       struct neph_diag *diag)
+{
+    struct neph_image *image = NULL;
+    enum neph_status status = read_pass(session, "radiance", &image, diag);
+    if (!status)
+        status = neph_cycles_surface_layers(image, frame, diag);
+    neph_image_destroy(image);
+    return status;
+}
+
 static enum neph_status transmittance_layer(const struct session *session, struct neph_image *frame,
                                             struct neph_diag *diag)
 {
@@ -543,6 +570,8 @@ static enum neph_status make_frame(const struct session *session, struct neph_im
     enum neph_status status = neph_image_create(shot->width_px, shot->height_px, &made, diag);
     if (!status && (shot->layers & NEPH_LAYER_RADIANCE))
         status = radiance_layers(session, made, diag);
+    if (!status && (shot->layers & NEPH_LAYER_RADIANCE) && session->quality.surface_layers)
+        status = surface_layers(session, made, diag);
     if (!status && (shot->layers & NEPH_LAYER_TRANSMITTANCE))
         status = transmittance_layer(session, made, diag);
     if (!status && (shot->layers & NEPH_LAYER_DEPTH))

@@ -4,6 +4,8 @@
  */
 #include "harness/engines/cycles_spec.h"
 
+#include "harness/engines/cycles_surface.h"
+
 #include "scenes/emission.h"
 #include "scenes/grid.h"
 #include "scenes/lights.h"
@@ -14,7 +16,7 @@
 #include <stdio.h>
 
 enum {
-    SPEC_FORMAT = 3, /* raised together with blender_render.py */
+    SPEC_FORMAT = 4, /* raised together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
@@ -267,6 +269,8 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
         !(lens_mm >= shortest_lens_mm)) /* Blender would clamp it without a word */
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a field of view above 170.4 degrees: Blender has no lens below 1 mm");
+    if (neph_cycles_surface_obstacle(scene))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s", neph_cycles_surface_obstacle(scene));
     if (neph_scene_has_wide_spot(scene))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s", neph_wide_spot_reason);
     for (int i = 0; i < scene->medium_count && !status; i++)
@@ -331,13 +335,15 @@ static json_t *solid_json(const struct neph_solid *solid, const struct neph_came
                           int height_px, double *error_px)
 {
     if (solid->kind == NEPH_SOLID_BOX)
-        return json_pack("{s:s, s:o, s:o, s:o, s:o}", "kind", "box", "min_m",
+        return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "kind", "box", "min_m",
                          vector_json(solid->box.min_m), "max_m", vector_json(solid->box.max_m),
-                         "turn", turn_json(&solid->turn), "albedo", color_json(solid->albedo));
+                         "turn", turn_json(&solid->turn), "albedo", color_json(solid->albedo),
+                         "surface", neph_cycles_surface(&solid->surface));
     const int segments = sphere_segments(solid, camera, height_px, error_px);
-    return json_pack("{s:s, s:o, s:f, s:i, s:o}", "kind", "sphere", "center_m",
+    return json_pack("{s:s, s:o, s:f, s:i, s:o, s:o}", "kind", "sphere", "center_m",
                      vector_json(solid->center_m), "radius_m", solid->radius_m, "segments",
-                     segments, "albedo", color_json(solid->albedo));
+                     segments, "albedo", color_json(solid->albedo), "surface",
+                     neph_cycles_surface(&solid->surface));
 }
 
 static json_t *solids_json(const struct neph_shot *shot, const struct neph_camera *camera,
@@ -527,6 +533,14 @@ static json_t *passes_json(const struct neph_shot *shot, const struct neph_cycle
     return NULL;
 }
 
+/* How far solids hide; null: however far. */
+static json_t *ambient_json(const struct neph_cycles_quality *quality)
+{
+    return json_pack("{s:o}", "ao_distance_m",
+                     quality->ao_distance_m > 0.0 ? json_real(quality->ao_distance_m)
+                                                  : json_null());
+}
+
 /* Adds all members; false when one could not be made. */
 static bool fill_spec(json_t *spec, const struct neph_shot *shot,
                       const struct neph_cycles_world *world,
@@ -554,6 +568,7 @@ static bool fill_spec(json_t *spec, const struct neph_shot *shot,
         {"solids", solids_json(shot, &camera, error_px)},
         {"media", media_json(scene, world)},
         {"passes", passes_json(shot, quality)},
+        {"surface_layers", quality->surface_layers ? ambient_json(quality) : json_null()},
     };
     bool complete = true;
     for (size_t i = 0; i < sizeof(members) / sizeof(members[0]); i++)

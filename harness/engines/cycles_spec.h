@@ -37,6 +37,8 @@ struct neph_cycles_quality {
     int samples;
     double step; /* of the radiance pass, as a fraction of feature_m */
     int threads;
+    bool surface_layers;  /* the light of solids in parts (cycles_surface.h), too */
+    double ao_distance_m; /* of their layer ao; 0: no limit */
 };
 
 /* The spec, for the caller to json_decref(). `*sphere_error_px` receives the largest distance

@@ -12,6 +12,7 @@
 #define NEPH_ENGINES(of) \
     of(exact) \
     of(oracle) \
+    of(surfaces) \
     of(tracer) \
     of(march) \
     of(march_octaves) \
@@ -23,6 +24,7 @@
     of(march_slab) \
     of(sky) \
     of(fog_look) \
+    of(screen) \
     of(realtime) \
     of(cycles) \
     of(povray) \

@@ -12,6 +12,7 @@
 #include "renderer/fog_look.h"
 #include "renderer/reach.h"
 #include "scenes/fog_translation.h"
+#include "scenes/surfaces.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -67,6 +68,10 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
                        char *reason, size_t reason_size)
 {
     const enum neph_fog_model model = (enum neph_fog_model)settings->values[OPTION_MODEL];
+    if (neph_surfaces_obstacle(scene)) {
+        snprintf(reason, reason_size, "%s", neph_surfaces_obstacle(scene));
+        return false;
+    }
     return neph_fog_look_is_of(scene, model, reason, reason_size) &&
            neph_float32_reaches(scene, reason, reason_size);
 }

@@ -40,6 +40,12 @@ enum {
     OPTION_CLOUD_SHADOW_LEVELS,
     OPTION_CLOUD_SHADOW_EXTENT,
     OPTION_CLOUD_SHADOW_PLANE,
+    OPTION_SKY,
+    OPTION_SKY_COLUMNS,
+    OPTION_SKY_ROWS,
+    OPTION_SKY_SLICES,
+    OPTION_SKY_FAR,
+    OPTION_SKY_SHADOWS,
     OPTION_LIGHT_TEXEL, /* from here on of march_traced alone */
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
@@ -94,7 +100,10 @@ enum {
     [OPTION_CLOUD_SHADOW_LAYERS] = NEPH_OPTION_CLOUD_SHADOW_LAYERS,                                \
     [OPTION_CLOUD_SHADOW_LEVELS] = NEPH_OPTION_CLOUD_SHADOW_LEVELS,                                \
     [OPTION_CLOUD_SHADOW_EXTENT] = NEPH_OPTION_CLOUD_SHADOW_EXTENT,                                \
-    [OPTION_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE
+    [OPTION_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE, [OPTION_SKY] = NEPH_OPTION_SKY,  \
+    [OPTION_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS, [OPTION_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,      \
+    [OPTION_SKY_SLICES] = NEPH_OPTION_SKY_SLICES, [OPTION_SKY_FAR] = NEPH_OPTION_SKY_FAR,          \
+    [OPTION_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS
 
 static const struct neph_option options[] = {OPTIONS_OF_ALL, {.name = NULL}};
 
@@ -206,6 +215,12 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                                  .plane = (enum neph_shadow_plane)(
                                      int)values[OPTION_CLOUD_SHADOW_PLANE]}},
     };
+    params.sky = neph_sky_for_march(
+        values[OPTION_SKY] != 0.0, values[OPTION_SKY_SHADOWS] != 0.0,
+        (struct neph_sky_aerial_params){.columns = (int)values[OPTION_SKY_COLUMNS],
+                                        .rows = (int)values[OPTION_SKY_ROWS],
+                                        .slices = (int)values[OPTION_SKY_SLICES],
+                                        .far_m = values[OPTION_SKY_FAR]});
     if (sequence->lighting == NEPH_MARCH_TRACED) {
         params.light = light_of(shot);
         params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_AHEAD_CELLS],
@@ -320,8 +335,8 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
                                    const struct neph_settings *settings, char *reason,             \
                                    size_t reason_size)                                             \
     {                                                                                              \
-        (void)settings;                                                                            \
-        return neph_march_can_render(scene, lighting_, reason, reason_size);                       \
+        const bool sky = settings && settings->values[OPTION_SKY] != 0.0;                          \
+        return neph_march_can_render_under(scene, sky, lighting_, reason, reason_size);            \
     }                                                                                              \
     static enum neph_status render_##name_(const struct neph_shot *shot,                           \
                                            struct neph_image **frame, struct neph_cost *cost,      \

@@ -26,6 +26,7 @@
 #include "scenes/emission.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
+#include "scenes/surfaces.h"
 #include "scenes/volume_file.h"
 
 #include <errno.h>
@@ -128,9 +129,20 @@ static bool has_scatterer(const struct neph_scene *scene)
             return true;
     }
     for (int i = 0; i < scene->solid_count; i++) {
-        if (is_lit(scene->solids[i].albedo))
+        const struct neph_solid *solid = &scene->solids[i];
+        if (is_lit(solid->albedo) ||
+            (neph_is_textured(&solid->surface) && is_lit(solid->surface.texture.other)))
             return true;
     }
+    return false;
+}
+
+static bool has_noise(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        if (neph_is_textured(&scene->solids[i].surface) &&
+            scene->solids[i].surface.texture.pattern == NEPH_PATTERN_NOISE)
+            return true;
     return false;
 }
 
@@ -141,7 +153,11 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     const char *cannot = NULL;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
-    if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))
+    if (neph_metal_obstacle(scene))
+        cannot = neph_metal_obstacle(scene);
+    else if (has_noise(scene))
+        cannot = "a texture of noise on solids";
+    else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))
         cannot = "multiple scattering";
     else if (scene->environment_light && has_scatterer(scene))
         cannot = "environment light on media or solids";
@@ -655,15 +671,22 @@ static double distance_m(const struct neph_bounds *box, struct neph_vec3 point_m
 /* Each light as bright as it is where the solid's box comes nearest to it; a ball is farther away.
  */
 static void add_lamplit(struct sources *sources, const struct neph_scene *scene,
-                        const struct neph_solid *solid)
+                        const struct neph_solid *solid, struct neph_rgb color)
 {
     const struct neph_bounds box = neph_solid_bounds(solid);
     for (int l = 0; l < scene->light_count; l++) {
         const double near_m = fmax(1e-3, distance_m(&box, scene->lights[l].position_m));
-        add_source(sources,
-                   neph_rgb_scale(neph_rgb_mul(solid->albedo, scene->lights[l].intensity_w_per_sr),
-                                  scene->light_count / (M_PI * near_m * near_m)));
+        add_source(sources, neph_rgb_scale(neph_rgb_mul(color, scene->lights[l].intensity_w_per_sr),
+                                           scene->light_count / (M_PI * near_m * near_m)));
     }
+}
+
+static void add_sunlit(struct sources *sources, const struct neph_scene *scene,
+                       struct neph_rgb color)
+{
+    if (scene->sun.present)
+        add_source(sources,
+                   neph_rgb_scale(neph_rgb_mul(color, scene->sun.irradiance_w_per_m2), 1.0 / M_PI));
 }
 
 static enum neph_status add_surface(struct session *session, struct light *surface,
@@ -673,12 +696,17 @@ static enum neph_status add_surface(struct session *session, struct light *surfa
     struct neph_povray_pass pass = {.kind = NEPH_POVRAY_SURFACE};
     struct sources sources = {.count = 0};
     add_source(&sources, scene->background_w_per_m2_sr);
-    for (int i = 0; scene->sun.present && i < scene->solid_count; i++) {
-        struct neph_rgb lit = neph_rgb_mul(scene->solids[i].albedo, scene->sun.irradiance_w_per_m2);
-        add_source(&sources, neph_rgb_scale(lit, 1.0 / M_PI));
-    }
     for (int i = 0; i < scene->solid_count; i++)
-        add_lamplit(&sources, scene, &scene->solids[i]);
+        add_sunlit(&sources, scene, scene->solids[i].albedo);
+    for (int i = 0; i < scene->solid_count; i++)
+        add_lamplit(&sources, scene, &scene->solids[i], scene->solids[i].albedo);
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_surface *look = &scene->solids[i].surface;
+        if (!neph_is_textured(look))
+            continue;
+        add_sunlit(&sources, scene, look->texture.other);
+        add_lamplit(&sources, scene, &scene->solids[i], look->texture.other);
+    }
     return add_picture(session, "surface", pass, &sources, 1.0, surface, diag);
 }
 

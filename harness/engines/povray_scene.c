@@ -767,6 +767,35 @@ static void write_texture(struct writer *writer, struct neph_rgb albedo)
     }
 }
 
+/* Whether the pass shows what a checker looks like. */
+static bool shows_paint(const struct writer *writer, const struct neph_solid *solid)
+{
+    return neph_is_textured(&solid->surface) &&
+           (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE);
+}
+
+/* In cells from the middle of the box: a face is where |x|, |y| or |z| is half of the side.
+ * Patterns wrap at 1, so the two values are 1/4 and 3/4. It turns along where it stands before the
+ * turn. */
+static void write_checker(struct writer *writer, const struct neph_solid *box)
+{
+    static const double within = 1.0 - 1e-9; /* POV-Ray's places on a face are rounded */
+    const struct neph_paint *checker = &box->surface.texture;
+    const struct neph_vec3 side_m = neph_vec3_sub(box->box.max_m, box->box.min_m);
+    const double half = 0.5 / checker->cell_m * within;
+    named_number(writer, " pigment { function { 0.25 + 0.5*abs(mod(select(abs(x) - ",
+                 half * side_m.x, ", ");
+    named_number(writer, "select(abs(y) - ", half * side_m.y,
+                 ", floor(x) + floor(y), floor(x) + floor(z)), floor(y) + floor(z)), 2)) } "
+                 "color_map { [0.5 ");
+    property(writer, box->albedo);
+    words(writer, "] [0.5 ");
+    property(writer, checker->other);
+    named_number(writer, "] } scale U*", checker->cell_m, " translate ");
+    position(writer, neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m), 0.5));
+    words(writer, " } finish { ambient 0 diffuse 1 }");
+}
+
 /* Before the texture, which does not turn along. Row i of POV-Ray's matrix is what becomes of unit
  * vector i. */
 static void write_turn(struct writer *writer, const struct neph_solid *box)
@@ -795,13 +824,16 @@ static void write_solid(struct writer *writer, const struct neph_solid *solid)
         position(writer, solid->box.min_m);
         words(writer, ", ");
         position(writer, solid->box.max_m);
+        if (shows_paint(writer, solid))
+            write_checker(writer, solid);
         write_turn(writer, solid);
     } else {
         words(writer, "sphere { ");
         position(writer, solid->center_m);
         named_number(writer, ", U*", solid->radius_m, "");
     }
-    write_texture(writer, solid->albedo);
+    if (!shows_paint(writer, solid))
+        write_texture(writer, solid->albedo);
     words(writer, " }\n");
 }
 

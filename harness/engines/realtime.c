@@ -113,6 +113,9 @@ static enum neph_status label_passes(struct neph_image *frame,
     if (!status && stats->shadow_gpu_s > 0.0)
         status = neph_frame_stats_set(frame, "cloud_shadow_gpu_ms", 1e3 * stats->shadow_gpu_s,
                                       diag);
+    const double sky_s = neph_sky_gpu_s(&stats->sky) + stats->sky_shade_gpu_s;
+    if (!status && sky_s > 0.0)
+        status = neph_frame_stats_set(frame, "sky_gpu_ms", 1e3 * sky_s, diag);
     return status;
 }
 
@@ -135,7 +138,9 @@ static enum neph_status label_cycles(struct neph_image *frame, const struct neph
         double period; /* frames; below 2: none */
     } cycles[] = {
         {"slot", splits ? 4.0 : 0.0},
-        {"TAA jitter", jitters ? values[RT_TAA_JITTER_LENGTH] : 0.0},
+        {"TAA jitter", jitters ? neph_rt_jitter_length((int)values[RT_TAA_JITTER_LENGTH],
+                                                       (int)values[RT_SCREEN_PERCENT])
+                               : 0.0},
         {"ray dither", values[RT_RAY_DITHER_AMOUNT] > 0.0
                            ? neph_rt_dither_period((int)values[RT_RAY_DITHER])
                            : 0.0},
@@ -268,6 +273,7 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
     }
     add_before("higher orders", stats.light_gpu_s, cost);
     add_before("cloud shadow", stats.shadow_gpu_s, cost);
+    add_before("sky", neph_sky_gpu_s(&stats.sky) + stats.sky_shade_gpu_s, cost);
     return NEPH_OK;
 }
 
@@ -321,11 +327,9 @@ static void name_targets(uint32_t targets, char *text, size_t size)
 
 static bool describe_pass(int index, struct neph_engine_pass *pass)
 {
-    static const char *const resolutions[] = {[RT_FULL] = "full",
-                                              [RT_HALF] = "half",
-                                              [RT_QUARTER] = "quarter",
-                                              [RT_FROXEL] = "froxels",
-                                              [RT_FROXEL_COLUMN] = "columns"};
+    static const char *const resolutions[] = {
+        [RT_PICTURE] = "picture", [RT_FULL] = "full",      [RT_HALF] = "half",
+        [RT_QUARTER] = "quarter", [RT_FROXEL] = "froxels", [RT_FROXEL_COLUMN] = "columns"};
     const struct neph_rt_pass *record = &neph_rt_passes[index];
     if (!record->name)
         return false;

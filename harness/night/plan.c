@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STEPS_MAX = 512 };
+enum { STEPS_MAX = 512, WORDS_MAX = 20 };
 
 static const char *const suite_names[] = {
     [NEPH_NIGHT_CATALOG] = "catalog", [NEPH_NIGHT_PHYSICS] = "physics",
@@ -20,14 +20,16 @@ static const char *const suite_names[] = {
  * as far as nobody has measured it. A tier only adds steps: those of the quick one are the same in
  * the full one, so that their series go on. */
 static const struct {
-    const char *before[4], *after[16];
+    const char *before[4], *after[WORDS_MAX];
     const char *size; /* NULL: its own */
     double guess_s;
     int guess_series;
 } suites[] = {
     [NEPH_NIGHT_CATALOG] = {{"validate"},
-                            {"-e", "exact", "-e", "tracer", "-e", "march", "-e", "realtime", "-e",
-                             "cycles", "-e", "povray", "--no-charts", "--budget", "60"},
+                            {"-e",          "exact",    "-e", "surfaces", "-e", "tracer",
+                             "-e",          "march",    "-e", "realtime", "-e", "fog_look",
+                             "-e",          "sky",      "-e", "cycles",   "-e", "povray",
+                             "--no-charts", "--budget", "60"},
                             "96x54",
                             20.0,
                             12},
@@ -42,24 +44,49 @@ static const struct {
     [NEPH_NIGHT_SPEED] = {{"benchmark"}, {"-e", "march,realtime"}, "192x108", 30.0, 2},
 };
 
-/* What the quick tier has; the full one has the whole catalogue and all checks and scenarios. */
-static const struct {
+/* A step, and the words after its name where they are not those of its suite. */
+struct listed {
     enum neph_night_suite suite;
-    const char *name;
-} quick_steps[] =
+    const char *name, *words[WORDS_MAX];
+};
+
+/* What the quick tier has; the full one has the whole catalogue and all checks and scenarios. */
+static const struct listed quick_steps[] =
     {
-        {NEPH_NIGHT_CATALOG, "height_fog_down"},   {NEPH_NIGHT_CATALOG, "scattering_slab_above"},
-        {NEPH_NIGHT_CATALOG, "grid_cloud_single"}, {NEPH_NIGHT_CATALOG, "voxel_grid"},
-        {NEPH_NIGHT_PHYSICS, "single_slab_thin"},  {NEPH_NIGHT_FAILURE, "ridge_far"},
-        {NEPH_NIGHT_FAILURE, "blob_sky"},          {NEPH_NIGHT_FAILURE, "fog_none"},
-        {NEPH_NIGHT_FAILURE, "edge_halo"},         {NEPH_NIGHT_SWEEP, "voxel_grid"},
-        {NEPH_NIGHT_SPEED, "voxel_grid"},
+        {NEPH_NIGHT_CATALOG, "height_fog_down", {NULL}},
+        {NEPH_NIGHT_CATALOG, "scattering_slab_above", {NULL}},
+        {NEPH_NIGHT_CATALOG, "grid_cloud_single", {NULL}},
+        {NEPH_NIGHT_CATALOG, "voxel_grid", {NULL}},
+        {NEPH_NIGHT_CATALOG, "fog_look_physical", {NULL}},
+        {NEPH_NIGHT_CATALOG, "sky_earth", {NULL}},
+        {NEPH_NIGHT_PHYSICS, "single_slab_thin", {NULL}},
+        {NEPH_NIGHT_FAILURE, "ridge_far", {NULL}},
+        {NEPH_NIGHT_FAILURE, "blob_sky", {NULL}},
+        {NEPH_NIGHT_FAILURE, "fog_none", {NULL}},
+        {NEPH_NIGHT_FAILURE, "edge_halo", {NULL}},
+        {NEPH_NIGHT_FAILURE,
+         "froxel_leak",
+         {"--preset", "seed", "--preset", "fixed", "--preset", "ours", "--preset",
+          "fixed+froxels=on"}},
+        {NEPH_NIGHT_SWEEP, "voxel_grid", {NULL}},
+        {NEPH_NIGHT_SWEEP, "spot_fence", {"--untimed", "--only", "march,tracer"}},
+        {NEPH_NIGHT_SWEEP, "cirrus", {"--untimed", "--only", "march"}},
+        {NEPH_NIGHT_SWEEP, "cloud_gaps", {"--untimed", "--plan", "shadows", "--only", "map"}},
+        {NEPH_NIGHT_SPEED, "voxel_grid", {NULL}},
 },
-  full_steps[] = {
-      {NEPH_NIGHT_SWEEP, "cloud_below"},
-      {NEPH_NIGHT_SWEEP, "fence_backlit"},
-      {NEPH_NIGHT_SPEED, "grid_cloud_single"},
-      {NEPH_NIGHT_SPEED, "fence_backlit"},
+                           full_steps[] = {
+                               {NEPH_NIGHT_FAILURE,
+                                "froxel_seam",
+                                {"--preset", "seed", "--preset", "fixed", "--preset", "ours",
+                                 "--preset", "fixed+froxels=on"}},
+                               {NEPH_NIGHT_FAILURE,
+                                "shadow_crawl",
+                                {"--preset", "off", "--preset", "fixed", "--preset",
+                                 "off+cloud_shadow=map"}},
+                               {NEPH_NIGHT_SWEEP, "cloud_below", {NULL}},
+                               {NEPH_NIGHT_SWEEP, "fence_backlit", {NULL}},
+                               {NEPH_NIGHT_SPEED, "grid_cloud_single", {NULL}},
+                               {NEPH_NIGHT_SPEED, "fence_backlit", {NULL}},
 };
 
 const char *neph_night_suite_name(enum neph_night_suite suite)
@@ -127,7 +154,9 @@ static void add_settings(struct making *making, struct neph_night_step *step)
     }
 }
 
-static void add_step(struct making *making, enum neph_night_suite suite, const char *of)
+/* `words` as in struct listed; NULL: those of the suite. */
+static void add_step(struct making *making, enum neph_night_suite suite, const char *of,
+                     const char *const *words)
 {
     const char *name = neph_arena_format(making->arena, "%s %s", suite_names[suite], of);
     const char *size = suites[suite].size;
@@ -147,7 +176,7 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
     const char *const own[] = {neph_arena_text(making->arena, of), size ? "--size" : NULL, size};
     add_words(making, step, suites[suite].before, 4);
     add_words(making, step, own, 3);
-    add_words(making, step, suites[suite].after, 16);
+    add_words(making, step, words && words[0] ? words : suites[suite].after, WORDS_MAX);
     add_settings(making, step);
 }
 
@@ -160,7 +189,7 @@ static enum neph_status add_scenes(struct making *making, enum neph_data_scenes 
     if (status)
         return status;
     for (int i = 0; i < count; i++)
-        add_step(making, suite, names[i]);
+        add_step(making, suite, names[i], NULL);
     neph_data_free_names(names);
     return NEPH_OK;
 }
@@ -170,24 +199,27 @@ static void add_checks(struct making *making)
     for (int i = 0; i < neph_check_count(); i++) {
         struct neph_check check;
         neph_check_get(i, &check);
-        add_step(making, NEPH_NIGHT_PHYSICS, check.name);
+        add_step(making, NEPH_NIGHT_PHYSICS, check.name, NULL);
     }
+}
+
+static void add_listed(struct making *making, const struct listed *steps, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        add_step(making, steps[i].suite, steps[i].name, steps[i].words);
 }
 
 static enum neph_status add_steps(struct making *making, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(quick_steps) / sizeof(quick_steps[0]); i++)
-        add_step(making, quick_steps[i].suite, quick_steps[i].name);
+    add_listed(making, quick_steps, sizeof(quick_steps) / sizeof(quick_steps[0]));
     if (!making->full)
         return NEPH_OK;
-    status = add_scenes(making, NEPH_DATA_CATALOG, NEPH_NIGHT_CATALOG, diag);
+    add_listed(making, full_steps, sizeof(full_steps) / sizeof(full_steps[0]));
+    enum neph_status status = add_scenes(making, NEPH_DATA_CATALOG, NEPH_NIGHT_CATALOG, diag);
     if (!status)
         status = add_scenes(making, NEPH_DATA_FAILURES, NEPH_NIGHT_FAILURE, diag);
     if (!status)
         add_checks(making);
-    for (size_t i = 0; !status && i < sizeof(full_steps) / sizeof(full_steps[0]); i++)
-        add_step(making, full_steps[i].suite, full_steps[i].name);
     return status;
 }
 

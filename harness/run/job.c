@@ -61,17 +61,23 @@ static bool may_be_infinite(const char *channel)
     return strcmp(channel, "Z") == 0 || strcmp(channel, "volume.distance") == 0;
 }
 
+static bool may_be_negative(const char *channel)
+{
+    return strncmp(channel, "normal.", strlen("normal.")) == 0;
+}
+
 /* Every other value an engine hands over is finite, and none is negative. */
 static void count_bad(const struct neph_image *frame, const struct neph_channel *channel,
                       size_t *non_finite, size_t *negative)
 {
     const bool is_distance = may_be_infinite(channel->name);
+    const bool is_signed = may_be_negative(channel->name);
     const size_t count = neph_image_pixel_count(frame);
     *non_finite = *negative = 0;
     for (size_t p = 0; p < count; p++) {
         const float value = channel->samples[p];
         *non_finite += !(isfinite(value) || (is_distance && value == INFINITY));
-        *negative += value < 0.0f;
+        *negative += value < 0.0f && !is_signed;
     }
 }
 
@@ -83,7 +89,7 @@ size_t neph_job_count_bad(const struct neph_image *frame)
         const struct neph_channel *channel = &frame->channels[i];
         size_t non_finite, negative;
         count_bad(frame, channel, &non_finite, &negative);
-        for (size_t p = 0; p < neph_image_pixel_count(frame); p++)
+        for (size_t p = 0; p < neph_image_pixel_count(frame) && negative > 0; p++)
             negative -= channel->samples[p] == -INFINITY;
         sum += non_finite + negative;
     }

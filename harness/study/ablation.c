@@ -120,7 +120,7 @@ static enum neph_status plan_part(struct neph_ablation *ablation, int part, stru
 
 static enum neph_status refuse_part(const char *name, struct neph_diag *diag)
 {
-    char names[768] = "";
+    char names[1024] = "";
     for (int i = 0; neph_ablation_parts[i].name; i++) {
         const size_t length = strlen(names);
         snprintf(names + length, sizeof(names) - length, "%s%s", i ? ", " : "",

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { NEPH_ABLATION_PARTS_MAX = 44 };
+enum { NEPH_ABLATION_PARTS_MAX = 60 };
 
 struct neph_ablation_part {
     const char *name;  /* of the command line */

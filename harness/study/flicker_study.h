@@ -10,7 +10,7 @@
 #include "harness/run/job.h"
 #include "harness/study/flicker_metrics.h"
 
-enum { NEPH_STUDY_PRESETS_MAX = 96, NEPH_STUDY_SEEDS_MAX = 64 };
+enum { NEPH_STUDY_PRESETS_MAX = 128, NEPH_STUDY_SEEDS_MAX = 64 };
 
 struct neph_flicker_study_params {
     const char *const *presets; /* "NAME" or "NAME+KEY=VALUE+..." */

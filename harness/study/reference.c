@@ -37,11 +37,12 @@ static const struct neph_engine *engine_of(const struct neph_job *test)
 }
 
 /* How much light of higher orders is found in a picture is the test's own: it goes on from the
- * picture before, and a picture alone with so little would be noise, or dark. */
+ * picture before, and a picture alone with so little would be noise, or dark. A shadow map of the
+ * clouds is a shortcut whose errors are asked for. */
 static bool is_shared(const struct neph_option *option)
 {
-    static const char *const own[] = {"light_paths", "light_rounds", "light_ahead", "light_similar",
-                                      "diffusion_cycles"};
+    static const char *const own[] = {"light_paths",   "light_rounds",     "light_ahead",
+                                      "light_similar", "diffusion_cycles", "cloud_shadow"};
     for (size_t i = 0; i < sizeof(own) / sizeof(own[0]); i++)
         if (strcmp(option->name, own[i]) == 0)
             return false;

@@ -3,9 +3,12 @@
 
 #include "base/files.h"
 #include "harness/engines/engines.h"
+#include "renderer/gpu_scene.h"
+#include "renderer/realtime/options.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,6 +36,61 @@ const struct neph_ladder_part neph_ladder_motion_parts[] = {
     {"motion of the nearest of five depths", "taa_motion=centre", NEPH_LADDER_CAMERA},
     {.name = NULL},
 };
+
+/* ---- what a scene has ------------------------------------------------------------------------ */
+
+/* What is seen of media within the froxels of the camera: optical depths that count. */
+static bool sees_near_media(const struct neph_scene *scene, int frame)
+{
+    const double end_m = neph_rt_options[RT_FROXEL_END_M].default_value, least = 0.01;
+    const struct neph_camera camera = neph_scene_camera(scene, frame);
+    enum { SIDE = 4 };
+    for (int ray = 0; ray < SIDE * SIDE; ray++) {
+        const struct neph_pixel_ray through = neph_camera_ray(&camera, SIDE, SIDE, ray % SIDE,
+                                                              ray / SIDE);
+        const struct neph_rgb depth = neph_scene_optical_depth(scene, through.origin_m,
+                                                               through.direction, 0.0, end_m);
+        if (fmax(depth.r, fmax(depth.g, depth.b)) > least)
+            return true;
+    }
+    return false;
+}
+
+/* In the first picture, the last, or in the middle. */
+static bool has_near_media(const struct neph_scene *scene)
+{
+    const int last = scene->frame_count > 0 ? scene->frame_count - 1 : 0;
+    return sees_near_media(scene, 0) || sees_near_media(scene, last / 2) ||
+           sees_near_media(scene, last);
+}
+
+/* Whether sunlight goes through a cloud on its way to a solid, or to a fog. */
+static bool has_cloud_shadows(const struct neph_scene *scene)
+{
+    struct neph_bounds clouds;
+    bool has_fog = false;
+    for (int m = 0; m < scene->medium_count; m++)
+        has_fog |= neph_medium_is_fog(&scene->media[m]) ||
+                   scene->media[m].kind == NEPH_MEDIUM_HOMOGENEOUS;
+    return scene->sun.present && neph_shapes_box(scene, &clouds) &&
+           (scene->solid_count > 0 || has_fog);
+}
+
+const struct neph_ladder_air neph_ladder_air_parts[] = {
+    {"near froxels", "froxels=on", has_near_media, "no medium is seen within 64 m of the camera",
+     false},
+    {"a shadow map of the clouds", "cloud_shadow=map", has_cloud_shadows,
+     "no cloud stands between the sun and a solid or a fog", true},
+    {.name = NULL},
+};
+
+bool neph_ladder_takes(const struct neph_ladder_air *part, const struct neph_scene *scene,
+                       const struct neph_ladder_light *light)
+{
+    const bool is_known = part->for_fitted || !light->settings ||
+                          strcmp(light->settings, "lighting=octaves") == 0;
+    return light->scattering != NEPH_SCATTERING_NONE && is_known && part->is_needed(scene);
+}
 
 static const char all_steps[] = "8 16 32 64";
 
@@ -73,17 +131,27 @@ bool neph_ladder_has_closed_form(const struct neph_scene *scene)
     return true;
 }
 
-char *neph_ladder_without_motion(const struct neph_scene *scene)
+/* `*text` with one more setting, which is NULL from then on when memory is short. */
+static void append(char **text, const char *setting)
+{
+    char *longer = *text && setting ? neph_format("%s%s%s", *text, (*text)[0] ? " " : "", setting)
+                                    : NULL;
+    if (setting) {
+        free(*text);
+        *text = longer;
+    }
+}
+
+char *neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
+                       bool still, bool air)
 {
     char *text = strdup("");
-    for (const struct neph_ladder_part *part = neph_ladder_motion_parts; text && part->name;
-         part++) {
-        if (neph_ladder_moves(scene, part->needed_by))
-            continue;
-        char *longer = neph_format("%s%s%s", text, text[0] ? " " : "", part->off);
-        free(text);
-        text = longer;
-    }
+    append(&text, light->settings);
+    for (const struct neph_ladder_part *part = neph_ladder_motion_parts; still && part->name;
+         part++)
+        append(&text, neph_ladder_moves(scene, part->needed_by) ? NULL : part->off);
+    for (const struct neph_ladder_air *part = neph_ladder_air_parts; air && part->name; part++)
+        append(&text, neph_ladder_takes(part, scene, light) ? part->on : NULL);
     return text;
 }
 
@@ -116,27 +184,57 @@ enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name,
     return is_short ? neph_fail_memory(diag) : NEPH_OK;
 }
 
+static bool takes_any(const struct neph_scene *scene, const struct neph_ladder_light *light)
+{
+    bool any = false;
+    for (const struct neph_ladder_air *part = neph_ladder_air_parts; part->name; part++)
+        any |= neph_ladder_takes(part, scene, light);
+    return any;
+}
+
+/* A light of one preset of realtime, with the parts of the air or without. */
+static enum neph_status add_realtime(struct neph_sweep_plan *plan,
+                                     const struct neph_ladder_pipeline *pipeline,
+                                     const struct neph_ladder_light *light,
+                                     const struct neph_scene *scene, bool air,
+                                     struct neph_diag *diag)
+{
+    char *name = neph_format("%s%s, %s", pipeline->name, air ? "+air" : "", light->name);
+    char *held = neph_ladder_held(scene, light, true, air);
+    const enum neph_status status = name && held
+                                        ? neph_ladder_add(plan, name, "realtime", pipeline->preset,
+                                                          held, all_steps, light->scattering, true,
+                                                          diag)
+                                        : neph_fail_memory(diag);
+    free(held);
+    free(name);
+    return status;
+}
+
+static enum neph_status add_march(struct neph_sweep_plan *plan, const char *pipeline,
+                                  const struct neph_ladder_light *light, bool is_still,
+                                  struct neph_diag *diag)
+{
+    char *name = neph_format("%s, %s", pipeline, light->name);
+    const enum neph_status status = name ? neph_ladder_add(plan, name, light->march, NULL, NULL,
+                                                           all_steps, light->scattering, !is_still,
+                                                           diag)
+                                         : neph_fail_memory(diag);
+    free(name);
+    return status;
+}
+
 /* A light of one pipeline. */
 static enum neph_status add_rung(struct neph_sweep_plan *plan,
                                  const struct neph_ladder_pipeline *pipeline,
                                  const struct neph_ladder_light *light,
                                  const struct neph_scene *scene, struct neph_diag *diag)
 {
-    const bool is_still = neph_ladder_is_still(scene);
-    char *name = neph_format("%s, %s", pipeline->name, light->name);
-    char *still = neph_ladder_without_motion(scene);
-    char *held = still ? neph_format("%s%s%s", light->settings ? light->settings : "",
-                                     light->settings && still[0] ? " " : "", still)
-                       : NULL;
-    enum neph_status status = name && held ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = pipeline->preset ? neph_ladder_add(plan, name, "realtime", pipeline->preset, held,
-                                                    all_steps, light->scattering, true, diag)
-                                  : neph_ladder_add(plan, name, light->march, NULL, NULL, all_steps,
-                                                    light->scattering, !is_still, diag);
-    free(held);
-    free(still);
-    free(name);
+    if (!pipeline->preset)
+        return add_march(plan, pipeline->name, light, neph_ladder_is_still(scene), diag);
+    enum neph_status status = add_realtime(plan, pipeline, light, scene, false, diag);
+    if (!status && takes_any(scene, light))
+        status = add_realtime(plan, pipeline, light, scene, true, diag);
     return status;
 }
 

@@ -38,6 +38,25 @@ struct neph_ladder_part {
 };
 extern const struct neph_ladder_part neph_ladder_motion_parts[];
 
+/* Parts of realtime for what only some scenes have, as settings with them. */
+struct neph_ladder_air {
+    const char *name, *on;
+    bool (*is_needed)(const struct neph_scene *scene);
+    const char *absent; /* what a scene has not that does not need it */
+    bool for_fitted;    /* knows lights beyond octaves */
+};
+extern const struct neph_ladder_air neph_ladder_air_parts[]; /* a NULL name ends */
+
+/* Whether a scene needs a part, and the light is one that it knows. */
+bool neph_ladder_takes(const struct neph_ladder_air *part, const struct neph_scene *scene,
+                       const struct neph_ladder_light *light);
+
+/* What realtime is told of a light: its settings, those without the motion that the scene has not
+ * (`still`), and those of the parts that it needs (`air`). For the caller to free; NULL when memory
+ * is short. */
+char *neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
+                       bool still, bool air);
+
 /* Whether no picture of the scene differs from another. */
 bool neph_ladder_is_still(const struct neph_scene *scene);
 
@@ -46,7 +65,8 @@ bool neph_ladder_has_closed_form(const struct neph_scene *scene);
 
 /* A series for each: closed forms, then pipelines by lights, those that are late or those that are
  * not, and with these "yours", engine command, where there is one. Without the parts for a motion
- * that the scene has not. For neph_sweep_plan_finish(). */
+ * that the scene has not; those of the air once without, and where the scene needs any once with
+ * them: "ours+air, octaves". For neph_sweep_plan_finish(). */
 enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,
                                   int height_px, struct neph_sweep_plan *plan,
                                   struct neph_diag *diag);
@@ -55,9 +75,5 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
 enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name, const char *engine,
                                  const char *preset, const char *held, const char *steps,
                                  int scattering, bool flicker, struct neph_diag *diag);
-
-/* "wind=off ...": those of neph_ladder_motion_parts that nothing in the scene asks for, in one
- * text; for the caller to free, NULL when memory is short. */
-char *neph_ladder_without_motion(const struct neph_scene *scene);
 
 #endif

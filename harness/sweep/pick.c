@@ -247,18 +247,22 @@ static const struct neph_ladder_light *light_of(const struct neph_sweep_series *
     return light;
 }
 
+static bool has_air(const struct neph_sweep_series *chosen)
+{
+    return strncmp(strchr(chosen->name, ',') - strlen("+air"), "+air", strlen("+air")) == 0;
+}
+
 /* Lights that have more than the choice's, at the same pipeline and steps. */
 static enum neph_status add_lights(struct work *work, const struct neph_sweep_series *chosen,
                                    const char *steps, struct neph_diag *diag)
 {
     const bool is_realtime = strcmp(chosen->engine, "realtime") == 0;
-    char *still = neph_ladder_without_motion(work->scene);
-    enum neph_status status = still ? NEPH_OK : neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
     for (const struct neph_ladder_light *light = light_of(chosen) + 1; light->name && !status;
          light++) {
         if (light->scattering > (int)work->scene->scattering || light->is_late)
             continue;
-        char *held = neph_format("%s %s", light->settings ? light->settings : "", still);
+        char *held = neph_ladder_held(work->scene, light, true, has_air(chosen));
         status = held
                      ? add_variant(work, light->name, NULL, is_realtime ? "realtime" : light->march,
                                    is_realtime ? chosen->preset : NULL, is_realtime ? held : NULL,
@@ -266,7 +270,6 @@ static enum neph_status add_lights(struct work *work, const struct neph_sweep_se
                      : neph_fail_memory(diag);
         free(held);
     }
-    free(still);
     return status;
 }
 
@@ -284,14 +287,14 @@ static enum neph_status add_kept(struct work *work, const struct neph_sweep_seri
 {
     const bool is_realtime = strcmp(chosen->engine, "realtime") == 0;
     const struct neph_ladder_light *light = light_of(chosen), *once = light_named("scattered once");
-    char *still = neph_ladder_without_motion(work->scene);
-    char *held = still ? neph_format("%s %s", light->settings ? light->settings : "", still) : NULL;
-    enum neph_status status = held ? NEPH_OK : neph_fail_memory(diag);
+    char *single = neph_ladder_held(work->scene, once, true, is_realtime && has_air(chosen));
+    char *held = neph_ladder_held(work->scene, light, true, false);
+    enum neph_status status = held && single ? NEPH_OK : neph_fail_memory(diag);
     if (!status && light->scattering > once->scattering) {
         status = add_variant(work, "light scattered more than once", NULL,
                              is_realtime ? "realtime" : once->march,
-                             is_realtime ? chosen->preset : NULL, is_realtime ? still : NULL, steps,
-                             once->scattering, diag);
+                             is_realtime ? chosen->preset : NULL, is_realtime ? single : NULL,
+                             steps, once->scattering, diag);
         mark_kept(work);
     }
     if (!status && !is_realtime) {
@@ -301,7 +304,7 @@ static enum neph_status add_kept(struct work *work, const struct neph_sweep_seri
         mark_kept(work);
     }
     free(held);
-    free(still);
+    free(single);
     return status;
 }
 
@@ -336,9 +339,44 @@ static enum neph_status add_pipeline(struct work *work, const struct neph_sweep_
                                           light->march, NULL, NULL, steps, chosen->scattering,
                                           diag);
     const char *at_rest = what_rests(work);
+    char *held = neph_ladder_held(work->scene, light, false, has_air(chosen));
+    if (!status && !held)
+        status = neph_fail_memory(diag);
     if (!status && at_rest)
         status = add_variant(work, "parts that only motion needs", at_rest, "realtime",
-                             chosen->preset, light->settings, steps, chosen->scattering, diag);
+                             chosen->preset, held, steps, chosen->scattering, diag);
+    free(held);
+    return status;
+}
+
+/* `settings` without one of them. */
+static char *settings_without(const char *settings, const char *one)
+{
+    const char *found = strstr(settings, one);
+    const size_t before = found ? (size_t)(found - settings) : strlen(settings);
+    return neph_format("%.*s%s", (int)before, settings, found ? found + strlen(one) : "");
+}
+
+/* A part of the air: what it buys where the choice has it, else what it would. A scene that does
+ * not need it is asked, too. */
+static enum neph_status add_air(struct work *work, const struct neph_sweep_series *chosen,
+                                const struct neph_ladder_air *part, const char *steps,
+                                struct neph_diag *diag)
+{
+    const struct neph_ladder_light *light = light_of(chosen);
+    const bool needed = part->is_needed(work->scene), is_there = strstr(chosen->held, part->on);
+    if (light->scattering == NEPH_SCATTERING_NONE ||
+        (needed && !is_there && !neph_ladder_takes(part, work->scene, light)))
+        return NEPH_OK;
+    char *held = is_there ? settings_without(chosen->held, part->on)
+                          : neph_format("%s %s", chosen->held, part->on);
+    const enum neph_status status =
+        held ? add_variant(work, part->name, needed ? NULL : part->absent, "realtime",
+                           chosen->preset, held, steps, chosen->scattering, diag)
+             : neph_fail_memory(diag);
+    if (!status && is_there)
+        mark_kept(work);
+    free(held);
     return status;
 }
 
@@ -356,8 +394,12 @@ static enum neph_status add_variants(struct work *work, int chosen, struct neph_
     if (strcmp(series.engine, "exact") == 0)
         return add_variant(work, "a ray march of 32 steps", "the closed form has no steps",
                            light_of(&series)->march, NULL, NULL, steps, series.scattering, diag);
-    if (strcmp(series.engine, "realtime") == 0)
+    const bool is_realtime = strcmp(series.engine, "realtime") == 0;
+    if (is_realtime)
         status = add_pipeline(work, &series, steps, diag);
+    for (const struct neph_ladder_air *part = neph_ladder_air_parts;
+         is_realtime && part->name && !status; part++)
+        status = add_air(work, &series, part, steps, diag);
     if (!status)
         status = add_kept(work, &series, steps, diag);
     if (!status)

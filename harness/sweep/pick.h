@@ -35,7 +35,7 @@ struct neph_pick_point {
     bool is_closed;          /* no ray is marched */
 };
 
-enum { NEPH_PICK_LEFT_OUT_MAX = 12 };
+enum { NEPH_PICK_LEFT_OUT_MAX = 14 };
 
 /* Something that the choice does without, or that it has and could do without. */
 struct neph_pick_left_out {

@@ -4,6 +4,7 @@
 #include "renderer/compute.h"
 #include "renderer/post/colour.h"
 #include "renderer/post/film.h"
+#include "renderer/post/rest.h"
 #include "renderer/vulkan_device.h"
 #include "shaders/structs.h"
 
@@ -11,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { local_size = 64, channels = 4, bindings = 4 };
+enum { local_size = 64, channels = 4, bindings = 6 };
 
 static const size_t texel_bytes = channels * sizeof(float);
 
@@ -24,12 +25,18 @@ static size_t texel_count(struct size size)
     return (size_t)size.width_px * (size_t)size.height_px;
 }
 
+/* What the shaders of the eye have in common with us (eye.glsl). */
+struct eye {
+    float adapted_ev, target_ev;
+    uint32_t counts[POST_METER_BINS], offsets[POST_METER_BINS];
+};
+
 /* A chain at work. Pictures change places from stage to stage. */
 struct work {
     struct neph_vulkan *vulkan;
     const struct neph_post_params *params;
     struct size size; /* of pictures[0], the newest */
-    struct neph_buffer pictures[2], table, readback;
+    struct neph_buffer pictures[2], table, eye, pyramid, readback, eye_readback;
     struct neph_buffer views[NEPH_POST_STAGES_MAX];
     struct neph_batch batch;
 };
@@ -44,18 +51,62 @@ static int enlarged(int side_px, double percent)
 static struct size size_after(const struct neph_post_stage *stage,
                               const struct neph_settings *settings, struct size size)
 {
-    const double percent = settings->values[POST_SCREEN_PERCENT];
+    const double percent = settings->values[stage->percent];
     if (stage->makes == NEPH_POST_MAKES_LARGER)
         return (struct size){enlarged(size.width_px, percent), enlarged(size.height_px, percent)};
     return size;
 }
 
-static struct size last_size(const struct neph_settings *settings, struct size size)
+static struct size last_size(const struct neph_post_params *params, struct size size)
 {
-    for (const struct neph_post_stage *stage = neph_post_stages; stage->name; stage++)
-        if (neph_post_is_on(stage, settings))
-            size = size_after(stage, settings, size);
+    const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(params->order, &params->settings, sequence);
+    for (int i = 0; i < count; i++)
+        size = size_after(sequence[i], &params->settings, size);
     return size;
+}
+
+/* ---- the pyramid of bloom ------------------------------------------------------------------- */
+
+static struct size halved(struct size size)
+{
+    return (struct size){(size.width_px + 1) / 2, (size.height_px + 1) / 2};
+}
+
+/* Sizes of the levels, the picture first: at most as many as asked for, down to one texel. */
+static int level_sizes(const struct neph_settings *settings, struct size picture,
+                       struct size sizes[POST_LEVELS_MAX + 1])
+{
+    const int most = (int)settings->values[POST_BLOOM_LEVELS];
+    int level = 0;
+    sizes[0] = picture;
+    do {
+        sizes[level + 1] = halved(sizes[level]);
+        level++;
+    } while (level < most && texel_count(sizes[level]) > 1);
+    return level;
+}
+
+static size_t pyramid_texels(const struct neph_settings *settings, struct size picture)
+{
+    struct size sizes[POST_LEVELS_MAX + 1];
+    size_t sum = 0;
+    for (int level = level_sizes(settings, picture, sizes); level > 0; level--)
+        sum += texel_count(sizes[level]);
+    return sum;
+}
+
+static void fill_levels(const struct work *work, struct neph_gpu_post_view *view)
+{
+    struct size sizes[POST_LEVELS_MAX + 1];
+    uint32_t at = 0;
+    view->level_count = (uint32_t)level_sizes(&work->params->settings, work->size, sizes);
+    for (uint32_t level = 0; level <= view->level_count; level++) {
+        view->level_px[2 * level] = (uint32_t)sizes[level].width_px;
+        view->level_px[2 * level + 1] = (uint32_t)sizes[level].height_px;
+        view->level_at[level] = at;
+        at += level ? (uint32_t)texel_count(sizes[level]) : 0;
+    }
 }
 
 /* ---- what the shaders are told --------------------------------------------------------------- */
@@ -84,9 +135,27 @@ static void fill_colours(const struct neph_settings *settings, struct neph_gpu_p
     put_matrix(view->ap1_to_rec709, neph_colour_matrix(&neph_ap1, &neph_rec709));
     put_matrix(view->ap1_to_ap0, neph_colour_matrix(&neph_ap1, &neph_ap0));
     put_matrix(view->ap0_to_ap1, neph_colour_matrix(&neph_ap0, &neph_ap1));
+    put_matrix(view->rec709_to_rec2020, neph_colour_matrix(&neph_rec709, &neph_rec2020));
 }
 
-static void fill_view(const struct work *work, struct size to, struct neph_gpu_post_view *view)
+/* Parts of a bin's width: as many as can be summed over all pixels. */
+static uint32_t meter_units(size_t pixel_count)
+{
+    const size_t most = UINT32_MAX / pixel_count;
+    return most < 65536 ? (uint32_t)most : 65536;
+}
+
+static void fill_eye(const struct neph_post_params *params, size_t pixel_count,
+                     struct neph_gpu_post_view *view)
+{
+    view->step_s = (float)params->step_s;
+    view->is_eye_open = params->eye && params->eye->is_open;
+    view->eye_ev = view->is_eye_open ? (float)params->eye->adapted_ev : 0.0f;
+    view->meter_units = meter_units(pixel_count);
+}
+
+static void fill_view(const struct work *work, const struct neph_post_stage *stage, struct size to,
+                      struct neph_gpu_post_view *view)
 {
     const struct neph_post_params *params = work->params;
     for (int i = 0; i < POST_SETTING_COUNT; i++)
@@ -97,20 +166,24 @@ static void fill_view(const struct work *work, struct size to, struct neph_gpu_p
     view->to_px[1] = (uint32_t)to.height_px;
     view->frame = (uint32_t)params->frame;
     view->seed = (uint32_t)(params->seed ^ params->seed >> 32);
+    fill_eye(params, texel_count(work->size), view);
+    view->upscale_filter = (uint32_t)params->settings.values[stage->filter];
+    fill_levels(work, view);
     fill_colours(&params->settings, view);
 }
 
 /* ---- a stage --------------------------------------------------------------------------------- */
 
 static enum neph_status dispatch(struct work *work, const struct neph_kernel *kernel,
-                                 struct neph_dispatch *whole, size_t thread_count,
+                                 struct neph_dispatch *whole, size_t thread_count, int level,
                                  struct neph_diag *diag)
 {
     const size_t groups_max = work->vulkan->limits.maxComputeWorkGroupCount[0];
     enum neph_status status = NEPH_OK;
     for (size_t first = 0; first < thread_count && !status; first += groups_max * local_size) {
         const size_t groups = (thread_count - first + local_size - 1) / local_size;
-        const struct neph_gpu_post_run run = {.first_thread = (uint32_t)first};
+        const struct neph_gpu_post_run run = {.first_thread = (uint32_t)first,
+                                              .level = (uint32_t)level};
         whole->push = &run;
         whole->group_count = (uint32_t)(groups < groups_max ? groups : groups_max);
         status = neph_batch_dispatch(&work->batch, kernel, whole, diag);
@@ -118,13 +191,55 @@ static enum neph_status dispatch(struct work *work, const struct neph_kernel *ke
     return status;
 }
 
+/* Threads of a run of the stage that writes this level; 0 of all but those of bloom. */
+static size_t thread_count(const struct work *work, const struct neph_post_stage *stage,
+                           struct size to, int level)
+{
+    struct size sizes[POST_LEVELS_MAX + 1];
+    switch (stage->makes) {
+    case NEPH_POST_MAKES_TABLE:
+        return (size_t)POST_LUT_SIDE * POST_LUT_SIDE * POST_LUT_SIDE;
+    case NEPH_POST_MAKES_HISTOGRAM:
+        return (texel_count(work->size) + POST_METER_PIXELS - 1) / POST_METER_PIXELS;
+    case NEPH_POST_MAKES_EXPOSURE:
+        return 1;
+    case NEPH_POST_MAKES_PYRAMID:
+    case NEPH_POST_MAKES_BLOOM:
+        level_sizes(&work->params->settings, work->size, sizes);
+        return texel_count(sizes[level]);
+    default:
+        return texel_count(to);
+    }
+}
+
+static bool makes_picture(const struct neph_post_stage *stage)
+{
+    return stage->makes == NEPH_POST_MAKES_PICTURE || stage->makes == NEPH_POST_MAKES_LARGER ||
+           stage->makes == NEPH_POST_MAKES_BLOOM;
+}
+
+/* One run, or one a level. */
+static enum neph_status run_stage(struct work *work, const struct neph_post_stage *stage,
+                                  const struct neph_kernel *kernel, struct neph_dispatch *whole,
+                                  struct size to, struct neph_diag *diag)
+{
+    struct size sizes[POST_LEVELS_MAX + 1];
+    const int levels = level_sizes(&work->params->settings, work->size, sizes);
+    const bool is_down = stage->makes == NEPH_POST_MAKES_PYRAMID;
+    const int runs = is_down || stage->makes == NEPH_POST_MAKES_BLOOM ? levels : 1;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < runs && !status; i++) {
+        const int level = is_down ? i + 1 : runs - 1 - i;
+        status = dispatch(work, kernel, whole, thread_count(work, stage, to, level), level, diag);
+        neph_batch_barrier(&work->batch);
+    }
+    return status;
+}
+
 static enum neph_status add_stage(struct work *work, const struct neph_post_stage *stage,
                                   struct neph_buffer *view, double *gpu_s, struct neph_diag *diag)
 {
-    const bool makes_table = stage->makes == NEPH_POST_MAKES_TABLE;
-    const struct size table = {POST_LUT_SIDE, POST_LUT_SIDE * POST_LUT_SIDE};
-    const struct size to = makes_table ? table
-                                       : size_after(stage, &work->params->settings, work->size);
+    const struct size to = size_after(stage, &work->params->settings, work->size);
     const struct neph_kernel_params params = {
         .name = stage->shader.name,
         .spirv = stage->shader.spirv,
@@ -133,8 +248,8 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
         .push_size_bytes = sizeof(struct neph_gpu_post_run),
     };
     struct neph_dispatch whole = {
-        .buffers = {view, &work->pictures[0], makes_table ? &work->table : &work->pictures[1],
-                    makes_table ? &work->pictures[1] : &work->table},
+        .buffers = {view, &work->pictures[0], &work->pictures[1], &work->table, &work->eye,
+                    &work->pyramid},
     };
     const struct neph_kernel *kernel;
     enum neph_status status = neph_buffer_create(work->vulkan, NEPH_BUFFER_UPLOAD,
@@ -142,15 +257,14 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
                                                  view, diag);
     if (status)
         return status;
-    fill_view(work, to, view->mapped);
+    fill_view(work, stage, to, view->mapped);
     status = neph_kernel_get(work->vulkan, &params, &kernel, diag);
     if (!status)
-        status = dispatch(work, kernel, &whole, texel_count(to), diag);
+        status = run_stage(work, stage, kernel, &whole, to, diag);
     if (status)
         return status;
     neph_batch_stamp(&work->batch, gpu_s);
-    neph_batch_barrier(&work->batch);
-    if (!makes_table) {
+    if (makes_picture(stage)) {
         const struct neph_buffer newest = work->pictures[1];
         work->pictures[1] = work->pictures[0];
         work->pictures[0] = newest;
@@ -162,10 +276,12 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
 static enum neph_status run_stages(struct work *work, struct neph_post_stats *stats,
                                    struct neph_diag *diag)
 {
+    const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(work->params->order, &work->params->settings, sequence);
     enum neph_status status = neph_batch_begin(work->vulkan, &work->batch, diag);
-    for (int i = 0; neph_post_stages[i].name && !status; i++)
-        if (neph_post_is_on(&neph_post_stages[i], &work->params->settings))
-            status = add_stage(work, &neph_post_stages[i], &work->views[i], &stats->gpu_s[i], diag);
+    for (int i = 0; i < count && !status; i++)
+        status = add_stage(work, sequence[i], &work->views[i],
+                           &stats->gpu_s[sequence[i] - neph_post_stages], diag);
     if (!status)
         status = neph_batch_send(&work->batch, "picture chain", diag);
     return status ? status
@@ -208,33 +324,29 @@ static enum neph_status take_out(struct work *work, struct neph_image *image,
     return status;
 }
 
-/* Depth and masks, which metrics look at; in another size they would be of other pixels. */
-static enum neph_status copy_others(const struct neph_image *from, struct neph_image *to,
-                                    struct neph_diag *diag)
+static enum neph_status close_eye(struct work *work, struct neph_diag *diag)
 {
-    const bool fits = from->width_px == to->width_px && from->height_px == to->height_px;
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < from->channel_count && fits && !status; i++) {
-        const struct neph_channel *channel = &from->channels[i];
-        float *samples;
-        if (strcmp(channel->name, "Z") != 0 && strncmp(channel->name, "mask.", 5) != 0 &&
-            strncmp(channel->name, "motion.", 7) != 0)
-            continue;
-        status = neph_image_add_channel(to, channel->name, &samples, diag);
-        if (!status)
-            memcpy(samples, channel->samples, neph_image_pixel_count(from) * sizeof(*samples));
-    }
-    return status;
+    static const struct eye closed;
+    return neph_buffer_upload(work->vulkan, &work->eye, 0, &closed, sizeof(closed), diag);
 }
 
-static enum neph_status copy_attributes(const struct neph_image *from, struct neph_image *to,
-                                        struct neph_diag *diag)
+/* What the eye saw, for the next frame and the statistics. */
+static enum neph_status look_into_eye(struct work *work, struct neph_post_stats *stats,
+                                      struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < from->attribute_count && !status; i++)
-        status = neph_image_set_attribute(to, from->attributes[i].name, diag, "%s",
-                                          from->attributes[i].value);
-    return status;
+    struct neph_post_eye *eye = work->params->eye;
+    if (work->params->settings.values[POST_AUTO_EXPOSURE] == 0.0)
+        return NEPH_OK;
+    const enum neph_status status = neph_buffer_download(
+        work->vulkan, &work->eye, &work->eye_readback, sizeof(struct eye), diag);
+    if (status)
+        return status;
+    const struct eye *seen = work->eye_readback.mapped;
+    stats->metered_ev = seen->target_ev;
+    stats->adapted_ev = seen->adapted_ev;
+    if (eye)
+        *eye = (struct neph_post_eye){.is_open = true, .adapted_ev = seen->adapted_ev};
+    return NEPH_OK;
 }
 
 static enum neph_status make_room(struct work *work, struct size last, struct neph_diag *diag)
@@ -243,6 +355,8 @@ static enum neph_status make_room(struct work *work, struct size last, struct ne
     const size_t last_bytes = texel_count(last) * texel_bytes;
     const size_t bytes = first_bytes > last_bytes ? first_bytes : last_bytes;
     const size_t table_bytes = (size_t)POST_LUT_SIDE * POST_LUT_SIDE * POST_LUT_SIDE * texel_bytes;
+    const bool blooms = work->params->settings.values[POST_BLOOM] != 0.0;
+    const size_t levels = blooms ? pyramid_texels(&work->params->settings, last) : 1;
     const struct {
         struct neph_buffer *buffer;
         enum neph_buffer_use use;
@@ -250,7 +364,10 @@ static enum neph_status make_room(struct work *work, struct size last, struct ne
     } all[] = {{&work->pictures[0], NEPH_BUFFER_DEVICE, bytes},
                {&work->pictures[1], NEPH_BUFFER_DEVICE, bytes},
                {&work->table, NEPH_BUFFER_DEVICE, table_bytes},
-               {&work->readback, NEPH_BUFFER_READBACK, bytes}};
+               {&work->eye, NEPH_BUFFER_DEVICE, sizeof(struct eye)},
+               {&work->pyramid, NEPH_BUFFER_DEVICE, levels * texel_bytes},
+               {&work->readback, NEPH_BUFFER_READBACK, bytes},
+               {&work->eye_readback, NEPH_BUFFER_READBACK, sizeof(struct eye)}};
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < sizeof(all) / sizeof(all[0]) && !status; i++)
         status = neph_buffer_create(work->vulkan, all[i].use, all[i].bytes, "picture",
@@ -262,7 +379,10 @@ static void finish(struct work *work)
 {
     for (int i = 0; i < NEPH_POST_STAGES_MAX; i++)
         neph_buffer_destroy(work->vulkan, &work->views[i]);
+    neph_buffer_destroy(work->vulkan, &work->eye_readback);
     neph_buffer_destroy(work->vulkan, &work->readback);
+    neph_buffer_destroy(work->vulkan, &work->pyramid);
+    neph_buffer_destroy(work->vulkan, &work->eye);
     neph_buffer_destroy(work->vulkan, &work->table);
     neph_buffer_destroy(work->vulkan, &work->pictures[1]);
     neph_buffer_destroy(work->vulkan, &work->pictures[0]);
@@ -273,24 +393,26 @@ enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_pos
                                struct neph_post_stats *stats, struct neph_diag *diag)
 {
     struct work work = {.vulkan = vulkan, .params = params};
-    struct neph_post_stats own_stats = {{0}};
+    struct neph_post_stats own_stats = {.metered_ev = NAN, .adapted_ev = NAN};
     struct neph_image *image = NULL;
     float *rgb[3];
     work.size = (struct size){frame->width_px, frame->height_px};
     if (!neph_image_rgb(frame, NULL, rgb))
         return neph_fail(diag, NEPH_ERR_INPUT, "the frame has no channels R, G and B");
-    const struct size last = last_size(&params->settings, work.size);
+    const struct size last = last_size(params, work.size);
     enum neph_status status = neph_image_create(last.width_px, last.height_px, &image, diag);
     if (!status)
         status = make_room(&work, last, diag);
     if (!status)
         status = put_in(&work, rgb, diag);
     if (!status)
+        status = close_eye(&work, diag);
+    if (!status)
         status = run_stages(&work, &own_stats, diag);
     if (!status)
-        status = copy_attributes(frame, image, diag);
+        status = look_into_eye(&work, &own_stats, diag);
     if (!status)
-        status = copy_others(frame, image, diag);
+        status = neph_post_copy_rest(frame, image, diag);
     if (!status)
         status = take_out(&work, image, diag);
     finish(&work);

@@ -3,6 +3,8 @@
 
 const struct neph_primaries neph_rec709 = {
     {0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
+const struct neph_primaries neph_rec2020 = {
+    {0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, {0.3127, 0.3290}};
 const struct neph_primaries neph_ap0 = {
     {0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.077}, {0.32168, 0.33767}};
 const struct neph_primaries neph_ap1 = {

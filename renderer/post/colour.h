@@ -17,8 +17,9 @@ struct neph_primaries {
     struct neph_chromaticity red, green, blue, white;
 };
 
-/* ITU-R BT.709, white D65; Academy S-2014-004: AP0 (ACES) and AP1 (ACEScg), white at 6000 K. */
-extern const struct neph_primaries neph_rec709, neph_ap0, neph_ap1;
+/* ITU-R BT.709 and BT.2020, white D65; Academy S-2014-004: AP0 (ACES) and AP1 (ACEScg), white at
+ * 6000 K. */
+extern const struct neph_primaries neph_rec709, neph_rec2020, neph_ap0, neph_ap1;
 
 struct neph_matrix3 neph_matrix_product(const struct neph_matrix3 *a, const struct neph_matrix3 *b);
 

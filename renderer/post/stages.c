@@ -1,6 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/post/chain.h"
 
+static const uint32_t meter_spirv[] = {
+#include "shaders/post_meter.comp.inc"
+};
+static const uint32_t adapt_spirv[] = {
+#include "shaders/post_adapt.comp.inc"
+};
+static const uint32_t bloom_down_spirv[] = {
+#include "shaders/post_bloom_down.comp.inc"
+};
+static const uint32_t bloom_up_spirv[] = {
+#include "shaders/post_bloom_up.comp.inc"
+};
 static const uint32_t lut_spirv[] = {
 #include "shaders/post_lut.comp.inc"
 };
@@ -19,7 +31,40 @@ static const uint32_t upscale_spirv[] = {
 
 const struct neph_post_stage neph_post_stages[] = {
     {
+        .name = "light meter",
+        .pass = NEPH_POST_EXPOSURE,
+        .note = "a histogram of the frame's luminance",
+        .shader = {"post_meter", meter_spirv, sizeof(meter_spirv)},
+        .settings = {POST_AUTO_EXPOSURE, POST_AUTO_EXPOSURE},
+        .makes = NEPH_POST_MAKES_HISTOGRAM,
+    },
+    {
+        .name = "adaptation",
+        .pass = NEPH_POST_EXPOSURE,
+        .note = "of the eye to what was metered",
+        .shader = {"post_adapt", adapt_spirv, sizeof(adapt_spirv)},
+        .settings = {POST_AUTO_EXPOSURE, POST_AUTO_EXPOSURE},
+        .makes = NEPH_POST_MAKES_EXPOSURE,
+    },
+    {
+        .name = "bloom, down",
+        .pass = NEPH_POST_BLOOM,
+        .note = "halves of halves of the frame",
+        .shader = {"post_bloom_down", bloom_down_spirv, sizeof(bloom_down_spirv)},
+        .settings = {POST_BLOOM, POST_BLOOM},
+        .makes = NEPH_POST_MAKES_PYRAMID,
+    },
+    {
+        .name = "bloom, up",
+        .pass = NEPH_POST_BLOOM,
+        .note = "light that the lens spreads",
+        .shader = {"post_bloom_up", bloom_up_spirv, sizeof(bloom_up_spirv)},
+        .settings = {POST_BLOOM, POST_BLOOM},
+        .makes = NEPH_POST_MAKES_BLOOM,
+    },
+    {
         .name = "table of colours",
+        .pass = NEPH_POST_TONE_MAPPING,
         .note = "what tone curve and display make of 32^3 colours",
         .shader = {"post_lut", lut_spirv, sizeof(lut_spirv)},
         .settings = {POST_TONE, POST_LUT},
@@ -27,28 +72,44 @@ const struct neph_post_stage neph_post_stages[] = {
     },
     {
         .name = "tone mapping",
+        .pass = NEPH_POST_TONE_MAPPING,
         .note = "exposure, vignette, tone curve, grain",
         .shader = {"post_tone", tone_spirv, sizeof(tone_spirv)},
         .settings = {POST_TONE, POST_TONE},
     },
     {
         .name = "fxaa",
+        .pass = NEPH_POST_FXAA,
         .note = "anti-aliasing of the encoded picture",
         .shader = {"post_fxaa", fxaa_spirv, sizeof(fxaa_spirv)},
         .settings = {POST_FXAA, POST_FXAA},
     },
     {
         .name = "upscale",
+        .pass = NEPH_POST_UPSCALE,
         .note = "to the size of the display",
         .shader = {"post_upscale", upscale_spirv, sizeof(upscale_spirv)},
         .settings = {POST_UPSCALE, POST_UPSCALE},
         .makes = NEPH_POST_MAKES_LARGER,
+        .filter = POST_UPSCALE,
+        .percent = POST_SCREEN_PERCENT,
     },
     {
         .name = "sharpening",
+        .pass = NEPH_POST_SHARPENING,
         .note = "against the blur of what came before",
         .shader = {"post_sharpen", sharpen_spirv, sizeof(sharpen_spirv)},
         .settings = {POST_SHARPEN, POST_SHARPEN},
+    },
+    {
+        .name = "secondary upscale",
+        .pass = NEPH_POST_SECONDARY_UPSCALE,
+        .note = "to the size of the window",
+        .shader = {"post_upscale", upscale_spirv, sizeof(upscale_spirv)},
+        .settings = {POST_SECONDARY_UPSCALE, POST_SECONDARY_UPSCALE},
+        .makes = NEPH_POST_MAKES_LARGER,
+        .filter = POST_SECONDARY_UPSCALE,
+        .percent = POST_SECONDARY_PERCENT,
     },
     {.name = NULL},
 };

@@ -5,17 +5,42 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t pixel_count(const struct neph_rt_device *device)
+static size_t rendered_count(const struct neph_rt_device *device)
 {
     return (size_t)device->view->size_px[0] * device->view->size_px[1];
 }
 
-/* The texel of a full-resolution target that a pixel of the view has. */
+static size_t picture_count(const struct neph_rt_device *device)
+{
+    return (size_t)device->view->picture_px[0] * device->view->picture_px[1];
+}
+
+/* The texel of a full-resolution target that a rendered pixel has. */
 static size_t texel_of(const struct neph_rt_device *device, int target, size_t pixel)
 {
     const struct neph_gpu_view *view = device->view;
     const size_t x = pixel % view->size_px[0] + view->origin_px[0];
     const size_t y = pixel / view->size_px[0] + view->origin_px[1];
+    return y * view->targets[target].width + x;
+}
+
+/* The rendered pixel whose area has the centre of one of the picture's: itself at 100 %. */
+static size_t rendered_pixel(const struct neph_rt_device *device, size_t pixel)
+{
+    const uint32_t *size = device->view->size_px, *picture = device->view->picture_px;
+    const size_t x = (2 * (pixel % picture[0]) + 1) * size[0] / (2 * (size_t)picture[0]);
+    const size_t y = (2 * (pixel / picture[0]) + 1) * size[1] / (2 * (size_t)picture[1]);
+    return y * size[0] + x;
+}
+
+/* The texel of a target for a pixel of the picture. */
+static size_t texel_for(const struct neph_rt_device *device, int target, size_t pixel)
+{
+    const struct neph_gpu_view *view = device->view;
+    if (!neph_rt_is_of_picture(target))
+        return texel_of(device, target, rendered_pixel(device, pixel));
+    const size_t x = pixel % view->picture_px[0] + view->origin_px[0];
+    const size_t y = pixel / view->picture_px[0] + view->origin_px[1];
     return y * view->targets[target].width + x;
 }
 
@@ -28,7 +53,7 @@ enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *
     uint32_t *words = calloc(word_count, sizeof(*words));
     if (!words)
         return neph_fail_memory(diag);
-    const size_t count = pixel_count(device);
+    const size_t count = rendered_count(device);
     for (size_t i = 0; i < count; i++) {
         float value[4] = {0.0f};
         for (int c = 0; c < 3; c++)
@@ -41,23 +66,52 @@ enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *
     return status;
 }
 
+/* What the anti-aliasing makes is exposed. */
+static float exposure_of(const struct neph_gpu_view *view, int target)
+{
+    return neph_rt_is_of_picture(target) && view->settings[RT_TAA] != 0.0f ? view->exposure : 1.0f;
+}
+
 enum neph_status neph_rt_bring(struct neph_rt_device *device, int target, float *const channels[4],
                                struct neph_diag *diag)
 {
+    const float exposure = exposure_of(device->view, target);
     uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
     if (!words)
         return neph_fail_memory(diag);
     const enum neph_status status = neph_rt_device_download(device, target, words, diag);
-    const size_t count = pixel_count(device);
+    const size_t count = picture_count(device);
     for (size_t i = 0; i < count && !status; i++) {
         float value[4];
-        neph_rt_load(&device->view->targets[target], words, texel_of(device, target, i), value);
+        neph_rt_load(&device->view->targets[target], words, texel_for(device, target, i), value);
         for (int c = 0; c < 4; c++)
             if (channels[c])
-                channels[c][i] = value[c];
+                channels[c][i] = value[c] / exposure;
     }
     free(words);
     return status;
+}
+
+enum neph_status neph_rt_spread(const struct neph_rt_device *device, struct neph_image **image,
+                                struct neph_diag *diag)
+{
+    const struct neph_image *rendered = *image;
+    struct neph_image *made = NULL;
+    enum neph_status status = neph_image_create((int)device->view->picture_px[0],
+                                                (int)device->view->picture_px[1], &made, diag);
+    for (int c = 0; c < rendered->channel_count && !status; c++) {
+        float *samples;
+        status = neph_image_add_channel(made, rendered->channels[c].name, &samples, diag);
+        for (size_t i = 0; i < picture_count(device) && !status; i++)
+            samples[i] = rendered->channels[c].samples[rendered_pixel(device, i)];
+    }
+    if (status) {
+        neph_image_destroy(made);
+        return status;
+    }
+    neph_image_destroy(*image);
+    *image = made;
+    return NEPH_OK;
 }
 
 /* --- given frames -------------------------------------------------------------------------- */
@@ -164,7 +218,7 @@ static enum neph_status bring_layers(struct neph_rt_device *device, int picture,
         status = neph_rt_bring(device, parts[i].target, parts[i].channels, diag);
     for (int c = 1; c < 3 && !status; c++)
         memcpy(layers->transmittance[c], layers->transmittance[0],
-               pixel_count(device) * sizeof(float));
+               picture_count(device) * sizeof(float));
     return status;
 }
 
@@ -173,8 +227,8 @@ enum neph_status neph_rt_bring_frame(struct neph_rt_device *device, int picture,
 {
     struct neph_image *made = NULL;
     struct layers layers;
-    enum neph_status status = neph_image_create((int)device->view->size_px[0],
-                                                (int)device->view->size_px[1], &made, diag);
+    enum neph_status status = neph_image_create((int)device->view->picture_px[0],
+                                                (int)device->view->picture_px[1], &made, diag);
     if (!status)
         status = add_layers(made, &layers, diag);
     if (!status)

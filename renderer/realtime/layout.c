@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/layout.h"
 
-#include <stdbool.h>
+#include <math.h>
 #include <string.h>
 
 /* struct TargetRow of shaders/realtime.glsl */
@@ -17,6 +17,23 @@ static uint32_t divide_up(int value, int divisor)
 static uint32_t whole(const struct neph_gpu_view *view, int setting)
 {
     return (uint32_t)view->settings[setting];
+}
+
+int neph_rt_rendered_px(int picture_px, int percent)
+{
+    return (int)divide_up(picture_px * percent, 100);
+}
+
+/* The view's pixels, or the picture's. */
+static const uint32_t *pixels_of(const struct neph_gpu_view *view, int resolution)
+{
+    return resolution == RT_PICTURE ? view->picture_px : view->size_px;
+}
+
+/* Pixels along the side of a texel. */
+static int texel_px(int resolution)
+{
+    return resolution == RT_PICTURE ? 1 : resolution;
 }
 
 static uint32_t froxel_columns(const struct neph_gpu_view *view, int axis)
@@ -40,30 +57,81 @@ static struct neph_gpu_target shape_of(const struct neph_gpu_view *view, int tar
                                        const int buffer_px[2])
 {
     const int setting = rows[target].setting, resolution = rows[target].resolution;
+    const int percent = resolution == RT_PICTURE ? 100 : (int)view->settings[RT_SCREEN_PERCENT];
     const bool is_half = setting == RT_FIXED || view->settings[setting] == RT_FORMAT_HALF;
     if (resolution == RT_FROXEL)
         return froxels_of(view, (uint32_t)rows[target].float_format);
     return (struct neph_gpu_target){
         .format = (uint32_t)(is_half ? rows[target].half_format : rows[target].float_format),
-        .width = divide_up(buffer_px[0], resolution),
-        .height = divide_up(buffer_px[1], resolution),
+        .width = divide_up(neph_rt_rendered_px(buffer_px[0], percent), texel_px(resolution)),
+        .height = divide_up(neph_rt_rendered_px(buffer_px[1], percent), texel_px(resolution)),
     };
 }
 
+int neph_rt_jitter_length(int length, int percent)
+{
+    const int grown = (int)lround(length * 1e4 / ((double)percent * percent));
+    return grown + (length % 2 == 1 && grown % 2 == 0);
+}
+
+/* A smaller picture is upsampled by the anti-aliasing that there is, with more places of its rays;
+ * these are all over the pixel, and the box is that of the rays nearby, as in Unreal. */
+static void set_upsampling(struct neph_gpu_view *view)
+{
+    float *settings = view->settings;
+    const int percent = (int)settings[RT_SCREEN_PERCENT];
+    if (percent < 100 && settings[RT_TAA] == (float)RT_TAA_ON)
+        settings[RT_TAA] = RT_TAA_UPSAMPLING;
+    if (percent < 100 && settings[RT_TAA_JITTER] == (float)RT_JITTER_UE)
+        settings[RT_TAA_JITTER] = RT_JITTER_HALTON;
+    if (percent < 100 && settings[RT_TAA_BOX] == (float)RT_BOX_MIN_MAX)
+        settings[RT_TAA_BOX] = RT_BOX_DISTANCE;
+    settings[RT_TAA_JITTER_LENGTH] = (float)neph_rt_jitter_length(
+        (int)settings[RT_TAA_JITTER_LENGTH], percent);
+}
+
+/* As on a CPU. */
+static int composition_of(const struct neph_gpu_view *view)
+{
+    if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
+        return RT_COMPOSITION_AUTO; /* none */
+    return view->settings[RT_TAA] == (float)RT_TAA_ON &&
+                   whole(view, RT_COMPOSITION) == RT_COMPOSITION_TAA
+               ? RT_COMPOSITION_TAA
+               : RT_COMPOSITION_PASS;
+}
+
+/* What froxel_px=0 stands for: 12 pixels of 1920, and as many columns of other pictures. */
+enum { FROXEL_COLUMNS = 160 };
+
 void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *settings,
-                       const int size_px[2], const int origin_px[2], const int buffer_px[2])
+                       const int picture_px[2], const int origin_px[2], const int buffer_px[2])
 {
     memset(view, 0, sizeof(*view));
     for (int s = 0; s < RT_SETTING_COUNT; s++)
         view->settings[s] = (float)settings->values[s];
-    /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on. */
+    set_upsampling(view);
+    view->exposure = view->exposure_before = 1.0f;
+    /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on; no volume. */
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
-        view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] = 0.0f;
+        view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] =
+            view->settings[RT_TAA_RESPONSIVE] = 0.0f;
+    view->settings[RT_COMPOSITION] = (float)composition_of(view);
+    if (view->settings[RT_FROXEL_VOLUME] == 0.0f)
+        view->settings[RT_LAMP_PEAKS] = 0.0f;
+    if (view->settings[RT_FROXEL_PX] == 0.0f)
+        view->settings[RT_FROXEL_PX] = (float)divide_up(
+            neph_rt_rendered_px(picture_px[0], (int)view->settings[RT_SCREEN_PERCENT]),
+            FROXEL_COLUMNS);
     for (int axis = 0; axis < 2; axis++) {
+        const int size_px = neph_rt_rendered_px(picture_px[axis],
+                                                (int)view->settings[RT_SCREEN_PERCENT]);
+        view->picture_px[axis] = (uint32_t)picture_px[axis];
         view->origin_px[axis] = (uint32_t)origin_px[axis];
-        view->size_px[axis] = (uint32_t)size_px[axis];
-        view->half_size_px[axis] = divide_up(size_px[axis], RT_HALF);
-        view->tile_count[axis] = divide_up(size_px[axis], RT_QUARTER);
+        view->size_px[axis] = (uint32_t)size_px;
+        view->rendered_per_px[axis] = (float)size_px / (float)picture_px[axis];
+        view->half_size_px[axis] = divide_up(size_px, RT_HALF);
+        view->tile_count[axis] = divide_up(size_px, RT_QUARTER);
     }
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         view->targets[t] = shape_of(view, t, buffer_px);
@@ -78,14 +146,15 @@ uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target)
 struct neph_rt_rectangle neph_rt_view_texels(const struct neph_gpu_view *view, int target)
 {
     const struct neph_gpu_target *shape = &view->targets[target];
-    const uint32_t side_px = (uint32_t)rows[target].resolution;
+    const uint32_t *pixels = pixels_of(view, rows[target].resolution);
+    const int side_px = texel_px(rows[target].resolution);
     if (rows[target].resolution == RT_FROXEL)
         return (struct neph_rt_rectangle){0, 0, shape->width, shape->height};
     return (struct neph_rt_rectangle){
-        .left = view->origin_px[0] / side_px,
-        .top = view->origin_px[1] / side_px,
-        .width = divide_up((int)view->size_px[0], (int)side_px),
-        .height = divide_up((int)view->size_px[1], (int)side_px),
+        .left = view->origin_px[0] / (uint32_t)side_px,
+        .top = view->origin_px[1] / (uint32_t)side_px,
+        .width = divide_up((int)pixels[0], side_px),
+        .height = divide_up((int)pixels[1], side_px),
     };
 }
 
@@ -96,6 +165,12 @@ uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution)
         return columns;
     if (resolution == RT_FROXEL)
         return columns * whole(view, RT_FROXEL_SLICES);
-    return (uint64_t)divide_up((int)view->size_px[0], resolution) *
-           divide_up((int)view->size_px[1], resolution);
+    const uint32_t *pixels = pixels_of(view, resolution);
+    return (uint64_t)divide_up((int)pixels[0], texel_px(resolution)) *
+           divide_up((int)pixels[1], texel_px(resolution));
+}
+
+bool neph_rt_is_of_picture(int target)
+{
+    return rows[target].resolution == RT_PICTURE;
 }

@@ -16,11 +16,12 @@ static void set_vector(float out[3], struct neph_vec3 vector)
 }
 
 static struct neph_gpu_view_camera camera_from(const struct neph_camera *camera,
-                                               struct neph_vec3 origin_m, const uint32_t size_px[2])
+                                               struct neph_vec3 origin_m,
+                                               const uint32_t picture_px[2])
 {
     const double half_height = neph_camera_half_height(camera);
     struct neph_gpu_view_camera made = {
-        .half_width = (float)(half_height * size_px[0] / size_px[1]),
+        .half_width = (float)(half_height * picture_px[0] / picture_px[1]),
         .half_height = (float)half_height,
         .is_parallel = camera->orthographic_height_m > 0.0,
     };
@@ -46,6 +47,7 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
         .drift_m = neph_scene_wind_displacement_m(scene, frame),
         .origin_m = neph_injected_origin_at(&scene->injections, frame),
         .frame = frame,
+        .exposure = neph_injected_exposure_at(&scene->injections, frame),
     };
     double jitter_px[2] = {0.0, 0.0};
     if (moves_rays && view->settings[RT_TAA] != 0.0f)
@@ -108,8 +110,8 @@ void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene
         past = in_world_of(&past, now);
     before = &past;
     const bool is_cut = !is_first && neph_scene_is_cut(scene, before->frame, now->frame);
-    view->now = camera_from(&now->camera, now->camera.position_m, view->size_px);
-    view->before = camera_from(&before->camera, now->camera.position_m, view->size_px);
+    view->now = camera_from(&now->camera, now->camera.position_m, view->picture_px);
+    view->before = camera_from(&before->camera, now->camera.position_m, view->picture_px);
     view->frame = number;
     view->is_cut = is_cut;
     view->has_history = !is_first && !(is_cut && view->settings[RT_CUT_RESET] != 0.0f);
@@ -117,6 +119,8 @@ void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene
     memcpy(view->jitter_px, now->jitter_px, sizeof(view->jitter_px));
     memcpy(view->jitter_before_px, before->jitter_px, sizeof(view->jitter_before_px));
     set_vector(view->wind_m, neph_vec3_sub(now->drift_m, before->drift_m));
+    view->exposure = (float)now->exposure;
+    view->exposure_before = (float)before->exposure;
     view->mover_count = (uint32_t)scene->mover_count;
     for (int i = 0; i < scene->mover_count; i++)
         view->movers[i] = mover_from(scene, &scene->movers[i], now, before);

@@ -13,6 +13,7 @@ struct neph_rt_moment {
     struct neph_vec3 drift_m;  /* of the media */
     struct neph_vec3 origin_m; /* where the world lies, from where its file has it */
     int frame;                 /* of the scene's pictures */
+    double exposure;           /* what colours are multiplied by */
     float jitter_px[2];
 };
 

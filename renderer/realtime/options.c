@@ -38,11 +38,14 @@ static const char *const upscales[] = {"nearest", "bilinear", "mean", "bilateral
                                        "inverse", "square",   NULL};
 static const char *const laws[] = {"constant", "opacity", NULL};
 static const char *const pairs[] = {"shared", "independent", NULL};
+static const char *const responsives[] = {"off", "medium", NULL};
+static const char *const taas[] = {"off", "on", "upsampling", NULL};
 static const char *const jitters[] = {"none", "ue", "halton", NULL};
 static const char *const arounds[] = {"off", "on", "moved", NULL};
 static const char *const motions[] = {"centre", "cross", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
+static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
 #define CHOICE(name, value, words, help)                                                           \
@@ -275,7 +278,10 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "x and y of the taps' shift from one number, that of the pixel and of its mirror (all "
         "shifts of a pixel then lie on one line), or from two"),
 
-    [RT_TAA] = CHOICE("taa", 1, switches, "temporal anti-aliasing of the composed frame"),
+    [RT_TAA] = CHOICE("taa", RT_TAA_ON, taas,
+                      "temporal anti-aliasing of the composed frame; upsampling: by the rays "
+                      "nearest to each pixel of the picture, which `on` becomes with "
+                      "screen_percent below 100"),
     [RT_TAA_JITTER] = CHOICE("taa_jitter", RT_JITTER_UE, jitters,
                              "sub-pixel places of the rays: Halton with Gaussian warp, or plain"),
     [RT_TAA_JITTER_LENGTH] =
@@ -403,8 +409,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "froxels", 0, switches,
         "media near the camera in froxels, a volume of columns, rows and slices of the view; the "
         "march begins at its end. Counts with split=four; knows lighting single and octaves"),
-    [RT_FROXEL_PX] = WHOLE("froxel_px", 12, 1, 256,
-                           "pixels along a side of a froxel: 12 makes 160x90 columns of 1920x1080"),
+    [RT_FROXEL_PX] = WHOLE("froxel_px", 0, 0, 256,
+                           "pixels along a side of a froxel; 0: as many as make 160 columns of the "
+                           "picture, 12 at 1920x1080"),
     [RT_FROXEL_SLICES] = WHOLE("froxel_slices", 64, 1, 256, "froxels along the depth"),
     [RT_FROXEL_NEAR_M] = REAL("froxel_near_m", 4, 0.01, 1e4,
                               "depth up to which slices are about even; they grow with depth from "
@@ -420,5 +427,40 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_FROXEL_HOLD] = CHOICE("froxel_hold", 1, switches,
                               "a froxel with a surface in it is looked at before that; off: light "
                               "leaks through from behind"),
+
+    [RT_COMPOSITION] = CHOICE(
+        "composition", RT_COMPOSITION_AUTO, compositions,
+        "where the volume is laid over what is behind it: in a pass of its own, or where the "
+        "anti-aliasing reads both, which spares a picture; auto: so on a GPU. Same bits"),
+
+    [RT_SCREEN_PERCENT] = WHOLE(
+        "screen_percent", 100, 50, 100,
+        "side of what is rendered, in percent of the picture's, rounded up; the anti-aliasing "
+        "makes the picture of it. Below 100 there are 1 / percent^2 times as many places of the "
+        "jitter, taa_jitter=ue is plain Halton, and taa_box=min_max is distance, within 1.51 px, "
+        "1.3 at 50 %, as in Unreal"),
+
+    [RT_TAA_ANTIGHOST] = CHOICE(
+        "taa_antighost", 0, switches,
+        "pixels remember that they were of a solid that may move; what it uncovers has no history. "
+        "Counts with solid_motion=on"),
+    [RT_TAA_RESPONSIVE] = CHOICE(
+        "taa_responsive", RT_RESPONSIVE_OFF, responsives,
+        "where the media hide more than half of what is behind them the frame weighs a quarter or "
+        "more: they have no motion vectors; counts with split=four"),
+    [RT_TAA_PRE_EXPOSURE] = CHOICE(
+        "taa_pre_exposure", 0, switches,
+        "where the camera's exposure changes (inject.exposures), history is multiplied by as much; "
+        "off: it keeps that of its own frame"),
+    [RT_LAMP_PEAKS] = CHOICE(
+        "lamp_peaks", 1, switches,
+        "near a lamp, where its light is sharper than froxels are, it is found "
+        "a pixel at a time; off: in froxels, too. Counts with froxels=on"),
+    [RT_SKY] = NEPH_OPTION_SKY,
+    [RT_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS,
+    [RT_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,
+    [RT_SKY_SLICES] = NEPH_OPTION_SKY_SLICES,
+    [RT_SKY_FAR_M] = NEPH_OPTION_SKY_FAR,
+    [RT_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS,
     {.name = NULL},
 };

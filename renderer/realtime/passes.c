@@ -36,6 +36,9 @@ static const uint32_t motion_spirv[] = {
 static const uint32_t taa_spirv[] = {
 #include "shaders/rt_taa.comp.inc"
 };
+static const uint32_t taau_spirv[] = {
+#include "shaders/rt_taau.comp.inc"
+};
 static const uint32_t sharpen_spirv[] = {
 #include "shaders/rt_sharpen.comp.inc"
 };
@@ -48,8 +51,32 @@ static const uint32_t froxel_sum_spirv[] = {
 static const uint32_t froxel_apply_spirv[] = {
 #include "shaders/rt_froxel_apply.comp.inc"
 };
+static const uint32_t lamp_peaks_spirv[] = {
+#include "shaders/rt_lamp_peaks.comp.inc"
+};
 
 #define BIT NEPH_RT_BIT
+
+/* What anti-aliasing and upsampling are bound to. */
+#define TAA_READS                                                                                  \
+    BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) | BIT(RT_BEHIND) |         \
+        BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) | BIT(RT_MOVED)
+/* clang-format off: it takes a table in a macro for code */
+#define TAA_SPARED                                                                                 \
+    {                                                                                              \
+        {{{RT_COMPOSITION, RT_COMPOSITION_AUTO}, {RT_COMPOSITION, RT_COMPOSITION_PASS}},           \
+         BIT(RT_COLOR)},                                                                           \
+        {{{RT_COMPOSITION, RT_COMPOSITION_TAA}}, BIT(RT_BEHIND)},                                  \
+        {{{RT_TAA_MEDIUM, 1}}, BIT(RT_VOLUME_DISTANCE)},                                           \
+        {{{RT_TAA_MEDIUM, 1},                                                                      \
+          {RT_GRADIENT, 1},                                                                        \
+          {RT_COMPOSITION, RT_COMPOSITION_TAA},                                                    \
+          {RT_TAA_RESPONSIVE, RT_RESPONSIVE_MEDIUM}},                                              \
+         BIT(RT_VOLUME)},                                                                          \
+        {{{RT_GRADIENT, 1}}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},                              \
+        {{{RT_SOLID_MOTION, 1}}, BIT(RT_MOVED)},                                                   \
+    }
+/* clang-format on */
 
 const struct neph_rt_pass neph_rt_passes[] = {
     {
@@ -96,6 +123,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_tile_index", tile_index_spirv, sizeof(tile_index_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_QUARTER,
+        .block = {RT_COLOUR_BLOCK, RT_COLOUR_BLOCK},
         .in_colours = &(const struct neph_rt_condition){RT_OVERRIDE, RT_OVERRIDE_SEQUENTIAL},
         .reads = BIT(RT_HALF_DEPTH) | BIT(RT_TILE),
         .writes = BIT(RT_TILE),
@@ -140,7 +168,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .reads = BIT(RT_TILE) | BIT(RT_RAY) | BIT(RT_RAY_DISTANCE) | BIT(RT_HALF_DEPTH) |
                  BIT(RT_HALF_DEPTH_BEFORE) | BIT(RT_HISTORY_BEFORE) | BIT(RT_HISTORY_STATE_BEFORE) |
                  BIT(RT_CHANGE),
-        .spared = {{{RT_GRADIENT, 1}, BIT(RT_CHANGE)}},
+        .spared = {{{{RT_GRADIENT, 1}}, BIT(RT_CHANGE)}},
         .writes = BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE),
         .histories = {{RT_HISTORY, RT_HISTORY_BEFORE}, {RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE}},
     },
@@ -163,10 +191,20 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .writes = BIT(RT_VOLUME),
     },
     {
+        .name = "lamp peaks",
+        .note = "what froxels leave out around each lamp, a ray per pixel",
+        .shader = {"rt_lamp_peaks", lamp_peaks_spirv, sizeof(lamp_peaks_spirv)},
+        .condition = {RT_LAMP_PEAKS, 1},
+        .resolution = RT_FULL,
+        .rays = NEPH_RT_POINTS_IN_MEDIA,
+        .reads = BIT(RT_FROXELS) | BIT(RT_DEPTH) | BIT(RT_VOLUME),
+        .writes = BIT(RT_VOLUME),
+    },
+    {
         .name = "composition",
         .note = "the volume over what is behind it",
         .shader = {"rt_compose", compose_spirv, sizeof(compose_spirv)},
-        .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+        .condition = {RT_COMPOSITION, RT_COMPOSITION_PASS},
         .resolution = RT_FULL,
         .reads = BIT(RT_VOLUME) | BIT(RT_BEHIND),
         .writes = BIT(RT_COLOR),
@@ -185,15 +223,24 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .name = "anti-aliasing",
         .note = "the mean over jittered frames, held in a neighbourhood clamp",
         .shader = {"rt_taa", taa_spirv, sizeof(taa_spirv)},
-        .condition = {RT_TAA, 1},
-        .resolution = RT_FULL,
+        .condition = {RT_TAA, RT_TAA_ON},
+        .resolution = RT_PICTURE,
         .column = RT_TAA_COLUMN,
-        .reads = BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) |
-                 BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) | BIT(RT_MOVED),
-        .spared = {{{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME_DISTANCE)},
-                   {{RT_TAA_MEDIUM, 1}, BIT(RT_VOLUME), .or = {RT_GRADIENT, 1}},
-                   {{RT_GRADIENT, 1}, BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND)},
-                   {{RT_SOLID_MOTION, 1}, BIT(RT_MOVED)}},
+        .block = {RT_TAA_BLOCK_WIDTH, RT_TAA_BLOCK_HEIGHT},
+        .reads = TAA_READS,
+        .spared = TAA_SPARED,
+        .writes = BIT(RT_TAA_OUT),
+        .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
+        .picture = RT_TAA_OUT,
+    },
+    {
+        .name = "upsampling",
+        .note = "anti-aliasing to a picture of more pixels than are rendered",
+        .shader = {"rt_taau", taau_spirv, sizeof(taau_spirv)},
+        .condition = {RT_TAA, RT_TAA_UPSAMPLING},
+        .resolution = RT_PICTURE,
+        .reads = TAA_READS,
+        .spared = TAA_SPARED,
         .writes = BIT(RT_TAA_OUT),
         .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
         .picture = RT_TAA_OUT,
@@ -203,7 +250,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "against the blur of anti-aliasing",
         .shader = {"rt_sharpen", sharpen_spirv, sizeof(sharpen_spirv)},
         .condition = {RT_SHARPEN, 1},
-        .resolution = RT_FULL,
+        .resolution = RT_PICTURE,
         .reads = BIT(RT_COLOR) | BIT(RT_TAA_OUT),
         .writes = BIT(RT_SHARPENED),
         .picture = RT_SHARPENED,
@@ -262,12 +309,19 @@ bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition co
     return (int)view->settings[condition.setting] == condition.choice;
 }
 
+static bool spares(const struct neph_gpu_view *view, const struct neph_rt_spared *spared)
+{
+    for (int i = 0; i < NEPH_RT_UNLESS_MAX; i++)
+        if (neph_rt_holds(view, spared->unless[i]))
+            return false;
+    return true;
+}
+
 uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
 {
     uint32_t touched = pass->reads | pass->writes;
     for (int i = 0; i < NEPH_RT_SPARED_MAX && pass->spared[i].targets; i++)
-        if (!neph_rt_holds(view, pass->spared[i].unless) &&
-            !neph_rt_holds(view, pass->spared[i].or))
+        if (spares(view, &pass->spared[i]))
             touched &= ~pass->spared[i].targets;
     return touched;
 }
@@ -299,16 +353,22 @@ static uint64_t quotient_up(uint64_t a, uint64_t b)
     return (a + b - 1) / b;
 }
 
+enum { GROUP_THREADS = 64 };
+
 uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
                               bool on_gpu)
 {
-    const uint64_t block = RT_COLOUR_BLOCK, column = pass->column ? (uint64_t)pass->column : 1;
+    const uint64_t column = pass->column ? (uint64_t)pass->column : 1;
     if (pass->resolution == RT_FROXEL || pass->resolution == RT_FROXEL_COLUMN)
         return neph_rt_texel_count(view, pass->resolution);
-    const uint64_t width = quotient_up(view->size_px[0], (uint64_t)pass->resolution);
+    const bool is_picture = pass->resolution == RT_PICTURE;
+    const uint64_t width = is_picture ? view->picture_px[0]
+                                      : quotient_up(view->size_px[0], (uint64_t)pass->resolution);
     const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
-    if (on_gpu && takes_turns(view, pass))
-        return block * block * quotient_up(width, block) * quotient_up(height, block);
+    const bool in_blocks = takes_turns(view, pass) || !pass->in_colours;
+    if (on_gpu && in_blocks && pass->block[0] > 0)
+        return GROUP_THREADS * quotient_up(width, (uint64_t)pass->block[0]) *
+               quotient_up(height, (uint64_t)pass->block[1]);
     return width * quotient_up(height, column);
 }
 

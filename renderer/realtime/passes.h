@@ -33,14 +33,15 @@ enum neph_rt_rays {
     NEPH_RT_RAYS_THROUGH_MEDIA /* of all steps */
 };
 
+enum { NEPH_RT_UNLESS_MAX = 4 };
+
 /* Targets that a pass leaves alone unless one of these holds. {0} never does: there is a step. */
 struct neph_rt_spared {
-    struct neph_rt_condition unless;
+    struct neph_rt_condition unless[NEPH_RT_UNLESS_MAX];
     uint32_t targets;
-    struct neph_rt_condition or ;
 };
 
-enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 4, NEPH_RT_PASSES_MAX = 32 };
+enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 6, NEPH_RT_PASSES_MAX = 32 };
 
 #define NEPH_RT_BIT(target) (1u << (target))
 
@@ -51,6 +52,9 @@ struct neph_rt_pass {
     struct neph_rt_condition condition; /* of being in the frame */
     int resolution;                     /* RT_FULL, ..: of the texels that it makes */
     int column; /* texels, one below the other, that a thread makes; 0: one */
+    /* Texels that a group makes together on a GPU, where there is in_colours if that holds; {0}:
+     * they are by themselves. */
+    int block[2];
     enum neph_rt_rays rays;
     /* Where this holds colours of 2x2 texels take turns, each of which sees what those before it
      * wrote: by four dispatches, on a GPU by one of blocks that are by themselves. Else, or NULL,

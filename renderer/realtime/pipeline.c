@@ -30,9 +30,10 @@ struct neph_realtime {
     struct neph_settings settings;
     uint32_t seed;
     uint32_t *noise_ranks; /* owned */
-    struct neph_march_params march;
-    struct neph_march_scene scene; /* of the split frame */
-    struct neph_march *whole;      /* owned; without a split the march of every pixel, else NULL */
+    int picture_px[2];
+    struct neph_march_params march; /* of what is rendered for it */
+    struct neph_march_scene scene;  /* of the split frame */
+    struct neph_march *whole;       /* owned; without a split the march of every pixel, else NULL */
     struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* of the passes that have rays */
     struct neph_buffer states, counters;
     struct neph_rt_device device;
@@ -121,15 +122,48 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
 
 /* --- what can be rendered ------------------------------------------------------------------ */
 
+static bool is_upsampled(const struct neph_settings *settings)
+{
+    return settings->values[RT_SCREEN_PERCENT] < 100.0;
+}
+
+/* False, with the reason, where a smaller picture does not become the whole one. */
+static bool can_upsample(const struct neph_scene *scene, const struct neph_settings *settings,
+                         char *reason, size_t reason_size)
+{
+    const struct neph_injected_view *around = &scene->injections.view;
+    if (settings->values[RT_TAA] == RT_TAA_OFF) {
+        snprintf(reason, reason_size,
+                 "a picture of fewer pixels without anti-aliasing, which makes it larger: taa=on "
+                 "or screen_percent=100");
+        return false;
+    }
+    if (around->left_px + around->top_px + around->right_px + around->bottom_px == 0)
+        return true;
+    snprintf(reason, reason_size,
+             "a picture of fewer pixels within larger buffers (inject.view): screen_percent=100");
+    return false;
+}
+
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {
+    const bool has_sky = settings->values[RT_SKY] != 0.0;
+    struct neph_sky_split split;
+    if ((has_sky && !neph_sky_split(scene, &split, reason, reason_size)) ||
+        (is_upsampled(settings) && !can_upsample(scene, settings, reason, reason_size)))
+        return false;
     for (int i = 0; i < scene->medium_count; i++) {
-        if (!neph_medium_is_coloured(&scene->media[i]))
+        if ((has_sky && split.is_air[i]) || !neph_medium_is_coloured(&scene->media[i]))
             continue;
         snprintf(reason, reason_size,
                  "extinction that differs between the channels: rays and histories have one "
-                 "transmittance");
+                 "transmittance%s",
+                 has_sky ? "" : " (sky=tables: that of a planet's air may)");
+        return false;
+    }
+    if (has_sky && settings->values[RT_FROXEL_VOLUME] != 0.0) {
+        snprintf(reason, reason_size, "froxels under sky=tables: froxels=off");
         return false;
     }
     if (neph_scene_emits(scene)) {
@@ -144,7 +178,7 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  "this lighting in froxels, which know single and octaves: froxels=off");
         return false;
     }
-    return neph_march_can_render(scene, lighting, reason, reason_size);
+    return neph_march_can_render_under(scene, has_sky, lighting, reason, reason_size);
 }
 
 /* --- making -------------------------------------------------------------------------------- */
@@ -187,7 +221,26 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                   .seed = params->seed},
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
                       .cycles = (int)values[RT_DIFFUSION_CYCLES]},
+        .sky = neph_sky_for_march(
+            values[RT_SKY] != 0.0, values[RT_SKY_SHADOWS] != 0.0,
+            (struct neph_sky_aerial_params){.columns = (int)values[RT_SKY_COLUMNS],
+                                            .rows = (int)values[RT_SKY_ROWS],
+                                            .slices = (int)values[RT_SKY_SLICES],
+                                            .far_m = values[RT_SKY_FAR_M]}),
     };
+}
+
+/* A picture of this size. */
+static void set_size(struct neph_realtime *realtime, int width_px, int height_px)
+{
+    const int percent = choice_of(realtime, RT_SCREEN_PERCENT);
+    struct neph_march_params *march = &realtime->march;
+    march->width_px = neph_rt_rendered_px(width_px, percent);
+    march->height_px = neph_rt_rendered_px(height_px, percent);
+    realtime->picture_px[0] = width_px;
+    realtime->picture_px[1] = height_px;
+    if (is_upsampled(&realtime->settings))
+        memcpy(march->picture_px, realtime->picture_px, sizeof(march->picture_px));
 }
 
 /* How the rays of the passes are cut, and room for those that lie in between. */
@@ -215,21 +268,35 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
                                        &realtime->states, diag);
 }
 
+/* What the settings say where it pays alone. */
+static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
+                   struct neph_gpu_view *view)
+{
+    const bool has_taa = choice_of(realtime, RT_TAA) != 0 &&
+                         choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
+    if (scene->mover_count == 0 || !has_taa)
+        view->settings[RT_SOLID_MOTION] = 0.0f;
+    if (has_taa && view->settings[RT_TAA] == (float)RT_TAA_ON &&
+        choice_of(realtime, RT_COMPOSITION) == RT_COMPOSITION_AUTO &&
+        !realtime->vulkan->description.is_cpu)
+        view->settings[RT_COMPOSITION] = RT_COMPOSITION_TAA;
+}
+
 /* Everything that depends on the size. */
 static enum neph_status create_sized(struct neph_realtime *realtime, const struct neph_scene *scene,
                                      struct neph_diag *diag)
 {
     struct neph_gpu_view view;
     const struct neph_injected_view *around = &scene->injections.view;
-    const int size_px[2] = {realtime->march.width_px, realtime->march.height_px};
+    const int *size_px = realtime->picture_px;
     const int origin_px[2] = {around->left_px, around->top_px};
     const int buffer_px[2] = {around->left_px + size_px[0] + around->right_px,
                               around->top_px + size_px[1] + around->bottom_px};
     neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
-    if (scene->mover_count == 0 || choice_of(realtime, RT_TAA) == 0 ||
-        choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE) /* it costs where it does something */
-        view.settings[RT_SOLID_MOTION] = 0.0f;
+    choose(realtime, scene, &view);
+    if (scene->light_count == 0)
+        view.settings[RT_LAMP_PEAKS] = 0.0f;
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
@@ -303,6 +370,7 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
     made->settings = *params->settings;
     made->seed = params->seed;
     made->march = march;
+    set_size(made, params->width_px, params->height_px);
     status = create_once(made, scene, params, diag);
     if (!status)
         status = create_sized(made, scene, diag);
@@ -335,7 +403,7 @@ enum neph_status neph_realtime_resize(struct neph_realtime *realtime,
     if (status)
         return status;
     destroy_sized(realtime);
-    realtime->march = march;
+    set_size(realtime, width_px, height_px);
     realtime->has_past = realtime->has_mirrored_past = false;
     return create_sized(realtime, scene, diag);
 }
@@ -457,12 +525,15 @@ static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_scene *still, struct neph_image **image,
                                      struct progress *made, struct neph_diag *diag)
 {
-    struct neph_march_scene_cost cost = {made->fill, &made->stats->light_gpu_s};
+    struct neph_march_scene_cost cost = {made->fill, &made->stats->light_gpu_s, &made->stats->sky};
     made->counts = image;
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
     enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
                                                     &made->moment, &realtime->scene, &cost, diag);
+    if (!status && frame->given && is_upsampled(&realtime->settings))
+        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                           "a given depth has the picture's pixels: set screen_percent=100");
     if (!status && frame->given)
         status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)
@@ -474,19 +545,23 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     return status;
 }
 
-/* What passes there are behind the march of every pixel. */
-static enum neph_status finish(struct neph_realtime *realtime, struct neph_image *image,
+/* What passes there are behind the march of every pixel. `image`: in, what was marched; out, the
+ * picture. */
+static enum neph_status finish(struct neph_realtime *realtime, struct neph_image **image,
                                struct progress *made, struct neph_diag *diag)
 {
     float *rgb[3];
-    neph_image_rgb(image, NULL, rgb);
-    float *const depth_m[3] = {neph_image_channel(image, "Z")};
+    neph_image_rgb(*image, NULL, rgb);
+    float *const depth_m[3] = {neph_image_channel(*image, "Z")};
     made->given = NEPH_RT_BIT(RT_COLOR) | NEPH_RT_BIT(RT_DEPTH);
     enum neph_status status = neph_rt_give(&realtime->device, RT_COLOR, rgb, diag);
     if (!status)
         status = neph_rt_give(&realtime->device, RT_DEPTH, depth_m, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
+    if (!status && is_upsampled(&realtime->settings))
+        status = neph_rt_spread(&realtime->device, image, diag);
+    neph_image_rgb(*image, NULL, rgb);
     if (!status && made->picture)
         status = neph_rt_bring(&realtime->device, made->picture,
                                (float *[4]){rgb[0], rgb[1], rgb[2]}, diag);
@@ -533,7 +608,7 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
     stats->closed_forms = march.closed_forms;
     stats->view_steps = march.view_steps;
     stats->rays = neph_rt_texel_count(realtime->device.view, RT_FULL);
-    status = finish(realtime, marched, made, diag);
+    status = finish(realtime, &marched, made, diag);
     if (status)
         neph_image_destroy(marched);
     else
@@ -558,7 +633,7 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_mo
 /* A frame is home: what its passes took, together, and for the cut of the next. */
 static void take_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
-    stats->gpu_s = stats->light_gpu_s;
+    stats->gpu_s = stats->light_gpu_s + neph_sky_gpu_s(&stats->sky);
     for (int i = 0; neph_rt_passes[i].name; i++) {
         stats->gpu_s += stats->pass_gpu_s[i];
         if (realtime->cuts[i].ray_count > 0)
@@ -574,6 +649,7 @@ static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_fi
     stats->gpu_s += neph_sun_fill_gpu_s(fill);
     stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s[NEPH_SUN_CACHE];
     stats->shadow_gpu_s = fill->gpu_s[NEPH_SUN_MAP];
+    stats->sky_shade_gpu_s = fill->gpu_s[NEPH_SUN_SKY];
     stats->density_evaluations += evaluations;
     stats->closed_forms += closed_forms;
 }
@@ -728,7 +804,7 @@ static enum neph_status render_resized(struct neph_realtime *realtime,
                                        struct neph_diag *diag)
 {
     const struct neph_realtime_frame own = {frame->scene, frame->frame, NULL};
-    const int width_px = realtime->march.width_px, height_px = realtime->march.height_px;
+    const int width_px = realtime->picture_px[0], height_px = realtime->picture_px[1];
     struct neph_image *image = NULL;
     enum neph_status status = neph_realtime_resize(
         realtime, frame->scene, scaled_px(width_px, scale), scaled_px(height_px, scale), diag);

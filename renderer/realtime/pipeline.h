@@ -12,6 +12,7 @@
 #include "base/image.h"
 #include "base/option.h"
 #include "renderer/realtime/device.h"
+#include "renderer/sky/sky_times.h"
 #include "renderer/vulkan.h"
 #include "scenes/scene.h"
 
@@ -39,6 +40,8 @@ struct neph_realtime_frame {
 struct neph_realtime_stats {
     double pass_gpu_s[NEPH_RT_PASSES_MAX]; /* of neph_rt_passes; NaN: no clock; 0: not run */
     double light_gpu_s;                    /* of traced or diffused light before them, or 0 */
+    struct neph_sky_times sky;             /* of the tables of the sky before them */
+    double sky_shade_gpu_s;                /* and of shadows on its air */
     double shadow_gpu_s;                   /* of the shadow map of clouds before them, or 0 */
     double gpu_s;                          /* of all of it */
     double wall_s;

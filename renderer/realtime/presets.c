@@ -38,10 +38,10 @@
  *        in the sky or on solids, void where the depth has changed by 20 %, and bilateral from 3x3
  *        half-resolution texels. Guesses: the noise; the far plane, 1 km, that its tolerance of
  *        depth is a part of; its tiles of the other colour are the ones that are ahead.
- * ours   `fixed`, but the history of what is at rest is held in the box only where a ray sees that
+ * ours1  `fixed`, but the history of what is at rest is held in the box only where a ray sees that
  *        the light has changed, and voided where the scene behind it has; no dither in the upscale,
  *        so that the anti-aliasing can be quick. docs/realtime.md holds what it was measured at.
- * ours2  its second generation: change is told from noise by rays that are marched twice, so that
+ * ours   its second generation: change is told from noise by rays that are marched twice, so that
  *        what is at rest is the mean of all its frames, at half resolution and in the
  *        anti-aliasing, and takes slow light along; elsewhere that is quick and follows the medium.
  */
@@ -76,10 +76,10 @@ const struct neph_preset neph_rt_presets[] = {
      "box_same_kind=on box_hold=clip box_age=0.5 reproject_depth=tile wind=off reject_depth=0.2 "
      "reject_around=off upscale=square upscale_tolerance_m=0.01 upscale_same_kind=on "
      "upscale_dither=none taa_jitter_length=8"},
-    {"ours", "no box for what is at rest and in the same light; quick anti-aliasing",
+    {"ours1", "no box for what is at rest and in the same light; quick anti-aliasing",
      "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
      "taa_box=variance taa_sigma=1"},
-    {"ours2", "the mean of all that is at rest, told from noise, in the light that there is",
+    {"ours", "the mean of all that is at rest, told from noise, in the light that there is",
      "reject_depth=0.1 reject_around=moved gradient=on relight=0.1 change_hold=0.75 "
      "box_motion_px=0.05 box_change=0.1 history_age_max=32 box_age=0 fallback=bilateral "
      "fallback_rejected=bilateral taa_medium=on taa_age_max=256 taa_change=0.1 taa_alpha=0.1 "

@@ -65,6 +65,8 @@
 // The sky: the highest degree of its moments, and how many there are up to it.
 #define NEPH_GPU_SKY_DEGREE_MAX 8
 #define NEPH_GPU_SKY_MOMENTS_MAX 45
+#define NEPH_GPU_SKY_PLACES 2 // with a table of views
+#define NEPH_GPU_SKY_SUN_SAMPLES 4 // of a froxel of air
 
 // Maps of the shadow of clouds, one within the other (cloud_shadow.glsl).
 #define NEPH_GPU_SHADOW_LEVELS_MAX 4

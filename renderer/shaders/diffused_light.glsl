@@ -41,7 +41,7 @@ vec3 diffused_light(Mixture mixture, vec3 point_m, float seen_depth, float step_
                (smooth_per_sr * (sun_similar * through_similar - sun * through) +
                 diffuse * through_similar);
     }
-    return frame.sun_irradiance * sum / mixture.extinction_per_m.x * step_depth;
+    return sun_at(point_m) * sum / mixture.extinction_per_m.x * step_depth;
 }
 
 #endif

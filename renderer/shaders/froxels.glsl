@@ -76,4 +76,42 @@ vec4 froxel_over(vec4 before, vec4 behind)
     return vec4(before.rgb + before.a * behind.rgb, before.a * behind.a);
 }
 
+// What lies before a depth in a slice of one column, the last froxel in part.
+vec4 column_before(ivec2 column, int slice, float length_m)
+{
+    vec4 before = vec4(0.0, 0.0, 0.0, 1.0);
+    if (slice > 0)
+        before = fetch_froxel(FROXEL_SUMS, ivec3(column, slice - 1));
+    vec4 last = fetch_froxel(froxel_section_now(), ivec3(column, slice));
+    return froxel_over(before, froxel_stretch(last, length_m));
+}
+
+// What lies before a depth at a place of the picture, by the four columns around it.
+vec4 froxels_before(vec2 place_px, float depth_m, float slope)
+{
+    int slice = clamp(int(froxel_place(depth_m)), 0, froxel_count.z - 1);
+    float length_m = max(depth_m - froxel_edge_m(slice), 0.0) * slope;
+    vec2 place = place_px / float(froxel_px) - 0.5;
+    vec2 low = floor(place), part = place - low;
+    vec4 before = vec4(0.0);
+    for (int i = 0; i < 4; i++) {
+        ivec2 step = ivec2(i & 1, i >> 1);
+        vec2 weight = mix(1.0 - part, part, vec2(step));
+        before += weight.x * weight.y * column_before(ivec2(low) + step, slice, length_m);
+    }
+    return before;
+}
+
+// A lamp's light peaks with 1/d^2, more sharply than columns can tell. So within a ball around it
+// the peak is left out of them (march_lamps.glsl) and found a pixel at a time (rt_lamp_peaks.comp).
+// The ball is that many columns in radius: over one a kernel of 1 - (1 - d^2 / R^2)^2 over d^2
+// changes by an eighth.
+const float FROXEL_BALL = 4.0;
+
+float froxel_ball_m(vec3 lamp_m)
+{
+    float column = float(froxel_px) * 2.0 * view_now.half_width / float(size_px.x);
+    return FROXEL_BALL * column * view_spread(view_now, max(dot(lamp_m, view_now.forward), 0.0));
+}
+
 #endif

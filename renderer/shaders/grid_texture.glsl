@@ -50,10 +50,11 @@ float grid_texture_density(uint m, vec3 point_m)
 // As medium_extinction_per_m().
 float sampled_extinction_per_m(uint m, vec3 point_m)
 {
-    if (SAMPLES_TEXTURES && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m)))
-        return medium_contains(m, point_m)
-                   ? frame.media[m].extinction_per_m * grid_texture_density(m, point_m)
-                   : 0.0;
+    if (SAMPLES_TEXTURES && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m))) {
+        // Whether or not it counts: a GPU's samples are on their way before it is known.
+        float density = grid_texture_density(m, point_m);
+        return medium_contains(m, point_m) ? frame.media[m].extinction_per_m * density : 0.0;
+    }
     return medium_extinction_per_m(m, point_m);
 }
 

@@ -221,7 +221,7 @@ void happen(uint m, uint solid)
     path.solid = solid;
     if (path.events > 0u && per_sr > 0.0 && own(frame.scatters) != 0u &&
         sees_sun(path.origin_m, solid))
-        sums.light += path.throughput * per_sr * frame.sun_irradiance *
+        sums.light += path.throughput * per_sr * sun_at(path.origin_m) *
                       fraction_through(sun_thinness * sample_sun_depth(path.origin_m));
     path.events++;
     path.direction = next;
@@ -244,6 +244,15 @@ void collide(uint m)
     happen(m, NO_SOLID);
 }
 
+// What the air on the way out of the media, into space or to the ground (solid 0), adds and takes,
+// as it is from the middle of all media.
+void meet_air()
+{
+    SkyLight light = sky_look_up(eye.places[1], sky_ray_along(eye.places[1], path.direction));
+    sums.light += path.throughput * frame.sun_irradiance * light.volume;
+    path.throughput *= light.transmittance;
+}
+
 // The end of a segment on which no shape was in the way.
 void arrive()
 {
@@ -253,6 +262,9 @@ void arrive()
     }
     if (solid_ahead.solid == NO_SOLID && path.events > 0u && run.has_environment != 0u)
         sums.light += path.throughput * frame.background;
+    bool is_out = solid_ahead.solid == NO_SOLID || solid_ahead.solid == 0u;
+    if (SKY_LIGHTS && path.events > 0u && is_out)
+        meet_air();
     if (solid_ahead.solid == NO_SOLID || path.events == 0u ||
         solids[solid_ahead.solid].albedo.rgb == vec3(0.0))
         end();
@@ -373,7 +385,7 @@ vec3 light_ahead()
     if (is_in_lattice(path.origin_m)) {
         vec4 field = diffused_field(path.origin_m);
         float per_sr = max(field.w - 3.0 * dot(field.xyz, path.direction), 0.0) / (4.0 * PI);
-        to_path = per_sr * frame.sun_irradiance;
+        to_path = per_sr * sun_at(path.origin_m);
     }
     if (run.has_environment != 0u)
         to_path += frame.background;

@@ -28,10 +28,15 @@ MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
     vec3 optical_depth = view_optical_depth(ray, hit.t_m, sums);
     vec3 behind = radiance_behind(hit, ray);
     MarchPixel pixel;
-    pixel.volume = view_scattered(sums, optical_depth, place_px);
+    pixel.volume = view_scattered(sums, optical_depth, ray, place_px);
     pixel.transmittance = fraction_through(optical_depth);
     precise vec3 radiance = pixel.volume + pixel.transmittance * behind; // as rt_compose.comp does
     pixel.radiance = radiance;
+    if (HAS_SKY) { // the air is a medium
+        Behind air = sky_behind(hit, ray);
+        pixel.volume += pixel.transmittance * air.air;
+        pixel.transmittance *= air.through;
+    }
     pixel.eye_depth_m = hit_eye_depth_m(hit, ray);
     pixel.volume_distance_m = view_distance_m(sums);
     pixel.density_evaluations = density_evaluations;
@@ -52,7 +57,7 @@ void main()
 
     Sums sums = sums_at_start(thread);
     // With a closed-form transmittance and no light of the media there is nothing to march for.
-    if (!IS_SOLVED || own(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
+    if (!IS_SOLVED || HAS_SKY || own(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
         march(ray, hit.t_m, 0.5, sums);
 
     if (run.end_step < own(frame.steps))

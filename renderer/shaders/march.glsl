@@ -146,6 +146,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
                          through;
         if (own(frame.emits) != 0)
             scattered += mixture.glow * fraction_lost(step_depth) * through;
+        if (HAS_SKY && step_depth != vec3(0.0))
+            scattered = behind_air(ray.direction, point_distance_m, scattered,
+                                   through * fraction_lost(step_depth));
         sums_add(sums, scattered, step_depth);
     }
 }
@@ -190,22 +193,26 @@ vec3 higher_light(vec2 place_px)
     return sum.w > 0.0 ? max(sum.rgb, vec3(0.0)) / sum.w : vec3(0.0); // more may be taken back
 }
 
-// In-scattered radiance of the whole ray through a place of the picture.
-vec3 view_scattered(Sums sums, vec3 optical_depth, vec2 place_px)
-{
-    vec3 scattered = sums.scattered.value.xyz;
-    if (LIGHTING == HORIZON)
-        scattered *= fraction_lost(optical_depth);
-    if (LIGHTING == TRACED)
-        scattered += fraction_lost(optical_depth) * higher_light(place_px);
-    return scattered;
-}
-
 // Mean distance of what is seen of the medium [m]; FAR_M where it shows nothing.
 float view_distance_m(Sums sums)
 {
     float share = mean(fraction_lost(marched_depth(sums)));
     return share > 0.0 ? sums.distance_m / share : FAR_M;
+}
+
+// In-scattered radiance of the whole ray through a place of the picture.
+vec3 view_scattered(Sums sums, vec3 optical_depth, ViewRay ray, vec2 place_px)
+{
+    vec3 scattered = sums.scattered.value.xyz;
+    if (LIGHTING == HORIZON)
+        scattered *= fraction_lost(optical_depth);
+    if (LIGHTING == TRACED) {
+        vec3 higher = fraction_lost(optical_depth) * higher_light(place_px);
+        if (HAS_SKY)
+            higher = behind_air(ray.direction, view_distance_m(sums), higher, vec3(0.0));
+        scattered += higher;
+    }
+    return scattered;
 }
 
 // Sunlight reflected by a Lambertian surface, towards anywhere.
@@ -228,9 +235,42 @@ vec3 surface_radiance(Hit hit, vec3 point_m)
     return radiance;
 }
 
+// What lies behind all media under a sky: all of it, what the air adds to it, and what comes
+// through the air.
+struct Behind {
+    vec3 radiance, air, through;
+};
+
+// Of solids, the first is the ground, to which the table of views goes.
+Behind sky_behind(Hit hit, ViewRay ray)
+{
+    SkyLight all = sky_look_up(eye.places[0], sky_ray_along(eye.places[0], ray.direction));
+    if (eye.is_shaded != 0u) {
+        vec3 shade = sky_veil_part(sky_froxel(ray.direction, hit.t_m), VEIL_SHADE);
+        all.volume = max(all.volume - shade, vec3(0.0));
+        all.radiance = max(all.radiance - shade, vec3(0.0));
+    }
+    if (hit.solid == NO_SOLID)
+        return Behind(frame.sun_irradiance * all.radiance, frame.sun_irradiance * all.volume,
+                      all.transmittance);
+    vec3 point_m = view_point_m(ray, hit.t_m);
+    vec3 from_sky = sky_irradiance(sky_spot(point_m), solid_normal(solids[hit.solid], point_m));
+    vec3 radiance = surface_radiance(hit, point_m) +
+                    solids[hit.solid].albedo.rgb / PI * from_sky;
+    if (hit.solid != 0u) {
+        SkyVeil veil = sky_veil(ray.direction, hit.t_m);
+        all.volume = veil.light;
+        all.transmittance = veil.through;
+    }
+    vec3 added = frame.sun_irradiance * all.volume;
+    return Behind(added + all.transmittance * radiance, added, all.transmittance);
+}
+
 // What lies behind all media.
 vec3 radiance_behind(Hit hit, ViewRay ray)
 {
+    if (HAS_SKY)
+        return sky_behind(hit, ray).radiance;
     return hit.solid == NO_SOLID ? frame.background
                                  : surface_radiance(hit, view_point_m(ray, hit.t_m));
 }

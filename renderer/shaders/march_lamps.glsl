@@ -10,6 +10,11 @@
 
 #include "march_light.glsl"
 
+// The radius of the ball around a lamp whose light who includes this takes out; see LampPass.
+#ifndef LAMP_BALL_M
+#define LAMP_BALL_M(lamp) 0.0
+#endif
+
 vec3 lamp_optical_depth(vec3 point_m, vec3 direction, float distance_m)
 {
     vec3 optical_depth = vec3(0.0);
@@ -21,24 +26,47 @@ vec3 lamp_optical_depth(vec3 point_m, vec3 direction, float distance_m)
     return optical_depth;
 }
 
-// A ray as a lamp sees it.
+// A ray as a lamp sees it. Within a ball around the lamp, where there is one, light is left out,
+// more of it the nearer it is, all at the lamp (froxels.glsl: it is found a pixel at a time).
 struct LampPass {
     float foot_m, height_m;
+    float ball_m; // 0: none
 };
 
-LampPass lamp_pass(vec3 lamp_m, ViewRay ray)
+LampPass lamp_pass(vec3 lamp_m, ViewRay ray, float ball_m)
 {
     vec3 way_m = lamp_m - ray.origin_m;
     float foot_m = dot(way_m, ray.direction);
     // A ray through the lamp would have no bound; this far it passes by in single precision anyway.
     return LampPass(foot_m, max(length(way_m - foot_m * ray.direction),
-                                1e-6 * length(way_m) + 1e-12));
+                                1e-6 * length(way_m) + 1e-12), ball_m);
 }
 
 // The angle between two places on the ray, by their distances behind the foot.
 float lamp_angle(LampPass pass, float s0_m, float s1_m)
 {
     return atan(pass.height_m * (s1_m - s0_m), pass.height_m * pass.height_m + s0_m * s1_m);
+}
+
+// 1/d^2 over a stretch, its integral: all of it.
+float lamp_whole(LampPass pass, float s0_m, float s1_m)
+{
+    return lamp_angle(pass, s0_m, s1_m) / pass.height_m;
+}
+
+// 1/d^2 that the ball leaves, which takes (1 - d^2 / R^2)^2 of it: 2 / R^2 - d^2 / R^4 within.
+float lamp_outside(LampPass pass, float s0_m, float s1_m)
+{
+    float square = pass.ball_m * pass.ball_m, rest = square - pass.height_m * pass.height_m;
+    if (rest <= 0.0)
+        return lamp_whole(pass, s0_m, s1_m);
+    float half_m = sqrt(rest);
+    float in0_m = clamp(s0_m, -half_m, half_m), in1_m = clamp(s1_m, -half_m, half_m);
+    float length_m = in1_m - in0_m, height = pass.height_m / pass.ball_m;
+    float cubes = (in0_m * in0_m + in0_m * in1_m + in1_m * in1_m) / (3.0 * square);
+    return lamp_whole(pass, min(s0_m, in0_m), min(s1_m, in0_m)) +
+           lamp_whole(pass, max(s0_m, in1_m), max(s1_m, in1_m)) +
+           length_m * ((2.0 - height * height - cubes) / square);
 }
 
 vec3 scattered_from(vec3 direction)
@@ -50,11 +78,11 @@ vec3 scattered_from(vec3 direction)
     return sum;
 }
 
-// Mean light of a lamp that the last mixture scatters between two places, per metre.
-vec3 lamp_scattered_per_m(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m)
+// Light of a lamp that the last mixture scatters between two places, of a mean of 1/d^2.
+vec3 lamp_scattered_per_m(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m,
+                          float inverse_square)
 {
     float length_m = s1_m - s0_m;
-    float inverse_square = lamp_angle(pass, s0_m, s1_m) / (pass.height_m * length_m);
     float d0_m = length(vec2(pass.height_m, s0_m)), d1_m = length(vec2(pass.height_m, s1_m));
     float bisector_m = s0_m + length_m * (d0_m / (d0_m + d1_m));
     vec3 point_m = view_point_m(ray, pass.foot_m + bisector_m);
@@ -72,10 +100,9 @@ const float LAMP_PART = PI / 8.0;
 const uint LAMP_PARTS_MAX = NEPH_GPU_LAMP_PARTS;
 
 // What a step sends to its near end, of a source that is constant in each part of the step.
-vec3 lamp_light(Lamp lamp, vec3 extinction_per_m, ViewRay ray, float start_m, float length_m,
-                vec3 step_depth)
+vec3 lamp_light(Lamp lamp, LampPass pass, vec3 extinction_per_m, ViewRay ray, float start_m,
+                float length_m, vec3 step_depth)
 {
-    LampPass pass = lamp_pass(lamp.position_m, ray);
     float s0_m = start_m - pass.foot_m, end_m = s0_m + length_m;
     float angle = lamp_angle(pass, s0_m, end_m), first = atan(s0_m / pass.height_m);
     uint parts = min(1u + uint(angle / LAMP_PART), LAMP_PARTS_MAX);
@@ -86,8 +113,11 @@ vec3 lamp_light(Lamp lamp, vec3 extinction_per_m, ViewRay ray, float start_m, fl
         if (s1_m <= s0_m)
             continue;
         vec3 part_depth = step_depth * ((s1_m - s0_m) / length_m);
-        sum += lamp_scattered_per_m(lamp, pass, ray, s0_m, s1_m) * fraction_through(depth) *
-               fraction_lost(part_depth);
+        float inverse_square =
+            pass.ball_m > 0.0 ? lamp_outside(pass, s0_m, s1_m) / (s1_m - s0_m)
+                              : lamp_angle(pass, s0_m, s1_m) / (pass.height_m * (s1_m - s0_m));
+        sum += lamp_scattered_per_m(lamp, pass, ray, s0_m, s1_m, inverse_square) *
+               fraction_through(depth) * fraction_lost(part_depth);
         depth += part_depth;
         s0_m = s1_m;
     }
@@ -100,9 +130,11 @@ vec3 lamps_light(Mixture mixture, ViewRay ray, float start_m, float length_m, ve
     vec3 sum = vec3(0.0);
     if (mixture.extinction_per_m == vec3(0.0))
         return sum;
-    for (uint i = 0; i < own(frame.lamp_count); i++)
-        sum += lamp_light(frame.lamps[i], mixture.extinction_per_m, ray, start_m, length_m,
+    for (uint i = 0; i < own(frame.lamp_count); i++) {
+        LampPass pass = lamp_pass(frame.lamps[i].position_m, ray, LAMP_BALL_M(frame.lamps[i]));
+        sum += lamp_light(frame.lamps[i], pass, mixture.extinction_per_m, ray, start_m, length_m,
                           step_depth);
+    }
     return sum;
 }
 

@@ -22,6 +22,7 @@
 
 #include "cloud_shadow.glsl"
 #include "grid_texture.glsl"
+#include "march_sky.glsl"
 #include "sun_cache.glsl"
 #include "traced_light.glsl"
 
@@ -168,7 +169,7 @@ vec3 sunlight(vec3 point_m, uint on_solid)
 {
     if (!sees_sun(point_m, on_solid))
         return vec3(0.0);
-    return frame.sun_irradiance * fraction_through(mapped_or_own_sun_depth(point_m));
+    return sun_at(point_m) * fraction_through(mapped_or_own_sun_depth(point_m));
 }
 
 // What the media are at a point, all of them together.
@@ -185,6 +186,31 @@ float phase_towards_camera_per_sr[MEDIA_MAX];
 // The scattering coefficients at the point where mixture_at() was last [1/m]; NEEDS_MEDIA alone.
 vec3 scattering_per_m[MEDIA_MAX];
 
+// The phase function with its excess over isotropic cut to a part: for Henyey-Greenstein the mean
+// cosine is, as the authors have it.
+float flattened_phase_per_sr(uint m, float part)
+{
+    if (own(frame.media[m].phase_kind) == PHASE_HENYEY_GREENSTEIN)
+        return henyey_greenstein_per_sr(part * frame.media[m].g, view_direction,
+                                        to_sun());
+    return mix(1.0 / (4.0 * PI), phase_towards_camera_per_sr[m], part);
+}
+
+// Those of the first octaves of an only medium, once for a ray.
+const bool KEEPS_PHASES = LIGHTING == OCTAVES && KNOWN_MEDIA == 1u;
+const uint KEPT_PHASES = 8;
+float kept_phases_per_sr[KEPT_PHASES];
+
+void keep_phases()
+{
+    float part = 1.0; // c^i
+    [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
+        if (i < own(frame.octave_count))
+            kept_phases_per_sr[i] = flattened_phase_per_sr(0, part);
+        part *= frame.octave_factors.z;
+    }
+}
+
 void look_along(ViewRay ray)
 {
     view_origin_m = ray.origin_m;
@@ -192,6 +218,8 @@ void look_along(ViewRay ray)
     [[unroll]] for (uint m = 0; m < media_count(); m++)
         phase_towards_camera_per_sr[m] = phase_per_sr(own(frame.media[m].phase_kind),
                                                       frame.media[m].g, ray.direction, to_sun());
+    if (KEEPS_PHASES)
+        keep_phases();
 }
 
 // Where there is no extinction, nothing scatters or emits: guards all divisions by it.
@@ -228,22 +256,18 @@ Mixture mixture_at(vec3 point_m)
 
 // --- octaves --------------------------------------------------------------------------------
 
-// The phase function with its excess over isotropic cut to a part: for Henyey-Greenstein the mean
-// cosine is, as the authors have it.
-float flattened_phase_per_sr(uint m, float part)
-{
-    if (own(frame.media[m].phase_kind) == PHASE_HENYEY_GREENSTEIN)
-        return henyey_greenstein_per_sr(part * frame.media[m].g, view_direction,
-                                        to_sun());
-    return mix(1.0 / (4.0 * PI), phase_towards_camera_per_sr[m], part);
-}
-
 // Sum over octaves of scattering times phase function times the sun's transmittance [1/(m sr)].
 vec3 octave_scattering(vec3 optical_depth)
 {
     vec3 sum = vec3(0.0);
     vec3 scale = vec3(1.0); // a^i, b^i, c^i
-    for (uint i = 0; i < own(frame.octave_count); i++) {
+    [[unroll]] for (uint i = 0; KEEPS_PHASES && i < KEPT_PHASES; i++) {
+        vec3 octave = scattering_per_m[0] * kept_phases_per_sr[i];
+        if (i < own(frame.octave_count))
+            sum += scale.x * octave * fraction_through(scale.y * optical_depth);
+        scale *= frame.octave_factors;
+    }
+    for (uint i = KEEPS_PHASES ? KEPT_PHASES : 0; i < own(frame.octave_count); i++) {
         vec3 octave = vec3(0.0);
         [[unroll]] for (uint m = 0; m < media_count(); m++)
             octave += scattering_per_m[m] * flattened_phase_per_sr(m, scale.z);
@@ -263,7 +287,7 @@ vec3 source_function(Mixture mixture, vec3 point_m)
     vec3 optical_depth = sample_sun_depth(point_m);
     vec3 scattered = LIGHTING == OCTAVES ? octave_scattering(optical_depth)
                                          : mixture.scattering * fraction_through(optical_depth);
-    return frame.sun_irradiance * scattered / max(mixture.extinction_per_m, LEAST);
+    return sun_at(point_m) * scattered / max(mixture.extinction_per_m, LEAST);
 }
 
 // --- octaves, fitted -------------------------------------------------------------------------
@@ -291,7 +315,7 @@ vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 st
             phase_part *= frame.media[m].octave_eccentricity;
         }
     }
-    return frame.sun_irradiance * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
+    return sun_at(point_m) * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
 }
 
 // --- similarity ------------------------------------------------------------------------------
@@ -370,7 +394,7 @@ vec3 similarity_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_
             g *= frame.media[m].octave_eccentricity;
         }
     }
-    return frame.sun_irradiance * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
+    return sun_at(point_m) * sum / max(mixture.extinction_per_m, LEAST) * step_depth;
 }
 
 // --- horizon --------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ layout(local_size_x = 64) in;
 
 layout(push_constant) uniform PostRun {
     uint first_thread;
+    uint level; // of the pyramid, which is written
 } run;
 
 // Matrices row by row.
@@ -22,8 +23,17 @@ layout(scalar, binding = 0) readonly buffer PostView {
     uint from_px[2], to_px[2];          // of the picture before and after this stage
     uint frame, seed;                   // of the grain
     float white_balance[9];             // Rec.709 to Rec.709
-    float rec709_to_ap1[9], ap1_to_rec709[9], ap1_to_ap0[9], ap0_to_ap1[9];
+    float rec709_to_ap1[9], ap1_to_rec709[9], ap1_to_ap0[9], ap0_to_ap1[9],
+        rec709_to_rec2020[9];
     float toe_match, straight_match, shoulder_match; // of the film curve: renderer/post/film.h
+    float step_s;                   // since the frame before, for the eye
+    float eye_ev;                   // what it was adapted to
+    uint is_eye_open;               // 0: it has not seen a frame
+    uint meter_units;               // of a bin's width in the histogram
+    uint level_px[2 * (POST_LEVELS_MAX + 1)]; // sizes in the pyramid; level 0 is the picture
+    uint level_at[POST_LEVELS_MAX + 1];       // its first texel
+    uint level_count;                         // besides the picture
+    uint upscale_filter;                      // of this upscale, POST_UPSCALE_*
 } view;
 
 layout(std430, binding = 1) readonly buffer From {

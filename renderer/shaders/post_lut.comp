@@ -7,6 +7,10 @@
 
 #include "tone.glsl"
 
+layout(std430, binding = 3) writeonly buffer Table {
+    vec4 table[];
+};
+
 void main()
 {
     uint node = own_thread();
@@ -14,5 +18,5 @@ void main()
         return;
     uvec3 at = uvec3(node, node / POST_LUT_SIDE, node / (POST_LUT_SIDE * POST_LUT_SIDE)) %
                uint(POST_LUT_SIDE);
-    to_texels[node] = vec4(developed(colour_at(vec3(at) / float(POST_LUT_SIDE - 1))), 1.0);
+    table[node] = vec4(developed(colour_at(vec3(at) / float(POST_LUT_SIDE - 1))), 1.0);
 }

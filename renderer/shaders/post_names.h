@@ -8,31 +8,53 @@
 
 // --- settings: index in the table of options --------------------------------------------------
 
-#define POST_TONE 0
-#define POST_TONE_MAP 1
-#define POST_EXPOSURE_EV 2
-#define POST_WHITE_TEMPERATURE_K 3
-#define POST_VIGNETTE 4
-#define POST_FILM_SLOPE 5
-#define POST_FILM_TOE 6
-#define POST_FILM_SHOULDER 7
-#define POST_FILM_BLACK_CLIP 8
-#define POST_FILM_WHITE_CLIP 9
-#define POST_LUT 10
-#define POST_GRAIN 11
-#define POST_ENCODE 12
-#define POST_UPSCALE 13
-#define POST_SCREEN_PERCENT 14
-#define POST_UPSCALE_SOFTNESS 15
-#define POST_LANCZOS_GUARD 16
-// Anti-aliasing of the encoded picture, and sharpening.
-#define POST_FXAA 17
-#define POST_FXAA_SUBPIXEL 18
-#define POST_FXAA_THRESHOLD 19
-#define POST_FXAA_THRESHOLD_MIN 20
-#define POST_SHARPEN 21
-#define POST_SHARPEN_AMOUNT 22
-#define POST_SETTING_COUNT 23
+// Automatic exposure.
+#define POST_AUTO_EXPOSURE 0
+#define POST_METER_LOW_PERCENT 1
+#define POST_METER_HIGH_PERCENT 2
+#define POST_EXPOSURE_MIN_EV 3
+#define POST_EXPOSURE_MAX_EV 4
+#define POST_ADAPT_UP 5
+#define POST_ADAPT_DOWN 6
+#define POST_ADAPT_NEAR_EV 7
+// Bloom.
+#define POST_BLOOM 8
+#define POST_BLOOM_SCATTERED 9
+#define POST_BLOOM_INTENSITY 10
+#define POST_BLOOM_THRESHOLD 11
+#define POST_BLOOM_SPREAD 12
+#define POST_BLOOM_LEVELS 13
+// Tone mapping, and what the display wants.
+#define POST_TONE 14
+#define POST_TONE_MAP 15
+#define POST_EXPOSURE_EV 16
+#define POST_WHITE_TEMPERATURE_K 17
+#define POST_VIGNETTE 18
+#define POST_FILM_SLOPE 19
+#define POST_FILM_TOE 20
+#define POST_FILM_SHOULDER 21
+#define POST_FILM_BLACK_CLIP 22
+#define POST_FILM_WHITE_CLIP 23
+#define POST_LUT 24
+#define POST_GRAIN 25
+#define POST_ENCODE 26
+#define POST_WHITE_NITS 27
+#define POST_PEAK_NITS 28
+// Anti-aliasing of the encoded picture.
+#define POST_FXAA 29
+#define POST_FXAA_SUBPIXEL 30
+#define POST_FXAA_THRESHOLD 31
+#define POST_FXAA_THRESHOLD_MIN 32
+// Upscales, and sharpening between them.
+#define POST_UPSCALE 33
+#define POST_SCREEN_PERCENT 34
+#define POST_UPSCALE_SOFTNESS 35
+#define POST_LANCZOS_GUARD 36
+#define POST_SHARPEN 37
+#define POST_SHARPEN_AMOUNT 38
+#define POST_SECONDARY_UPSCALE 39
+#define POST_SECONDARY_PERCENT 40
+#define POST_SETTING_COUNT 41
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -41,9 +63,12 @@
 #define POST_MAP_NARKOWICZ 2
 #define POST_MAP_UNREAL 3
 #define POST_MAP_NEUTRAL 4
+#define POST_MAP_AGX 5
+#define POST_MAP_BT2390 6
 
 #define POST_ENCODE_LINEAR 0
 #define POST_ENCODE_SRGB 1
+#define POST_ENCODE_PQ 2
 
 #define POST_UPSCALE_OFF 0
 #define POST_UPSCALE_NEAREST 1
@@ -65,8 +90,24 @@
 #define POST_SHARPEN_CAS 1
 #define POST_SHARPEN_RCAS 2
 
+#define POST_BLOOM_OFF 0
+#define POST_BLOOM_CONSERVING 1
+#define POST_BLOOM_ADDITIVE 2
+
 // --- the table of colours ---------------------------------------------------------------------
 
 #define POST_LUT_SIDE 32
+
+// --- automatic exposure -----------------------------------------------------------------------
+
+// The meter's histogram: log2 of luminance, bins a quarter wide. What is beyond is in the last one.
+#define POST_METER_BINS 128
+#define POST_METER_FIRST_EV (-16.0)
+#define POST_METER_BINS_PER_EV 4.0
+#define POST_METER_PIXELS 64 // that a thread looks at
+
+// --- bloom ------------------------------------------------------------------------------------
+
+#define POST_LEVELS_MAX 8 // of the pyramid, besides the picture
 
 #endif

@@ -5,6 +5,7 @@
 // table of colours, and grain.
 #extension GL_GOOGLE_include_directive : require
 
+#include "eye.glsl"
 #include "random.glsl"
 #include "tone.glsl"
 
@@ -47,7 +48,7 @@ void main()
     if (!own_pixel(pixel))
         return;
     // Curves have products of several; the largest half is far beyond any white.
-    float exposure = exp2(setting(POST_EXPOSURE_EV)) * vignette(pixel);
+    float exposure = exp2(exposure_ev()) * vignette(pixel);
     vec3 exposed = min(exposure * fetch(pixel), BRIGHTEST);
     vec3 colour = choice(POST_LUT) != 0 ? looked_up(exposed) : developed(exposed);
     float noise = uniform_from(pcg4d(uvec4(pixel, view.frame, view.seed)).xyz).x;

@@ -202,7 +202,7 @@ vec3 easu(vec2 place)
 
 vec3 filtered(vec2 place)
 {
-    switch (choice(POST_UPSCALE)) {
+    switch (int(view.upscale_filter)) {
     case POST_UPSCALE_NEAREST:
         return fetch(ivec2(floor(place)));
     case POST_UPSCALE_DIRECTIONAL:

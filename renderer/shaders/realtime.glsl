@@ -78,6 +78,10 @@ layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     float jitter_before_px[2]; // jitter_px of the frame before
     uint mover_count;
     Mover movers[RT_MOVERS_MAX];
+    uint picture_px[2]; // what the view becomes: size_px, or more with screen_percent
+    float rendered_per_px[2]; // size_px over picture_px
+    float exposure; // of the camera, by which colours are multiplied before they are kept
+    float exposure_before;
 } view;
 
 // Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).
@@ -105,6 +109,9 @@ ViewCamera view_now = view.now, view_before = view.before;
 float settings[RT_SETTING_COUNT] = view.settings;
 ivec2 origin_px = ivec2(view.origin_px[0], view.origin_px[1]);
 ivec2 size_px = ivec2(view.size_px[0], view.size_px[1]);
+ivec2 picture_px = ivec2(view.picture_px[0], view.picture_px[1]);
+vec2 rendered_per_px = vec2(view.rendered_per_px[0], view.rendered_per_px[1]);
+float exposure = view.exposure, exposure_before = view.exposure_before;
 ivec2 half_size_px = ivec2(view.half_size_px[0], view.half_size_px[1]);
 ivec2 tiles = ivec2(view.tile_count[0], view.tile_count[1]);
 vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);
@@ -114,6 +121,7 @@ uint view_seed = view.seed, view_frame = view.frame;
 bool has_past = view.has_history != 0u, is_cut = view.is_cut != 0u;
 // Texels in a row of the targets of each resolution.
 int full_row = int(view.targets[RT_DEPTH].width);
+int picture_row = int(view.targets[RT_TAA_OUT].width);
 int half_row = int(view.targets[RT_HALF_DEPTH].width);
 int quarter_row = int(view.targets[RT_TILE].width);
 int froxel_row = int(view.targets[RT_FROXELS].width);
@@ -125,6 +133,7 @@ bool is_set(int index) { return SPECIALISED ? known_choice(index) != 0 : setting
 
 ivec2 view_origin() { return origin_px; }
 ivec2 view_size() { return size_px; }
+ivec2 picture_size() { return picture_px; }
 ivec2 half_size() { return half_size_px; }
 ivec2 tile_count() { return tiles; }
 vec3 wind_m() { return moved_by_wind_m; }
@@ -172,6 +181,8 @@ int width_of(int target)
     int resolution = TARGETS[target].resolution;
     if (resolution == RT_FROXEL)
         return froxel_row;
+    if (resolution == RT_PICTURE)
+        return picture_row;
     return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
 }
 
@@ -238,6 +249,11 @@ vec4 fetch_full(int target, ivec2 pixel)
     return fetch(target, view_origin() + clamp(pixel, ivec2(0), view_size() - 1));
 }
 
+vec4 fetch_picture(int target, ivec2 pixel)
+{
+    return fetch(target, view_origin() + clamp(pixel, ivec2(0), picture_size() - 1));
+}
+
 vec4 fetch_half(int target, ivec2 pixel)
 {
     return fetch(target, view_origin() / 2 + clamp(pixel, ivec2(0), half_size() - 1));
@@ -249,6 +265,8 @@ vec4 fetch_tile(int target, ivec2 tile)
 }
 
 void put_full(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
+
+void put_picture(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
 
 void put_half(int target, ivec2 pixel, vec4 value)
 {
@@ -273,11 +291,23 @@ int last_tap(vec4 weights)
 // Bits, because a compiler may assume that there is no NaN.
 bool is_finite(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
 
-// In-scattered radiance and transmittance that can be: finite and not negative.
+// In-scattered radiance and transmittance that can be: finite and not negative. All at once, for
+// with a way out between them a GPU would wait for one value after the other.
 bool is_sound(vec4 value)
 {
-    return is_finite(value.x) && is_finite(value.y) && is_finite(value.z) && is_finite(value.w) &&
-           value.x >= 0.0 && value.y >= 0.0 && value.z >= 0.0 && value.w >= 0.0;
+    uvec4 magnitudes = floatBitsToUint(value) & 0x7fffffffu;
+    bool are_finite = all(lessThan(magnitudes, uvec4(0x7f800000u)));
+    bool are_positive = all(greaterThanEqual(value, vec4(0.0)));
+    return are_finite && are_positive;
+}
+
+// A volume over the radiance of what is behind it. `precise`, because a fused multiply-add would
+// round once where march.comp rounds twice.
+vec3 over(vec4 volume, vec3 behind)
+{
+    precise vec3 transmitted = volume.w * behind;
+    precise vec3 radiance = volume.xyz + transmitted;
+    return radiance;
 }
 
 // --- rays -----------------------------------------------------------------------------------
@@ -296,6 +326,15 @@ ViewLine view_line_at(ViewCamera camera, vec2 place_px)
     if (camera.is_parallel != 0u)
         return ViewLine(x * camera.right + y * camera.up, camera.forward);
     return ViewLine(vec3(0.0), normalize(camera.forward + x * camera.right + y * camera.up));
+}
+
+// Whether this frame's camera stands where that of the frame before stood, and sees as that did.
+bool camera_rests()
+{
+    return view_before.position_m == vec3(0.0) && view_now.forward == view_before.forward &&
+           view_now.right == view_before.right && view_now.up == view_before.up &&
+           view_now.half_width == view_before.half_width &&
+           view_now.half_height == view_before.half_height;
 }
 
 // What the width of the picture grows with: the depth, or nothing.

@@ -21,6 +21,17 @@ const History REJECTED = History(vec4(0.0), 0.0, true, true, 0.0);
 
 bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 
+// Set by who asks for it: on a GPU, where camera and medium rest, history is in the very place, and
+// all that would find it there can be left out. Elsewhere what it saves is spent anyhow.
+bool is_at_rest = false;
+
+bool history_rests()
+{
+    bool has_jitter = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
+    return ON_GPU && camera_rests() && !has_jitter &&
+           (choice(RT_WIND) == 0 || wind_m() == vec3(0.0));
+}
+
 // --- its value ----------------------------------------------------------------------------------
 
 History history_at(ivec2 half_pixel)
@@ -60,6 +71,8 @@ int history_filter(ivec2 base)
 // not ring below zero.
 History history_about(vec2 place_px)
 {
+    if (is_at_rest)
+        return history_at(ivec2(floor(0.5 * place_px)));
     vec2 place = 0.5 * place_px - 0.5; // in texels from the centre of the first
     ivec2 base = ivec2(floor(place));
     int kind = history_filter(base);
@@ -116,6 +129,9 @@ vec2 ray_jitter_px(vec2 of_frame_px)
 // of a camera that does not turn the distance changes no place and would only cost digits.
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
+    before_px = place_px;
+    if (is_at_rest)
+        return true;
     ViewLine line = view_line_at(view_now, place_px);
     bool is_parallel = view_now.is_parallel != 0u;
     float length_m = is_parallel ? 0.0
@@ -152,7 +168,9 @@ const float MOVED_PX = 0.125; // history is of another texel, in part
 bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
-    if (!is_sky(depth_m)) {
+    if (is_at_rest && !is_sky(depth_m)) {
+        expected_m = depth_m;
+    } else if (!is_sky(depth_m)) {
         ViewLine line = view_line_at(view_now, place_px);
         float length_m = depth_m / dot(line.direction, view_now.forward);
         expected_m = project(view_before, line.origin_m + length_m * line.direction).z;

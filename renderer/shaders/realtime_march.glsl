@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// For the passes of the real-time renderer that look at the scene: the march (bindings 0 to 5,
-// 7 and 8), what it has cost, and behind it the view and its targets.
+// For the passes of the real-time renderer that look at the scene: the march (bindings 0 to 5
+// and 7 to 10), what it has cost, and behind it the view and its targets.
 #ifndef NEPH_REALTIME_MARCH_GLSL
 #define NEPH_REALTIME_MARCH_GLSL
 
 #include "counting.glsl"
 #include "march.glsl"
 
-#define REALTIME_BINDING 9
+#define REALTIME_BINDING 11
 #include "realtime.glsl"
 
 layout(std430, binding = 6) buffer Counters {

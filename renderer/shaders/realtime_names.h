@@ -156,7 +156,24 @@
 #define RT_FROXEL_JITTER 126
 #define RT_FROXEL_HISTORY 127
 #define RT_FROXEL_HOLD 128
-#define RT_SETTING_COUNT 129
+// Where the volume is laid over what is behind it.
+#define RT_COMPOSITION 129
+// A picture of more pixels than are rendered.
+#define RT_SCREEN_PERCENT 130
+// Anti-aliasing of what moves by itself, of what has no motion vectors, and of exposed colours.
+#define RT_TAA_ANTIGHOST 131
+#define RT_TAA_RESPONSIVE 132
+#define RT_TAA_PRE_EXPOSURE 133
+// Where froxels are too coarse.
+#define RT_LAMP_PEAKS 134
+// The sky of a planet.
+#define RT_SKY 135
+#define RT_SKY_COLUMNS 136
+#define RT_SKY_ROWS 137
+#define RT_SKY_SLICES 138
+#define RT_SKY_FAR_M 139
+#define RT_SKY_SHADOWS 140
+#define RT_SETTING_COUNT 141
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -176,6 +193,9 @@
 // Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
 // three of them.
 #define RT_TAA_COLUMN 4
+// Pixels of the block that a work group of 64 takes through it on a GPU.
+#define RT_TAA_BLOCK_WIDTH 32
+#define RT_TAA_BLOCK_HEIGHT 8
 
 // Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
 // colours take turns.
@@ -191,9 +211,9 @@
 #define RT_DEPTH_MAP_FARTHEST 2
 #define RT_DEPTH_MAP_REVERSED 3
 
-#define RT_SLOT_ORDER_CLOCKWISE 0 // (0,0) (1,0) (1,1) (0,1)
-#define RT_SLOT_ORDER_RASTER 1    // (0,0) (1,0) (0,1) (1,1)
-#define RT_SLOT_ORDER_DIAGONAL 2  // (0,0) (1,1) (1,0) (0,1)
+#define RT_SLOT_ORDER_CLOCKWISE 0     // (0,0) (1,0) (1,1) (0,1)
+#define RT_SLOT_ORDER_RASTER 1        // (0,0) (1,0) (0,1) (1,1)
+#define RT_SLOT_ORDER_DIAGONAL 2      // (0,0) (1,1) (1,0) (0,1)
 #define RT_SLOT_ORDER_ANTICLOCKWISE 3 // (0,0) (0,1) (1,1) (1,0)
 
 #define RT_OVERRIDE_NONE 0
@@ -272,12 +292,25 @@
 #define RT_AROUND_ON 1
 #define RT_AROUND_MOVED 2
 
+#define RT_TAA_OFF 0
+#define RT_TAA_ON 1
+#define RT_TAA_UPSAMPLING 2
+
 #define RT_JITTER_NONE 0
 #define RT_JITTER_UE 1
 #define RT_JITTER_HALTON 2
 
+#define RT_OF_MOVER 4096 // in place of an age, of which none is as large: a solid that may move
+
+#define RT_RESPONSIVE_OFF 0
+#define RT_RESPONSIVE_MEDIUM 1
+
 #define RT_MOTION_CENTRE 0
 #define RT_MOTION_CROSS 1
+
+#define RT_COMPOSITION_AUTO 0
+#define RT_COMPOSITION_PASS 1
+#define RT_COMPOSITION_TAA 2
 
 #define RT_ROUNDING_NEAREST 0
 #define RT_ROUNDING_STOCHASTIC 1
@@ -295,32 +328,33 @@
 // --- targets: the images that passes hand to each other ---------------------------------------
 
 // Full resolution.
-#define RT_DEPTH 0      // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
-#define RT_BEHIND 1     // RGB: radiance of what is behind all media, of the same rays
+#define RT_DEPTH 0  // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
+#define RT_BEHIND 1 // RGB: radiance of what is behind all media, of the same rays
 // Half resolution, rounded up.
-#define RT_HALF_DEPTH 2 // R: eye depth [m] chosen from 2x2 pixels
+#define RT_HALF_DEPTH 2        // R: eye depth [m] chosen from 2x2 pixels
 #define RT_HALF_DEPTH_BEFORE 3 // RT_HALF_DEPTH of the frame before
-#define RT_HISTORY 4    // RGBA: in-scattered radiance, transmittance; of the reconstruction
+#define RT_HISTORY 4           // RGBA: in-scattered radiance, transmittance; of the reconstruction
 #define RT_HISTORY_BEFORE 5
 // R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
 #define RT_HISTORY_STATE 6
 #define RT_HISTORY_STATE_BEFORE 7
 // Quarter resolution, rounded up.
-#define RT_TILE 8       // R: slot 0..3 of the tile's ray, G: its depth / 10000 m
-#define RT_RAY 9        // RGBA: in-scattered radiance, transmittance of this frame's ray
+#define RT_TILE 8          // R: slot 0..3 of the tile's ray, G: its depth / 10000 m
+#define RT_RAY 9           // RGBA: in-scattered radiance, transmittance of this frame's ray
 #define RT_RAY_DISTANCE 10 // R: distance along the ray of what the medium shows [m]
 // Full resolution again.
-#define RT_VOLUME 11    // RGBA: in-scattered radiance, transmittance after the upscale
+#define RT_VOLUME 11          // RGBA: in-scattered radiance, transmittance after the upscale
 #define RT_VOLUME_DISTANCE 12 // R: [m]
 #define RT_COLOR 13     // RGB: the composed frame
-// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
+// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max; or RT_OF_MOVER
 #define RT_TAA_OUT 14
 #define RT_TAA_BEFORE 15
 // The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
 // jittered_depth is on.
 #define RT_STEADY_DEPTH 16
 #define RT_SHARPENED 17 // RGB: the picture after sharpening
-// RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move
+// RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move.
+// A: 1 where it is one of those, moving or not
 #define RT_MOVED 18
 // Froxels (froxels.glsl). RGB: light that is scattered per metre, A: extinction [1/m]; of the sums
 // in-scattered radiance and transmittance
@@ -353,6 +387,8 @@
 #define RT_FROXEL 5
 #define RT_FROXEL_COLUMN 6
 #define RT_FROXEL_SECTIONS 3
+// The pixels of the picture: as many as RT_FULL, or more with screen_percent.
+#define RT_PICTURE 7
 
 #define RT_FIXED (-1) // no setting chooses the format
 
@@ -373,10 +409,10 @@
     {RT_FULL, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},     /* RT_VOLUME */ \
     {RT_FULL, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},           /* RT_VOLUME_DISTANCE */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_COLOR */ \
-    {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_OUT */ \
-    {RT_FULL, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},       /* RT_TAA_BEFORE */ \
+    {RT_PICTURE, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_TAA_OUT */ \
+    {RT_PICTURE, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_TAA_BEFORE */ \
     {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                  /* RT_STEADY_DEPTH */ \
-    {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_SHARPENED */ \
+    {RT_PICTURE, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_SHARPENED */ \
     {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},            /* RT_MOVED */ \
     {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},          /* RT_FROXELS */ \
     {RT_HALF, RT_FIXED, RT_RGBA16F, RT_RGBA16F},            /* RT_KEPT_RAY */ \

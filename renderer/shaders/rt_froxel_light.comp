@@ -9,9 +9,18 @@
 // before that: behind is another room.
 #extension GL_GOOGLE_include_directive : require
 
+// As froxels.glsl has it, which needs the view.
+float left_to_pixels_m(vec3 lamp_m);
+#define LAMP_BALL_M(lamp) left_to_pixels_m(lamp.position_m)
+
 #include "realtime_march.glsl"
 
 #include "froxels.glsl"
+
+float left_to_pixels_m(vec3 lamp_m)
+{
+    return choice(RT_LAMP_PEAKS) != 0 ? froxel_ball_m(lamp_m) : 0.0;
+}
 
 // A low-discrepancy sequence by M. Roberts (R3, 2018): whole numbers times fractions of the powers
 // of the root of x^4 = x + 1.

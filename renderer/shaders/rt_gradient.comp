@@ -42,8 +42,8 @@ vec4 kept(vec4 value)
 // Whether the scene behind one of the tile's texels is another one than in the frame before.
 bool is_other_scene(ivec2 tile)
 {
-    if (!is_set(RT_REJECT_DEPTH))
-        return false;
+    if (!is_set(RT_REJECT_DEPTH) || !has_past)
+        return is_set(RT_REJECT_DEPTH);
     for (int i = 0; i < 4; i++) {
         ivec2 half_pixel = 2 * tile + ivec2(i & 1, i >> 1);
         float now_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
@@ -54,6 +54,21 @@ bool is_other_scene(ivec2 tile)
             return true;
     }
     return false;
+}
+
+// Nothing was seen before a first picture, whatever lies in memory, nor before a cut.
+void forget(ivec2 tile)
+{
+    for (int i = 0; i < 4; i++) {
+        ivec2 half_pixel = 2 * tile + ivec2(i & 1, i >> 1);
+        if (half_pixel.x < half_size().x && half_pixel.y < half_size().y)
+            put_half(RT_KEPT_RAY, half_pixel, vec4(0.0));
+    }
+    for (int i = 0; i < TILE_PX; i++) {
+        ivec2 pixel = 4 * tile + ivec2(i & 3, i >> 2);
+        if (pixel.x < view_size().x && pixel.y < view_size().y)
+            put_full(RT_KEPT_BEHIND, pixel, vec4(0.0));
+    }
 }
 
 void look_at_medium(ivec2 tile)
@@ -105,6 +120,8 @@ void main()
     ivec2 tile;
     if (!own_element(tile_count(), tile))
         return;
+    if (!has_past)
+        forget(tile);
     look_at_medium(tile);
     look_behind(tile);
 }

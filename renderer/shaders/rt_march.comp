@@ -80,7 +80,7 @@ void main()
     vec3 optical_depth = choice(RT_FROXEL_VOLUME) == 0
                              ? view_optical_depth(ray.view, ray.length_m, sums)
                              : optical_depth_behind(ray, sums);
-    put_tile(RT_RAY, tile, vec4(view_scattered(sums, optical_depth, ray.place_px),
+    put_tile(RT_RAY, tile, vec4(view_scattered(sums, optical_depth, ray.view, ray.place_px),
                                 fraction_through(optical_depth).x));
     float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);
     put_tile(RT_RAY_DISTANCE, tile, vec4(min(view_distance_m(sums), end_m)));

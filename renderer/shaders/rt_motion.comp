@@ -24,15 +24,17 @@ vec3 turned_back(Mover mover, vec3 v)
 }
 
 // A mover at rest gives 0 and no rounding: both differences are of equal numbers.
-vec3 moved_m(uint solid, vec3 point_m)
+vec3 moved_m(uint solid, vec3 point_m, out float is_mover)
 {
     vec3 way_m = vec3(0.0);
+    is_mover = 0.0;
     for (uint m = 0; m < view.mover_count; m++) {
         Mover mover = view.movers[m];
         if (solid < mover.first || solid >= mover.end)
             continue;
         precise vec3 arm_m = point_m - mover.pivot_m;
         precise vec3 own_m = arm_m - turned_back(mover, arm_m);
+        is_mover = 1.0;
         way_m = own_m + (mover.pivot_m - mover.pivot_before_m);
     }
     return way_m;
@@ -44,9 +46,11 @@ void main()
     ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
     ViewRay ray = camera_ray_at(frame_camera(), vec2(pixel) + 0.5 + jitter_px);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
-    vec3 way_m = hit.solid == NO_SOLID ? vec3(0.0)
-                                       : moved_m(hit.solid, view_point_m(ray, hit.t_m));
+    vec3 way_m = vec3(0.0);
+    float is_mover = 0.0;
+    if (hit.solid != NO_SOLID)
+        way_m = moved_m(hit.solid, view_point_m(ray, hit.t_m), is_mover);
     if (gl_GlobalInvocationID.x >= run.ray_count)
         return;
-    put_full(RT_MOVED, pixel, vec4(way_m, 0.0));
+    put_full(RT_MOVED, pixel, vec4(way_m, is_mover));
 }

@@ -360,6 +360,7 @@ void main()
     if (!own_element(half_size(), half_pixel))
         return;
     ivec2 tile = half_pixel / 2;
+    is_at_rest = history_rests();
     load_rays(tile);
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
     float own_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(depth_m)
@@ -378,10 +379,12 @@ void main()
     if (!history.is_void) {
         history.value.rgb = relit(history.value.rgb, tile, history.motion_px);
         vec4 boxed = held_among_rays(history.value, nearest, own_m, is_sky(depth_m));
-        float share = box_share(history.motion_px, tile, nearest);
-        if (boxed.rgb != history.value.rgb)
-            part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
-        history.value = blend(history.value, boxed, share);
+        if (boxed != history.value) {
+            float share = box_share(history.motion_px, tile, nearest);
+            if (boxed.rgb != history.value.rgb)
+                part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
+            history.value = blend(history.value, boxed, share);
+        }
         history.age = age_after_change(tile, is_fresh, history.age);
     }
 

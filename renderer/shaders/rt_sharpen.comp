@@ -13,14 +13,14 @@ const ivec2 CROSS[4] = {ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1)};
 
 vec3 picture_at(ivec2 pixel)
 {
-    return choice(RT_TAA) != 0 ? fetch_full(RT_TAA_OUT, pixel).rgb
-                               : fetch_full(RT_COLOR, pixel).rgb;
+    return choice(RT_TAA) != RT_TAA_OFF ? fetch_picture(RT_TAA_OUT, pixel).rgb
+                                        : fetch_full(RT_COLOR, pixel).rgb;
 }
 
 void main()
 {
     ivec2 pixel;
-    if (!own_element(view_size(), pixel))
+    if (!own_element(picture_size(), pixel))
         return;
     vec3 own = picture_at(pixel), least = own, largest = own, sum = vec3(0.0);
     for (int i = 0; i < 4; i++) {
@@ -32,5 +32,5 @@ void main()
     precise vec3 sharper = own + setting(RT_SHARPEN_AMOUNT) * (own - 0.25 * sum);
     sharper = mix(sharper, least, lessThan(sharper, least));
     sharper = mix(sharper, largest, greaterThan(sharper, largest));
-    put_full(RT_SHARPENED, pixel, vec4(sharper, 0.0));
+    put_picture(RT_SHARPENED, pixel, vec4(sharper, 0.0));
 }

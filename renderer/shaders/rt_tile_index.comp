@@ -28,17 +28,55 @@
 // harm of these coordinates is in the reconstruction. `tile_origin` = buffer forgets the view's
 // origin for the tile itself, but not for its neighbours.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
 #include "realtime_pass.glsl"
 #include "realtime_slots.glsl"
 
+bool is_sequential() { return choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL; }
+
+const int HALO = 3, AREA = RT_COLOUR_BLOCK + 2 * HALO;
+shared int area_slots[AREA * AREA]; // of a block and its halo, as far as they are chosen
+shared float area_depths_m[4 * AREA * AREA]; // of all slots, row by row of half-resolution texels
+
+ivec2 area_corner; // its first tile; on a GPU
+
+// A tile's own depths may lie elsewhere (tile_origin).
+bool has_area_depths() { return choice(RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW; }
+
+// Eye depth of a half-resolution texel, counted from an origin [m].
+float half_depth_m(ivec2 half_pixel, ivec2 origin_px)
+{
+    ivec2 last = choice(RT_GATHER) == RT_GATHER_TEXEL ? origin_px / 2 + half_size() - 1
+                                                      : target_size(RT_HALF_DEPTH) - 1;
+    return fetch(RT_HALF_DEPTH, min(origin_px / 2 + half_pixel, last)).x;
+}
+
 // Eye depth of one slot of a tile [m].
 float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
 {
-    ivec2 half_pixel = origin_px / 2 + 2 * tile + slot_place(slot);
-    ivec2 last = choice(RT_GATHER) == RT_GATHER_TEXEL ? origin_px / 2 + half_size() - 1
-                                                      : target_size(RT_HALF_DEPTH) - 1;
-    return fetch(RT_HALF_DEPTH, min(half_pixel, last)).x;
+    ivec2 half_pixel = 2 * tile + slot_place(slot);
+    if (!(ON_GPU && is_sequential() && has_area_depths()))
+        return half_depth_m(half_pixel, origin_px);
+    ivec2 at = half_pixel - 2 * area_corner;
+    return area_depths_m[at.x + 2 * AREA * at.y];
+}
+
+// By all threads of a group: what four colours look at, one after the other, is fetched at once.
+void fetch_area_depths()
+{
+    const int count = 4 * AREA * AREA, turns = (count - 1) / GROUP_THREADS + 1;
+    int thread = int(gl_LocalInvocationID.x);
+    float depths_m[turns];
+    [[unroll]] for (int k = 0; k < turns; k++) {
+        int i = min(thread + GROUP_THREADS * k, count - 1);
+        ivec2 half_pixel = 2 * area_corner + ivec2(i % (2 * AREA), i / (2 * AREA));
+        depths_m[k] = half_depth_m(max(half_pixel, ivec2(0)), view_origin());
+    }
+    [[unroll]] for (int k = 0; k < turns; k++)
+        if (thread + GROUP_THREADS * k < count)
+            area_depths_m[thread + GROUP_THREADS * k] = depths_m[k];
+    barrier();
 }
 
 float compared_depth_m(float depth_m)
@@ -58,13 +96,7 @@ bool covers(float ray_m, float depth_m)
 
 uint colour_of(ivec2 tile) { return uint((tile.x & 1) + 2 * (tile.y & 1)); }
 
-const int HALO = 3, AREA = RT_COLOUR_BLOCK + 2 * HALO;
-shared int area_slots[AREA * AREA]; // of a block and its halo, as far as they are chosen
-
-bool is_sequential() { return choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL; }
-
-ivec2 area_corner; // its first tile; on a GPU
-uint colour;       // whose turn it is
+uint colour; // whose turn it is
 
 int known_slot(ivec2 tile)
 {
@@ -143,12 +175,12 @@ void choose_colour(int thread)
 // The block of this work group.
 void choose_block(bool may_override)
 {
-    int block = int(run.first_thread / gl_WorkGroupSize.x + gl_WorkGroupID.x);
     int thread = int(gl_LocalInvocationID.x);
-    ivec2 first = RT_COLOUR_BLOCK *
-                  element_at(block, (tile_count().x - 1) / RT_COLOUR_BLOCK + 1);
+    ivec2 first = own_block(tile_count(), ivec2(RT_COLOUR_BLOCK));
     ivec2 in_block = ivec2(thread % RT_COLOUR_BLOCK, thread / RT_COLOUR_BLOCK);
     area_corner = first - HALO;
+    if (has_area_depths())
+        fetch_area_depths();
     for (colour = 0; may_override && colour < 4; colour++) {
         choose_colour(thread);
         barrier();

@@ -61,8 +61,9 @@ const float FLOAT_MAX = 3.40282347e38;
 
 struct Tap {
     vec4 volume;
-    float distance_m;
-    float difference_m; // of its depth from the pixel's
+    float age, distance_m;
+    float depth_m;
+    float difference_m; // of that from the pixel's
     float place; // weight, bilinear or Gaussian
     bool is_used;
     bool is_foreign; // of the other kind, sky or solid
@@ -75,7 +76,7 @@ int tap_count() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? 9 : 4; }
 // History that may be used; all may be when nobody looks.
 bool is_usable(vec4 volume, float age)
 {
-    return choice(RT_VALIDITY) == 0 || (is_finite(age) && age > 0.0 && is_sound(volume));
+    return choice(RT_VALIDITY) == 0 || all(bvec3(is_finite(age), age > 0.0, is_sound(volume)));
 }
 
 // --- the place --------------------------------------------------------------------------------
@@ -158,21 +159,25 @@ float place_weight(ivec2 at, vec2 fraction)
     return side.x * side.y;
 }
 
-// `fraction` of the place from the corner, in texels; `scene_m` the pixel's eye depth.
-Tap tap_at(ivec2 corner, int i, vec2 fraction, float scene_m)
+Tap fetch_tap(ivec2 texel)
 {
-    ivec2 at = tap_offset(i);
-    vec4 state = fetch_half(RT_HISTORY_STATE, corner + at);
-    float depth_m = fetch_half(RT_HALF_DEPTH, corner + at).x;
     Tap tap;
-    tap.volume = fetch_half(RT_HISTORY, corner + at);
+    tap.volume = fetch_half(RT_HISTORY, texel);
+    vec4 state = fetch_half(RT_HISTORY_STATE, texel);
+    tap.age = state.x;
     tap.distance_m = state.y;
-    precise float difference_m = abs(compared_depth_m(scene_m) - compared_depth_m(depth_m));
-    tap.difference_m = difference_m;
-    tap.place = place_weight(at, fraction);
-    tap.is_used = is_usable(tap.volume, state.x);
-    tap.is_foreign = choice(RT_UPSCALE_SAME_KIND) != 0 && is_sky(depth_m) != is_sky(scene_m);
+    tap.depth_m = fetch_half(RT_HALF_DEPTH, texel).x;
     return tap;
+}
+
+// `fraction` of the place from the corner, in texels; `scene_m` the pixel's eye depth.
+void judge(inout Tap tap, int i, vec2 fraction, float scene_m)
+{
+    precise float difference_m = abs(compared_depth_m(scene_m) - compared_depth_m(tap.depth_m));
+    tap.difference_m = difference_m;
+    tap.place = place_weight(tap_offset(i), fraction);
+    tap.is_used = is_usable(tap.volume, tap.age);
+    tap.is_foreign = choice(RT_UPSCALE_SAME_KIND) != 0 && is_sky(tap.depth_m) != is_sky(scene_m);
 }
 
 // The order in which ties are decided: first the nearest in place.
@@ -211,6 +216,8 @@ int nearest_tap(Tap taps[TAPS_MAX], vec2 fraction)
 
 bool depth_matters(Tap taps[TAPS_MAX], Tap nearest)
 {
+    if (!is_set(RT_UPSCALE_CONTRAST))
+        return true;
     float contrast = setting(RT_UPSCALE_CONTRAST);
     float least = nearest.volume.w, largest = least;
     [[unroll]] for (int i = 0; i < tap_count(); i++) {
@@ -222,19 +229,19 @@ bool depth_matters(Tap taps[TAPS_MAX], Tap nearest)
     precise float range = largest - least;
     precise float unit = choice(RT_CONTRAST) == RT_CONTRAST_OPACITY ? 1.0 - least : largest;
     precise float allowed = contrast * unit;
-    return contrast == 0.0 || range > allowed;
+    return range > allowed;
 }
 
 bool all_within(Tap taps[TAPS_MAX], float limit_m)
 {
+    bool are_within = true; // a loop with a way out would not be unrolled
     [[unroll]] for (int i = 0; i < tap_count(); i++)
         if (taps[i].is_used && !(taps[i].difference_m < limit_m))
-            return false;
-    return true;
+            are_within = false;
+    return are_within;
 }
 
-// --- the choice
-// -----------------------------------------------------------------------------------
+// --- the choice ---------------------------------------------------------------------------------
 
 // `regardless` of depth.
 float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
@@ -255,10 +262,19 @@ float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
     return regardless || is_nearest ? 1.0 : 0.0;
 }
 
+// Four taps of equal weight, as nearly everywhere: their mean is between them.
+bool all_count_alike(float weights[TAPS_MAX])
+{
+    return tap_count() == 4 &&
+           all(equal(vec4(weights[0], weights[1], weights[2], weights[3]), vec4(1.0)));
+}
+
 // Held between the values that it is made of: a constant stays what it is, and no rounding makes a
 // radiance negative.
 vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], Tap nearest)
 {
+    if (ON_GPU && all_count_alike(weights))
+        return 0.25 * (taps[0].volume + taps[1].volume + taps[2].volume + taps[3].volume);
     float total = 0.0;
     [[unroll]] for (int i = 0; i < tap_count(); i++)
         total += weights[i];
@@ -287,9 +303,11 @@ void main()
     float scene_m = fetch_full(RT_DEPTH, pixel).x;
     precise float limit_m = setting(RT_UPSCALE_DEPTH) * compared_depth_m(scene_m);
 
-    Tap taps[TAPS_MAX];
+    Tap taps[TAPS_MAX]; // all on their way before the first is looked at
     [[unroll]] for (int i = 0; i < tap_count(); i++)
-        taps[i] = tap_at(ivec2(corner), i, fraction, scene_m);
+        taps[i] = fetch_tap(ivec2(corner) + tap_offset(i));
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
+        judge(taps[i], i, fraction, scene_m);
     int nearest = nearest_tap(taps, fraction);
     if (nearest < 0) {
         put_full(RT_VOLUME, pixel, vec4(0.0, 0.0, 0.0, 1.0));

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// The sky of a planet, the twin of renderer/sky/: what the air is, its two tables, and light along
-// a ray. Who includes this declares the buffers of both tables, sky_sun_node() and sky_field_node()
-// reading them.
+// The sky of a planet, the twin of renderer/sky/: what the air is, who looks at it, and light along
+// a ray from its tables. These lie one behind the other in one buffer: transmittance to the sun,
+// moments of the field and irradiance of the ground, what is seen from each place, and the air
+// before the camera (renderer/sky/tables.h).
 #ifndef NEPH_SKY_GLSL
 #define NEPH_SKY_GLSL
 
@@ -27,17 +28,59 @@ struct SkyAir {
     uint degree;               // of the moments of the field
     uint altitudes, suns;      // its nodes
     uint sun_altitudes, sun_cosines; // nodes of the transmittance to the sun
-    float deepest_root;        // of the sun, where the field begins: sky_field_place()
+    float deepest_root;        // of the sun, where the field begins: sky_among_suns()
+    uint field_first;          // among the nodes of all tables
     SkyLayer layers[NEPH_GPU_MEDIA_MAX];
     float norms[NEPH_GPU_SKY_MOMENTS_MAX]; // of the harmonics
 };
 
-layout(std430, binding = 0) readonly buffer Air {
-    SkyAir air;
+// Where somebody is, with a table of all that is seen from there under the sun (sky_view.glsl).
+struct SkyPlace {
+    vec3 vertical;
+    float altitude_m;
+    uint first; // of the table, among all nodes
 };
 
-vec3 sky_sun_node(uint index);
-vec3 sky_field_node(uint index);
+struct SkyEye {
+    vec3 right;
+    float half_width; // of the picture in its plane at distance 1
+    vec3 up;
+    float half_height;
+    vec3 forward;
+    uint width_px;
+    vec3 sun_direction;
+    uint height_px;
+    vec3 sun_irradiance;
+    uint steps;
+    uint scatters, has_field;
+    uint elevations, azimuths; // nodes of tables of views, of each half; 0: there is none
+    uint aerial_columns, aerial_rows, aerial_slices; // of the air before the camera; 0: not there
+    float aerial_far_m;
+    uint aerial_first;
+    uint is_shaded; // 0 or 1: by what throws shadows on the air
+    uint place_count;
+    SkyPlace places[NEPH_GPU_SKY_PLACES]; // of the camera, and of what the sky lights
+};
+
+#ifndef SKY_BINDING
+#define SKY_BINDING 0
+#endif
+
+layout(std430, binding = SKY_BINDING) readonly buffer Sky {
+    SkyAir air;
+    SkyEye eye;
+};
+
+#ifdef SKY_IS_FILLED
+layout(std430, binding = SKY_BINDING + 1) buffer SkyNodes {
+#else
+layout(std430, binding = SKY_BINDING + 1) readonly buffer SkyNodes {
+#endif
+    vec4 sky_nodes[];
+};
+
+vec3 sky_sun_node(uint index) { return sky_nodes[index].rgb; }
+vec3 sky_field_node(uint index) { return sky_nodes[air.field_first + index].rgb; }
 
 // Drivers may be off by 1e-4 in asin and acos. The series of asin where it is short, to 2e-7, and
 // asin x = pi / 2 - 2 asin(sqrt((1 - x) / 2)) where it is not.

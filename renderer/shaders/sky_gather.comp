@@ -4,13 +4,12 @@
 // A pass over the field, first half: a thread is the light that comes to a node from a direction.
 #extension GL_GOOGLE_include_directive : require
 
-#include "sky_tables.glsl"
 #include "sky_gather.glsl"
 
 layout(local_size_x = 64) in;
 
 // [node][direction]
-layout(std430, binding = 4) writeonly buffer Arrivals {
+layout(std430, binding = 3) writeonly buffer Arrivals {
     vec4 arrivals[];
 };
 

@@ -14,7 +14,7 @@ layout(push_constant) uniform SkyPass {
 } pass;
 
 // Cosines between -1 and 1, and their weights: those above the horizon first.
-layout(std430, binding = 3) readonly buffer Caps {
+layout(std430, binding = 2) readonly buffer Caps {
     vec2 caps[];
 };
 

@@ -5,20 +5,14 @@
 // irradiance of the ground under a sun.
 #extension GL_GOOGLE_include_directive : require
 
+#define SKY_IS_FILLED
 #include "sky_gather.glsl"
 
 layout(local_size_x = 64) in;
 
-layout(std430, binding = 2) writeonly buffer FieldNodes {
-    vec4 field_nodes[];
-};
-
-layout(std430, binding = 4) readonly buffer Arrivals {
+layout(std430, binding = 3) readonly buffer Arrivals {
     vec4 arrivals[];
 };
-
-vec3 sky_sun_node(uint index) { return vec3(0.0); }
-vec3 sky_field_node(uint index) { return vec3(0.0); }
 
 // The harmonic of an index among the moments, in a direction.
 float harmonic(uint k, SkyDirection direction)
@@ -57,5 +51,5 @@ void main()
         float value = is_ground ? max(0.0, direction.z) : harmonic(index % count, direction);
         sum += value * direction.solid_angle_sr * arrivals[node * direction_count() + i].rgb;
     }
-    field_nodes[index] = vec4(sum, 0.0);
+    sky_nodes[air.field_first + index] = vec4(sum, 0.0);
 }

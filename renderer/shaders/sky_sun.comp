@@ -4,18 +4,12 @@
 // The table of transmittance to the sun: a thread is a node (renderer/sky/sun_table.h).
 #extension GL_GOOGLE_include_directive : require
 
+#define SKY_IS_FILLED
 #include "sky.glsl"
 #include "shell.glsl"
 #include "tent.glsl"
 
 layout(local_size_x = 64) in;
-
-layout(std430, binding = 1) writeonly buffer SunNodes {
-    vec4 sun_nodes[];
-};
-
-vec3 sky_sun_node(uint index) { return vec3(0.0); }
-vec3 sky_field_node(uint index) { return vec3(0.0); }
 
 float column_m(SkyLayer layer, Globe globe, vec3 direction)
 {
@@ -46,5 +40,5 @@ void main()
     vec3 depth = vec3(0.0);
     for (uint n = 0u; n < air.layer_count; n++)
         depth += air.layers[n].extinction_per_m * column_m(air.layers[n], globe, direction);
-    sun_nodes[index] = vec4(transmittance(depth), 0.0);
+    sky_nodes[index] = vec4(transmittance(depth), 0.0);
 }

@@ -1,57 +1,87 @@
 // SPDX-License-Identifier: MIT
 //
-// The table of what is seen from one place under one sun (renderer/sky/view_table.h).
+// Tables of what is seen from a place under the sun (renderer/sky/view_table.h), and looking into
+// them.
 #ifndef NEPH_SKY_VIEW_GLSL
 #define NEPH_SKY_VIEW_GLSL
 
-#include "sky_tables.glsl"
-
-struct SkyView {
-    vec3 right;
-    float half_width; // of the picture in its plane at distance 1, or in metres
-    vec3 up;
-    float half_height;
-    vec3 forward;
-    uint width_px;
-    vec3 vertical; // at the camera
-    uint height_px;
-    vec3 sun_direction;
-    float altitude_m;
-    vec3 sun_irradiance;
-    uint steps;
-    uint scatters, has_field;
-    uint elevations, azimuths; // nodes of the table, of each half; 0: there is none
-};
-
-layout(std430, binding = 3) readonly buffer SkyEye {
-    SkyView view;
-};
+#include "sky.glsl"
 
 // enum neph_sky_slice, behind those of the layers
 const uint SLICE_HIGHER = 0, SLICE_GROUND = 1, SLICE_THROUGH = 2, SLICES = 3;
 
 const float HORIZON_GAP_RAD = 1e-5;
 
-uint slice_count() { return air.layer_count + SLICES; }
+uint sky_slice_count() { return air.layer_count + SLICES; }
 
-float horizon_rad()
+float sky_horizon_rad(SkyPlace place)
 {
-    return -sky_asin(sqrt(sky_growth_m2(view.altitude_m)) / (air.radius_m + view.altitude_m));
+    return -sky_asin(sqrt(sky_growth_m2(place.altitude_m)) / (air.radius_m + place.altitude_m));
 }
 
-float range_rad(float horizon, bool is_below)
+float sky_range_rad(float horizon_rad, bool is_below)
 {
-    return (is_below ? 0.5 * PI + horizon : 0.5 * PI - horizon) - HORIZON_GAP_RAD;
+    return (is_below ? 0.5 * PI + horizon_rad : 0.5 * PI - horizon_rad) - HORIZON_GAP_RAD;
 }
 
-SkyRay view_ray(float cosine, float toward_sun)
+// By cosines: of the ray to the vertical, and to the sun. Without phases.
+SkyRay sky_ray_from(SkyPlace place, float cosine, float toward_sun)
 {
     SkyRay ray;
-    ray.altitude_m = view.altitude_m;
+    ray.altitude_m = place.altitude_m;
     ray.cosine = cosine;
-    ray.sun_cosine = dot(view.sun_direction, view.vertical);
+    ray.sun_cosine = dot(eye.sun_direction, place.vertical);
     ray.toward_sun = toward_sun;
     return ray;
+}
+
+// Along a unit vector, with its phases.
+SkyRay sky_ray_along(SkyPlace place, vec3 direction)
+{
+    SkyRay ray = sky_ray_from(place, dot(direction, place.vertical),
+                              dot(direction, eye.sun_direction));
+    sky_find_phases(ray, direction, eye.sun_direction);
+    return ray;
+}
+
+// --- looking up ---------------------------------------------------------------------------------
+
+float sky_among_azimuths(SkyRay ray, out uint low)
+{
+    float across2 = (1.0 - ray.cosine * ray.cosine) * (1.0 - ray.sun_cosine * ray.sun_cosine);
+    float x = (ray.toward_sun - ray.cosine * ray.sun_cosine) / sqrt(max(across2, 1e-12));
+    return sky_among(sqrt(sky_acos(x) / PI), eye.azimuths, low);
+}
+
+void sky_add_view(SkyRay ray, uint first, float weight, inout SkyLight light)
+{
+    uint others = first + air.layer_count;
+    vec3 volume = sky_nodes[others + SLICE_HIGHER].rgb;
+    for (uint n = 0u; n < air.layer_count; n++)
+        volume += ray.phases[n] * sky_nodes[first + n].rgb;
+    light.volume += weight * volume;
+    light.radiance += weight * (volume + sky_nodes[others + SLICE_GROUND].rgb);
+    light.transmittance += weight * sky_nodes[others + SLICE_THROUGH].rgb;
+}
+
+// From a place whose table there is.
+SkyLight sky_look_up(SkyPlace place, SkyRay ray)
+{
+    SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(0.0), sky_length_m(ray));
+    bool is_below = light.length_m < FAR_M;
+    float horizon_rad = sky_horizon_rad(place);
+    float off_rad = abs(sky_asin(ray.cosine) - horizon_rad);
+    uint i, j;
+    float x = sky_among_azimuths(ray, i);
+    float part = max(0.0, off_rad - HORIZON_GAP_RAD) / sky_range_rad(horizon_rad, is_below);
+    float y = sky_among(sqrt(part), eye.elevations, j);
+    uint slices = sky_slice_count(), row = slices * eye.azimuths;
+    uint first = place.first + ((is_below ? eye.elevations : 0u) + j) * row + i * slices;
+    sky_add_view(ray, first, (1.0 - x) * (1.0 - y), light);
+    sky_add_view(ray, first + slices, x * (1.0 - y), light);
+    sky_add_view(ray, first + row, (1.0 - x) * y, light);
+    sky_add_view(ray, first + row + slices, x * y, light);
+    return light;
 }
 
 #endif

@@ -67,7 +67,7 @@ vec3 slab_light(Mixture mixture, vec3 point_m, float seen_depth, float step_dept
     vec3 sum = mixture.scattering * through;
     [[unroll]] for (uint m = 0; m < media_count(); m++)
         sum += scattering_per_m[m] * (1.0 - mean_cosine_of(m)) * more;
-    return frame.sun_irradiance * sum / mixture.extinction_per_m.x * step_depth;
+    return sun_at(point_m) * sum / mixture.extinction_per_m.x * step_depth;
 }
 
 #endif

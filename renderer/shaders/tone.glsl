@@ -133,6 +133,72 @@ vec3 unreal(vec3 rec709)
     return max(multiplied(view.ap1_to_rec709, max(colour, vec3(0.0))), vec3(0.0));
 }
 
+// --- AgX (T. Sobotka 2022, its base) ----------------------------------------------------------
+
+// Colours are drawn together, then each channel goes from 16.5 stops about grey through a curve
+// whose ends are powers: straight with a slope of 2 through 1/2 at grey, 0 and 1 at both ends. What
+// comes out is meant for a display with a power of 2.2.
+float agx_curve(float place)
+{
+    const float PIVOT = 20.0 / 33.0, SLOPE = 2.0, TOE = 3.0, SHOULDER = 3.25;
+    bool is_toe = place < PIVOT;
+    float power = is_toe ? TOE : SHOULDER, reach = is_toe ? PIVOT : 1.0 - PIVOT;
+    float from = abs(place - PIVOT);
+    float bend = (pow(2.0 * SLOPE * reach, power) - 1.0) * pow(from / reach, power);
+    float way = SLOPE * from * pow(1.0 + bend, -1.0 / power);
+    return clamp(0.5 + (is_toe ? -way : way), 0.0, 1.0);
+}
+
+vec3 agx(vec3 rec709)
+{
+    const float INSET[9] = float[](0.842479062253094, 0.0784335999999992, 0.0792237451477643,
+                                   0.0423282422610123, 0.878468636469772, 0.0791661274605434,
+                                   0.0423756549057051, 0.0784336, 0.879142973793104);
+    const float LEAST_EV = -12.47393, MOST_EV = 4.026069, LEAST = 1e-6;
+    vec3 ev = log2(max(multiplied(INSET, rec709), vec3(LEAST)));
+    vec3 place = clamp((ev - LEAST_EV) / (MOST_EV - LEAST_EV), 0.0, 1.0);
+    return pow(vec3(agx_curve(place.r), agx_curve(place.g), agx_curve(place.b)), vec3(2.2));
+}
+
+// --- SMPTE ST 2084 (PQ) and ITU-R BT.2390 -------------------------------------------------------
+
+const float PQ_M1 = 2610.0 / 16384.0, PQ_M2 = 2523.0 / 32.0, PQ_C1 = 3424.0 / 4096.0,
+            PQ_C2 = 2413.0 / 128.0, PQ_C3 = 2392.0 / 128.0, PQ_NITS = 10000.0;
+
+float pq(float nits)
+{
+    float y = pow(clamp(nits / PQ_NITS, 0.0, 1.0), PQ_M1);
+    return pow((PQ_C1 + PQ_C2 * y) / (1.0 + PQ_C3 * y), PQ_M2);
+}
+
+float nits_of(float code)
+{
+    float x = pow(code, 1.0 / PQ_M2);
+    return PQ_NITS * pow(max(x - PQ_C1, 0.0) / (PQ_C2 - PQ_C3 * x), 1.0 / PQ_M1);
+}
+
+// What the display shows at most; of an SDR display that is its white.
+float peak_nits()
+{
+    return choice(POST_ENCODE) == POST_ENCODE_PQ ? setting(POST_PEAK_NITS)
+                                                 : setting(POST_WHITE_NITS);
+}
+
+// BT.2390, 5.4.1: codes of PQ up to a knee as they are, above it along a Hermite spline that ends
+// level, 10000 cd/m^2 at the peak. Colours are scaled by what becomes of their largest channel.
+vec3 bt2390(vec3 colour)
+{
+    float most = max(colour.r, max(colour.g, colour.b));
+    float code = pq(most * setting(POST_WHITE_NITS)), peak = pq(peak_nits());
+    float knee = 1.5 * peak - 0.5;
+    if (code <= knee || peak >= 1.0)
+        return colour;
+    float t = (code - knee) / (1.0 - knee), t2 = t * t, t3 = t2 * t;
+    float held = (2.0 * t3 - 3.0 * t2 + 1.0) * knee + (t3 - 2.0 * t2 + t) * (1.0 - knee) +
+                 (3.0 * t2 - 2.0 * t3) * peak;
+    return colour * (nits_of(held) / (setting(POST_WHITE_NITS) * most));
+}
+
 // --- the whole ----------------------------------------------------------------------------------
 
 vec3 mapped(vec3 colour)
@@ -146,6 +212,10 @@ vec3 mapped(vec3 colour)
         return unreal(colour);
     case POST_MAP_NEUTRAL:
         return neutral(colour);
+    case POST_MAP_AGX:
+        return agx(colour);
+    case POST_MAP_BT2390:
+        return bt2390(colour);
     default:
         return colour;
     }
@@ -157,8 +227,18 @@ float srgb(float x)
     return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
 }
 
+// BT.2020, 1 at white_nits, held to the peak.
+vec3 encoded_hdr(vec3 colour)
+{
+    vec3 nits = setting(POST_WHITE_NITS) * multiplied(view.rec709_to_rec2020, colour);
+    nits = clamp(nits, vec3(0.0), vec3(setting(POST_PEAK_NITS)));
+    return vec3(pq(nits.r), pq(nits.g), pq(nits.b));
+}
+
 vec3 encoded(vec3 colour)
 {
+    if (choice(POST_ENCODE) == POST_ENCODE_PQ)
+        return encoded_hdr(colour);
     colour = min(colour, vec3(1.0));
     return choice(POST_ENCODE) == POST_ENCODE_SRGB
                ? vec3(srgb(colour.r), srgb(colour.g), srgb(colour.b))

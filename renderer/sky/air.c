@@ -2,6 +2,7 @@
 #include "renderer/sky/air.h"
 
 #include "scenes/media.h"
+#include "scenes/surfaces.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -60,6 +61,8 @@ static const char *obstacle_of(const struct neph_scene *scene)
         return "a first solid that is no ball, the ground";
     if (!is_black(scene->background_w_per_m2_sr))
         return "a background behind the atmosphere";
+    if (neph_surfaces_obstacle(scene))
+        return neph_surfaces_obstacle(scene);
     if (scene->light_count > 0)
         return "lights other than the sun";
     for (int i = 0; i < scene->medium_count; i++) {

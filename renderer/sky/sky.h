@@ -9,11 +9,20 @@
 #include "renderer/sky/solve.h"
 #include "renderer/sky/view_table.h"
 
+/* The air before a camera, by columns, rows and distances, on a device alone
+ * (shaders/sky_aerial.glsl). */
+struct neph_sky_aerial_params {
+    int columns, rows; /* nodes from edge to edge of the picture, 2 or more */
+    int slices;        /* nodes beyond the camera; 0: there is none */
+    double far_m;      /* where the last one is */
+};
+
 struct neph_sky_params {
     int steps;                      /* along a view ray */
     int sun_altitudes, sun_cosines; /* nodes of the table of transmittance to the sun */
     struct neph_sky_solve_params field;
     struct neph_sky_view_params view;
+    struct neph_sky_aerial_params aerial;
 };
 
 struct neph_sky;

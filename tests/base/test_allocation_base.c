@@ -84,6 +84,13 @@ static enum neph_status write_png(void *context, struct neph_diag *diag)
     return neph_png_write_rgb8(place->png, 2, 3, rgb, diag);
 }
 
+static enum neph_status write_deep_png(void *context, struct neph_diag *diag)
+{
+    const struct place *place = context;
+    static const uint16_t rgb[2 * 3 * 3] = {1, 2, 3};
+    return neph_png_write_rgb16(place->png, 2, 3, 10, NEPH_PNG_BT2020_PQ, rgb, diag);
+}
+
 static enum neph_status read_png(void *context, struct neph_diag *diag)
 {
     const struct place *place = context;
@@ -162,6 +169,7 @@ static void test_exr(void **state)
 static void test_png(void **state)
 {
     struct place place = place_of(state);
+    assert_every_failure_is_told("writing deep PNG", write_deep_png, &place);
     assert_every_failure_is_told("writing PNG", write_png, &place);
     assert_every_failure_is_told("reading PNG", read_png, &place);
     assert_every_failure_is_told("reading codes of PNG", read_png_codes, &place);

@@ -53,6 +53,42 @@ static void test_written_bytes_come_back(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
+/* Scaled to 16 bits, they read back as what they were; the file says what they mean. */
+static void test_deep_pictures_survive(void **state)
+{
+    enum { wide = 37, high = 23, samples = 3 * wide * high };
+    char path[SCRATCH_PATH_MAX];
+    uint64_t random = 7;
+    scratch_path(state, path, "deep.png");
+    for (int bits = 10; bits <= 16; bits += 2)
+        for (int hdr = 0; hdr < 2; hdr++) {
+            static uint16_t rgb[samples];
+            uint16_t *back;
+            int width_px, height_px;
+            struct neph_diag diag = {0};
+            const uint32_t largest = (1u << bits) - 1;
+            for (int i = 0; i < samples; i++)
+                rgb[i] = (uint16_t)(neph_test_random(&random) & largest);
+            neph_assert_ok(neph_png_write_rgb16(path, wide, high, bits,
+                                                hdr ? NEPH_PNG_BT2020_PQ : NEPH_PNG_SRGB, rgb,
+                                                &diag),
+                           &diag);
+            neph_assert_ok(neph_png_read_rgb16(path, &width_px, &height_px, &back, &diag), &diag);
+            assert_int_equal(width_px * height_px, wide * high);
+            for (int i = 0; i < samples; i++)
+                assert_int_equal(((uint32_t)back[i] * largest + 32767) / 65535, rgb[i]);
+            free(back);
+            assert_true(contains(path, hdr ? "cICP" : "sRGB"));
+            assert_true(contains(path, "sBIT"));
+            /* No sRGB picture: what would look at it as one refuses it. */
+            struct neph_image *image = NULL;
+            assert_int_equal(neph_png_read_image(path, &image, &diag),
+                             hdr ? NEPH_ERR_INPUT : NEPH_OK);
+            neph_image_destroy(image);
+        }
+    assert_int_equal(scratch_count(state), 1);
+}
+
 static void test_what_cannot_be_written(void **state)
 {
     static const int sizes[][2] = {{0, 1}, {1, 0}, {-1, 1}, {NEPH_IMAGE_SIDE_MAX_PX + 1, 1}};
@@ -60,9 +96,13 @@ static void test_what_cannot_be_written(void **state)
     const uint8_t rgb[3] = {0};
     struct neph_diag diag = {0};
     scratch_path(state, path, "x.png");
-    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++)
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
         assert_int_equal(neph_png_write_rgb8(path, sizes[i][0], sizes[i][1], rgb, &diag),
                          NEPH_ERR_INPUT);
+        assert_int_equal(neph_png_write_rgb16(path, sizes[i][0], sizes[i][1], 10, NEPH_PNG_SRGB,
+                                              (const uint16_t[3]){0}, &diag),
+                         NEPH_ERR_INPUT);
+    }
     scratch_path(state, path, "no/such.png");
     assert_int_equal(neph_png_write_rgb8(path, 1, 1, rgb, &diag), NEPH_ERR_IO);
     assert_non_null(strstr(diag.message, path));
@@ -691,6 +731,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_written_bytes_come_back),
+        scratch_test(test_deep_pictures_survive),
         scratch_test(test_what_cannot_be_written),
         scratch_test(test_code_values_are_raw),
         scratch_test(test_other_kinds_are_refused_by_name),

@@ -101,6 +101,28 @@ class Benchmark(unittest.TestCase):
         for words in ("  3 % error", "  1 % error", "noise^2 falls as time^"):
             self.assertEqual(done.stdout.count(words), 2, done.stdout)
 
+    def passes(self, scene, *settings):
+        """Of fixed, by name: their milliseconds a picture."""
+        words = [word for setting in settings for word in ("-s", f"realtime:{setting}")]
+        done, _ = benchmark(scene, "-e", "realtime", "--preset", "fixed", "--size", "32x18",
+                            "--frames", "8", "--seconds", "0.02", "--json", *words)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        engine, = json.loads(done.stdout)["engines"]
+        return {p["pass"]: 1e3 * p["gpu_s"]["median"] for p in engine["passes"]}
+
+    def test_a_shadow_map_has_a_line_of_its_own(self):
+        """Under a sun that moves all of it is filled for each picture."""
+        passes = self.passes("shadow_crawl", "cloud_shadow=map", "sun=marched",
+                             "cloud_shadow_texels=64")
+        self.assertGreater(passes["cloud shadow"], 0.0)
+
+    @night.of_the_night
+    def test_froxels_have_lines_of_their_own(self):
+        passes = self.passes("lamp_fog", "froxels=on")
+        for name in ("froxel light", "froxel sum", "froxel composition", "lamp peaks"):
+            self.assertGreater(passes[name], 0.0, name)
+        self.assertNotIn("lamp peaks", self.passes("fence_backlit", "froxels=on"))
+
     def test_pictures_in_flight(self):
         done, left = benchmark("voxel_grid", "-e", "march,realtime,tracer", "--size", "32x18",
                                "--frames", "4", "--seconds", "0.02", "--preset", "fixed", "--json",

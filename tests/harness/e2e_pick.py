@@ -156,6 +156,11 @@ class Pick(unittest.TestCase):
         motion = left["parts that only motion needs"]
         self.assertEqual(motion["because"], "nothing moves")
         self.assertAlmostEqual(motion["with"]["error"], found["error"], delta=0.1 * found["error"])
+        # Nothing is there that the cloud could throw a shadow on.
+        shadows = left["a shadow map of the clouds"]
+        self.assertIn("no cloud stands", shadows["because"])
+        self.assertEqual(shadows["with"]["error"], found["error"])
+        self.assertNotIn("cloud_shadow=map", found["settings"])
         every = left["a ray for every pixel, every frame"]["with"]
         self.assertGreater(every["evaluations"], 10.0 * found["evaluations"])
         # The same again, from the store: and nothing is good enough for a hair's breadth.

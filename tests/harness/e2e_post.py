@@ -120,12 +120,120 @@ class Post(unittest.TestCase):
         self.assertNotEqual(first, other)
         self.assertNotEqual(first, later)
 
+    def test_the_eye_adapts_from_frame_to_frame(self):
+        """A frame 4 EV brighter than the one before: 3 EV in a second, and no further."""
+        for number, ev in ((3, 0), (4, 4), (5, 4)):
+            self.write(self.root / "in" / f"frame.000{number}.exr", [2.0 ** ev] * WIDTH * HEIGHT)
+        words = ["-p", "plain", "-s", "auto_exposure=on", "-s", "adapt_near_ev=0.5", "-s",
+                 "exposure_ev=-1", "--repeat", "3"]  # of which none counts for the next frame
+        done = neph("post", self.root / "in", *words, "--fps", "2", "--json", "-o",
+                    self.root / "out")
+        evs = [result["adapted_ev"] for result in json.loads(done.stdout)]
+        for seen, expected in zip(evs, (0.0, 1.5, 3.0)):
+            self.assertAlmostEqual(seen, expected, places=5)
+        shown = [reds(self.root / "out" / f"frame.000{n}.exr")[0] for n in (3, 4, 5)]
+        for seen, expected in zip(shown, (0.09, 0.09 * 2 ** 2.5, 0.18)):
+            self.assertAlmostEqual(seen, expected, places=4)
+
+    def test_bloom_keeps_the_light(self):
+        values = [0.0] * (WIDTH * HEIGHT)
+        values[5] = 32.0
+        self.write(self.frame, values)
+        neph("post", self.frame, "-s", "bloom=conserving", "-q", "-o", self.root / "out")
+        spread = reds(self.root / "out" / self.frame.name)
+        self.assertAlmostEqual(sum(spread), 32.0, places=4)
+        self.assertGreater(min(spread), 0.0)
+
+    def test_an_hdr_picture_is_light_of_its_display(self):
+        values = [8.0 * v for v in self.values]  # up to 1573 cd/m^2, of which 1000 are shown
+        self.write(self.frame, values)
+        neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "-s", "encode=pq", "--png",
+             "-q", "-o", self.root / "out")
+        for value, seen in zip(values, reds(self.root / "out" / self.frame.name)):
+            self.assertAlmostEqual(seen, min(203 * value / 1000, 1.0), delta=2e-4)
+        packed = (self.root / "out" / "frame.0003.png").read_bytes()
+        self.assertEqual(packed[24], 16)
+        self.assertIn(b"sBIT\x0a\x0a\x0a", packed)
+        self.assertIn(b"cICP\x09\x10\x00\x01", packed)
+        # With the curve that HDR displays want nothing ends in a plateau.
+        neph("post", self.frame, "-p", "hdr", "-q", "-o", self.root / "hdr")
+        rolled = reds(self.root / "hdr" / self.frame.name)
+        self.assertTrue(all(a < b for a, b in zip(rolled, rolled[1:])))
+
+    def test_a_png_has_the_bits_asked_for(self):
+        for bits in (8, 10, 16):
+            neph("post", self.frame, "-p", "plain", "--png", "--bits", bits, "-q", "-o",
+                 self.root / str(bits))
+            packed = (self.root / str(bits) / "frame.0003.png").read_bytes()
+            self.assertEqual(packed[24], 8 if bits == 8 else 16)
+            self.assertIn(b"sRGB", packed)
+
+    def chain(self, text):
+        path = self.root / "chain.yaml"
+        path.write_text(text)
+        return path
+
+    def test_a_chain_is_run_where_the_camera_is(self):
+        """A camera that walks out of a box with -1 EV, a metre a frame, over 10 m of blending."""
+        scene = self.root / "walk.yaml"
+        scene.write_text("""
+name: walk
+title: a walk
+physics: none
+camera:
+  keys:
+    - {frame: 0, position_m: [0, 1, 0], look_at_m: [100, 1, 0]}
+    - {frame: 20, position_m: [20, 1, 0], look_at_m: [120, 1, 0]}
+  vertical_fov_deg: 60
+sun: {direction: [0, 1, 0], irradiance_w_per_m2: [1, 1, 1]}
+scattering: none
+media:
+  - homogeneous: {extinction_per_m: 0.01, albedo: [1, 1, 1],
+                  bounds: {min_m: [60, 0, 0], max_m: [70, 9, 9]}}
+""")
+        chain = self.chain("""
+preset: plain
+settings: {encode: linear}
+passes: [{pass: tone_mapping}, {pass: fxaa}]
+volumes:
+  - name: tunnel
+    blend_radius_m: 10
+    box: {minimum_m: [-5, 0, -5], maximum_m: [5, 5, 5]}
+    settings: {exposure_ev: -1}
+""")
+        neph("post", self.frame, "--chain", chain, code=64)  # where is the camera?
+        for number, ev in ((0, -1), (5, -1), (10, -0.5), (15, 0), (20, 0)):
+            frame = self.root / "walking" / f"frame.{number:04}.exr"
+            frame.parent.mkdir(exist_ok=True)
+            self.write(frame, [0.5] * WIDTH * HEIGHT)
+            other = self.root / "walking" / f"frame.{number + 1:04}.exr"
+            self.write(other, [0.5] * WIDTH * HEIGHT)
+            neph("post", frame, other, "--chain", chain, "--scene", scene, "-q", "-o",
+                 self.root / "out")
+            seen = reds(self.root / "out" / frame.name)[0]
+            self.assertAlmostEqual(seen, 0.5 * 2 ** ev, places=5, msg=str(number))
+
+    def test_a_chain_lists_itself_and_its_faults(self):
+        chain = self.chain("passes: [{pass: upscale}, {pass: exposure, on: false},\n"
+                           "         {pass: tone_mapping}]\n"
+                           "preset: unreal\nsettings: {upscale: lanczos, auto_exposure: 'on'}\n")
+        listed = json.loads(neph("post", "--list", "--chain", chain, "--json").stdout)
+        self.assertEqual(listed["stages"], ["upscale", "table of colours", "tone mapping"])
+        neph("post", "--list", "--chain", chain, "-p", "unreal", code=64)
+        done = neph("post", self.frame, "--chain", self.chain("settings: {grain: 99}\n"), code=65)
+        for word in ("chain.yaml:1", "99", "0 to 64"):
+            self.assertIn(word, done.stderr)
+
     def test_what_makes_no_sense_is_refused(self):
         for words, said in (
+                (["post", self.frame, "-s", "auto_exposure=on"], "tone is off"),
+                (["post", self.frame, "-p", "plain", "-s", "auto_exposure=on", "-s",
+                  "meter_low_percent=95"], "meter_high_percent"),
                 (["post"], "which frames"),
                 (["post", self.frame], "all stages of the chain are off"),
                 (["post", self.frame, "-p", "none_such"], "unreal"),
                 (["post", self.frame, "-s", "upscale=cubic"], "catmull_rom"),
+                (["post", self.frame, "-p", "hdr", "--png", "--bits", "8"], "ST 2084"),
                 (["post", self.frame, "-s", "sharpen=rcas"], "tone is off"),
                 (["post", self.frame, "-s", "fxaa=console"], "tone=on"),
                 (["post", self.frame, "-p", "plain", "-o", self.frame.parent], "over itself"),

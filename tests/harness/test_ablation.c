@@ -95,11 +95,19 @@ static neph_ablation_set second_generation(void)
            bit("own_depth") | bit("medium_motion") | bit("running_mean") | bit("stand_in");
 }
 
+/* What is for scenes that ask for it, and in no preset. */
+static neph_ablation_set of_the_air(void)
+{
+    return bit("froxels") | bit("froxel_jitter") | bit("froxel_history") | bit("froxel_hold") |
+           bit("cloud_map") | bit("map_columns");
+}
+
 static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
 {
     (void)state;
-    assert_true(parts_of("ours") == (every_part() & ~bit("upscale_dither") & ~second_generation()));
-    assert_true((parts_of("ours2") & second_generation()) == second_generation());
+    assert_true(parts_of("ours1") ==
+                (every_part() & ~bit("upscale_dither") & ~second_generation() & ~of_the_air()));
+    assert_true((parts_of("ours") & second_generation()) == second_generation());
     assert_true((parts_of("fixed") & bit("upscale_dither")) != 0);
     assert_true((parts_of("fixed") & bit("gradients")) == 0);
     assert_true((parts_of("ours+override=none") & bit("override")) == 0);
@@ -107,6 +115,21 @@ static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
                 0);
     neph_ablation_set parts;
     assert_int_equal(neph_ablation_parts_of("nope", &parts, NULL), NEPH_ERR_USAGE);
+}
+
+/* Froxels and shadow maps of clouds come by a setting, with all that needs them. */
+static void test_parts_of_the_air_are_asked_for(void **state)
+{
+    (void)state;
+    const neph_ablation_set froxels = bit("froxels") | bit("froxel_jitter") |
+                                      bit("froxel_history") | bit("froxel_hold");
+    assert_true((parts_of("ours+froxels=on") & of_the_air()) == froxels);
+    assert_true((parts_of("ours+froxels=on+froxel_jitter=off") & of_the_air()) ==
+                (froxels & ~bit("froxel_jitter")));
+    assert_true((parts_of("fixed+cloud_shadow=map") & of_the_air()) == (of_the_air() & ~froxels));
+    const struct neph_settings without = settings_without("ours+froxels=on", froxels);
+    const int option = neph_option_find(neph_engine_find("realtime")->options, "froxels");
+    assert_true(without.values[option] == 0.0);
 }
 
 /* What stays is all that is left, and so no part was forgotten on the way. */
@@ -135,7 +158,7 @@ static bool is_exception(const char *option)
 static void test_no_setting_of_ours_is_forgotten(void **state)
 {
     (void)state;
-    static const char *const others[] = {"seed", "fixed", "ours2"};
+    static const char *const others[] = {"seed", "fixed", "ours1"};
     const struct neph_option *options = neph_engine_find("realtime")->options;
     const struct neph_settings ours = settings_of("ours");
     int difference_count = 0;
@@ -452,7 +475,7 @@ static void test_output_holds_every_number(void **state)
     assert_non_null(strstr(text, "- override: lowers relative RMSE (-48 %), four-frame flicker at "
                                  "depth edges (<-99 %); most in two (relative RMSE -50 %).\n"));
     assert_non_null(strstr(text, "| override | **-48 %** | = | = | **<-99 %** | = | = | = | - |"));
-    assert_non_null(strstr(text, "not in this preset: upscale_dither, true_gradient, rest, "));
+    assert_non_null(strstr(text, "not in this preset: upscale_dither"));
     neph_assert_ok(neph_ablation_csv(&ablation, &csv, NULL), NULL);
     /* three comparisons of seven measures in four scenes and over them; times there are none */
     assert_int_equal(count_of(csv, "\r\n"), 1 + 3 * 7 * (SCENES + 1));
@@ -462,7 +485,7 @@ static void test_output_holds_every_number(void **state)
     assert_int_equal(count_of(svg, ">&#60;-99 %</text>"), 1); /* beyond the axis: in words */
     neph_assert_ok(neph_ablation_list(&ablation, &list, NULL), NULL);
     assert_int_equal(count_of(list, "without it: "), neph_ablation_part_count());
-    assert_int_equal(count_of(list, "not in this preset"), 9);
+    assert_int_equal(count_of(list, "not in this preset"), 7);
     json_t *json = neph_ablation_json(&ablation);
     assert_int_equal(json_array_size(json_object_get(json, "parts")), neph_ablation_part_count());
     json_decref(json);
@@ -479,6 +502,7 @@ int main(void)
         cmocka_unit_test(test_parts_name_settings_and_each_other),
         cmocka_unit_test(test_parts_of_the_plain_pipeline_keep_apart),
         cmocka_unit_test(test_ours_has_every_part_but_the_dithered_upscale),
+        cmocka_unit_test(test_parts_of_the_air_are_asked_for),
         cmocka_unit_test(test_the_plain_pipeline_has_no_part),
         cmocka_unit_test(test_no_setting_of_ours_is_forgotten),
         cmocka_unit_test(test_a_plan_has_each_configuration_once),

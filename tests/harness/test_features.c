@@ -122,6 +122,25 @@ static void solids(struct stage *stage)
     test_add_sphere(&stage->test, (struct neph_vec3){0, 100, -10}, 0.3);
 }
 
+static void solids_alone(struct stage *stage)
+{
+    solids(stage);
+    stage->test.scene.medium_count = 0;
+}
+
+static void textured(struct stage *stage)
+{
+    solids_alone(stage);
+    stage->test.solids[0].surface.texture = (struct neph_paint){
+        .cell_m = 1, .pattern = NEPH_PATTERN_CHECKER, .other = white};
+}
+
+static void metal(struct stage *stage)
+{
+    solids_alone(stage);
+    stage->test.solids[0].surface = (struct neph_surface){.metalness = 1, .roughness = 0.5};
+}
+
 static void environment(struct stage *stage)
 {
     stage->test.scene.environment_light = true;
@@ -220,6 +239,9 @@ static const struct feature {
     {"`environment_light`", ANY_KIND, ANY_LIGHT, environment},
     {"`lights`", ANY_KIND, ANY_LIGHT, lights},
     {"`solids`", ANY_KIND, ANY_LIGHT, solids},
+    {"`solids` in clear air", ANY_KIND, ANY_LIGHT, solids_alone},
+    {"`solids[].*.texture`", ANY_KIND, ANY_LIGHT, textured},
+    {"`solids[].*.metalness`", ANY_KIND, LIGHT(MULTIPLE), metal},
     {"`orthographic_height_m`", ANY_KIND, ANY_LIGHT, orthographic},
     {"`camera.keys`", ANY_KIND, ANY_LIGHT, moving_camera},
     {"`sun.keys`", ANY_KIND, ANY_LIGHT, moving_sun},

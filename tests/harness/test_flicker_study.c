@@ -7,9 +7,11 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/study/flicker_pairs.h"
 #include "harness/study/flicker_study_output.h"
 #include "harness/study/flicker_suites.h"
+#include "harness/study/reference.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/significance.h"
 
@@ -65,12 +67,34 @@ static void test_settings_say_what_the_variants_do(void **state)
     }
 }
 
+/* The march that a test is held against shares its steps and its sun, but not a shadow map, whose
+ * errors are asked for. */
+static void test_a_reference_has_no_shadow_map(void **state)
+{
+    (void)state;
+    struct neph_engine_info info;
+    struct neph_job test = {.engine = neph_engine_find("realtime")}, march;
+    struct neph_scene *scene = NULL;
+    neph_assert_ok(neph_data_load_scene("cloud_gaps", &scene, NULL), NULL);
+    test.shot.scene = scene;
+    neph_assert_ok(neph_settings_words(test.engine, "fixed+cloud_shadow=map+sun=marched", "steps=8",
+                                       &test.shot.settings, NULL),
+                   NULL);
+    neph_assert_ok(neph_reference_job(&test, NEPH_REFERENCE_AVERAGED, &info, &march, NULL), NULL);
+    assert_string_equal(march.engine->name, "march");
+    assert_true(neph_setting(march.engine, &march.shot.settings, "cloud_shadow") == 0.0);
+    assert_true(neph_setting(march.engine, &march.shot.settings, "steps") == 8.0);
+    assert_true(neph_setting(march.engine, &march.shot.settings, "sun") ==
+                neph_setting(test.engine, &test.shot.settings, "sun"));
+    neph_scene_destroy(scene);
+}
+
 /* ---- suites ---------------------------------------------------------------------------------- */
 
 static void test_suites_hold_scenes_that_are_there(void **state)
 {
     (void)state;
-    static const char *const suites[] = {"tuning", "test", "test2"};
+    static const char *const suites[] = {"tuning", "test", "test2", "air"};
     for (size_t s = 0; s < sizeof(suites) / sizeof(suites[0]); s++) {
         char **names = NULL;
         int count = 0;
@@ -360,6 +384,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_metrics_are_of_the_extractors_of_their_takes),
         cmocka_unit_test(test_settings_say_what_the_variants_do),
+        cmocka_unit_test(test_a_reference_has_no_shadow_map),
         cmocka_unit_test(test_suites_hold_scenes_that_are_there),
         cmocka_unit_test(test_an_unknown_suite_is_refused_with_those_there_are),
         cmocka_unit_test(test_a_scene_in_both_suites_is_refused),

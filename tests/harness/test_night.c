@@ -12,6 +12,7 @@
 #include "harness/night/readers.h"
 #include "harness/run/history.h"
 #include "harness/run/store.h"
+#include "harness/sweep/plan.h"
 
 static const double alpha = 0.005;
 
@@ -43,6 +44,70 @@ static void test_the_full_tier_goes_on_with_the_series_of_the_quick_one(void **s
     for (int i = 0; i < full.count; i++)
         for (int k = 0; k < i; k++)
             assert_string_not_equal(full.steps[i].name, full.steps[k].name);
+    neph_arena_finish(&arena);
+}
+
+static bool has_series(const struct neph_sweep_plan *plan, const char *name)
+{
+    for (int i = 0; i < plan->series_count; i++)
+        if (strcmp(plan->series[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+/* Presets, plans and their series that steps name are there: a night would find out in the dark. */
+static void test_what_steps_name_is_there(void **state)
+{
+    (void)state;
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan plan;
+    int presets = 0, series = 0;
+    make_plan(&arena, "full", NULL, &plan);
+    for (int i = 0; i < plan.count; i++) {
+        const char *file = "sweep", *const *words = plan.steps[i].words;
+        struct neph_sweep_plan sweep;
+        struct neph_settings settings;
+        const struct neph_engine *engine;
+        for (int w = 1; words[w]; w++) {
+            file = strcmp(words[w - 1], "--plan") == 0 ? words[w] : file;
+            if (strcmp(words[w - 1], "--preset") == 0 && ++presets)
+                neph_assert_ok(neph_engine_words(words[w], "steps=8", &engine, &settings, NULL),
+                               NULL);
+        }
+        if (plan.steps[i].suite != NEPH_NIGHT_SWEEP)
+            continue;
+        neph_assert_ok(neph_sweep_plan_load(file, &sweep, NULL), NULL);
+        for (int w = 1; words[w]; w++) {
+            if (strcmp(words[w - 1], "--only") != 0)
+                continue;
+            char *only = strdup(words[w]), *rest = only;
+            for (const char *name; (name = strsep(&rest, ",")); series++)
+                if (!has_series(&sweep, name))
+                    fail_msg("%s: the plan %s has no series %s", plan.steps[i].name, file, name);
+            free(only);
+        }
+        neph_sweep_plan_finish(&sweep);
+    }
+    assert_true(presets >= 11 && series >= 10);
+    neph_arena_finish(&arena);
+}
+
+/* Froxels, lamps, shadow maps of clouds, sheets, looks of fog and the sky: a scene each. */
+static void test_a_quick_night_looks_at_the_air(void **state)
+{
+    (void)state;
+    static const char *const wanted[] = {"failure froxel_leak",       "sweep spot_fence",
+                                         "sweep cloud_gaps",          "sweep cirrus",
+                                         "catalog fog_look_physical", "catalog sky_earth"};
+    struct neph_arena arena = {NULL};
+    struct neph_night_plan plan;
+    make_plan(&arena, "quick", NULL, &plan);
+    for (size_t k = 0; k < COUNT(wanted); k++) {
+        int found = 0;
+        for (int i = 0; i < plan.count; i++)
+            found += strcmp(plan.steps[i].name, wanted[k]) == 0;
+        assert_int_equal(found, 1);
+    }
     neph_arena_finish(&arena);
 }
 
@@ -560,6 +625,8 @@ int main(void)
         cmocka_unit_test(test_the_full_tier_goes_on_with_the_series_of_the_quick_one),
         cmocka_unit_test(test_what_is_timed_can_be_rendered),
         cmocka_unit_test(test_what_is_asked_for_goes_to_the_catalogue),
+        cmocka_unit_test(test_what_steps_name_is_there),
+        cmocka_unit_test(test_a_quick_night_looks_at_the_air),
         cmocka_unit_test(test_plans_that_differ_are_told_apart),
         cmocka_unit_test(test_what_tells_most_a_second_comes_first),
         scratch_test(test_results_of_the_catalogue),

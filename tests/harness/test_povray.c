@@ -667,6 +667,44 @@ static void test_empty_scene(void **state)
     neph_image_destroy(frame);
 }
 
+/* Ground and a turned box with checkers in the sun, the lines of one of them in the box's faces. */
+static void test_checkers(void **state)
+{
+    (void)state;
+    struct test_scene stage;
+    struct neph_diag diag = {0};
+    set_stage(&stage, (struct neph_vec3){0.3, 2.1, 6}, (struct neph_vec3){0, 0.6, 0});
+    stage.scene.scattering = NEPH_SCATTERING_NONE;
+    stage.scene.sun.irradiance_w_per_m2 = (struct neph_rgb){3, 2, 1};
+    struct neph_solid *ground = add_box(&stage, (struct neph_bounds){{-50, -1, -50}, {50, 0, 8}},
+                                        0.5);
+    ground->surface.texture = (struct neph_paint){
+        .cell_m = 0.61, .pattern = NEPH_PATTERN_CHECKER, .other = {0.1, 0.2, 0.8}};
+    struct neph_solid *box = add_box(
+        &stage, (struct neph_bounds){{-0.75, 0.02, -1}, {0.75, 1.52, 0.5}}, 0.9);
+    box->turn = (struct neph_turn){1, cos(0.4), sin(0.4)};
+    box->surface.texture = (struct neph_paint){
+        .cell_m = 0.25, .pattern = NEPH_PATTERN_CHECKER, .other = {0.7, 0.1, 0.1}};
+    struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE, 8.0);
+    const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
+    float *rgb[3];
+    int same = 0, others = 0;
+    neph_assert_ok(neph_image_rgb(frame, NULL, rgb) ? NEPH_OK : NEPH_ERR_ENGINE, &diag);
+    for (int p = 0; p < WIDTH * HEIGHT; p++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, p % WIDTH,
+                                                          p / WIDTH);
+        const struct neph_rgb truth =
+            neph_transport_ray(&stage.scene, ray.origin_m, ray.direction).radiance;
+        const bool is_same = fabs(rgb[0][p] - truth.r) < 1e-4 && fabs(rgb[2][p] - truth.b) < 1e-4;
+        same += is_same;
+        others += truth.b > 2.0 * truth.r;
+    }
+    print_message("  %d of %d pixels the same\n", same, WIDTH * HEIGHT);
+    assert_true(same >= WIDTH * HEIGHT - 2); /* a place on a line may round either way */
+    assert_true(others > 20);
+    neph_image_destroy(frame);
+}
+
 static void test_export_runs_by_hand(void **state)
 {
     (void)state;
@@ -775,6 +813,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_emission_of_slabs),
         cmocka_unit_test(test_emission_beside_the_sun),
         cmocka_unit_test(test_empty_scene),
+        cmocka_unit_test(test_checkers),
         cmocka_unit_test(test_export_runs_by_hand),
     };
     if (neph_test_wants_engines(argc, argv))

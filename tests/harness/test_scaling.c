@@ -120,6 +120,14 @@ static void test_a_scene_of_so_many_voxels(void **state)
     neph_scene_destroy(blob);
 }
 
+static const struct neph_ladder_light *light_named(const char *name)
+{
+    const struct neph_ladder_light *light = neph_ladder_lights;
+    while (strcmp(light->name, name) != 0)
+        light++;
+    return light;
+}
+
 /* What a still camera does without, and what the wind asks for. */
 static void test_parts_for_motion(void **state)
 {
@@ -134,9 +142,46 @@ static void test_parts_for_motion(void **state)
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_scene *scene = load(cases[i].scene);
-        char *text = neph_ladder_without_motion(scene);
+        char *text = neph_ladder_held(scene, light_named("scattered once"), true, false);
         assert_string_equal(text, cases[i].without);
         free(text);
+        neph_scene_destroy(scene);
+    }
+}
+
+/* Froxels where a medium is near, a map where clouds throw shadows, each for lights that it knows;
+ * and the ladder has rungs with them where a scene needs any. */
+static void test_parts_of_the_air(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *light, *with;
+        int rungs;
+    } cases[] = {
+        {"gaussian_blob", "scattered once", "froxels=on", 2},
+        {"cloud_below", "octaves", "lighting=octaves cloud_shadow=map", 6},
+        {"grid_cloud_multiple", "octaves", "lighting=octaves", 0},
+        {"wind_cloud", "scattered once", "froxels=on cloud_shadow=map", 2},
+        {"froxel_seam", "scattered once", "froxels=on", 2},
+        {"froxel_seam", "no scattering", "", 2},
+        {"cloud_shadow", "scattered once", "cloud_shadow=map", 2},
+        {"cloud_gaps", "scattered once", "cloud_shadow=map", 2},
+        {"slab_multiple_thin", "octaves", "lighting=octaves froxels=on", 4},
+        {"slab_multiple_thin", "fitted octaves", "lighting=octaves_fitted", 4},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_scene *scene = load(cases[i].scene);
+        struct neph_sweep_plan plan;
+        int rungs = 0;
+        char *text = neph_ladder_held(scene, light_named(cases[i].light), false, true);
+        print_message("%s, %s: '%s'\n", cases[i].scene, cases[i].light, text);
+        assert_string_equal(text, cases[i].with);
+        free(text);
+        neph_assert_ok(neph_ladder_plan(scene, false, 64, 36, &plan, NULL), NULL);
+        for (int s = 0; s < plan.series_count; s++)
+            rungs += strstr(plan.series[s].name, "+air, ") != NULL;
+        assert_int_equal(rungs, cases[i].rungs);
+        neph_sweep_plan_finish(&plan);
         neph_scene_destroy(scene);
     }
 }
@@ -251,6 +296,7 @@ int main(void)
         cmocka_unit_test(test_lines_are_judged),
         cmocka_unit_test(test_a_scene_of_so_many_voxels),
         cmocka_unit_test(test_parts_for_motion),
+        cmocka_unit_test(test_parts_of_the_air),
         cmocka_unit_test(test_a_program_gets_variants_of_its_file),
         cmocka_unit_test(test_the_ladder_has_a_guest),
         cmocka_unit_test(test_fronts_hold_up_to_intervals),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The composition: identities, exactly.
+ * The composition: identities, exactly, and the one way to it like the other.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -107,12 +107,53 @@ static void test_the_rest_of_the_buffer_is_left_alone(void **state)
     test_passes_close(&test);
 }
 
+/* What the anti-aliasing makes of a volume and what is behind it; for the caller to free. */
+static uint32_t *anti_aliased(struct test_passes *test, int composition)
+{
+    test->view.settings[RT_COMPOSITION] = (float)composition;
+    test_passes_run(test, "anti-aliasing");
+    return test_download(test, RT_TAA_OUT);
+}
+
+/* The same bits where it composes by itself, whatever lies in the picture that it does not need; in
+ * the kernels of a CPU and of a GPU. */
+static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
+{
+    static const char *const settings[] = {
+        "", "taa_box=variance", "taa_box=variance taa_guard=off taa_filter=off taa_hdr_weight=off"};
+    for (uint64_t i = 0; i < 2 * sizeof(settings) / sizeof(settings[0]); i++) {
+        uint64_t seed = i;
+        struct test_passes test;
+        open_view(state, settings[i / 2], sizes_px[4], seed, &test);
+        test.view.has_history = 1;
+        test.view.jitter_px[0] = 0.25f;
+        for (size_t e = 0; e < test_elements(&test, RT_VOLUME); e++) {
+            const float behind = random_radiance(&seed), volume = random_radiance(&seed);
+            test_set(&test, RT_BEHIND, e, (float[4]){behind, 0.5f * behind, 2.0f});
+            test_set(&test, RT_VOLUME, e,
+                     (float[4]){volume, 1.0f, 0.3f * volume, (float)test_uniform(&seed)});
+            test_set(&test, RT_TAA_BEFORE, e, (float[4]){behind, volume, 1.0f, 1.0f});
+        }
+        compose_both(&test);
+        uint32_t *by_pass = anti_aliased(&test, RT_COMPOSITION_PASS);
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
+            test_set(&test, RT_COLOR, e, (float[4]){NAN, NAN, NAN, NAN});
+        uint32_t *by_itself = anti_aliased(&test, RT_COMPOSITION_TAA);
+        assert_memory_equal(by_pass, by_itself,
+                            neph_rt_device_words(&test.device, RT_TAA_OUT) * sizeof(uint32_t));
+        free(by_pass);
+        free(by_itself);
+        test_passes_close(&test);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_compose_equals_the_twin),
         cmocka_unit_test(test_identities),
         cmocka_unit_test(test_the_rest_of_the_buffer_is_left_alone),
+        cmocka_unit_test(test_the_anti_aliasing_composes_as_the_pass_does),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

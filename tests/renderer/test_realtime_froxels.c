@@ -177,7 +177,8 @@ static void converges(struct neph_vulkan *vulkan, const char *name,
     struct error last = {1.0, 1.0};
     for (int slices = neph_test_by_day(64, 8); slices <= neph_test_by_day(64, 256); slices *= 2) {
         char settings[400];
-        snprintf(settings, sizeof(settings), PLAIN "froxel_end_m=24 froxel_slices=%d", slices);
+        snprintf(settings, sizeof(settings),
+                 PLAIN "froxel_end_m=24 lamp_peaks=off froxel_slices=%d", slices);
         struct neph_image *image = picture_of(vulkan, &test.scene, settings, 1, NULL, NULL);
         const struct error error = error_of(&test, image);
         print_message("%s, %3d slices: bias %+.1e, rms %.1e\n", name, slices, error.bias,
@@ -198,6 +199,26 @@ static void test_shafts_of_a_fence(void **state)
 static void test_lamps(void **state)
 {
     converges(*state, "lamps", scene_lamps, 0.03);
+}
+
+/* Columns as wide as four pixels, whose peaks are found a pixel at a time, or lost. */
+static void test_peaks_of_lamps_are_of_pixels(void **state)
+{
+    struct test_scene test;
+    struct error errors[2];
+    scene_lamps(&test);
+    for (int peaks = 0; peaks < 2; peaks++) {
+        char settings[400];
+        snprintf(settings, sizeof(settings),
+                 PLAIN "froxel_px=4 froxel_end_m=24 froxel_slices=64 lamp_peaks=%s",
+                 peaks ? "on" : "off");
+        struct neph_image *image = picture_of(*state, &test.scene, settings, 1, NULL, NULL);
+        errors[peaks] = error_of(&test, image);
+        print_message("lamps, columns of 4 pixels, peaks %s: bias %+.1e, rms %.1e\n",
+                      peaks ? "on" : "off", errors[peaks].bias, errors[peaks].rms);
+        neph_image_destroy(image);
+    }
+    assert_true(errors[1].rms < 0.25 * errors[0].rms && fabs(errors[1].bias) < 0.02);
 }
 
 /* ---- light ---- */
@@ -324,13 +345,13 @@ static double leak(struct neph_vulkan *vulkan, const char *assignments)
 
 static void test_no_light_leaks_through_a_wall(void **state)
 {
-    const char *const kept = "froxels=on froxel_px=2 froxel_end_m=24 taa=off "
-                             "froxel_slices=32 color_format=float";
-    const char *const leaking = "froxels=on froxel_px=2 froxel_end_m=24 "
-                                "taa=off froxel_slices=32 color_format=float froxel_hold=off";
-    const double held = leak(*state, kept), let = leak(*state, leaking);
-    print_message("through a wall: %.1e of the light, %.1e with froxel_hold=off\n", held, let);
-    assert_true(held < 0.01);
+#define ROOM "froxels=on froxel_px=2 froxel_end_m=24 taa=off froxel_slices=32 color_format=float "
+    const double held = leak(*state, ROOM), alone = leak(*state, ROOM "lamp_peaks=off"),
+                 let = leak(*state, ROOM "lamp_peaks=off froxel_hold=off");
+    print_message("through a wall: %.1e of the light, all in froxels %.1e, and %.1e with "
+                  "froxel_hold=off\n",
+                  held, alone, let);
+    assert_true(held < 0.01 && alone < 0.01);
     assert_true(let > 0.01);
 }
 
@@ -436,6 +457,7 @@ int main(void)
         cmocka_unit_test(test_each_froxel_has_its_light),
         cmocka_unit_test(test_shafts_of_a_fence),
         cmocka_unit_test(test_lamps),
+        cmocka_unit_test(test_peaks_of_lamps_are_of_pixels),
         cmocka_unit_test(test_no_light_leaks_through_a_wall),
         cmocka_unit_test(test_the_seam_is_not_seen),
         cmocka_unit_test(test_jitter_and_history),

@@ -360,8 +360,8 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
 static void test_the_second_generation_rests_and_follows(void **state)
 {
     double unrest[2], left[2];
-    watch(*state, "ours", &unrest[0], &left[0]);
-    watch(*state, "ours2", &unrest[1], &left[1]);
+    watch(*state, "ours1", &unrest[0], &left[0]);
+    watch(*state, "ours", &unrest[1], &left[1]);
     print_message("change per frame %.3g, %.3g; old light left %.3g, %.3g\n", unrest[0], unrest[1],
                   left[0], left[1]);
     assert_true(unrest[1] < 0.25 * unrest[0]);

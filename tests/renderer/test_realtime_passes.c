@@ -119,6 +119,7 @@ static void test_histories_have_one_shape(void **state)
         struct neph_gpu_view view;
         settings.values[RT_DEPTH_FORMAT] = settings.values[RT_COLOR_FORMAT] = format;
         settings.values[RT_TAA_FORMAT] = format;
+        settings.values[RT_SCREEN_PERCENT] = format == RT_FORMAT_HALF ? 100 : 67;
         neph_rt_view_init(&view, &settings, (int[2]){37, 21}, (int[2]){0, 0}, (int[2]){37, 21});
         for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
             for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++) {
@@ -146,30 +147,65 @@ static void test_choices_fit_into_their_constants(void **state)
 static void test_threads_cover_all_texels(void **state)
 {
     (void)state;
-    const struct neph_settings settings = neph_options_default(neph_rt_options);
+    struct neph_settings settings = neph_options_default(neph_rt_options);
     struct neph_gpu_view view;
-    neph_rt_view_init(&view, &settings, (int[2]){37, 21}, (int[2]){0, 0}, (int[2]){37, 21});
+    settings.values[RT_SCREEN_PERCENT] = 50; /* of 73x41, rounded up */
+    neph_rt_view_init(&view, &settings, (int[2]){73, 41}, (int[2]){0, 0}, (int[2]){73, 41});
     static const struct {
         int resolution, column;
         uint64_t count;
     } cases[] = {
-        {RT_FULL, 0, 37 * 21},      {RT_FULL, 4, 37 * 6},
-        {RT_FULL, 21, 37},          {RT_FULL, 64, 37},
-        {RT_HALF, 0, 19 * 11},      {RT_HALF, 2, 19 * 6},
-        {RT_QUARTER, 0, 10 * 6},    {RT_QUARTER, 3, 10 * 2},
-        {RT_FROXEL, 0, 4 * 2 * 64}, {RT_FROXEL_COLUMN, 0, 4 * 2},
+        {RT_PICTURE, 0, 73 * 41},
+        {RT_PICTURE, 4, 73 * 11},
+        {RT_FULL, 0, 37 * 21},
+        {RT_FULL, 4, 37 * 6},
+        {RT_FULL, 21, 37},
+        {RT_FULL, 64, 37},
+        {RT_HALF, 0, 19 * 11},
+        {RT_HALF, 2, 19 * 6},
+        {RT_QUARTER, 0, 10 * 6},
+        {RT_QUARTER, 3, 10 * 2},
+        {RT_FROXEL, 0, 37 * 21 * 64},
+        {RT_FROXEL_COLUMN, 0, 37 * 21},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         const struct neph_rt_pass pass = {.resolution = cases[i].resolution,
                                           .column = cases[i].column};
         assert_int_equal(neph_rt_thread_count(&view, &pass, i % 2 == 0), cases[i].count);
     }
+    /* A group of 64 for each block on a GPU. */
     const struct neph_rt_condition always = {RT_OVERRIDE, (int)settings.values[RT_OVERRIDE]};
-    const struct neph_rt_pass turns = {.resolution = RT_QUARTER, .in_colours = &always};
+    const struct neph_rt_pass blocks = {.resolution = RT_FULL, .column = 4, .block = {32, 8}};
+    assert_int_equal(neph_rt_thread_count(&view, &blocks, false), 37 * 6);
+    assert_int_equal(neph_rt_thread_count(&view, &blocks, true), 64 * 2 * 3);
+    const struct neph_rt_pass turns = {
+        .resolution = RT_QUARTER, .block = {8, 8}, .in_colours = &always};
     assert_int_equal(neph_rt_colour_count(&view, &turns, false), 4);
     assert_int_equal(neph_rt_thread_count(&view, &turns, false), 10 * 6);
     assert_int_equal(neph_rt_colour_count(&view, &turns, true), 1);
-    assert_int_equal(neph_rt_thread_count(&view, &turns, true), 64 * 2 * 1); /* blocks of 8x8 */
+    assert_int_equal(neph_rt_thread_count(&view, &turns, true), 64 * 2 * 1);
+    const struct neph_rt_condition never = {RT_OVERRIDE, RT_OVERRIDE_NONE};
+    const struct neph_rt_pass none = {
+        .resolution = RT_QUARTER, .block = {8, 8}, .in_colours = &never};
+    assert_int_equal(neph_rt_thread_count(&view, &none, true), 10 * 6);
+}
+
+/* As many columns of every picture, of whole pixels; what is asked for is kept. */
+static void test_columns_of_froxels_go_with_the_picture(void **state)
+{
+    (void)state;
+    static const struct {
+        int width_px, height_px, asked_px, px;
+    } cases[] = {{1920, 1080, 0, 12}, {3840, 2160, 0, 24}, {320, 180, 0, 2}, {161, 90, 0, 2},
+                 {160, 90, 0, 1},     {96, 54, 0, 1},      {96, 54, 12, 12}};
+    struct neph_settings settings = neph_options_default(neph_rt_options);
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const int size_px[2] = {cases[i].width_px, cases[i].height_px};
+        struct neph_gpu_view view;
+        settings.values[RT_FROXEL_PX] = cases[i].asked_px;
+        neph_rt_view_init(&view, &settings, size_px, (int[2]){0, 0}, size_px);
+        assert_int_equal((int)view.settings[RT_FROXEL_PX], cases[i].px);
+    }
 }
 
 int main(void)
@@ -180,6 +216,7 @@ int main(void)
         cmocka_unit_test(test_histories_have_one_shape),
         cmocka_unit_test(test_choices_fit_into_their_constants),
         cmocka_unit_test(test_threads_cover_all_texels),
+        cmocka_unit_test(test_columns_of_froxels_go_with_the_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -212,7 +212,7 @@ static void test_a_tile_marches_as_march_does(void **state)
 }
 
 static const char *const presets[] = {"off",  "seed",  "fixed", "ue",
-                                      "c52e", "unity", "ours",  "ours2"};
+                                      "c52e", "unity", "ours1", "ours"};
 enum { PRESETS = 8 };
 
 /* Where there is no medium every preset without anti-aliasing shows the scene itself, bit by bit.

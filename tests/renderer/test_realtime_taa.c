@@ -4,11 +4,9 @@
  * jitter that goes before it. What many frames make of it:
  * test_realtime_taa_film.c.
  */
-#include "tests/renderer/realtime_test.h"
+#include "tests/renderer/taa_test.h"
 
 #include "renderer/realtime/jitter.h"
-
-static const double float_ulp = 0x1p-24, half_ulp = 0x1p-11; /* relative, rounded to nearest */
 
 /* --- jitter -------------------------------------------------------------------------------- */
 
@@ -65,197 +63,7 @@ static void run(struct test_passes *test)
     test_passes_run(test, "anti-aliasing");
 }
 
-static double between(uint64_t *seed, double low, double high)
-{
-    return low + (high - low) * test_uniform(seed);
-}
-
-/* Turned by up to `turn_rad` about all axes and moved by up to `way_m` since the frame before. */
-static void move_camera(struct neph_gpu_view *view, double turn_rad, double way_m, uint64_t *seed)
-{
-    const double yaw = between(seed, -turn_rad, turn_rad),
-                 roll = between(seed, -turn_rad, turn_rad);
-    const double pitch = between(seed, -turn_rad, turn_rad);
-    const double forward[3] = {sin(yaw) * cos(pitch), sin(pitch), -cos(yaw) * cos(pitch)};
-    const double level[3] = {cos(yaw), 0.0, sin(yaw)};
-    const double above[3] = {-sin(yaw) * sin(pitch), cos(pitch), cos(yaw) * sin(pitch)};
-    for (int c = 0; c < 3; c++) {
-        view->before.forward[c] = (float)forward[c];
-        view->before.right[c] = (float)(cos(roll) * level[c] + sin(roll) * above[c]);
-        view->before.up[c] = (float)(cos(roll) * above[c] - sin(roll) * level[c]);
-        view->before.position_m[c] = (float)between(seed, -way_m, way_m);
-    }
-}
-
-static float random_depth_m(uint64_t *seed)
-{
-    switch (test_random(seed) % 8) {
-    case 0:
-        return NEPH_GPU_FAR_M;
-    case 1:
-        return INFINITY;
-    default:
-        return (float)exp(between(seed, 0.0, 14.0));
-    }
-}
-
-/* Radiance up to `most`, some of it black, some flat. */
-static void fill_colours(struct test_passes *test, int target, double most, uint64_t *seed)
-{
-    for (size_t i = 0; i < test_elements(test, target); i++) {
-        float colour[4] = {0.0f};
-        const int kind = (int)(test_random(seed) % 8);
-        for (int c = 0; c < 3 && kind > 0; c++)
-            colour[c] = (float)(kind == 1 ? 0.5 * most : between(seed, 0.0, most));
-        test_set(test, target, i, colour);
-    }
-}
-
-static void fill_depths(struct test_passes *test, uint64_t *seed)
-{
-    for (size_t i = 0; i < test_elements(test, RT_DEPTH); i++)
-        test_set(test, RT_DEPTH, i, (float[4]){random_depth_m(seed)});
-}
-
-/* Clouds of all distances, at some pixels none; what has changed, and ages of any kind. */
-static void fill_medium(struct test_passes *test, uint64_t *seed)
-{
-    static const float ages[] = {0.0f, 1.0f, 3.0f, 100.0f, 255.0f, -1.0f, NAN};
-    for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
-        const float through = test_random(seed) % 8 ? (float)test_uniform(seed) : 1.0f;
-        float colour[4]; /* of which the medium has a part, here and there more than all */
-        test_get(test, RT_COLOR, i, colour);
-        const float part = (float)(1.1 * test_uniform(seed));
-        test_set(test, RT_VOLUME, i,
-                 (float[4]){part * colour[0], part * colour[1], part * colour[2], through});
-        test_set(test, RT_VOLUME_DISTANCE, i, (float[4]){random_depth_m(seed)});
-        float before[4];
-        test_get(test, RT_TAA_BEFORE, i, before);
-        before[3] = ages[test_random(seed) % 7];
-        test_set(test, RT_TAA_BEFORE, i, before);
-    }
-    for (size_t i = 0; i < 2 * test_elements(test, RT_CHANGE); i++) {
-        float change[4];
-        for (int c = 0; c < 3; c++)
-            change[c] = (float)between(seed, 0.9, 1.1);
-        change[3] = test_random(seed) % 3 ? 0.0f : (float)(0.3 * test_uniform(seed));
-        test_set(test, i % 2 ? RT_CHANGE : RT_CHANGE_BEHIND, i / 2, change);
-    }
-    for (int c = 0; c < 3; c++)
-        test->view.wind_m[c] = (float)between(seed, -5.0, 5.0);
-}
-
-/* What each pixel sees has moved by itself; of draws of its own, so that others stay theirs. */
-static void fill_moves(struct test_passes *test, uint64_t seed)
-{
-    for (size_t i = 0; i < test_elements(test, RT_MOVED); i++) {
-        float way_m[4] = {0.0f};
-        for (int c = 0; c < 3 && test_random(&seed) % 2; c++)
-            way_m[c] = (float)between(&seed, -1.0, 1.0);
-        test_set(test, RT_MOVED, i, way_m);
-    }
-}
-
-static double pixel_value(const struct test_passes *test, int target, int x, int y, int channel)
-{
-    float value[4];
-    twin_fetch_full(&test->twin, target, x, y, value);
-    return value[channel];
-}
-
-/* Take the device's output for the twin's. */
-static void take_output(struct test_passes *test)
-{
-    uint32_t *words = test_download(test, RT_TAA_OUT);
-    memcpy(test->twin.targets[RT_TAA_OUT], words,
-           neph_rt_device_words(&test->device, RT_TAA_OUT) * sizeof(*words));
-    free(words);
-}
-
 /* --- against the twin ---------------------------------------------------------------------- */
-
-/* Any choice for every setting; returned to be printed. */
-static struct neph_settings random_settings(uint64_t *seed, char *text, size_t text_size)
-{
-    static const struct {
-        const char *name;
-        const char *values[5];
-    } choices[] = {
-        {"taa_motion", {"centre", "cross"}},
-        {"taa_space", {"linear", "reinhard", "ycocg"}},
-        {"taa_hdr_weight", {"off", "on"}},
-        {"taa_filter", {"off", "on"}},
-        {"taa_box", {"none", "min_max", "variance", "distance"}},
-        {"taa_sigma", {"0", "0.75", "1.25"}},
-        {"taa_history", {"nearest", "bilinear", "catmull_rom"}},
-        {"taa_alpha", {"0", "0.04", "0.5", "1"}},
-        {"taa_alpha_moving", {"0.04", "0.2"}},
-        {"taa_velocity_px", {"1", "40"}},
-        {"taa_contrast", {"0", "0.01"}},
-        {"taa_format", {"half", "float"}},
-        {"taa_rounding", {"nearest", "stochastic"}},
-        {"taa_guard", {"off", "on"}},
-        {"cut_reset", {"off", "on"}},
-        {"wind", {"off", "on"}},
-        {"gradient", {"off", "on"}},
-        {"taa_medium", {"off", "on"}},
-        {"taa_age_max", {"0", "1", "8", "255"}},
-        {"taa_rest_px", {"0", "0.1", "2"}},
-        {"taa_change", {"0", "0.1", "0.5"}},
-    };
-    uint64_t own = *seed; /* draws of its own, so that others stay theirs */
-    size_t length = (size_t)snprintf(text, text_size, "relight=%s ",
-                                     test_random(&own) % 2 ? "0.1" : "0");
-    for (size_t i = 0; i < sizeof(choices) / sizeof(choices[0]); i++) {
-        size_t count = 0;
-        while (count < 5 && choices[i].values[count])
-            count++;
-        length += (size_t)snprintf(text + length, text_size - length, "%s=%s ", choices[i].name,
-                                   choices[i].values[test_random(seed) % count]);
-    }
-    return test_settings(text);
-}
-
-/* How far the device may be from the twin when no colour is above `most`. float32 rounds some 60
- * times on the way (16 + 9 taps with their weights, box, blend), each time by up to an ulp and
- * either way, which is some 8 ulps together, and twice that is allowed (worst of a million pixels:
- * 5). Multiplied where a step is ill-conditioned: the contrast law acts on differences down to
- * taa_contrast of the luma, so it magnifies their error by 1 / 0.01; the inverse of Reinhard's
- * curve has slope (1 + c)^2. Halves round both sides, by chance by up to a whole step. */
-static double allowed(const struct neph_gpu_view *view, double expected, double most)
-{
-    double ulps = 16.0;
-    if (view->settings[RT_TAA_CONTRAST] > 0.0f)
-        ulps *= 100.0;
-    if ((int)view->settings[RT_TAA_SPACE] == RT_SPACE_REINHARD)
-        ulps *= 1.0 + most;
-    const double step = (int)view->settings[RT_TAA_FORMAT] == RT_FORMAT_HALF
-                            ? fmax(2.0 * half_ulp * fabs(expected) * 1.001, 0x1p-24)
-                            : 0.0;
-    return ulps * float_ulp * most + step;
-}
-
-static void compare(struct test_passes *test, double most, uint64_t seed, const char *settings)
-{
-    uint32_t *words = test_download(test, RT_TAA_OUT);
-    const struct neph_gpu_target *shape = &test->view.targets[RT_TAA_OUT];
-    for (size_t i = 0; i < test_elements(test, RT_TAA_OUT); i++) {
-        float actual[4], expected[4];
-        neph_rt_load(shape, words, i, actual);
-        test_get(test, RT_TAA_OUT, i, expected);
-        for (int c = 0; c < 4; c++) {
-            const double scale = c < 3 ? most : fabs((double)expected[c]); /* an age is no colour */
-            const double bound = allowed(&test->view, expected[c], scale);
-            if (!(fabs((double)actual[c] - (double)expected[c]) <= bound) &&
-                !(isnan(actual[c]) && isnan(expected[c]))) /* 0 / 0 without guard */
-                fail_msg("seed %llu, %s: element %zu channel %d is %.9g, %.9g in the twin, "
-                         "allowed %.3g",
-                         (unsigned long long)seed, settings, i, c, (double)actual[c],
-                         (double)expected[c], bound);
-        }
-    }
-    free(words);
-}
 
 static void test_the_pass_equals_the_twin(void **state)
 {
@@ -263,7 +71,7 @@ static void test_the_pass_equals_the_twin(void **state)
     uint64_t seed = 1;
     for (int round = 0; round < 120; round++) {
         const uint64_t start = seed;
-        char text[512];
+        char text[768];
         const struct neph_settings settings = random_settings(&seed, text, sizeof(text));
         const int size = round == 60 ? SIZES - 1 : round % (SIZES - 1);
         const int origin_px[2] = {round % 3 * 4, round % 2 * 8};
@@ -283,11 +91,15 @@ static void test_the_pass_equals_the_twin(void **state)
         fill_colours(&test, RT_COLOR, most, &seed);
         fill_colours(&test, RT_TAA_BEFORE, most, &seed);
         fill_medium(&test, &seed);
+        if (round % 5 == 2) {
+            test.view.exposure = 8.0f;
+            test.view.exposure_before = 0.5f;
+        }
         if (round % 3 == 1)
             fill_moves(&test, start);
         run(&test);
         twin_taa(&test.twin);
-        compare(&test, most, start, text);
+        compare(&test, round % 5 == 2 ? 16.0 * most : most, start, text);
         test_passes_close(&test);
     }
 }
@@ -301,7 +113,7 @@ static void test_the_guard_keeps_bad_numbers_out(void **state)
     uint64_t seed = 20261122;
     for (int round = 0; round < 40; round++) {
         const uint64_t start = seed;
-        char text[512];
+        char text[768];
         struct neph_settings settings = random_settings(&seed, text, sizeof(text));
         settings.values[RT_TAA_GUARD] = 1;
         struct test_passes test;

@@ -45,7 +45,8 @@ static void test_each_is_found_at_its_picture(void **state)
         "  sizes: [{frame: 9, scale: 0.5}]\n"
         "  view: {left_px: 8, bottom_px: 3, value: nan}\n"
         "  mirror: {frame: 2, count: 3, height_m: 1.5}\n"
-        "  origin: [{frame: 6, by_m: [1, 2, 3]}, {frame: 8, by_m: [0, 0, 4]}]\n");
+        "  origin: [{frame: 6, by_m: [1, 2, 3]}, {frame: 8, by_m: [0, 0, 4]}]\n"
+        "  exposures: [{frame: 5, factor: 8}, {frame: 7, factor: 0.5}]\n");
     const struct neph_injections *all = &scene->injections;
     for (int frame = -2; frame < 12; frame++) {
         assert_int_equal(neph_injected_history_at(all, frame) != NULL, frame == 3 || frame == 5);
@@ -53,6 +54,9 @@ static void test_each_is_found_at_its_picture(void **state)
         assert_int_equal(neph_injected_size_at(all, frame) != NULL, frame == 9);
         assert_int_equal(neph_injected_mirror_at(all, frame), frame >= 2 && frame < 5);
         const struct neph_vec3 by_m = neph_injected_origin_at(all, frame);
+        assert_true(neph_injected_exposure_at(all, frame) == (frame < 5   ? 1.0
+                                                              : frame < 7 ? 8.0
+                                                                          : 0.5));
         assert_true(by_m.x == (frame == 6 || frame == 7 ? 1.0 : 0.0));
         assert_true(by_m.z == (frame < 6 ? 0.0 : frame < 8 ? 3.0 : 4.0));
     }
@@ -63,8 +67,8 @@ static void test_each_is_found_at_its_picture(void **state)
     char *text = neph_injections_text(all);
     assert_string_equal(text, "history garbage as if first at 3, history huge at 5, rays 7 "
                               "negative at 4, size by 0.5 at 9, origin by 1 2 3 m at 6, origin by "
-                              "0 0 4 m at 8, view within 8 0 0 3 px of nan, mirror at 1.5 m in 3 "
-                              "from 2");
+                              "0 0 4 m at 8, exposure by 8 at 5, exposure by 0.5 at 7, view "
+                              "within 8 0 0 3 px of nan, mirror at 1.5 m in 3 from 2");
     free(text);
     neph_scene_destroy(scene);
 }
@@ -82,6 +86,7 @@ static void test_the_scene_stays_what_it_is(void **state)
         "mirror: {count: 4, height_m: 1}",       "mirror: {frame: 1, count: 3, height_m: 1}",
         "sizes: [{frame: 3, scale: 2}]",         "sizes: [{frame: 3, scale: 0.3333333333333333}]",
         "origin: [{frame: 3, by_m: [0, 0, 1]}]", "origin: [{frame: 3, by_m: [1e-17, 0, 1]}]",
+        "exposures: [{frame: 3, factor: 8}]",    "exposures: [{frame: 4, factor: 8}]",
     };
     struct neph_scene *plain = loaded("");
     char *texts[COUNT(one_each)];

@@ -114,6 +114,55 @@ static void test_a_sheet_has_its_pattern(void **state)
     neph_scene_destroy(scene);
 }
 
+/* Above a height, along the y axis through a place. */
+static double depth_above(const struct neph_medium *medium, double x_m, double y_m, double z_m)
+{
+    const struct neph_vec3 from_m = {x_m, y_m, z_m}, up = {0.0, 1.0, 0.0};
+    return depth_along(medium, from_m, up);
+}
+
+/* Straight up it has the level sheet's optical depth, and its middle is as far from the planet's
+ * centre everywhere: the integral of what is above, exact by Simpson's rule from node to node. */
+static void test_a_sheet_goes_around_a_planet(void **state)
+{
+    (void)state;
+    enum { NODES = 41 };
+    const double half_m = 150.0, radius_m = 6.36e6, top_m = 9000.0, spacing_m = 200000.0 / NODES;
+    struct neph_scene *scene = loaded(
+        "  - sheet: {center_m: [0, 9000, 0], side_m: 200000, thickness_m: 300, nodes: 41,\n"
+        "      planet_radius_m: 6360000, optical_depth: 0.4, albedo: [1, 1, 1]}\n");
+    const struct neph_medium *sheet = &scene->media[0];
+    for (int k = 0; k < NODES; k += 5)
+        for (int i = 0; i < NODES; i += 4) {
+            const double x_m = spacing_m * (i - 20), z_m = spacing_m * (k - 20);
+            const double wanted_m =
+                sqrt((radius_m + top_m) * (radius_m + top_m) - x_m * x_m - z_m * z_m) - radius_m;
+            double moment = 0.0, low_m = top_m - 20.0 * half_m;
+            assert_float_equal(depth_above(sheet, x_m, low_m, z_m), 0.4, 1e-6);
+            assert_float_equal(depth_above(sheet, x_m, wanted_m + 2.0 * half_m, z_m), 0.0, 1e-9);
+            for (int j = 0; j < 22; j++)
+                moment += half_m / 6.0 *
+                          (depth_above(sheet, x_m, low_m + j * half_m, z_m) +
+                           4.0 * depth_above(sheet, x_m, low_m + (j + 0.5) * half_m, z_m) +
+                           depth_above(sheet, x_m, low_m + (j + 1.0) * half_m, z_m));
+            assert_float_equal(low_m + moment / 0.4, wanted_m, 0.01);
+        }
+    neph_scene_destroy(scene);
+}
+
+static void test_a_planet_that_is_too_small_is_refused(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(load_media("  - sheet: {center_m: [0, 50, 0], side_m: 400, thickness_m: 1,\n"
+                                "      planet_radius_m: 300, optical_depth: 1, "
+                                "albedo: [1, 1, 1]}\n",
+                                &scene, &diag),
+                     NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "too small"));
+}
+
 static void test_wisps_have_a_direction(void **state)
 {
     (void)state;
@@ -214,6 +263,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_sheet_has_its_optical_depth),
         cmocka_unit_test(test_a_sheet_has_its_pattern),
+        cmocka_unit_test(test_a_sheet_goes_around_a_planet),
+        cmocka_unit_test(test_a_planet_that_is_too_small_is_refused),
         cmocka_unit_test(test_wisps_have_a_direction),
         cmocka_unit_test(test_a_repeated_node_is_a_slab),
         cmocka_unit_test(test_a_checkerboard_repeats),

@@ -50,7 +50,9 @@ static void add(float sum[3], const float value[3])
 static bool is_other_scene(const struct twin *twin, int x, int y)
 {
     const float part = twin->view->settings[RT_REJECT_DEPTH];
-    for (int i = 0; i < 4 && part > 0.0f; i++) {
+    if (!(part > 0.0f) || !twin->view->has_history)
+        return part > 0.0f;
+    for (int i = 0; i < 4; i++) {
         float now[4], before[4];
         twin_fetch_half(twin, RT_HALF_DEPTH, 2 * x + i % 2, 2 * y + i / 2, now);
         twin_fetch_half(twin, RT_HALF_DEPTH_BEFORE, 2 * x + i % 2, 2 * y + i / 2, before);
@@ -58,6 +60,19 @@ static bool is_other_scene(const struct twin *twin, int x, int y)
             return true;
     }
     return false;
+}
+
+static void forget(const struct twin *twin, int x, int y)
+{
+    const struct neph_gpu_view *view = twin->view;
+    const float nothing[4] = {0.0f};
+    for (int i = 0; i < 4; i++)
+        if (2 * x + i % 2 < (int)view->half_size_px[0] &&
+            2 * y + i / 2 < (int)view->half_size_px[1])
+            twin_put_half(twin, RT_KEPT_RAY, 2 * x + i % 2, 2 * y + i / 2, nothing);
+    for (int i = 0; i < TILE_PX; i++)
+        if (4 * x + i % 4 < (int)view->size_px[0] && 4 * y + i / 4 < (int)view->size_px[1])
+            twin_put_full(twin, RT_KEPT_BEHIND, 4 * x + i % 4, 4 * y + i / 4, nothing);
 }
 
 static void look_at_medium(const struct twin *twin, int x, int y)
@@ -112,6 +127,8 @@ void twin_gradient(const struct twin *twin)
 {
     for (int y = 0; y < (int)twin->view->tile_count[1]; y++)
         for (int x = 0; x < (int)twin->view->tile_count[0]; x++) {
+            if (!twin->view->has_history)
+                forget(twin, x, y);
             look_at_medium(twin, x, y);
             look_behind(twin, x, y);
         }

@@ -15,6 +15,12 @@ struct colour {
 struct surroundings {
     struct colour colours[9];
     bool counts[9];
+    float off_px[9][2]; /* where their rays went, from the pixel's centre, in rendered pixels */
+};
+
+/* A pixel of the picture, and the rendered one that it is made of: itself at 100 %. */
+struct place {
+    int x, y, source_x, source_y;
 };
 
 struct box {
@@ -48,10 +54,19 @@ static struct colour guard(const struct twin *twin, struct colour colour)
     return colour;
 }
 
+/* Of the frame, as the camera exposes it. */
 static struct colour fetch(const struct twin *twin, int target, int x, int y)
 {
     float value[4];
     twin_fetch_full(twin, target, x, y, value);
+    const float exposure = twin->view->exposure;
+    return (struct colour){{exposure * value[0], exposure * value[1], exposure * value[2]}};
+}
+
+static struct colour fetch_before(const struct twin *twin, int x, int y)
+{
+    float value[4];
+    twin_fetch_picture(twin, RT_TAA_BEFORE, x, y, value);
     return (struct colour){{value[0], value[1], value[2]}};
 }
 
@@ -76,9 +91,9 @@ static void place_from_middle(const struct neph_gpu_view *view,
                               const struct neph_gpu_view_camera *camera, const float from[3],
                               float depth, float place[2])
 {
-    place[0] = 0.5f * (float)view->size_px[0] *
+    place[0] = 0.5f * (float)view->picture_px[0] *
                (dot(from, camera->right) / (spread(camera, depth) * camera->half_width));
-    place[1] = -0.5f * (float)view->size_px[1] *
+    place[1] = -0.5f * (float)view->picture_px[1] *
                (dot(from, camera->up) / (spread(camera, depth) * camera->half_height));
 }
 
@@ -160,16 +175,17 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
            find_motion(view, ray, depth_m, from_m, motion_px);
 }
 
-static bool find_before(const struct twin *twin, int x, int y, float place_px[2], double *speed_px)
+static bool find_before(const struct twin *twin, struct place at, float place_px[2],
+                        double *speed_px)
 {
     const struct neph_gpu_view *view = twin->view;
     const struct neph_gpu_view_camera *now = &view->now;
-    const float width_px = (float)view->size_px[0], height_px = (float)view->size_px[1];
-    const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
+    const float width_px = (float)view->picture_px[0], height_px = (float)view->picture_px[1];
+    const float centre_px[2] = {(float)at.x + 0.5f, (float)at.y + 0.5f};
     const float right = (2.0f * centre_px[0] / width_px - 1.0f) * now->half_width;
     const float up = (1.0f - 2.0f * centre_px[1] / height_px) * now->half_height;
     float ray[3], motion_px[2], moved_m[4], from_m[3];
-    const float scene_m = depth_of_motion(twin, x, y, moved_m);
+    const float scene_m = depth_of_motion(twin, at.source_x, at.source_y, moved_m);
     for (int c = 0; c < 3; c++) {
         ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
         from_m[c] = view->before.position_m[c] + moved_m[c];
@@ -177,8 +193,8 @@ static bool find_before(const struct twin *twin, int x, int y, float place_px[2]
     const bool has_wind = view->wind_m[0] != 0.0f || view->wind_m[1] != 0.0f ||
                           view->wind_m[2] != 0.0f;
     const bool is_carried = choice(twin, RT_TAA_MEDIUM) && choice(twin, RT_WIND) && has_wind;
-    const bool is_before = (is_carried && is_changing(twin, x, y) &&
-                            goes_with_medium(twin, x, y, ray, motion_px)) ||
+    const bool is_before = (is_carried && is_changing(twin, at.source_x, at.source_y) &&
+                            goes_with_medium(twin, at.source_x, at.source_y, ray, motion_px)) ||
                            find_motion(view, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
     place_px[1] = centre_px[1] - motion_px[1];
@@ -218,11 +234,13 @@ static bool fetch_history(const struct twin *twin, const float place_px[2], stru
     for (int y = -1; y < 3; y++)
         for (int x = -1; x < 3; x++) {
             const double weight = filter_weight(twin, x - way[0]) * filter_weight(twin, y - way[1]);
-            const struct colour texel = fetch(twin, RT_TAA_BEFORE, (int)corner[0] + x,
-                                              (int)corner[1] + y);
+            const struct colour texel = fetch_before(twin, (int)corner[0] + x, (int)corner[1] + y);
             for (int c = 0; c < 3 && weight != 0.0; c++)
                 history->c[c] += weight * texel.c[c];
         }
+    const double ratio = (double)twin->view->exposure / (double)twin->view->exposure_before;
+    for (int c = 0; c < 3 && choice(twin, RT_TAA_PRE_EXPOSURE); c++)
+        history->c[c] *= ratio;
     const bool is_sound = !choice(twin, RT_TAA_GUARD) || is_finite(*history);
     *history = guard(twin, *history);
     return is_sound;
@@ -230,23 +248,66 @@ static bool fetch_history(const struct twin *twin, const float place_px[2], stru
 
 /* --- the frame ----------------------------------------------------------------------------- */
 
-/* A decision of the distance box, therefore float32. */
-static float distance_squared(const struct twin *twin, int i)
+/* The rendered pixel whose ray went nearest, in the shader's float32. */
+static struct place place_of(const struct twin *twin, int x, int y)
 {
-    const float x = (float)(i % 3 - 1) + twin->view->jitter_px[0];
-    const float y = (float)(i / 3 - 1) + twin->view->jitter_px[1];
+    const struct neph_gpu_view *view = twin->view;
+    if (choice(twin, RT_TAA) != RT_TAA_UPSAMPLING)
+        return (struct place){x, y, x, y};
+    const float way_x = ((float)x + 0.5f) * view->rendered_per_px[0] - view->jitter_px[0];
+    const float way_y = ((float)y + 0.5f) * view->rendered_per_px[1] - view->jitter_px[1];
+    return (struct place){x, y, (int)floorf(way_x), (int)floorf(way_y)};
+}
+
+/* From a pixel's centre to where its source's ray went, along one side. */
+static float shift_px(const struct twin *twin, int pixel, int source, int axis)
+{
+    const struct neph_gpu_view *view = twin->view;
+    if (choice(twin, RT_TAA) != RT_TAA_UPSAMPLING)
+        return view->jitter_px[axis];
+    const float way = ((float)pixel + 0.5f) * view->rendered_per_px[axis] - view->jitter_px[axis];
+    return (float)source + 0.5f - way;
+}
+
+/* A decision of the distance box, therefore float32. */
+static float distance_squared(const struct surroundings *around, int i)
+{
+    const float x = around->off_px[i][0], y = around->off_px[i][1];
     return x * x + y * y;
 }
 
-static struct surroundings look_around(const struct twin *twin, int x, int y)
+static struct surroundings look_around(const struct twin *twin, struct place at)
 {
+    const float shift_x = shift_px(twin, at.x, at.source_x, 0);
+    const float shift_y = shift_px(twin, at.y, at.source_y, 1);
     struct surroundings around;
     for (int i = 0; i < 9; i++) {
-        const struct colour colour = fetch(twin, RT_COLOR, x + i % 3 - 1, y + i / 3 - 1);
+        const struct colour colour = fetch(twin, RT_COLOR, at.source_x + i % 3 - 1,
+                                           at.source_y + i / 3 - 1);
         around.counts[i] = !choice(twin, RT_TAA_GUARD) || is_finite(colour);
         around.colours[i] = guard(twin, colour);
+        around.off_px[i][0] = (float)(i % 3 - 1) + shift_x;
+        around.off_px[i][1] = (float)(i / 3 - 1) + shift_y;
     }
     return around;
+}
+
+/* By the distance in pixels of the picture. */
+static double nearness(const struct twin *twin, const struct surroundings *around, int i)
+{
+    double squared = 0.0;
+    for (int axis = 0; axis < 2; axis++)
+        squared += pow(around->off_px[i][axis] / (double)twin->view->rendered_per_px[axis], 2.0);
+    return exp(-2.29 * squared);
+}
+
+/* What there is of the frame in a pixel: the sum of the filter, at most 1. */
+static double coverage(const struct twin *twin, const struct surroundings *around)
+{
+    double sum = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING ? 0.0 : 1.0;
+    for (int i = 0; i < 9; i++)
+        sum += nearness(twin, around, i);
+    return fmin(sum, 1.0);
 }
 
 static double hdr_weight(const struct twin *twin, struct colour colour)
@@ -262,8 +323,7 @@ static bool filter_frame(const struct twin *twin, const struct surroundings *aro
         return around->counts[4];
     double weights = 0.0, sum[3] = {0.0};
     for (int i = 0; i < 9; i++) {
-        const double weight = exp(-2.29 * (double)distance_squared(twin, i)) *
-                              hdr_weight(twin, around->colours[i]);
+        const double weight = nearness(twin, around, i) * hdr_weight(twin, around->colours[i]);
         weights += around->counts[i] ? weight : 0.0;
         for (int c = 0; c < 3 && around->counts[i]; c++)
             sum[c] += weight * around->colours[i].c[c];
@@ -344,9 +404,11 @@ static struct box variance_box(const struct surroundings *around, struct colour 
 
 static struct box distance_box(const struct twin *twin, const struct surroundings *around)
 {
+    const float reach_px = 1.51f - 0.21f * (1.0f / twin->view->rendered_per_px[0] - 1.0f);
+    const bool upsamples = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING;
     bool near[9];
     for (int i = 0; i < 9; i++)
-        near[i] = distance_squared(twin, i) < 2.2801f;
+        near[i] = distance_squared(around, i) < (upsamples ? reach_px * reach_px : 2.2801f);
     return extremes(around, near);
 }
 
@@ -375,12 +437,12 @@ static struct colour hold_history(const struct twin *twin, struct colour history
 
 /* --- blend and output ------------------------------------------------------------------------ */
 
-static double frame_weight(const struct twin *twin, double luma, double history_luma,
+static double frame_weight(const struct twin *twin, double part, double luma, double history_luma,
                            double speed_px)
 {
     const double contrast = setting(twin, RT_TAA_CONTRAST);
     const double way = fmin(speed_px / setting(twin, RT_TAA_VELOCITY_PX), 1.0);
-    const double alpha = (1.0 - way) * setting(twin, RT_TAA_ALPHA) +
+    const double alpha = (1.0 - way) * part * setting(twin, RT_TAA_ALPHA) +
                          way * setting(twin, RT_TAA_ALPHA_MOVING);
     if (contrast == 0.0 || (choice(twin, RT_TAA_GUARD) && !(history_luma > 0.0)))
         return alpha;
@@ -424,7 +486,8 @@ static struct colour relit(const struct twin *twin, int x, int y, struct colour 
     twin_fetch_full(twin, RT_VOLUME, x, y, volume);
     const double moved = beyond(speed_px, setting(twin, RT_TAA_REST_PX));
     for (int c = 0; c < 3; c++) {
-        const double colour = around->colours[4].c[c], medium = hold(volume[c], 0.0, colour);
+        const double colour = around->colours[4].c[c];
+        const double medium = hold((double)(twin->view->exposure * volume[c]), 0.0, colour);
         const double then = medium / changes[0][c] + (colour - medium) / changes[1][c];
         const double gain = then > 0.0 ? colour / then : 1.0;
         history.c[c] *= (1.0 - moved) * gain + moved;
@@ -439,8 +502,44 @@ static double age_at(const struct twin *twin, const float place_px[2])
     float value[4];
     if (most == 0.0 || !place_px)
         return fmin(most, 1.0);
-    twin_fetch_full(twin, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]), value);
-    return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
+    twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]),
+                       value);
+    return value[3] >= 1.0f && value[3] != RT_OF_MOVER ? fmin(value[3], most) : 1.0;
+}
+
+static bool flags_movers(const struct twin *twin)
+{
+    return choice(twin, RT_TAA_ANTIGHOST) && choice(twin, RT_SOLID_MOTION);
+}
+
+/* A mover in the plus about the source. */
+static bool is_at_mover(const struct twin *twin, struct place at)
+{
+    static const int plus[5][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    bool is_one = false;
+    for (int i = 0; i < 5 && flags_movers(twin); i++) {
+        float moved[4];
+        twin_fetch_full(twin, RT_MOVED, at.source_x + plus[i][0], at.source_y + plus[i][1], moved);
+        is_one |= moved[3] != 0.0f;
+    }
+    return is_one;
+}
+
+/* The history is that of a mover which is no longer there. */
+static bool is_ghost(const struct twin *twin, struct place at, const float before_px[2])
+{
+    float value[4];
+    twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(before_px[0]), (int)floorf(before_px[1]),
+                       value);
+    return flags_movers(twin) && !is_at_mover(twin, at) && value[3] == RT_OF_MOVER;
+}
+
+/* A medium that hides more than half. */
+static bool is_responsive(const struct twin *twin, int x, int y)
+{
+    float volume[4];
+    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
+    return choice(twin, RT_TAA_RESPONSIVE) && volume[3] < 0.5f;
 }
 
 static struct colour blend(const struct twin *twin, struct colour frame, struct colour history,
@@ -496,7 +595,7 @@ static void write(const struct twin *twin, int x, int y, struct colour colour, d
         if (by_chance)
             value[c] = round_by_chance(value[c], numbers[c]);
     }
-    twin_put_full(twin, RT_TAA_OUT, x, y, value);
+    twin_put_picture(twin, RT_TAA_OUT, x, y, value);
 }
 
 /* What both sides of a step are worth, `part` of the way. */
@@ -507,16 +606,18 @@ static struct colour between(struct colour from, struct colour to, double part)
     return to;
 }
 
-static struct colour pixel_colour(const struct twin *twin, int x, int y, double *age)
+static struct colour pixel_colour(const struct twin *twin, struct place at, double *age)
 {
+    const int x = at.source_x, y = at.source_y;
     const struct neph_gpu_view *view = twin->view;
     const bool is_reset = !view->has_history || (view->is_cut && choice(twin, RT_CUT_RESET));
     float before_px[2];
     double speed_px = 0.0;
     struct colour history, filtered;
-    const bool has_history = !is_reset && find_before(twin, x, y, before_px, &speed_px) &&
+    const bool has_history = !is_reset && find_before(twin, at, before_px, &speed_px) &&
+                             !is_ghost(twin, at, before_px) &&
                              fetch_history(twin, before_px, &history);
-    const struct surroundings around = look_around(twin, x, y);
+    const struct surroundings around = look_around(twin, at);
     *age = age_at(twin, has_history ? before_px : NULL);
     if (!filter_frame(twin, &around, &filtered))
         return has_history ? history : (struct colour){{0.0}};
@@ -524,23 +625,27 @@ static struct colour pixel_colour(const struct twin *twin, int x, int y, double 
         return filtered;
     history = relit(twin, x, y, history, &around, speed_px);
     const double part = unrest(twin, x, y, speed_px), age_max = setting(twin, RT_TAA_AGE_MAX);
-    double alpha = frame_weight(twin, luma_4(filtered), luma_4(history), speed_px);
+    double alpha = frame_weight(twin, coverage(twin, &around), luma_4(filtered), luma_4(history),
+                                speed_px);
     if (age_max > 0.0 && choice(twin, RT_GRADIENT))
         *age = fmax(fmin(*age, frames_alike(twin, x, y)), 1.0);
     if (age_max > 0.0) {
         alpha = (1.0 - part) / (*age + 1.0) + part * alpha;
         *age = fmin((1.0 - part) * (*age + 1.0) + part, age_max);
     }
+    if (is_responsive(twin, x, y))
+        alpha = fmax(alpha, 0.25);
     const struct colour held = hold_history(twin, history, around, filtered);
     return blend(twin, filtered, between(history, held, part), alpha);
 }
 
 void twin_taa(const struct twin *twin)
 {
-    for (int y = 0; y < (int)twin->view->size_px[1]; y++)
-        for (int x = 0; x < (int)twin->view->size_px[0]; x++) {
+    for (int y = 0; y < (int)twin->view->picture_px[1]; y++)
+        for (int x = 0; x < (int)twin->view->picture_px[0]; x++) {
             double age;
-            const struct colour colour = pixel_colour(twin, x, y, &age);
-            write(twin, x, y, colour, age);
+            const struct place at = place_of(twin, x, y);
+            const struct colour colour = pixel_colour(twin, at, &age);
+            write(twin, x, y, colour, is_at_mover(twin, at) ? RT_OF_MOVER : age);
         }
 }

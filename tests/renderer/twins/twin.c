@@ -27,6 +27,13 @@ void twin_fetch_full(const struct twin *twin, int target, int x, int y, float va
                (int)view->origin_px[1] + held(y, view->size_px[1]), value);
 }
 
+void twin_fetch_picture(const struct twin *twin, int target, int x, int y, float value[4])
+{
+    const struct neph_gpu_view *view = twin->view;
+    twin_fetch(twin, target, (int)view->origin_px[0] + held(x, view->picture_px[0]),
+               (int)view->origin_px[1] + held(y, view->picture_px[1]), value);
+}
+
 void twin_fetch_half(const struct twin *twin, int target, int x, int y, float value[4])
 {
     const struct neph_gpu_view *view = twin->view;
@@ -45,6 +52,11 @@ void twin_put_full(const struct twin *twin, int target, int x, int y, const floa
 {
     const struct neph_gpu_view *view = twin->view;
     put(twin, target, (int)view->origin_px[0] + x, (int)view->origin_px[1] + y, value);
+}
+
+void twin_put_picture(const struct twin *twin, int target, int x, int y, const float value[4])
+{
+    twin_put_full(twin, target, x, y, value); /* from the same origin */
 }
 
 void twin_put_half(const struct twin *twin, int target, int x, int y, const float value[4])

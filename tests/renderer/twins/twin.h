@@ -19,13 +19,15 @@ struct twin {
     uint32_t *targets[RT_TARGET_COUNT];
 };
 
-/* Element at a texel of the whole target; pixel of the view, half-pixel or tile held at its sides.
- */
+/* Element at a texel of the whole target; pixel of the view or of the picture, half-pixel or tile
+ * held at its sides. */
 void twin_fetch(const struct twin *twin, int target, int x, int y, float value[4]);
 void twin_fetch_full(const struct twin *twin, int target, int x, int y, float value[4]);
+void twin_fetch_picture(const struct twin *twin, int target, int x, int y, float value[4]);
 void twin_fetch_half(const struct twin *twin, int target, int x, int y, float value[4]);
 void twin_fetch_tile(const struct twin *twin, int target, int x, int y, float value[4]);
 void twin_put_full(const struct twin *twin, int target, int x, int y, const float value[4]);
+void twin_put_picture(const struct twin *twin, int target, int x, int y, const float value[4]);
 void twin_put_half(const struct twin *twin, int target, int x, int y, const float value[4]);
 void twin_put_tile(const struct twin *twin, int target, int x, int y, const float value[4]);
 
@@ -45,6 +47,6 @@ void twin_upscale(const struct twin *twin);
 void twin_froxel_sum(const struct twin *twin);
 void twin_froxel_apply(const struct twin *twin);
 void twin_compose(const struct twin *twin);
-void twin_taa(const struct twin *twin);
+void twin_taa(const struct twin *twin); /* and upsampling, by RT_TAA */
 
 #endif

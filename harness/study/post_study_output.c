@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/post_study.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Columns of all tables. */
+static const struct {
+    const char *title, *name;
+    size_t at;
+    const char *format;
+} columns[] = {
+    {"scene: error", "scene_error", offsetof(struct neph_post_numbers, scene_error), "%.4f"},
+    {"change", "scene_change", offsetof(struct neph_post_numbers, scene_change), "%.4f"},
+    {"display: FLIP", "flip", offsetof(struct neph_post_numbers, flip), "%.4f"},
+    {"flicker seen", "seen", offsetof(struct neph_post_numbers, seen), "%.2f"},
+    {"share seen", "seen_share", offsetof(struct neph_post_numbers, seen_share), "%.3f"},
+    {"change of luma", "luma_change", offsetof(struct neph_post_numbers, luma_change), "%.4f"},
+    {"ms", "ms", offsetof(struct neph_post_numbers, ms), "%.3f"},
+};
+enum { COLUMNS = sizeof(columns) / sizeof(columns[0]) };
+
+static double value_of(const struct neph_post_numbers *numbers, int column)
+{
+    return *(const double *)((const char *)numbers + columns[column].at);
+}
+
+static void print_value(double value, const char *format, FILE *out)
+{
+    if (isnan(value))
+        fputs("none", out);
+    else
+        fprintf(out, format, value);
+}
+
+static void print_rows(const struct neph_post_numbers *numbers, bool of_whole, FILE *out)
+{
+    for (int r = 0; neph_post_rows[r].name; r++) {
+        if (neph_post_rows[r].is_of_whole != of_whole)
+            continue;
+        fprintf(out, "| %s |", neph_post_rows[r].name);
+        for (int c = 0; c < COLUMNS; c++) {
+            fputc(' ', out);
+            print_value(value_of(&numbers[r], c), columns[c].format, out);
+            fputs(" |", out);
+        }
+        fputc('\n', out);
+    }
+}
+
+static void print_table(const struct neph_post_numbers *numbers, bool of_whole, FILE *out)
+{
+    fprintf(out, "\n| %s |", of_whole ? "out of the whole" : "alone, on the curve");
+    for (int c = 0; c < COLUMNS; c++)
+        fprintf(out, " %s |", columns[c].title);
+    fputs("\n| --- |", out);
+    for (int c = 0; c < COLUMNS; c++)
+        fputs(" ---: |", out);
+    fputc('\n', out);
+    print_rows(numbers, of_whole, out);
+}
+
+static void print_study(const struct neph_post_study *study, FILE *out)
+{
+    const struct neph_post_study_params *params = study->params;
+    fprintf(out,
+            "neph %s, realtime %s, %d steps, on %s: %d frames after %d at %g Hz, %dx%d, behind the "
+            "same chain as the march averaged over 16 rays a pixel.\nError and change of light "
+            "before the curve are rms over the reference's mean; flicker seen is in thresholds; "
+            "the change of luma is of its error, from frame to frame; ms of the device.\n",
+            NEPH_VERSION, params->preset, params->steps, study->device, params->frame_count,
+            params->warm_up, params->frame_rate_hz, params->width_px, params->height_px);
+    for (int i = 0; i < params->scene_count; i++) {
+        fprintf(out, "\n%s\n", study->names[i]);
+        print_table(study->numbers[i], false, out);
+        print_table(study->numbers[i], true, out);
+    }
+}
+
+static void print_csv(const struct neph_post_study *study, FILE *out)
+{
+    fputs("scene,chain", out);
+    for (int c = 0; c < COLUMNS; c++)
+        fprintf(out, ",%s", columns[c].name);
+    fputc('\n', out);
+    for (int i = 0; i < study->params->scene_count; i++)
+        for (int r = 0; neph_post_rows[r].name; r++) {
+            fprintf(out, "%s,\"%s\"", study->names[i], neph_post_rows[r].name);
+            for (int c = 0; c < COLUMNS; c++) {
+                const double value = value_of(&study->numbers[i][r], c);
+                fprintf(out, isnan(value) ? "," : ",%.9g", value);
+            }
+            fputc('\n', out);
+        }
+}
+
+static enum neph_status printed(const struct neph_post_study *study,
+                                void (*print)(const struct neph_post_study *study, FILE *out),
+                                char **text, struct neph_diag *diag)
+{
+    char *made = NULL;
+    size_t size;
+    FILE *out = open_memstream(&made, &size);
+    if (!out)
+        return neph_fail_memory(diag);
+    print(study, out);
+    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
+    if (cut || !closed) {
+        free(made);
+        return neph_fail_memory(diag);
+    }
+    *text = made;
+    return NEPH_OK;
+}
+
+enum neph_status neph_post_study_text(const struct neph_post_study *study, char **text,
+                                      struct neph_diag *diag)
+{
+    return printed(study, print_study, text, diag);
+}
+
+enum neph_status neph_post_study_csv(const struct neph_post_study *study, char **text,
+                                     struct neph_diag *diag)
+{
+    return printed(study, print_csv, text, diag);
+}
+
+json_t *neph_post_study_json(const struct neph_post_study *study)
+{
+    json_t *scenes = json_array();
+    for (int i = 0; i < study->params->scene_count; i++) {
+        json_t *chains = json_array();
+        for (int r = 0; neph_post_rows[r].name; r++) {
+            json_t *chain = json_pack("{s:s, s:s, s:b}", "name", neph_post_rows[r].name, "settings",
+                                      neph_post_rows[r].settings, "of_whole",
+                                      neph_post_rows[r].is_of_whole);
+            for (int c = 0; c < COLUMNS; c++)
+                neph_json_set(&chain, columns[c].name,
+                              neph_json_number(value_of(&study->numbers[i][r], c)));
+            neph_json_add(&chains, chain);
+        }
+        neph_json_add(&scenes, json_pack("{s:s, s:o}", "scene", study->names[i], "chains", chains));
+    }
+    return json_pack("{s:s, s:s, s:o}", "device", study->device, "preset", study->params->preset,
+                     "scenes", scenes);
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/march_params.h"
+
+struct neph_march_sky neph_sky_for_march(bool is_on, bool has_shadows,
+                                         struct neph_sky_aerial_params aerial)
+{
+    return (struct neph_march_sky){
+        .is_on = is_on,
+        .has_shadows = has_shadows,
+        .tables = {.steps = 48,
+                   .sun_altitudes = 64,
+                   .sun_cosines = 256,
+                   .field = {.altitudes = 24,
+                             .suns = 64,
+                             .degree = 2,
+                             .orders = 8,
+                             .above = 8,
+                             .below = 4,
+                             .around = 6,
+                             .steps = 16},
+                   .view = {.is_table = true, .elevations = 48, .azimuths = 48},
+                   .aerial = aerial},
+    };
+}

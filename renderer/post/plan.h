@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A picture chain as data: its order, its settings and its volumes, from a YAML file.
+ */
+#ifndef NEPH_RENDERER_POST_PLAN_H
+#define NEPH_RENDERER_POST_PLAN_H
+
+#include "base/status.h"
+#include "renderer/post/chain.h"
+#include "renderer/post/volumes.h"
+
+#include <stdio.h>
+
+/* A pass of the file's list. */
+struct neph_post_entry {
+    enum neph_post_pass pass;
+    bool is_on;
+};
+
+struct neph_post_plan {
+    char *title;                      /* owned; NULL: none */
+    char *preset;                     /* of neph_post_presets, what the settings begin with; owned;
+                                         NULL: none */
+    struct neph_post_changes changes; /* after those of the preset */
+    struct neph_post_entry entries[NEPH_POST_PASS_COUNT];
+    int entry_count;                  /* 0: the usual order */
+    struct neph_post_volume *volumes; /* owned */
+    int volume_count;
+    struct neph_post_order order; /* of the entries that are on */
+};
+
+/* Errors name file, line and column, the value and what is allowed: NEPH_ERR_INPUT;
+ * NEPH_ERR_NOT_FOUND, NEPH_ERR_IO, NEPH_ERR_MEMORY. Free with _finish. */
+enum neph_status neph_post_plan_load(const char *path, struct neph_post_plan *plan,
+                                     struct neph_diag *diag);
+void neph_post_plan_finish(struct neph_post_plan *plan);
+
+/* Preset and settings of the plan, without its volumes. */
+struct neph_settings neph_post_plan_settings(const struct neph_post_plan *plan);
+
+/* Whether what is set depends on where the camera is. */
+bool neph_post_plan_wants_camera(const struct neph_post_plan *plan);
+
+/* A line of Markdown's table per key. */
+void neph_post_plan_print_keys(FILE *file);
+
+#endif

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The settings in the order of the passes. Defaults are what is nearest to the truth at a cost that
+ * a frame can pay; presets are what others have.
+ */
+#include "renderer/screen/options.h"
+
+#include <stddef.h>
+
+static const char *const switches[] = {"off", "on", NULL};
+static const char *const occlusions[] = {"off", "ssao", "unreal", "gtao", NULL};
+static const char *const slicings[] = {"ray", "axis", NULL};
+static const char *const places[] = {"pixel", "plane", NULL};
+static const char *const ways_to_sum[] = {"ratio", "mean", NULL};
+static const char *const metals[] = {"relit", "camera", NULL};
+static const char *const bounces[] = {"one", "all", NULL};
+static const char *const formats[] = {"float32", "float16", NULL};
+
+#define CHOICE(name, value, words, help)                                                           \
+    {                                                                                              \
+        name, NEPH_OPTION_CHOICE, value, 0, 0, words, help                                         \
+    }
+#define REAL(name, value, least, most, help)                                                       \
+    {                                                                                              \
+        name, NEPH_OPTION_REAL, value, least, most, NULL, help                                     \
+    }
+#define WHOLE(name, value, least, most, help)                                                      \
+    {                                                                                              \
+        name, NEPH_OPTION_INTEGER, value, least, most, NULL, help                                  \
+    }
+
+const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
+    [SCREEN_AO] = CHOICE("ao", SCREEN_AO_GTAO, occlusions,
+                         "ambient occlusion: points in a half ball, Unreal's pairs of angles, or "
+                         "horizons of slices"),
+    [SCREEN_AO_RADIUS_M] = REAL("ao_radius_m", 1, 1e-3, 1e6,
+                                "how far away a surface may hide the sky [m]"),
+    [SCREEN_AO_FALLOFF] = REAL("ao_falloff", 0, 0, 1,
+                               "gtao: last share of the radius over which what hides fades; 0 is "
+                               "what rays of that length see"),
+    [SCREEN_AO_DIRECTIONS] = WHOLE("ao_directions", 3, 1, 64,
+                                   "slices of gtao, pairs of unreal; ssao has directions times "
+                                   "steps points"),
+    [SCREEN_AO_STEPS] = WHOLE("ao_steps", 6, 1, 128, "along each side of a direction"),
+    [SCREEN_AO_STEP_POWER] = REAL("ao_step_power", 2, 1, 4,
+                                  "gtao: step k of n lies at (k / n) to this power of the way"),
+    [SCREEN_AO_THICKNESS] = REAL("ao_thickness", 0, 0, 1,
+                                 "gtao: what lies lower than the horizon draws it down by this "
+                                 "share, as if that one were thin; 0: all is thick"),
+    [SCREEN_AO_SLICES] = CHOICE("ao_slices", SCREEN_SLICES_RAY, slicings,
+                                "gtao: evenly about the line of sight, or about the camera's axis "
+                                "as in the paper"),
+    [SCREEN_AO_NOISE] = CHOICE("ao_noise", 1, switches,
+                               "each of 4x4 pixels has directions and steps of its own"),
+    [SCREEN_AO_BIAS] = REAL("ao_bias", 1e-3, 0, 0.1,
+                            "ssao: of its depth, by which a point must be behind what is seen"),
+    [SCREEN_AO_BLUR_PX] = WHOLE("ao_blur_px", 2, 0, 8,
+                                "radius of the mean over pixels in the same plane; 2 is the 4x4 of "
+                                "the noise"),
+    [SCREEN_AO_POWER] = REAL("ao_power", 1, 0.1, 8, "of what is open: a look"),
+    [SCREEN_AO_INTENSITY] = REAL("ao_intensity", 1, 0, 1, "share of what is hidden: a look"),
+    [SCREEN_AO_PLACES] = CHOICE("ao_places", SCREEN_PLACES_PLANE, places,
+                                "a sample is its pixel's centre, or where its own line of sight "
+                                "meets the plane of that pixel"),
+    [SCREEN_AO_SUM] = CHOICE("ao_sum", SCREEN_SUM_RATIO, ways_to_sum,
+                             "gtao: what slices see over what they would see of nothing, or their "
+                             "mean as in the paper"),
+    [SCREEN_RAY_THICKNESS_M] = REAL("ray_thickness_m", 0.25, 0, 1e6,
+                                    "a ray that is farther behind an edge passes by [m]; 0: all is "
+                                    "thick"),
+    [SCREEN_RAY_REFINE] = WHOLE("ray_refine", 4, 0, 16,
+                                "halvings of the step in which a ray went behind something"),
+    [SCREEN_RAY_STEP_POWER] = REAL("ray_step_power", 1.5, 1, 4,
+                                   "step k of n lies at (k / n) to this power of the ray's way on "
+                                   "the screen"),
+    [SCREEN_RAY_METAL] = CHOICE("ray_metal", SCREEN_METAL_RELIT, metals,
+                                "metal that a ray meets reflects sun and lamps into the ray, or "
+                                "what it reflects to the camera"),
+    [SCREEN_RAY_NOISE] = CHOICE("ray_noise", 1, switches, "each ray has a first step of its own"),
+
+    [SCREEN_GI] = CHOICE("gi", 1, switches,
+                         "indirect light of diffuse surfaces by rays, the sky's included; off: the "
+                         "sky's by ambient occlusion"),
+    [SCREEN_GI_RAYS] = WHOLE("gi_rays", 4, 1, 256, "a pixel and frame"),
+    [SCREEN_GI_STEPS] = WHOLE("gi_steps", 24, 1, 1024, "of a ray, and no more than its pixels"),
+    [SCREEN_GI_REACH_M] = REAL("gi_reach_m", 0, 0, 1e6, "of a ray [m]; 0: as far as the picture"),
+    [SCREEN_GI_BOUNCES] = CHOICE("gi_bounces", SCREEN_BOUNCES_ALL, bounces,
+                                 "what rays meet has direct light alone, or its indirect light of "
+                                 "the frame before, too"),
+    [SCREEN_GI_HISTORY] = WHOLE("gi_history", 32, 0, 1024, "frames before in the mean over frames"),
+    [SCREEN_GI_SMOOTH] = WHOLE("gi_smooth", 3, 0, 6,
+                               "turns of the smoothing, 5x5 pixels 2^k apart"),
+
+    [SCREEN_SSR] = CHOICE("ssr", 1, switches, "reflections of metal by rays"),
+    [SCREEN_SSR_RAYS] = WHOLE("ssr_rays", 4, 1, 256, "a pixel and frame; of a mirror 1"),
+    [SCREEN_SSR_STEPS] = WHOLE("ssr_steps", 64, 1, 4096, "of a ray, and no more than its pixels"),
+    [SCREEN_SSR_HISTORY] = WHOLE("ssr_history", 32, 0, 1024,
+                                 "frames before in the mean over frames"),
+    [SCREEN_SSR_SMOOTH] = WHOLE("ssr_smooth", 2, 0, 6,
+                                "turns of the smoothing, as far as the metal is rough"),
+
+    [SCREEN_TARGETS] = CHOICE("targets", SCREEN_FLOAT32, formats,
+                              "all but depth, which has 32 bits"),
+    [SCREEN_FRAMES] = WHOLE("frames", 32, 1, 4096,
+                            "of a picture alone: it is the last of so many in which nothing moves"),
+    {.name = NULL},
+};
+
+const struct neph_preset neph_screen_presets[] = {
+    {"ours", "what is nearest to the truth at a price that a frame can pay", ""},
+    {"unreal", "Unreal Engine 4.26 by default: 2 m, squared, at half strength",
+     "ao=unreal ao_radius_m=2 ao_directions=6 ao_steps=3 ao_places=pixel ao_power=2 "
+     "ao_intensity=0.5 targets=float16"},
+    {"paper", "GTAO as its paper has it: one slice a pixel, 4x4 pixels together",
+     "ao=gtao ao_directions=1 ao_steps=6 ao_falloff=0.6 ao_slices=axis ao_places=pixel "
+     "ao_thickness=0.1 ao_sum=mean targets=float16"},
+    {"slices", "many slices and steps: what gtao tends to",
+     "ao=gtao ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0"},
+    {.name = NULL},
+};

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the passes of the screen can be set to, and the presets: named sets of values.
+ */
+#ifndef NEPH_RENDERER_SCREEN_OPTIONS_H
+#define NEPH_RENDERER_SCREEN_OPTIONS_H
+
+#include "base/option.h"
+#include "renderer/shaders/screen_names.h"
+
+/* By the names SCREEN_*; ends with a NULL name. */
+extern const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1];
+
+extern const struct neph_preset neph_screen_presets[];
+
+#endif

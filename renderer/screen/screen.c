@@ -1,0 +1,457 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/screen/screen.h"
+
+#include "renderer/gpu_scene.h"
+#include "renderer/vulkan_device.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 2, CHANNELS = 4 };
+
+/* Targets that the next frame has under another name. */
+static const int handed_on[][2] = {
+    {SCREEN_DEPTH, SCREEN_DEPTH_BEFORE},       {SCREEN_NORMAL, SCREEN_NORMAL_BEFORE},
+    {SCREEN_GI_MEAN, SCREEN_GI_BEFORE},        {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE},
+    {SCREEN_GI_COUNT, SCREEN_GI_COUNT_BEFORE}, {SCREEN_SSR_COUNT, SCREEN_SSR_COUNT_BEFORE}};
+
+struct neph_screening {
+    struct neph_vulkan *vulkan; /* borrowed */
+    struct neph_screen_params params;
+    struct neph_gpu_scene gpu;
+    struct neph_buffer view, surfaces, targets[SCREEN_TARGET_COUNT], readback;
+    const struct neph_kernel *kernels[NEPH_SCREEN_PASSES_MAX];
+    struct neph_camera camera; /* of the frame before */
+    unsigned used;             /* targets, a bit each */
+    uint32_t frame;            /* how many there were: the noise has other numbers in each */
+};
+
+/* --- what can be rendered --------------------------------------------------------------------- */
+
+bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    const bool is_clear = scene->medium_count == 0;
+    if (!is_clear)
+        snprintf(reason, reason_size, "media: the screen has solids alone");
+    return is_clear;
+}
+
+/* --- sizes ------------------------------------------------------------------------------------ */
+
+static size_t pixel_count(const struct neph_screening *screen)
+{
+    return (size_t)screen->params.width_px * (size_t)screen->params.height_px;
+}
+
+static bool is_half(const struct neph_screening *screen)
+{
+    return screen->params.settings.values[SCREEN_TARGETS] == SCREEN_FLOAT16;
+}
+
+static size_t target_bytes(const struct neph_screening *screen, int target)
+{
+    const size_t words = target < SCREEN_FIRST_OF_FOUR ? 1
+                         : is_half(screen)             ? SCREEN_WORDS_16
+                                                       : SCREEN_WORDS_32;
+    return pixel_count(screen) * words * sizeof(uint32_t);
+}
+
+/* --- making ----------------------------------------------------------------------------------- */
+
+/* What no pass that is on has in hand is one word, for the binding. */
+static unsigned targets_in_use(const struct neph_settings *settings)
+{
+    unsigned used = 0;
+    for (const struct neph_screen_pass *pass = neph_screen_passes; pass->name; pass++)
+        if (neph_screen_is_on(pass, settings))
+            used |= pass->reads | pass->writes;
+    return used;
+}
+
+static enum neph_status create_buffers(struct neph_screening *screen, struct neph_diag *diag)
+{
+    screen->used = targets_in_use(&screen->params.settings);
+    enum neph_status status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
+                                                 sizeof(struct neph_gpu_screen_view), "screen view",
+                                                 &screen->view, diag);
+    if (!status)
+        status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
+                                    NEPH_SCENE_SOLIDS_MAX * sizeof(struct neph_gpu_screen_surface),
+                                    "screen surfaces", &screen->surfaces, diag);
+    for (int t = 0; t < SCREEN_TARGET_COUNT && !status; t++)
+        status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_DEVICE,
+                                    screen->used >> t & 1u ? target_bytes(screen, t)
+                                                           : sizeof(uint32_t),
+                                    neph_screen_targets[t], &screen->targets[t], diag);
+    return status ? status
+                  : neph_buffer_create(screen->vulkan, NEPH_BUFFER_READBACK,
+                                       pixel_count(screen) * SCREEN_WORDS_32 * sizeof(uint32_t),
+                                       "screen readback", &screen->readback, diag);
+}
+
+static enum neph_status get_kernels(struct neph_screening *screen, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; neph_screen_passes[i].name && !status; i++) {
+        const struct neph_screen_pass *pass = &neph_screen_passes[i];
+        const struct neph_kernel_params params = {
+            .name = pass->shader.name,
+            .spirv = pass->shader.spirv,
+            .spirv_size_bytes = pass->shader.spirv_size_bytes,
+            .buffer_count = BUFFERS,
+            .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+            .array_count = SCREEN_TARGET_COUNT,
+            .push_size_bytes = sizeof(struct neph_gpu_screen_run),
+            .constant_count = NEPH_GPU_SCENE_CONSTANTS,
+            .constants = {screen->gpu.constants[0], screen->gpu.constants[1]},
+        };
+        if (neph_screen_is_on(pass, &screen->params.settings))
+            status = neph_kernel_get(screen->vulkan, &params, &screen->kernels[i], diag);
+    }
+    return status;
+}
+
+enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                       const struct neph_screen_params *params,
+                                       struct neph_screening **screen, struct neph_diag *diag)
+{
+    struct neph_screening *made = calloc(1, sizeof(*made));
+    if (!made)
+        return neph_fail_memory(diag);
+    made->vulkan = vulkan;
+    made->params = *params;
+    enum neph_status status = neph_gpu_scene_create(vulkan, scene, 0.0, params->width_px,
+                                                    params->height_px, false, &made->gpu, diag);
+    if (!status)
+        status = create_buffers(made, diag);
+    if (!status)
+        status = get_kernels(made, diag);
+    if (status)
+        neph_screening_destroy(made);
+    else
+        *screen = made;
+    return status;
+}
+
+void neph_screening_destroy(struct neph_screening *screen)
+{
+    if (!screen)
+        return;
+    neph_buffer_destroy(screen->vulkan, &screen->readback);
+    for (int t = SCREEN_TARGET_COUNT - 1; t >= 0; t--)
+        neph_buffer_destroy(screen->vulkan, &screen->targets[t]);
+    neph_buffer_destroy(screen->vulkan, &screen->surfaces);
+    neph_buffer_destroy(screen->vulkan, &screen->view);
+    neph_gpu_scene_destroy(screen->vulkan, &screen->gpu);
+    free(screen);
+}
+
+/* --- what the device is told ------------------------------------------------------------------ */
+
+/* The target in which the last of `turns` turns ends that begin at `first`. */
+static uint32_t last_target(double turns, uint32_t none, uint32_t first)
+{
+    return turns == 0.0 ? none : first + ((uint32_t)turns + 1) % 2;
+}
+
+static uint32_t open_target(const double *values)
+{
+    if (values[SCREEN_AO] == SCREEN_AO_OFF)
+        return SCREEN_NONE;
+    return values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
+}
+
+static uint32_t gi_target(const double *values)
+{
+    return values[SCREEN_GI] == 0.0
+               ? SCREEN_NONE
+               : last_target(values[SCREEN_GI_SMOOTH], SCREEN_GI_MEAN, SCREEN_GI_A);
+}
+
+static uint32_t ssr_target(const double *values)
+{
+    return values[SCREEN_SSR] == 0.0
+               ? SCREEN_NONE
+               : last_target(values[SCREEN_SSR_SMOOTH], SCREEN_SSR_MEAN, SCREEN_SSR_A);
+}
+
+/* A place in the axes of a camera now, as that before has it. */
+static void fill_to_before(const struct neph_camera *now, const struct neph_camera *before,
+                           float rows[12])
+{
+    const struct neph_vec3 axes[3] = {before->right, before->up, before->forward};
+    const struct neph_vec3 moved_m = neph_vec3_sub(now->position_m, before->position_m);
+    for (int i = 0; i < 3; i++, rows += 4) {
+        rows[0] = (float)neph_vec3_dot(axes[i], now->right);
+        rows[1] = (float)neph_vec3_dot(axes[i], now->up);
+        rows[2] = (float)neph_vec3_dot(axes[i], now->forward);
+        rows[3] = (float)neph_vec3_dot(axes[i], moved_m);
+    }
+}
+
+static void fill_sky(const struct neph_scene *scene, float sky[3])
+{
+    const struct neph_rgb light = scene->background_w_per_m2_sr;
+    sky[0] = scene->environment_light ? (float)light.r : 0.0f;
+    sky[1] = scene->environment_light ? (float)light.g : 0.0f;
+    sky[2] = scene->environment_light ? (float)light.b : 0.0f;
+}
+
+static void fill_view(struct neph_screening *screen, const struct neph_scene *scene, double frame)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, frame);
+    const struct neph_screen_params *params = &screen->params;
+    const double *values = params->settings.values;
+    const double half_height = neph_camera_half_height(&camera);
+    struct neph_gpu_screen_view *view = screen->view.mapped;
+    for (int i = 0; i < SCREEN_SETTING_COUNT; i++)
+        view->settings[i] = (float)values[i];
+    view->size_px[0] = (uint32_t)params->width_px;
+    view->size_px[1] = (uint32_t)params->height_px;
+    view->half_size[0] = (float)(half_height * params->width_px / params->height_px);
+    view->half_size[1] = (float)half_height;
+    view->is_orthographic = camera.orthographic_height_m > 0.0;
+    view->has_before = screen->frame > 0;
+    view->has_bounces = scene->scattering == NEPH_SCATTERING_MULTIPLE;
+    fill_sky(scene, view->sky_light);
+    fill_to_before(&camera, screen->frame > 0 ? &screen->camera : &camera, view->to_before);
+    view->open_at = open_target(values);
+    view->gi_at = gi_target(values);
+    view->ssr_at = ssr_target(values);
+    view->frame = screen->frame++;
+    screen->camera = camera;
+}
+
+static void fill_surfaces(struct neph_screening *screen, const struct neph_scene *scene)
+{
+    struct neph_gpu_screen_surface *surfaces = screen->surfaces.mapped;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_surface *from = &scene->solids[i].surface;
+        const struct neph_rgb other = from->texture.other;
+        surfaces[i] = (struct neph_gpu_screen_surface){
+            .other = {(float)other.r, (float)other.g, (float)other.b},
+            .roughness = (float)from->roughness,
+            .metalness = (float)from->metalness,
+            .cell_m = (float)from->texture.cell_m,
+            .is_noise = from->texture.pattern == NEPH_PATTERN_NOISE,
+            .seed = (uint32_t)from->texture.seed,
+        };
+    }
+}
+
+/* --- passes ----------------------------------------------------------------------------------- */
+
+static struct neph_gpu_screen_run run_of(const struct neph_screen_pass *pass, unsigned turn)
+{
+    struct neph_gpu_screen_run run = {
+        .turn = pass->turn + turn, .from = pass->from, .to = pass->to, .before = pass->before};
+    if (pass->turns_setting) {
+        run.from = turn == 0 ? pass->from : pass->to + (turn - 1) % 2;
+        run.to = pass->to + turn % 2;
+    }
+    return run;
+}
+
+static enum neph_status add_turn(struct neph_screening *screen, int pass, unsigned turn,
+                                 struct neph_batch *batch, struct neph_diag *diag)
+{
+    const struct neph_screen_params *params = &screen->params;
+    const uint32_t groups_max = screen->vulkan->limits.maxComputeWorkGroupCount[0];
+    const uint32_t groups = (uint32_t)((params->width_px + TILE_PX - 1) / TILE_PX) *
+                            (uint32_t)((params->height_px + TILE_PX - 1) / TILE_PX);
+    struct neph_gpu_screen_run run = run_of(&neph_screen_passes[pass], turn);
+    struct neph_dispatch dispatch = {.push = &run};
+    neph_gpu_scene_bind(&screen->gpu, &dispatch);
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &screen->view;
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &screen->surfaces;
+    for (int t = 0; t < SCREEN_TARGET_COUNT; t++)
+        dispatch.buffers[BUFFERS + t] = &screen->targets[t];
+    enum neph_status status = NEPH_OK;
+    for (; run.first_group < groups && !status; run.first_group += dispatch.group_count) {
+        const uint32_t left = groups - run.first_group;
+        dispatch.group_count = left < groups_max ? left : groups_max;
+        status = neph_batch_dispatch(batch, screen->kernels[pass], &dispatch, diag);
+    }
+    neph_batch_barrier(batch);
+    return status;
+}
+
+static unsigned turns_of(const struct neph_screening *screen, int pass)
+{
+    const int setting = neph_screen_passes[pass].turns_setting;
+    return setting ? (unsigned)screen->params.settings.values[setting] : 1;
+}
+
+static enum neph_status run_passes(struct neph_screening *screen, struct neph_screen_stats *stats,
+                                   struct neph_diag *diag)
+{
+    struct neph_batch batch;
+    enum neph_status status = neph_batch_begin(screen->vulkan, &batch, diag);
+    for (int i = 0; neph_screen_passes[i].name && !status; i++) {
+        if (!screen->kernels[i])
+            continue;
+        for (unsigned turn = 0; turn < turns_of(screen, i) && !status; turn++)
+            status = add_turn(screen, i, turn, &batch, diag);
+        neph_batch_stamp(&batch, &stats->gpu_s[i]);
+    }
+    if (!status)
+        status = neph_batch_send(&batch, "screen", diag);
+    return status ? status
+                  : neph_batches_wait(screen->vulkan, neph_batches_sent(screen->vulkan), "screen",
+                                      diag);
+}
+
+static void hand_on(struct neph_screening *screen)
+{
+    for (size_t i = 0; i < sizeof(handed_on) / sizeof(handed_on[0]); i++) {
+        if (!(screen->used >> handed_on[i][1] & 1u))
+            continue;
+        const struct neph_buffer now = screen->targets[handed_on[i][0]];
+        screen->targets[handed_on[i][0]] = screen->targets[handed_on[i][1]];
+        screen->targets[handed_on[i][1]] = now;
+    }
+}
+
+/* --- out of the device ------------------------------------------------------------------------ */
+
+static float float_of_half(uint16_t half)
+{
+    const int exponent = half >> 10 & 31, mantissa = half & 1023;
+    const float magnitude = exponent ? ldexpf((float)(mantissa | 1024), exponent - 25)
+                                     : ldexpf((float)mantissa, -24);
+    return half >> 15 ? -magnitude : magnitude;
+}
+
+static void unpack(const struct neph_screening *screen, int target, const uint32_t *words,
+                   float *texels)
+{
+    const size_t count = pixel_count(screen) * CHANNELS;
+    for (size_t i = 0; i < count; i++)
+        if (target < SCREEN_FIRST_OF_FOUR)
+            memcpy(&texels[i], &words[i / CHANNELS], sizeof(float));
+        else if (is_half(screen))
+            texels[i] = float_of_half((uint16_t)(words[i / 2] >> 16 * (i % 2)));
+        else
+            memcpy(&texels[i], &words[i], sizeof(float));
+}
+
+enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
+                                     struct neph_diag *diag)
+{
+    const enum neph_status status = neph_buffer_download(screen->vulkan, &screen->targets[target],
+                                                         &screen->readback,
+                                                         target_bytes(screen, target), diag);
+    if (!status)
+        unpack(screen, target, screen->readback.mapped, texels);
+    return status;
+}
+
+/* --- the picture ------------------------------------------------------------------------------ */
+
+static enum neph_status take_rgb(struct neph_screening *screen, int target, const char *layer,
+                                 float *texels, struct neph_image *image, struct neph_diag *diag)
+{
+    float *rgb[3];
+    enum neph_status status = neph_image_add_rgb(image, layer, rgb, diag);
+    if (!status)
+        status = neph_screening_read(screen, target, texels, diag);
+    for (size_t i = 0; i < pixel_count(screen) && !status; i++)
+        for (int c = 0; c < 3; c++)
+            rgb[c][i] = texels[CHANNELS * i + (size_t)c];
+    return status;
+}
+
+/* One of a target's channels. */
+static enum neph_status take_one(struct neph_screening *screen, int target, int channel,
+                                 const char *name, float *texels, struct neph_image *image,
+                                 struct neph_diag *diag)
+{
+    float *samples;
+    enum neph_status status = neph_image_add_channel(image, name, &samples, diag);
+    if (!status)
+        status = neph_screening_read(screen, target, texels, diag);
+    for (size_t i = 0; i < pixel_count(screen) && !status; i++) {
+        const float value = texels[CHANNELS * i + (size_t)channel];
+        samples[i] = value < NEPH_GPU_FAR_M ? value : INFINITY;
+    }
+    return status;
+}
+
+/* Indirect light of other surfaces, and of a sky of radiance 1. */
+static enum neph_status take_rays(struct neph_screening *screen, uint32_t target, const char *layer,
+                                  const char *open, float *texels, struct neph_image *image,
+                                  struct neph_diag *diag)
+{
+    if (target == SCREEN_NONE)
+        return NEPH_OK;
+    const enum neph_status status = take_rgb(screen, (int)target, layer, texels, image, diag);
+    return status ? status : take_one(screen, (int)target, 3, open, texels, image, diag);
+}
+
+static enum neph_status add_transmittance(struct neph_image *image, struct neph_diag *diag)
+{
+    float *rgb[3];
+    const enum neph_status status = neph_image_add_rgb(image, "transmittance", rgb, diag);
+    for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++)
+        rgb[0][i] = rgb[1][i] = rgb[2][i] = 1.0f;
+    return status;
+}
+
+static enum neph_status take_image(struct neph_screening *screen, struct neph_image *image,
+                                   struct neph_diag *diag)
+{
+    const double *values = screen->params.settings.values;
+    const uint32_t open = open_target(values);
+    float *texels = malloc(pixel_count(screen) * CHANNELS * sizeof(*texels));
+    if (!texels)
+        return neph_fail_memory(diag);
+    enum neph_status status = take_rgb(screen, SCREEN_PICTURE, NULL, texels, image, diag);
+    if (!status)
+        status = add_transmittance(image, diag);
+    if (!status)
+        status = take_one(screen, SCREEN_DEPTH, 0, "Z", texels, image, diag);
+    if (!status)
+        status = take_rgb(screen, SCREEN_DIRECT, "direct", texels, image, diag);
+    if (!status && open != SCREEN_NONE)
+        status = take_rgb(screen, (int)open, "ao", texels, image, diag);
+    if (!status)
+        status = take_rays(screen, gi_target(values), "diffuse_indirect", "diffuse_open", texels,
+                           image, diag);
+    if (!status)
+        status = take_rays(screen, ssr_target(values), "glossy_indirect", "glossy_open", texels,
+                           image, diag);
+    free(texels);
+    return status;
+}
+
+enum neph_status neph_screening_frame(struct neph_screening *screen, const struct neph_scene *scene,
+                                      double frame, struct neph_image **image,
+                                      struct neph_screen_stats *stats, struct neph_diag *diag)
+{
+    struct neph_screen_stats own_stats = {{0}};
+    struct neph_image *made = NULL;
+    if (screen->frame > 0)
+        hand_on(screen);
+    neph_gpu_scene_move(&screen->gpu, scene, frame, screen->params.width_px,
+                        screen->params.height_px);
+    fill_view(screen, scene, frame);
+    fill_surfaces(screen, scene);
+    enum neph_status status = run_passes(screen, &own_stats, diag);
+    if (!status && image)
+        status = neph_image_create(screen->params.width_px, screen->params.height_px, &made, diag);
+    if (!status && image)
+        status = take_image(screen, made, diag);
+    if (!status)
+        status = neph_vulkan_check(screen->vulkan, diag);
+    if (status) {
+        neph_image_destroy(made);
+        return status;
+    }
+    if (stats)
+        *stats = own_stats;
+    if (image)
+        *image = made;
+    return NEPH_OK;
+}

@@ -1,0 +1,42 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Bloom, up the pyramid: each level becomes a mix of itself and of what the coarser one became; the
+// picture gets its part.
+//
+//   conserving  (1 - scattered) picture + scattered spread
+//   additive    picture + intensity * spread
+#extension GL_GOOGLE_include_directive : require
+
+#include "bloom.glsl"
+
+vec3 coarse(ivec2 texel)
+{
+    return pyramid[index_in(run.level + 1, texel)].rgb;
+}
+
+vec3 from_coarser(ivec2 texel)
+{
+    ivec2 size = level_size(run.level + 1);
+    ivec2 near = ivec2(near_of(texel.x), near_of(texel.y));
+    ivec2 far = ivec2(far_of(texel.x, size.x), far_of(texel.y, size.y));
+    return 0.5625 * coarse(near) + 0.0625 * coarse(far) +
+           0.1875 * (coarse(ivec2(far.x, near.y)) + coarse(ivec2(near.x, far.y)));
+}
+
+void main()
+{
+    ivec2 texel;
+    if (!own_texel(texel))
+        return;
+    vec3 spread = from_coarser(texel);
+    if (run.level > 0) {
+        int own = index_in(run.level, texel);
+        pyramid[own].rgb = mix(pyramid[own].rgb, spread, setting(POST_BLOOM_SPREAD));
+        return;
+    }
+    vec3 picture = fetch(texel);
+    put(texel, choice(POST_BLOOM) == POST_BLOOM_ADDITIVE
+                   ? picture + setting(POST_BLOOM_INTENSITY) * spread
+                   : mix(picture, spread, setting(POST_BLOOM_SCATTERED)));
+}

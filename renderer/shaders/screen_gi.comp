@@ -1,0 +1,49 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Indirect light of diffuse surfaces: rays by the cosine, each with the light of the surface that
+// it meets in the picture, or of the sky where it meets none. Nothing comes from a surface that
+// turns its back. With gi_bounces=all a surface has its indirect light of the frame before, too.
+#extension GL_GOOGLE_include_directive : require
+
+#include "screen_before.glsl"
+#include "screen_lights.glsl"
+
+vec3 light_of(ScreenHit hit, vec3 direction)
+{
+    bool is_front = dot(normal_at(hit.pixel), direction) < 0.0;
+    if (!is_front || view.has_bounces == 0u)
+        return vec3(0.0);
+    vec3 light = direct_into(direction, hit.pixel);
+    bool with_indirect = choice(SCREEN_GI_BOUNCES) == SCREEN_BOUNCES_ALL;
+    return with_indirect ? light + indirect_before(hit, true) : light;
+}
+
+void main()
+{
+    ivec2 pixel;
+    if (!own_pixel(pixel))
+        return;
+    float depth_m = depth_at_m(pixel);
+    if (is_sky(depth_m) || load(SCREEN_BASE, pixel).w >= 1.0) { // metal has no diffuse part
+        store(SCREEN_GI_RAW, pixel, vec4(0.0));
+        return;
+    }
+    vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normal_at(pixel);
+    vec3 first, second;
+    basis_across(normal, first, second);
+    uint rays = uint(choice(SCREEN_GI_RAYS));
+    float reach_m = setting(SCREEN_GI_REACH_M) > 0.0 ? setting(SCREEN_GI_REACH_M) : FAR_M;
+    vec4 sum = vec4(0.0);
+    for (uint i = 0; i < rays; i++) {
+        vec2 u = ray_noise(pixel, 1u, view.frame * rays + i);
+        float side = sqrt(u.x), angle = 2.0 * PI * u.y;
+        vec3 direction = normalize(side * cos(angle) * first + side * sin(angle) * second +
+                                   sqrt(1.0 - u.x) * normal);
+        ScreenRay ray = screen_ray(pixel, point_m, direction, reach_m);
+        ScreenHit hit = screen_march(ray, choice(SCREEN_GI_STEPS),
+                                     ray_offset(pixel, 2u, view.frame + i));
+        sum += hit.is_found ? vec4(light_of(hit, direction), 0.0) : vec4(0.0, 0.0, 0.0, 1.0);
+    }
+    store(SCREEN_GI_RAW, pixel, sum / float(rays));
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+//
+// Names that the shaders of the screen, their twins in C and its table of options have in common:
+// this file is both GLSL and C. What a setting means is said once, in renderer/screen/options.c;
+// `neph engines screen` prints it.
+#ifndef NEPH_SCREEN_NAMES_H
+#define NEPH_SCREEN_NAMES_H
+
+// --- settings: index in the table of options --------------------------------------------------
+
+#define SCREEN_AO 0
+#define SCREEN_AO_RADIUS_M 1
+#define SCREEN_AO_FALLOFF 2
+#define SCREEN_AO_DIRECTIONS 3
+#define SCREEN_AO_STEPS 4
+#define SCREEN_AO_STEP_POWER 5
+#define SCREEN_AO_THICKNESS 6
+#define SCREEN_AO_SLICES 7
+#define SCREEN_AO_NOISE 8
+#define SCREEN_AO_BIAS 9
+#define SCREEN_AO_BLUR_PX 10
+#define SCREEN_AO_POWER 11
+#define SCREEN_AO_INTENSITY 12
+#define SCREEN_AO_PLACES 13
+#define SCREEN_AO_SUM 14
+// Rays of the two passes below.
+#define SCREEN_RAY_THICKNESS_M 15
+#define SCREEN_RAY_REFINE 16
+#define SCREEN_RAY_STEP_POWER 17
+#define SCREEN_RAY_METAL 18
+#define SCREEN_RAY_NOISE 19
+// Indirect light of diffuse surfaces.
+#define SCREEN_GI 20
+#define SCREEN_GI_RAYS 21
+#define SCREEN_GI_STEPS 22
+#define SCREEN_GI_REACH_M 23
+#define SCREEN_GI_BOUNCES 24
+#define SCREEN_GI_HISTORY 25
+#define SCREEN_GI_SMOOTH 26
+// Reflections of metal.
+#define SCREEN_SSR 27
+#define SCREEN_SSR_RAYS 28
+#define SCREEN_SSR_STEPS 29
+#define SCREEN_SSR_HISTORY 30
+#define SCREEN_SSR_SMOOTH 31
+#define SCREEN_TARGETS 32
+#define SCREEN_FRAMES 33
+#define SCREEN_SETTING_COUNT 34
+
+// --- choices ----------------------------------------------------------------------------------
+
+#define SCREEN_AO_OFF 0
+#define SCREEN_AO_SSAO 1
+#define SCREEN_AO_UNREAL 2
+#define SCREEN_AO_GTAO 3
+
+#define SCREEN_SLICES_RAY 0
+#define SCREEN_SLICES_AXIS 1
+
+#define SCREEN_PLACES_PIXEL 0
+#define SCREEN_PLACES_PLANE 1
+
+#define SCREEN_SUM_RATIO 0
+#define SCREEN_SUM_MEAN 1
+
+#define SCREEN_FLOAT32 0
+#define SCREEN_FLOAT16 1
+
+#define SCREEN_METAL_RELIT 0
+#define SCREEN_METAL_CAMERA 1
+
+#define SCREEN_BOUNCES_ONE 0
+#define SCREEN_BOUNCES_ALL 1
+
+// --- targets, a pixel each ----------------------------------------------------------------------
+
+// Those with one number, always 32 bits.
+#define SCREEN_DEPTH 0 // linear eye depth [m]; FAR_M for the sky
+#define SCREEN_LIGHTS 1 // bits of sun and lamps that are seen from there
+#define SCREEN_GI_COUNT 2 // frames in the mean
+#define SCREEN_SSR_COUNT 3
+// These in the frame before.
+#define SCREEN_DEPTH_BEFORE 4
+#define SCREEN_GI_COUNT_BEFORE 5
+#define SCREEN_SSR_COUNT_BEFORE 6
+// Those with four numbers.
+#define SCREEN_NORMAL 7 // of the surface, in the camera's axes (right, up, forward); w: roughness
+#define SCREEN_BASE 8 // RGB: base colour; w: metalness
+#define SCREEN_DIRECT 9 // RGB: radiance towards the camera without any indirect light
+#define SCREEN_OPEN 10 // x: share of the hemisphere that is open, by cosine
+#define SCREEN_OPEN_SMOOTH 11 // x: after the blur
+// RGB: what a white surface reflects of other surfaces; w: how much of a sky of radiance 1.
+#define SCREEN_GI_RAW 12
+#define SCREEN_GI_MEAN 13 // over frames
+#define SCREEN_GI_A 14 // after the first, third, .. smoothing
+#define SCREEN_GI_B 15 // after the second, fourth, ..
+#define SCREEN_LIT 16 // RGB: radiance with all light of diffuse surfaces
+// RGB and w again, for a white metal.
+#define SCREEN_SSR_RAW 17
+#define SCREEN_SSR_MEAN 18
+#define SCREEN_SSR_A 19
+#define SCREEN_SSR_B 20
+#define SCREEN_PICTURE 21 // RGB: with everything
+// Some of these in the frame before.
+#define SCREEN_NORMAL_BEFORE 22
+#define SCREEN_GI_BEFORE 23
+#define SCREEN_SSR_BEFORE 24
+#define SCREEN_TARGET_COUNT 25
+#define SCREEN_FIRST_OF_FOUR SCREEN_NORMAL
+#define SCREEN_NONE 0xffffffffu
+
+// Words of a texel where it has four channels, by SCREEN_TARGETS.
+#define SCREEN_WORDS_32 4
+#define SCREEN_WORDS_16 2
+
+#endif

@@ -1,0 +1,53 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// One turn of the smoothing of rays' noise: 5x5 pixels, in turn k 2^k apart, of the same plane (H.
+// Dammertz et al., "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination
+// Filtering", HPG 2010). What metal reflects is smoothed no farther than it is rough.
+#extension GL_GOOGLE_include_directive : require
+
+#include "screen.glsl"
+
+bool is_gi() { return run.from < SCREEN_LIT; }
+
+// Radius in which a metal's reflection may be smoothed [px]: half the width of what it spreads a
+// line of sight to, at as far again as the eye.
+float spread_px(float roughness)
+{
+    float alpha = roughness * roughness;
+    return 0.25 * alpha * float(size_px().y) / half_size().y;
+}
+
+void main()
+{
+    const float B3[3] = float[3](0.375, 0.25, 0.0625);
+    const float STEEPEST = 0.1, NORMALS = 32.0;
+    ivec2 pixel;
+    if (!own_pixel(pixel))
+        return;
+    vec4 own = load(int(run.from), pixel);
+    float depth_m = depth_at_m(pixel);
+    vec4 own_normal = load(SCREEN_NORMAL, pixel);
+    float reach_px = is_gi() ? 1e6 : spread_px(own_normal.w);
+    vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normalize(own_normal.xyz);
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 25 && !is_sky(depth_m); i++) {
+        ivec2 offset = ivec2(i % 5, i / 5) - 2;
+        ivec2 at = pixel + (offset << int(run.turn));
+        if (!is_inside(at) || is_sky(depth_at_m(at)))
+            continue;
+        vec4 its_normal = load(SCREEN_NORMAL, at);
+        vec3 way_m = surface_m(at) - point_m;
+        float distance_m = length(way_m), off = abs(dot(way_m, normal));
+        float plane = distance_m > 0.0 ? clamp(1.0 - off / (STEEPEST * distance_m), 0.0, 1.0) : 1.0;
+        float facing = clamp(dot(normalize(its_normal.xyz), normal), 0.0, 1.0);
+        float far = length(vec2(at - pixel)) / reach_px;
+        float weight = B3[abs(offset.x)] * B3[abs(offset.y)] * plane * pow(facing, NORMALS);
+        weight *= offset == ivec2(0) ? 1.0 : exp(-min(80.0, 0.5 * far * far));
+        weight *= is_gi() || load(SCREEN_BASE, at).w > 0.0 ? 1.0 : 0.0;
+        sum += weight * load(int(run.from), at);
+        weights += weight;
+    }
+    store(int(run.to), pixel, weights > 0.0 ? sum / weights : own);
+}

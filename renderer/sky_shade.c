@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/sky_shade.h"
+
+#include <string.h>
+
+static const uint32_t sunlit_spirv[] = {
+#include "shaders/sky_sunlit.comp.inc"
+};
+
+static uint64_t froxel_count(const struct neph_sky_aerial_params *aerial)
+{
+    return (uint64_t)aerial->columns * (uint64_t)aerial->rows * (uint64_t)aerial->slices;
+}
+
+enum neph_status neph_sky_shade_create(struct neph_vulkan *vulkan, const struct neph_scene *rest,
+                                       const struct neph_gpu_scene *gpu,
+                                       const struct neph_march_params *params,
+                                       struct neph_sky_shade *shade, struct neph_diag *diag)
+{
+    static const char name[] = "sky counters";
+    if (!params->sky.has_shadows || (rest->medium_count == 0 && rest->solid_count < 2))
+        return NEPH_OK;
+    const uint64_t samples = NEPH_GPU_SKY_SUN_SAMPLES;
+    shade->vulkan = vulkan;
+    shade->params = *params;
+    enum neph_status status = neph_march_cut_make_whole(
+        vulkan, rest, gpu, params, samples * neph_gpu_solid_turns((uint64_t)rest->solid_count),
+        samples, froxel_count(&params->sky.tables.aerial), &shade->cut, diag);
+    if (!status)
+        status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD,
+                                    sizeof(struct neph_gpu_sun_counters), name, &shade->counters,
+                                    diag);
+    return status ? status
+                  : neph_turns_create(vulkan, &shade->counters, name, &shade->counter_turns, diag);
+}
+
+void neph_sky_shade_destroy(struct neph_sky_shade *shade)
+{
+    if (!shade->vulkan)
+        return;
+    neph_turns_destroy(shade->vulkan, &shade->counter_turns);
+    neph_buffer_destroy(shade->vulkan, &shade->counters);
+    *shade = (struct neph_sky_shade){.vulkan = NULL};
+}
+
+/* --- filling ---------------------------------------------------------------------------------- */
+
+struct work {
+    const struct neph_sky_shade *shade;
+    const struct neph_kernel *kernel;
+    struct neph_dispatch dispatch;
+    struct neph_sun_fill_cost *cost; /* borrowed */
+};
+
+static enum neph_status get_kernel(const struct neph_sky_shade *shade,
+                                   const struct neph_gpu_scene *gpu,
+                                   const struct neph_kernel **kernel, struct neph_diag *diag)
+{
+    struct neph_kernel_params params = {
+        .name = "sky_sunlit",
+        .spirv = sunlit_spirv,
+        .spirv_size_bytes = sizeof(sunlit_spirv),
+        .buffer_count = NEPH_MARCH_BUFFERS,
+        .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
+        .image_count = NEPH_GPU_MEDIA_MAX,
+        .push_size_bytes = sizeof(struct neph_gpu_march_run),
+        .constant_count = NEPH_MARCH_CONSTANTS,
+    };
+    neph_march_constants(gpu, &shade->params, params.constants);
+    return neph_kernel_get(shade->vulkan, &params, kernel, diag);
+}
+
+static enum neph_status send_run(const struct neph_gpu_march_run *run, void *context,
+                                 struct neph_diag *diag)
+{
+    struct work *work = context;
+    struct neph_batch batch;
+    work->dispatch.push = run;
+    work->dispatch.group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) /
+                                 NEPH_MARCH_LOCAL_SIZE;
+    enum neph_status status = neph_batch_begin(work->shade->vulkan, &batch, diag);
+    if (!status)
+        status = neph_batch_dispatch(&batch, work->kernel, &work->dispatch, diag);
+    if (status)
+        return status;
+    neph_batch_stamp(&batch, &work->cost->gpu_s[NEPH_SUN_SKY]);
+    work->cost->dispatches++;
+    return neph_batch_send(&batch, "the sky's shadows", diag);
+}
+
+/* Solids that move are not compared. */
+static bool is_as_before(struct neph_sky_shade *shade, const struct neph_scene *rest,
+                         const struct neph_sky_tables *tables)
+{
+    struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
+    neph_gpu_scene_media(rest, media);
+    const bool same = tables->has_aerial && rest->mover_count == 0 &&
+                      memcmp(media, shade->media, sizeof(media)) == 0;
+    memcpy(shade->media, media, sizeof(media));
+    return same;
+}
+
+enum neph_status neph_sky_shade_fill(struct neph_sky_shade *shade, const struct neph_scene *rest,
+                                     const struct neph_gpu_scene *gpu,
+                                     const struct neph_dispatch *bound,
+                                     struct neph_sky_tables *tables,
+                                     struct neph_sun_fill_cost *cost, struct neph_diag *diag)
+{
+    struct work work = {.shade = shade, .dispatch = *bound, .cost = cost};
+    if (!shade->vulkan || is_as_before(shade, rest, tables))
+        return NEPH_OK;
+    tables->has_aerial = false;
+    neph_turns_take(&shade->counter_turns, &shade->counters);
+    memset(shade->counters.mapped, 0, sizeof(struct neph_gpu_sun_counters));
+    cost->counters[NEPH_SUN_SKY] = shade->counters.mapped;
+    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &shade->counters; /* nothing is there */
+    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &shade->counters;
+    const enum neph_status status = get_kernel(shade, gpu, &work.kernel, diag);
+    return status ? status : neph_march_cut_run(&shade->cut, send_run, &work, diag);
+}

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What light does at the surface of a solid. Its reflectance is
+ *
+ *   f = colour * ((1 - metalness) / pi + metalness * D G / (4 cos_in cos_out))   [1/sr]
+ *
+ * a Lambertian part and a metal's, both of the base colour (`albedo`, or a pattern of two). D and G
+ * are the distribution of Trowbridge and Reitz ("GGX") with alpha = roughness^2 and its shadowing,
+ * G = G1(in) G1(out): B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces",
+ * EGSR 2007, equations 20, 23, 33 and 34. Roughness 0 is a mirror. A metal has its colour at all
+ * angles (there is no Fresnel term), and what its facets throw at each other is lost.
+ */
+#ifndef NEPH_SCENES_SURFACE_H
+#define NEPH_SCENES_SURFACE_H
+
+#include "base/vec3.h"
+
+#include <stdbool.h>
+
+#define NEPH_NOISE_CELLS 32 /* after so many the noise repeats */
+
+enum neph_pattern {
+    NEPH_PATTERN_CHECKER,
+    NEPH_PATTERN_NOISE,
+};
+
+/* A pattern on the faces of a box, painted on: it moves and turns with it. A place has as
+ * coordinates u and v those two of (x, y, z), in this order, that lie in its face, counted from the
+ * middle of the box and in cells. The colour there is albedo + value * (other - albedo), the value
+ * being, of a checker, 1 where floor(u) + floor(v) is odd and else 0; of noise, bilinear between
+ * neph_noise_value() at whole u and v. */
+struct neph_paint {
+    double cell_m; /* 0: there is none */
+    enum neph_pattern pattern;
+    struct neph_rgb other;
+    int seed; /* of noise */
+};
+
+struct neph_surface {
+    double metalness; /* 0..1 */
+    double roughness; /* 0..1; of the metal */
+    struct neph_paint texture;
+};
+
+/* Uniform in 0..1 (2^-24 apart) and the same bits everywhere: the first number of pcg3d (M.
+ * Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020) of i and j modulo
+ * NEPH_NOISE_CELLS and the seed, without its lowest 8 bits. */
+double neph_noise_value(int seed, int i, int j);
+
+/* 0..1, at a place of the pattern [cells]. */
+double neph_paint_value(const struct neph_paint *texture, double u, double v);
+
+static inline bool neph_is_textured(const struct neph_surface *surface)
+{
+    return surface->texture.cell_m > 0.0;
+}
+
+static inline bool neph_is_mirror(const struct neph_surface *surface)
+{
+    return surface->metalness > 0.0 && surface->roughness == 0.0;
+}
+
+#endif

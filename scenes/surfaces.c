@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenes/surfaces.h"
+
+#include <math.h>
+
+/* The axis of a face, of its normal as the box would have it if it had not turned. */
+static int axis_across(struct neph_vec3 normal)
+{
+    const double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
+    if (x >= y && x >= z)
+        return 0;
+    return y >= z ? 1 : 2;
+}
+
+struct neph_rgb neph_surface_color(const struct neph_hit *hit, struct neph_vec3 point_m)
+{
+    const struct neph_paint *texture = &hit->solid->surface.texture;
+    const struct neph_rgb albedo = hit->solid->albedo;
+    if (!(texture->cell_m > 0.0))
+        return albedo;
+    const struct neph_vec3 p = neph_vec3_scale(neph_box_place_m(hit->solid, point_m),
+                                               1.0 / texture->cell_m);
+    const int across = axis_across(neph_box_direction(hit->solid, hit->normal));
+    const double value = neph_paint_value(texture, across == 0 ? p.y : p.x,
+                                          across == 2 ? p.y : p.z);
+    return neph_rgb_add(neph_rgb_scale(albedo, 1.0 - value), neph_rgb_scale(texture->other, value));
+}
+
+bool neph_scene_is_textured(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        if (neph_is_textured(&scene->solids[i].surface))
+            return true;
+    return false;
+}
+
+bool neph_scene_has_metal(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        if (scene->solids[i].surface.metalness > 0.0)
+            return true;
+    return false;
+}
+
+const char *neph_metal_obstacle(const struct neph_scene *scene)
+{
+    return neph_scene_has_metal(scene) ? "solids of metal: engine surfaces has them" : NULL;
+}
+
+const char *neph_surfaces_obstacle(const struct neph_scene *scene)
+{
+    if (neph_scene_is_textured(scene))
+        return "solids with a texture: engines exact, oracle and surfaces have them";
+    return neph_metal_obstacle(scene);
+}

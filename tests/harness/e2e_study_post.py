@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph study post` as a user runs it: tables, files, refusals."""
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+import night
+
+NEPH = os.environ["NEPH"]
+ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
+LITTLE = ("--size", "32x18", "--frames", "16", "--warm-up", "4", "--steps", "4")
+
+
+class StudyPost(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def run_neph(self, *arguments):
+        return subprocess.run([NEPH, *map(str, arguments)], cwd=self.folder, env=ENVIRONMENT,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                              timeout=170)
+
+    @night.of_the_night
+    def test_a_table_and_its_files(self):
+        done = self.run_neph("study", "post", "railings", *LITTLE, "-q", "--json", "--csv", "a.csv",
+                             "--markdown", "a.md")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        [scene] = json.loads(done.stdout)["scenes"]
+        chains = {chain["name"]: chain for chain in scene["chains"]}
+        curve, additive = chains["Unreal's curve"], chains["bloom, additive"]
+        self.assertGreater(curve["scene_error"], 0)
+        self.assertEqual(chains["cas"]["scene_error"], curve["scene_error"])
+        # What is spread over the picture is as good as true.
+        self.assertLess(additive["scene_error"], curve["scene_error"])
+        # Sharpening sharpens what flickers, too.
+        self.assertGreater(chains["rcas"]["luma_change"], 1.5 * curve["luma_change"])
+        with open(self.folder / "a.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["chain"] for row in rows], list(chains))
+        self.assertAlmostEqual(float(rows[1]["flip"]), curve["flip"], places=7)
+        chart = (self.folder / "out" / "post.svg").read_text()
+        root = ElementTree.fromstring(chart)
+        marks = root.findall("{http://www.w3.org/2000/svg}circle")
+        self.assertEqual(len(marks), 2 * len(chains))  # that of the legend; no FLIP of HDR
+        text = (self.folder / "a.md").read_text()
+        for name in chains:
+            self.assertIn(f"| {name} |", text)
+
+    def test_what_makes_no_sense_is_refused(self):
+        for words, code, said in (
+                ([], 64, "which scenes"),
+                (["railings", "--frames", "18"], 64, "multiples of 4"),
+                (["railings", "--preset", "none_such", *LITTLE], 64, "none_such"),
+                (["no_such_scene", *LITTLE], 66, "no_such_scene")):
+            done = self.run_neph("study", "post", *words)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(said, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The study of the picture chain: its chains make sense, and what is measured of films whose error
+ * and flicker are known is that.
+ */
+#include "tests/neph_test.h"
+
+#include "harness/engines/vulkan_device.h"
+#include "harness/study/post_study.h"
+
+enum { width = 24, height = 16, pixels = width * height, frames = 24, warm_up = 8 };
+
+static struct neph_settings settings_of(const char *text)
+{
+    struct neph_settings settings = neph_options_default(neph_post_options);
+    char *copy = strdup(text), *rest = copy;
+    for (char *word; (word = strsep(&rest, " "));) {
+        struct neph_diag diag = {0};
+        if (word[0])
+            neph_assert_ok(neph_options_set(neph_post_options, "test", word, &settings, &diag),
+                           &diag);
+    }
+    free(copy);
+    return settings;
+}
+
+static void test_the_chains_make_sense(void **state)
+{
+    (void)state;
+    for (const struct neph_post_row *row = neph_post_rows; row->name; row++) {
+        struct neph_settings settings = settings_of(row->settings);
+        struct neph_diag diag = {0};
+        settings.values[POST_TONE] = 1.0;
+        neph_assert_ok(neph_post_check(&settings, &diag), &diag);
+        for (const struct neph_post_row *other = neph_post_rows; other < row; other++)
+            assert_string_not_equal(row->name, other->name);
+        assert_true(row->is_of_whole || row == neph_post_rows || !row[-1].is_of_whole);
+    }
+}
+
+/* ---- films ----------------------------------------------------------------------------------- */
+
+static struct neph_image *flat(double value)
+{
+    struct neph_image *image;
+    struct neph_diag diag = {0};
+    float *rgb[3];
+    neph_assert_ok(neph_image_create(width, height, &image, &diag), &diag);
+    neph_assert_ok(neph_image_add_rgb(image, NULL, rgb, &diag), &diag);
+    for (int i = 0; i < pixels; i++)
+        rgb[0][i] = rgb[1][i] = rgb[2][i] = (float)value;
+    return image;
+}
+
+struct film {
+    struct neph_vulkan *vulkan;
+    struct neph_image *tests[frames], *reference;
+    struct neph_post_film film;
+};
+
+/* A reference of 0.2, and a test that is off by turns. */
+static void open_film(struct film *f, double even, double odd)
+{
+    struct neph_diag diag = {0};
+    *f = (struct film){.reference = flat(0.2)};
+    for (int i = 0; i < frames; i++)
+        f->tests[i] = flat(i % 2 ? odd : even);
+    neph_assert_ok(neph_vulkan_open(&f->vulkan, &diag), &diag);
+    f->film = (struct neph_post_film){.tests = (const struct neph_image *const *)f->tests,
+                                      .references = (const struct neph_image *const *)&f->reference,
+                                      .count = frames,
+                                      .reference_count = 1,
+                                      .warm_up = warm_up,
+                                      .frame_rate_hz = 30.0,
+                                      .seed = 3};
+}
+
+static void close_film(struct film *f)
+{
+    for (int i = 0; i < frames; i++)
+        neph_image_destroy(f->tests[i]);
+    neph_image_destroy(f->reference);
+    neph_vulkan_destroy(f->vulkan);
+}
+
+static struct neph_post_numbers measured(struct film *f, const char *text)
+{
+    const struct neph_settings settings = settings_of(text);
+    struct neph_post_numbers numbers;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_post_measure(f->vulkan, &f->film, &settings, &numbers, &diag), &diag);
+    return numbers;
+}
+
+/* Off by 10 % up and down by turns: an rms of 10 % that changes by 20 % from frame to frame. */
+static void test_what_is_known_is_measured(void **state)
+{
+    struct film f;
+    (void)state;
+    open_film(&f, 0.22, 0.18);
+    const struct neph_post_numbers numbers = measured(&f, "tone=on tone_map=none");
+    neph_assert_close(numbers.scene_error, 0.1, 1e-5, 0.0);
+    neph_assert_close(numbers.scene_change, 0.2, 1e-5, 0.0);
+    assert_true(numbers.flip > 0.0 && numbers.seen > 1.0);
+    /* A curve that is flatter there hides a part; light is what it was. */
+    const struct neph_post_numbers flatter = measured(&f, "tone=on tone_map=agx exposure_ev=3");
+    assert_true(flatter.seen < 0.5 * numbers.seen && flatter.flip < numbers.flip);
+    assert_true(flatter.scene_error == numbers.scene_error);
+    /* What is twice as bright, and of the same contrast, is seen at least as well. */
+    const struct neph_post_numbers hdr = measured(&f, "tone=on tone_map=none encode=pq");
+    assert_true(isnan(hdr.flip) && hdr.seen > numbers.seen);
+    close_film(&f);
+}
+
+static void test_what_is_true_has_no_error_but_of_grain(void **state)
+{
+    struct film f;
+    (void)state;
+    open_film(&f, 0.2, 0.2);
+    const struct neph_post_numbers still = measured(&f, "tone=on tone_map=unreal bloom=conserving "
+                                                        "auto_exposure=on upscale=bilinear");
+    assert_true(still.scene_error == 0.0 && still.flip == 0.0 && still.luma_change == 0.0);
+    /* Uniform noise of 8 steps of 8 bits, another in each frame: sqrt(2 / 12) times its range. */
+    const struct neph_post_numbers grain = measured(&f, "tone=on tone_map=none grain=8");
+    neph_assert_close(grain.luma_change, 8.0 / 255.0 * sqrt(1.0 / 6.0), 0.03, 0.0);
+    close_film(&f);
+}
+
+/* A frame that is brighter than the reference is shown as bright, once the eye is used to it. */
+static void test_the_eye_forgives_what_is_brighter(void **state)
+{
+    struct film f;
+    (void)state;
+    open_film(&f, 0.3, 0.3);
+    const struct neph_post_numbers fixed = measured(&f, "tone=on tone_map=none");
+    const struct neph_post_numbers adapted = measured(&f, "tone=on tone_map=none auto_exposure=on");
+    assert_true(fixed.flip > 0.05 && adapted.flip < 0.01);
+    close_film(&f);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_the_chains_make_sense)};
+    const struct CMUnitTest engines[] = {
+        cmocka_unit_test(test_what_is_known_is_measured),
+        cmocka_unit_test(test_what_is_true_has_no_error_but_of_grain),
+        cmocka_unit_test(test_the_eye_forgives_what_is_brighter),
+    };
+    return neph_test_wants_engines(argc, argv) ? cmocka_run_group_tests(engines, NULL, NULL)
+                                               : cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,384 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The sky of a planet from tables behind, before and between what is marched: against the exact
+ * light of one order, the tables' own twin in C, and pictures that must be the same.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/march.h"
+#include "renderer/sky/split.h"
+#include "scenes/solids.h"
+#include "truth/transport.h"
+
+enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
+
+static struct neph_scene *load(const char *name)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    char path[512];
+    snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/catalog/%s.yaml", name);
+    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+    return scene;
+}
+
+/* The Earth with a cloud 12 km ahead and 2 km up; looked at over 40 degrees. */
+static struct neph_scene *load_with_cloud(double depth, enum neph_scattering scattering)
+{
+    struct neph_scene *scene = load("sky_earth");
+    const double width_m = 500.0;
+    const double peak_per_m = depth / (width_m * sqrt(2.0 * M_PI));
+    scene->media[scene->medium_count++] = make_blob(
+        peak_per_m, (struct neph_vec3){-300.0, 2000.0, -12e3}, width_m);
+    scene->scattering = scattering;
+    scene->camera_keys[0].look_at_m = (struct neph_vec3){0.0, 2.15, -1.0};
+    scene->vertical_fov_rad = 0.7;
+    return scene;
+}
+
+static struct neph_march_params params_of(enum neph_march_lighting lighting, int nodes)
+{
+    struct neph_march_params params = {
+        .width_px = WIDTH,
+        .height_px = HEIGHT,
+        .steps = 96,
+        .lighting = lighting,
+        .sky = neph_sky_for_march(true, true,
+                                  (struct neph_sky_aerial_params){nodes, nodes, nodes, 6e4}),
+    };
+    params.sky.tables.field.altitudes = 6;
+    params.sky.tables.field.suns = 16;
+    params.sky.tables.field.orders = 3;
+    params.sky.tables.field.above = 4;
+    params.sky.tables.field.below = 2;
+    params.sky.tables.field.around = 3;
+    return params;
+}
+
+static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                 const struct neph_march_params *params)
+{
+    struct neph_march *march = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_march_create(vulkan, scene, params, &march, &diag), &diag);
+    neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &image, NULL, &diag), &diag);
+    neph_march_destroy(march);
+    return image;
+}
+
+/* Mean over pixels and channels of |a - b| over that of b; of a layer of the image. */
+static double distance(const struct neph_image *image, const char *layer, const double *b)
+{
+    float *rgb[3];
+    double off = 0.0, sum = 0.0;
+    assert_true(neph_image_rgb(image, layer, rgb));
+    for (int i = 0; i < PIXELS; i++)
+        for (int c = 0; c < 3; c++) {
+            off += fabs((double)rgb[c][i] - b[3 * i + c]);
+            sum += b[3 * i + c];
+        }
+    return off / sum;
+}
+
+static double *values_of(const struct neph_image *image)
+{
+    float *rgb[3];
+    double *values = malloc(3 * PIXELS * sizeof(*values));
+    assert_true(values && neph_image_rgb(image, NULL, rgb));
+    for (int i = 0; i < PIXELS; i++)
+        for (int c = 0; c < 3; c++)
+            values[3 * i + c] = (double)rgb[c][i];
+    return values;
+}
+
+/* --- one order of scattering ------------------------------------------------------------------ */
+
+static void exact_light(const struct neph_scene *scene, double *radiance, double *through)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    for (int i = 0; i < PIXELS; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                          i / WIDTH);
+        const struct neph_ray_light light = neph_transport_ray(scene, ray.origin_m, ray.direction);
+        memcpy(&radiance[3 * i], &light.radiance, 3 * sizeof(double));
+        memcpy(&through[3 * i], &light.transmittance, 3 * sizeof(double));
+    }
+}
+
+/* A cloud in air, of one order: all that is left to be off is between the nodes of the tables, in
+ * the edge of the cloud's shadow on the air, and in the steps. Clouds from thin to black. */
+static void test_air_and_cloud_are_exact_of_one_order(void **state)
+{
+    static const double depths[] = {8.0, 0.3};
+    for (int n = 0; n < neph_test_by_day(1, 2); n++) {
+        struct neph_scene *scene = load_with_cloud(depths[n], NEPH_SCATTERING_SINGLE);
+        double exact[3 * PIXELS], through[3 * PIXELS], off[2];
+        exact_light(scene, exact, through);
+        for (int fine = 0; fine < 2; fine++) {
+            const struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, fine ? 64 : 16);
+            struct neph_image *image = render(*state, scene, &params);
+            off[fine] = distance(image, NULL, exact);
+            assert_true(distance(image, "transmittance", through) < 1e-3);
+            neph_image_destroy(image);
+        }
+        print_message("cloud of depth %g in air: off by %.2g, %.2g\n", depths[n], off[0], off[1]);
+        assert_true(off[0] < 8e-3 && off[1] < 3e-3);
+        neph_scene_destroy(scene);
+    }
+}
+
+/* Without shadows on the air what is behind the cloud is too bright. */
+static void test_shadows_on_the_air_count(void **state)
+{
+    struct neph_scene *scene = load_with_cloud(8.0, NEPH_SCATTERING_SINGLE);
+    struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 64);
+    double exact[3 * PIXELS], through[3 * PIXELS];
+    exact_light(scene, exact, through);
+    params.sky.has_shadows = false;
+    struct neph_image *image = render(*state, scene, &params);
+    const double off = distance(image, NULL, exact);
+    print_message("without shadows on the air: off by %.2g\n", off);
+    assert_true(off > 0.1);
+    neph_image_destroy(image);
+    neph_scene_destroy(scene);
+}
+
+/* --- layers in any order ---------------------------------------------------------------------- */
+
+/* A medium becomes two of half its extinction, one before and one behind all others. */
+static void cut_in_two(struct neph_scene *scene, int medium)
+{
+    struct neph_medium half = scene->media[medium];
+    half.extinction_per_m *= 0.5;
+    scene->media[medium] = half;
+    memmove(scene->media + 1, scene->media, (size_t)scene->medium_count * sizeof(half));
+    scene->media[0] = half;
+    scene->medium_count++;
+}
+
+static void turn_round(struct neph_scene *scene)
+{
+    for (int i = 0, j = scene->medium_count - 1; i < j; i++, j--) {
+        const struct neph_medium medium = scene->media[i];
+        scene->media[i] = scene->media[j];
+        scene->media[j] = medium;
+    }
+}
+
+/* The cloud cut in two, the haze cut in two, both, and all the other way round: the same picture,
+ * to the roundings of sums in another order. */
+static void test_any_order_of_layers_is_the_same(void **state)
+{
+    enum { HAZE = 1, CLOUD = 3 };
+    static const int cuts[][2] = {{CLOUD, HAZE + 1}, {-1, -1}, {CLOUD, -1}, {HAZE, -1}};
+    struct neph_scene *scene = load_with_cloud(3.0, NEPH_SCATTERING_MULTIPLE);
+    const struct neph_march_params params = params_of(NEPH_MARCH_OCTAVES, 16);
+    struct neph_image *image = render(*state, scene, &params);
+    double *whole = values_of(image);
+    neph_image_destroy(image);
+    for (int n = 0; n < neph_test_by_day(2, 4); n++) {
+        struct neph_scene cut = *scene;
+        for (int i = 0; i < 2; i++)
+            if (cuts[n][i] >= 0)
+                cut_in_two(&cut, cuts[n][i]);
+        turn_round(&cut);
+        image = render(*state, &cut, &params);
+        const double off = distance(image, NULL, whole);
+        print_message("cut and turned round, %d: off by %.2g\n", n, off);
+        assert_true(off < 3e-6);
+        neph_image_destroy(image);
+    }
+    free(whole);
+    neph_scene_destroy(scene);
+}
+
+/* --- behind and before ------------------------------------------------------------------------ */
+
+/* A cloud of nothing changes nothing, and without solids but the ground the picture is the table's
+ * own; neph_sky_see() looks into its twin. */
+static void test_without_clouds_it_is_the_sky(void **state)
+{
+    struct neph_scene *scene = load("sky_earth");
+    struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
+    struct neph_sky *sky = NULL;
+    struct neph_diag diag = {0};
+    struct neph_image *image = render(*state, scene, &params);
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    double *light = calloc(3 * PIXELS, sizeof(*light));
+    neph_assert_ok(neph_sky_create(scene, &params.sky.tables, &sky, &diag), &diag);
+    neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);
+    for (int i = 0; i < PIXELS; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                          i / WIDTH);
+        const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+        memcpy(&light[3 * i], seen.radiance, sizeof(seen.radiance));
+    }
+    const double off = distance(image, NULL, light);
+    print_message("a sky without clouds: off by %.2g\n", off);
+    assert_true(off < 1e-3); /* the ground is lit where it is, and not between nodes */
+    neph_sky_destroy(sky);
+    neph_image_destroy(image);
+    free(light);
+    neph_scene_destroy(scene);
+}
+
+/* Solids 2.5 to 30 km away through the air: against walked rays, by the nodes of the table. */
+static void test_aerial_perspective_converges(void **state)
+{
+    struct neph_scene *scene = load("sky_aerial");
+    double off[2];
+    struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
+    struct neph_sky_params walked = params.sky.tables;
+    struct neph_sky *sky = NULL;
+    struct neph_diag diag = {0};
+    scene->camera_keys[0].look_at_m = (struct neph_vec3){-0.1, 2.02, -1.0};
+    scene->vertical_fov_rad = 0.35;
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    walked.view.is_table = false;
+    walked.steps = 96;
+    neph_assert_ok(neph_sky_create(scene, &walked, &sky, &diag), &diag);
+    params.sky.has_shadows = false; /* nor has the walk */
+    for (int fine = 0; fine < 2; fine++) {
+        params.sky.tables.aerial = fine ? (struct neph_sky_aerial_params){64, 64, 32, 6e4}
+                                        : (struct neph_sky_aerial_params){16, 16, 16, 6e4};
+        struct neph_image *image = render(*state, scene, &params);
+        float *rgb[3];
+        int solid = 0;
+        off[fine] = 0.0;
+        assert_true(neph_image_rgb(image, NULL, rgb));
+        for (int i = 0; i < PIXELS; i++) {
+            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                              i / WIDTH);
+            const struct neph_hit hit = neph_scene_hit(scene, ray.origin_m, ray.direction);
+            if (!hit.solid || hit.solid == &scene->solids[0])
+                continue;
+            const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+            for (int c = 0; c < 3; c++)
+                off[fine] += fabs((double)rgb[c][i] / seen.radiance[c] - 1.0) / 3.0;
+            solid++;
+        }
+        off[fine] /= solid;
+        neph_image_destroy(image);
+        assert_true(solid >= 12);
+    }
+    print_message("aerial perspective of solids: off by %.2g, %.2g\n", off[0], off[1]);
+    assert_true(off[0] < 5e-3 && off[1] < 1e-3);
+    neph_sky_destroy(sky);
+    neph_scene_destroy(scene);
+}
+
+/* --- light of the sky ------------------------------------------------------------------------- */
+
+/* Mean over directions of what is seen from a place, in double. */
+static void mean_sky(const struct neph_scene *scene, const struct neph_sky_params *params,
+                     struct neph_vec3 place_m, double mean[3])
+{
+    enum { DIRECTIONS = 3000 };
+    struct neph_scene air = *scene;
+    struct neph_sky_params walked = *params;
+    struct neph_sky *sky = NULL;
+    struct neph_diag diag = {0};
+    air.medium_count = 3; /* without the cloud */
+    walked.view.is_table = false;
+    walked.steps = 24;
+    neph_assert_ok(neph_sky_create(&air, &walked, &sky, &diag), &diag);
+    mean[0] = mean[1] = mean[2] = 0.0;
+    for (int i = 0; i < DIRECTIONS; i++) { /* even on the sphere, by the golden angle */
+        const double y = 1.0 - (2.0 * i + 1.0) / DIRECTIONS, across = sqrt(1.0 - y * y);
+        const double turn = M_PI * (3.0 - sqrt(5.0)) * i;
+        const struct neph_sky_light light = neph_sky_see(
+            sky, place_m, (struct neph_vec3){across * cos(turn), y, across * sin(turn)});
+        for (int c = 0; c < 3; c++)
+            mean[c] += light.radiance[c] / DIRECTIONS;
+    }
+    neph_sky_destroy(sky);
+}
+
+/* After sunset, of the light of the sky and the ground around it a thin white cloud scatters the
+ * mean over directions; a sun would outshine it when scattered twice. What is left are paths' noise
+ * and what the cloud takes of its own light, 2 %. */
+static void test_the_sky_lights_a_thin_cloud(void **state)
+{
+    const double depth = 0.4;
+    const struct neph_vec3 place_m = {-300.0, 2000.0, -12e3};
+    struct neph_scene *scene = load_with_cloud(depth, NEPH_SCATTERING_MULTIPLE);
+    struct neph_march_params params = params_of(NEPH_MARCH_TRACED, 16);
+    double mean[3];
+    scene->camera_keys[0].position_m = (struct neph_vec3){-300.0, 2000.0, -11.9e3};
+    scene->camera_keys[0].look_at_m = place_m;
+    scene->vertical_fov_rad = 0.1;
+    scene->sun.direction = (struct neph_vec3){0.0, -sin(0.05), -cos(0.05)};
+    params.light = (struct neph_light_paths){
+        .texel_px = 8, .paths = 64, .rounds = 24, .memory = 1, .blur_texels = 2.0, .seed = 7};
+    struct neph_image *traced = render(*state, scene, &params);
+    params.lighting = NEPH_MARCH_OCTAVES;
+    scene->octaves.count = 1;
+    struct neph_image *once = render(*state, scene, &params);
+    float *a[3], *b[3];
+    mean_sky(scene, &params.sky.tables, place_m, mean);
+    assert_true(neph_image_rgb(traced, NULL, a) && neph_image_rgb(once, NULL, b));
+    for (int c = 0; c < 3; c++) {
+        const int middle = (HEIGHT / 2) * WIDTH + WIDTH / 2;
+        const double opacity = 1.0 - exp(-depth * 0.5 * (1.0 + erf(100.0 / 500.0 / sqrt(2.0))));
+        const double found = ((double)a[c][middle] - (double)b[c][middle]) / opacity;
+        print_message("channel %d: %.4g of the sky, %.4g wanted\n", c, found, mean[c]);
+        neph_assert_close(found, mean[c], 0.05, 0.0);
+    }
+    neph_image_destroy(once);
+    neph_image_destroy(traced);
+    neph_scene_destroy(scene);
+}
+
+/* --- refusals --------------------------------------------------------------------------------- */
+
+static void refuses(const struct neph_scene *scene, enum neph_march_lighting lighting,
+                    const char *words)
+{
+    char reason[256] = "";
+    assert_false(neph_march_can_render_under(scene, true, lighting, reason, sizeof(reason)));
+    if (!strstr(reason, words))
+        print_error("no '%s' in '%s'\n", words, reason);
+    assert_non_null(strstr(reason, words));
+}
+
+static void test_says_what_it_cannot(void **state)
+{
+    (void)state;
+    char reason[256];
+    struct neph_scene *scene = load_with_cloud(1.0, NEPH_SCATTERING_MULTIPLE);
+    assert_true(
+        neph_march_can_render_under(scene, true, NEPH_MARCH_TRACED, reason, sizeof(reason)));
+    assert_false(neph_march_can_render_under(scene, false, NEPH_MARCH_TRACED, reason,
+                                             sizeof(reason))); /* air has colour */
+    refuses(scene, NEPH_MARCH_SINGLE, "multiple scattering");
+    refuses(scene, NEPH_MARCH_HORIZON, "Horizon");
+    struct neph_scene other = *scene;
+    other.orthographic_height_m = 100.0;
+    refuses(&other, NEPH_MARCH_OCTAVES, "orthographic");
+    other = *scene;
+    other.solid_count = 0;
+    refuses(&other, NEPH_MARCH_OCTAVES, "ground");
+    other = *scene;
+    other.background_w_per_m2_sr.g = 1.0;
+    refuses(&other, NEPH_MARCH_OCTAVES, "background");
+    other = *scene;
+    other.media[0] = scene->media[3];
+    other.medium_count = 1;
+    refuses(&other, NEPH_MARCH_OCTAVES, "without an atmosphere");
+    neph_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_air_and_cloud_are_exact_of_one_order),
+        cmocka_unit_test(test_shadows_on_the_air_count),
+        cmocka_unit_test(test_any_order_of_layers_is_the_same),
+        cmocka_unit_test(test_without_clouds_it_is_the_sky),
+        cmocka_unit_test(test_aerial_perspective_converges),
+        cmocka_unit_test(test_the_sky_lights_a_thin_cloud),
+        cmocka_unit_test(test_says_what_it_cannot),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

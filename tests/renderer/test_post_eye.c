@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Automatic exposure: percentiles of histograms that are known, and how the eye adapts, in closed
+ * form.
+ */
+#include "tests/renderer/post_test.h"
+
+enum { width = 67, height = 43, count = width * height };
+
+/* Frames one after the other, and the eye that looks at them. */
+struct sequence {
+    struct neph_vulkan *vulkan;
+    struct neph_post_params params;
+    struct neph_post_eye eye;
+    struct neph_image *frame;
+    float *rgb[3];
+};
+
+static struct sequence sequence_of(struct neph_vulkan *vulkan, const char *settings, double step_s)
+{
+    struct sequence s = {.vulkan = vulkan};
+    s.params = (struct neph_post_params){.settings = post_settings(settings), .step_s = step_s};
+    s.frame = post_image(width, height, s.rgb);
+    return s;
+}
+
+static void fill(struct sequence *s, double ev)
+{
+    for (int i = 0; i < count; i++)
+        s->rgb[0][i] = s->rgb[1][i] = s->rgb[2][i] = (float)exp2(ev);
+}
+
+/* The first pixel of the picture that is made, where it is wanted. */
+static struct neph_post_stats next(struct sequence *s, double *first)
+{
+    struct neph_image *made;
+    struct neph_post_stats stats;
+    struct neph_diag diag = {0};
+    float *rgb[3];
+    s->params.eye = &s->eye;
+    neph_assert_ok(neph_post_run(s->vulkan, &s->params, s->frame, &made, &stats, &diag), &diag);
+    assert_true(neph_image_rgb(made, NULL, rgb));
+    if (first)
+        *first = rgb[1][0];
+    neph_image_destroy(made);
+    return stats;
+}
+
+#define AUTO "tone=on tone_map=none encode=linear auto_exposure=on "
+
+/* The logarithm is float32's, up to 16, and places in bins are whole 65536ths of their width. */
+static const double ev_tolerance = 4e-6 + 0.25 / 65536;
+
+static void test_what_is_flat_is_shown_grey(void **state)
+{
+    static const double evs[] = {-9.9, -3.1415, -0.125, 0.0, 0.0625, 2.5, 9.87};
+    struct sequence s = sequence_of(*state, AUTO, 0.0);
+    for (size_t i = 0; i < COUNT(evs); i++) {
+        double shown;
+        fill(&s, evs[i]);
+        s.eye.is_open = false;
+        neph_assert_close(next(&s, &shown).adapted_ev, evs[i], 0.0, ev_tolerance);
+        neph_assert_close(shown, 0.18, 2.0 * ev_tolerance, 0.0);
+    }
+    s.params.settings = post_settings(AUTO "exposure_ev=1.5");
+    double shown;
+    next(&s, &shown);
+    neph_assert_close(shown, 0.18 * exp2(1.5), 2.0 * ev_tolerance, 0.0);
+    neph_image_destroy(s.frame);
+}
+
+/* Equal parts of the pixels at equal distances of EV: the mean between percentiles is an integral
+ * of a straight line, but for the width of bins. Then a tenth of black and a tenth of suns. */
+static void test_percentiles_of_a_ramp(void **state)
+{
+    static const struct {
+        const char *settings;
+        double low, high;
+    } cases[] = {{AUTO "meter_low_percent=0 meter_high_percent=100", 0.0, 1.0},
+                 {AUTO "meter_low_percent=10 meter_high_percent=90", 0.1, 0.9},
+                 {AUTO "meter_low_percent=80 meter_high_percent=98", 0.8, 0.98},
+                 {AUTO "meter_low_percent=0 meter_high_percent=20", 0.0, 0.2}};
+    const double first_ev = -6.0, range_ev = 8.0;
+    struct sequence s = sequence_of(*state, AUTO, 0.0);
+    for (int i = 0; i < count; i++)
+        for (int c = 0; c < 3; c++) /* in no order: 613 has no factor of the count */
+            s.rgb[c][i] = (float)exp2(first_ev + range_ev * (i * 613 % count + 0.5) / count);
+    for (size_t k = 0; k < COUNT(cases); k++) {
+        s.params.settings = post_settings(cases[k].settings);
+        s.eye.is_open = false;
+        const double mean = first_ev + range_ev * 0.5 * (cases[k].low + cases[k].high);
+        /* Bins that a percentile cuts count with their mean: each an eighth of an EV off at most,
+         * for a quarter of 1.44 EV, the least share here; both on one side are 1/32. */
+        neph_assert_close(next(&s, NULL).metered_ev, mean, 0.0, k == 0 ? 1.0 / count : 1.0 / 32.0);
+    }
+    for (int i = 0; i < count; i++) {
+        const double at = (i * 613 % count + 0.5) / count;
+        for (int c = 0; c < 3; c++)
+            s.rgb[c][i] = at < 0.1 ? 0.0f : at > 0.9 ? 60000.0f : 0.5f;
+    }
+    s.params.settings = post_settings(AUTO "meter_low_percent=11 meter_high_percent=89");
+    s.eye.is_open = false;
+    neph_assert_close(next(&s, NULL).metered_ev, -1.0, 0.0, ev_tolerance);
+    neph_image_destroy(s.frame);
+}
+
+/* The histogram and its percentiles once more, in double, of a picture of anything. */
+static double metered(const struct sequence *s, double low, double high)
+{
+    double counts[POST_METER_BINS] = {0}, sums[POST_METER_BINS] = {0}, sum = 0.0, below = 0.0;
+    for (int i = 0; i < count; i++) {
+        const double y = 0.2126 * s->rgb[0][i] + 0.7152 * s->rgb[1][i] + 0.0722 * s->rgb[2][i];
+        const double ev = fmin(fmax(y > 0.0 ? log2(y) : -16.0, -16.0), 16.0);
+        const int bin = ev < 16.0 ? (int)((ev + 16.0) * 4.0) : POST_METER_BINS - 1;
+        counts[bin] += 1.0;
+        sums[bin] += ev;
+    }
+    for (int bin = 0; bin < POST_METER_BINS; bin++) {
+        const double above = below + counts[bin];
+        const double inside = fmin(above, high * count) - fmax(below, low * count);
+        sum += inside > 0.0 ? inside * sums[bin] / counts[bin] : 0.0;
+        below = above;
+    }
+    return sum / ((high - low) * count);
+}
+
+static void test_the_meter_is_its_formula(void **state)
+{
+    struct sequence s = sequence_of(*state,
+                                    AUTO "meter_low_percent=35 meter_high_percent=97.5 "
+                                         "exposure_min_ev=-16 exposure_max_ev=16",
+                                    0.0);
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        uint64_t drawn = seed;
+        for (int i = 0; i < count; i++)
+            for (int c = 0; c < 3; c++)
+                s.rgb[c][i] = i % 11 == 0 ? 0.0f
+                                          : (float)exp2(neph_test_uniform(&drawn, -20.0, 5.0) +
+                                                        4.0 * (double)seed);
+        s.eye.is_open = false;
+        /* A pixel beside a bin's border may be counted on the other side of it. */
+        neph_assert_close(next(&s, NULL).metered_ev, metered(&s, 0.35, 0.975), 0.0,
+                          2.0 * ev_tolerance + 0.25 / count);
+    }
+    neph_image_destroy(s.frame);
+}
+
+/* Every pixel counts once, also where groups of threads share the work: 20,467 pixels. */
+static void test_the_meter_sees_every_pixel(void **state)
+{
+    enum { wide = 211, high = 97, all = wide * high };
+    static const int bright[] = {0, 1, 4095, 4096, 9001, all - 1, all};
+    struct sequence s = sequence_of(*state, AUTO "meter_low_percent=0 meter_high_percent=100", 0.0);
+    neph_image_destroy(s.frame);
+    s.frame = post_image(wide, high, s.rgb);
+    for (size_t k = 0; k < COUNT(bright); k++) {
+        for (int i = 0; i < all; i++)
+            for (int c = 0; c < 3; c++)
+                s.rgb[c][i] = i < bright[k] ? 8.0f : 0.25f;
+        s.eye.is_open = false;
+        /* A pixel more or less is 2.4e-4. */
+        neph_assert_close(next(&s, NULL).metered_ev, -2.0 + 5.0 * bright[k] / all, 0.0,
+                          2.0 * ev_tolerance);
+    }
+    neph_image_destroy(s.frame);
+}
+
+/* Colours by their luminance (ITU-R BT.709). */
+static void test_the_meter_sees_luminance(void **state)
+{
+    static const double weights[3] = {0.2126, 0.7152, 0.0722};
+    struct sequence s = sequence_of(*state, AUTO, 0.0);
+    for (int bright = 0; bright < 3; bright++) {
+        for (int i = 0; i < count; i++)
+            for (int c = 0; c < 3; c++)
+                s.rgb[c][i] = c == bright ? 0.5f : 0.0f;
+        s.eye.is_open = false;
+        neph_assert_close(next(&s, NULL).metered_ev, log2(0.5 * weights[bright]), 0.0,
+                          ev_tolerance);
+    }
+    neph_image_destroy(s.frame);
+}
+
+/* d/dt = speed min(distance / near, 1), solved by hand: from `distance` away. */
+static double rest_ev(double distance, double speed, double near, double t)
+{
+    const double far_s = fmax(distance - near, 0.0) / speed;
+    if (t < far_s)
+        return distance - speed * t;
+    return fmin(distance, near) * exp(-(t - far_s) * speed / near);
+}
+
+static void test_a_step_of_light_is_approached(void **state)
+{
+    static const struct {
+        double from_ev, to_ev, speed;
+    } steps[] = {{-3.0, 2.0, 3.0}, {2.0, -1.5, 1.0}, {0.0, 0.5, 3.0}, {0.25, -0.25, 1.0}};
+    const double step_s = 1.0 / 30.0;
+    for (size_t k = 0; k < COUNT(steps); k++) {
+        struct sequence s = sequence_of(*state, AUTO, step_s);
+        fill(&s, steps[k].from_ev);
+        next(&s, NULL);
+        fill(&s, steps[k].to_ev);
+        const double distance = fabs(steps[k].to_ev - steps[k].from_ev);
+        const double way = steps[k].to_ev > steps[k].from_ev ? 1.0 : -1.0;
+        for (int frame = 1; frame <= 60; frame++) {
+            const double rest = rest_ev(distance, steps[k].speed, 1.5, frame * step_s);
+            /* Errors of the meter, and of as many roundings as there were frames. */
+            neph_assert_close(next(&s, NULL).adapted_ev, steps[k].to_ev - way * rest, 0.0,
+                              2.0 * ev_tolerance + frame * 1e-6);
+        }
+        neph_image_destroy(s.frame);
+    }
+}
+
+/* 30 frames a second and 7 end at the same place. */
+static void test_the_way_does_not_know_the_frame_rate(void **state)
+{
+    double ends[2];
+    for (int k = 0; k < 2; k++) {
+        const int frames = k ? 7 : 30;
+        struct sequence s = sequence_of(*state, AUTO "adapt_up_ev_per_s=4 adapt_near_ev=2",
+                                        1.0 / frames);
+        fill(&s, -2.0);
+        next(&s, NULL);
+        fill(&s, 3.0);
+        for (int i = 0; i < frames; i++)
+            ends[k] = next(&s, NULL).adapted_ev;
+        neph_image_destroy(s.frame);
+    }
+    neph_assert_close(ends[0], ends[1], 0.0, 4e-5);
+    neph_assert_close(ends[0], 3.0 - rest_ev(5.0, 4.0, 2.0, 1.0), 0.0, 4e-5);
+}
+
+static void test_limits_hold_and_a_still_eye_stays(void **state)
+{
+    struct sequence s = sequence_of(*state, AUTO "exposure_min_ev=-2 exposure_max_ev=1", 0.1);
+    fill(&s, -8.0);
+    assert_true(next(&s, NULL).adapted_ev == -2.0);
+    fill(&s, 8.0);
+    s.eye.is_open = false;
+    assert_true(next(&s, NULL).adapted_ev == 1.0);
+    s.params.settings = post_settings(AUTO "adapt_down_ev_per_s=0");
+    fill(&s, -1.0); /* 1 = -1 + 2 by way of the distance: exact */
+    assert_true(next(&s, NULL).adapted_ev == 1.0);
+    neph_image_destroy(s.frame);
+}
+
+static void test_what_cannot_be_metered_is_refused(void **state)
+{
+    static const char *const wrong[][2] = {
+        {AUTO "meter_low_percent=90 meter_high_percent=90", "meter_high_percent"},
+        {AUTO "exposure_min_ev=3 exposure_max_ev=2", "exposure_max_ev"},
+        {"auto_exposure=on", "tone is off"}};
+    (void)state;
+    for (size_t i = 0; i < COUNT(wrong); i++) {
+        const struct neph_settings settings = post_settings(wrong[i][0]);
+        struct neph_diag diag = {0};
+        assert_int_equal(neph_post_check(&settings, &diag), NEPH_ERR_USAGE);
+        assert_non_null(strstr(diag.message, wrong[i][1]));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_what_is_flat_is_shown_grey),
+        cmocka_unit_test(test_percentiles_of_a_ramp),
+        cmocka_unit_test(test_the_meter_is_its_formula),
+        cmocka_unit_test(test_the_meter_sees_every_pixel),
+        cmocka_unit_test(test_the_meter_sees_luminance),
+        cmocka_unit_test(test_a_step_of_light_is_approached),
+        cmocka_unit_test(test_the_way_does_not_know_the_frame_rate),
+        cmocka_unit_test(test_limits_hold_and_a_still_eye_stays),
+        cmocka_unit_test(test_what_cannot_be_metered_is_refused),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: MIT */
+#include "truth/reflected.h"
+
+#include "scenes/lights.h"
+#include "scenes/surfaces.h"
+#include "truth/directions.h"
+#include "truth/metal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* A path whose throughput is below this may be ended (and is worth more when it is not). */
+static const double roulette_below = 0.05;
+
+static const struct neph_rgb black = {0, 0, 0}, white = {1, 1, 1};
+
+/* Where a path meets a solid. */
+struct place {
+    const struct neph_solid *solid;
+    struct neph_vec3 point_m, normal, from; /* `from`: unit, against the path */
+    struct neph_rgb color;
+};
+
+static struct place place_of(const struct neph_hit *hit, struct neph_vec3 origin_m,
+                             struct neph_vec3 direction)
+{
+    const struct neph_vec3 point_m = neph_vec3_along(origin_m, direction, hit->t_m);
+    return (struct place){.solid = hit->solid,
+                          .point_m = neph_hit_outside_m(hit, point_m),
+                          .normal = hit->normal,
+                          .from = neph_vec3_scale(direction, -1.0),
+                          .color = neph_surface_color(hit, point_m)};
+}
+
+/* ---- beams: light of sun and lights, which comes from points --------------------------------- */
+
+struct beam {
+    struct neph_vec3 direction;          /* unit, against it */
+    struct neph_rgb irradiance_w_per_m2; /* on a plane across it */
+};
+
+enum { FACES = 6, BEAMS_MAX = (1 + NEPH_SCENE_LIGHTS_MAX) * (1 + FACES) };
+
+struct beams {
+    int count;
+    struct beam beams[BEAMS_MAX];
+};
+
+static void add_beam(struct beams *beams, struct neph_vec3 direction, struct neph_rgb irradiance)
+{
+    beams->beams[beams->count++] = (struct beam){direction, irradiance};
+}
+
+/* The one that beams may come by; NULL: there is none. */
+static const struct neph_solid *find_mirror(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        if (neph_is_mirror(&scene->solids[i].surface))
+            return &scene->solids[i];
+    return NULL;
+}
+
+struct plane {
+    struct neph_vec3 point_m, normal;
+};
+
+static struct plane face_of(const struct neph_solid *box, int face)
+{
+    const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m),
+                                                      0.5);
+    const struct neph_vec3 half_m = neph_vec3_sub(box->box.max_m, middle_m);
+    const double side = face % 2 ? 1.0 : -1.0;
+    struct neph_vec3 normal = {face / 2 == 0 ? side : 0, face / 2 == 1 ? side : 0,
+                               face / 2 == 2 ? side : 0};
+    const double depth_m = fabs(neph_vec3_dot(normal, half_m));
+    if (neph_is_turned(&box->turn))
+        normal = neph_turned(&box->turn, normal);
+    return (struct plane){neph_vec3_along(middle_m, normal, depth_m), normal};
+}
+
+static double height_above_m(const struct plane *plane, struct neph_vec3 point_m)
+{
+    return neph_vec3_dot(neph_vec3_sub(point_m, plane->point_m), plane->normal);
+}
+
+/* The place on the face of a mirror that is seen from a point in a direction. */
+static bool finds_face(const struct neph_scene *scene, const struct neph_solid *mirror,
+                       const struct plane *face, struct neph_vec3 point_m,
+                       struct neph_vec3 direction, struct place *place)
+{
+    const struct neph_hit hit = neph_scene_hit(scene, point_m, direction);
+    if (hit.solid != mirror || neph_vec3_dot(hit.normal, face->normal) < 0.5)
+        return false;
+    *place = place_of(&hit, point_m, direction);
+    return true;
+}
+
+static struct neph_rgb mirrored_light(const struct place *mirror, struct neph_rgb irradiance)
+{
+    return neph_rgb_scale(neph_rgb_mul(mirror->color, irradiance),
+                          mirror->solid->surface.metalness);
+}
+
+static void add_mirrored_sun(const struct neph_scene *scene, const struct neph_solid *mirror,
+                             const struct plane *face, struct neph_vec3 point_m,
+                             struct beams *beams)
+{
+    const struct neph_vec3 sun = scene->sun.direction;
+    const struct neph_vec3 direction = neph_vec3_scale(neph_mirrored(sun, face->normal), -1.0);
+    struct place place;
+    if (neph_vec3_dot(sun, face->normal) > 0.0 &&
+        finds_face(scene, mirror, face, point_m, direction, &place) &&
+        neph_scene_sees_sun(scene, place.point_m))
+        add_beam(beams, direction, mirrored_light(&place, scene->sun.irradiance_w_per_m2));
+}
+
+/* The light at the mirror image of the point, turned back. */
+static void add_mirrored_lamp(const struct neph_scene *scene, const struct neph_light *lamp,
+                              const struct neph_solid *mirror, const struct plane *face,
+                              struct neph_vec3 point_m, struct beams *beams)
+{
+    const double height_m = height_above_m(face, point_m);
+    if (height_m <= 0.0 || height_above_m(face, lamp->position_m) <= 0.0)
+        return;
+    const struct neph_lit lit = neph_light_at(
+        lamp, neph_vec3_along(point_m, face->normal, -2.0 * height_m));
+    const struct neph_vec3 direction = neph_vec3_scale(neph_mirrored(lit.direction, face->normal),
+                                                       -1.0);
+    struct place place;
+    if (finds_face(scene, mirror, face, point_m, direction, &place) &&
+        neph_scene_sees(scene, place.point_m, lamp->position_m))
+        add_beam(beams, direction, mirrored_light(&place, lit.irradiance_w_per_m2));
+}
+
+static void add_mirrored(const struct neph_scene *scene, const struct neph_solid *mirror,
+                         struct neph_vec3 point_m, struct beams *beams)
+{
+    for (int f = 0; f < FACES; f++) {
+        const struct plane face = face_of(mirror, f);
+        if (scene->sun.present)
+            add_mirrored_sun(scene, mirror, &face, point_m, beams);
+        for (int i = 0; i < scene->light_count; i++)
+            add_mirrored_lamp(scene, &scene->lights[i], mirror, &face, point_m, beams);
+    }
+}
+
+/* All that arrive at a point just outside a surface. */
+static void find_beams(const struct neph_scene *scene, struct neph_vec3 point_m,
+                       struct beams *beams)
+{
+    beams->count = 0;
+    if (scene->sun.present && neph_scene_sees_sun(scene, point_m))
+        add_beam(beams, scene->sun.direction, scene->sun.irradiance_w_per_m2);
+    for (int i = 0; i < scene->light_count; i++) {
+        const struct neph_light *lamp = &scene->lights[i];
+        const struct neph_lit lit = neph_light_at(lamp, point_m);
+        if (lit.distance_m > 0.0 && neph_scene_sees(scene, point_m, lamp->position_m))
+            add_beam(beams, lit.direction, lit.irradiance_w_per_m2);
+    }
+    const struct neph_solid *mirror = find_mirror(scene);
+    if (mirror && (scene->sun.present || scene->light_count > 0))
+        add_mirrored(scene, mirror, point_m, beams);
+}
+
+/* Radiance of beams off a white Lambertian, and off a white metal, which if it is a mirror shows no
+ * point. */
+static void reflect_beams(const struct neph_scene *scene, const struct place *place,
+                          struct neph_rgb *diffuse, struct neph_rgb *glossy)
+{
+    struct beams found;
+    const struct neph_surface *surface = &place->solid->surface;
+    const bool shines = surface->metalness > 0.0 && !neph_is_mirror(surface);
+    *diffuse = *glossy = black;
+    find_beams(scene, place->point_m, &found);
+    for (int i = 0; i < found.count; i++) {
+        const struct beam *beam = &found.beams[i];
+        const double cosine = neph_vec3_dot(place->normal, beam->direction);
+        if (cosine <= 0.0)
+            continue;
+        *diffuse = neph_rgb_add(*diffuse, neph_rgb_scale(beam->irradiance_w_per_m2, cosine / M_PI));
+        if (shines)
+            *glossy = neph_rgb_add(
+                *glossy, neph_rgb_scale(beam->irradiance_w_per_m2,
+                                        neph_metal_per_sr(surface->roughness, place->normal,
+                                                          place->from, beam->direction)));
+    }
+}
+
+/* ---- paths ----------------------------------------------------------------------------------- */
+
+static double most_of(struct neph_rgb value)
+{
+    return fmax(value.r, fmax(value.g, value.b));
+}
+
+static bool survives(struct neph_rgb *value, struct neph_random *random)
+{
+    const double most = most_of(*value);
+    if (most >= roulette_below)
+        return true;
+    if (neph_random_uniform(random) * roulette_below >= most)
+        return false;
+    *value = neph_rgb_scale(*value, roulette_below / most);
+    return true;
+}
+
+/* Into one of the two ways that a surface reflects; what that is worth beside its colour. */
+static double leave(const struct place *place, struct neph_random *random,
+                    struct neph_vec3 *direction)
+{
+    const struct neph_surface *surface = &place->solid->surface;
+    const bool is_metal = surface->metalness > 0.0 &&
+                          (surface->metalness == 1.0 ||
+                           neph_random_uniform(random) < surface->metalness);
+    if (is_metal)
+        return neph_metal_sample(surface->roughness, place->normal, place->from, random, direction);
+    *direction = neph_cosine_sample(place->normal, random);
+    return 1.0;
+}
+
+/* Beams that a surface on a path reflects. */
+static struct neph_rgb lit_surface(const struct neph_scene *scene, const struct place *place)
+{
+    const double metalness = place->solid->surface.metalness;
+    struct neph_rgb diffuse, glossy;
+    reflect_beams(scene, place, &diffuse, &glossy);
+    return neph_rgb_mul(place->color, neph_rgb_add(neph_rgb_scale(diffuse, 1.0 - metalness),
+                                                   neph_rgb_scale(glossy, metalness)));
+}
+
+/* What comes along a direction to a point: straight from the surroundings, or off surfaces. */
+static void follow(const struct neph_scene *scene, int bounces, struct neph_vec3 point_m,
+                   struct neph_vec3 direction, double worth, struct neph_random *random,
+                   struct neph_rgb *direct, struct neph_rgb *indirect)
+{
+    struct neph_rgb value = neph_rgb_scale(white, worth), *escaped = direct;
+    for (int met = 0; survives(&value, random); met++, escaped = indirect) {
+        const struct neph_hit hit = neph_scene_hit(scene, point_m, direction);
+        if (!hit.solid && scene->environment_light)
+            *escaped = neph_rgb_add(*escaped, neph_rgb_mul(value, scene->background_w_per_m2_sr));
+        if (!hit.solid || met == bounces)
+            return;
+        const struct place place = place_of(&hit, point_m, direction);
+        *indirect = neph_rgb_add(*indirect, neph_rgb_mul(value, lit_surface(scene, &place)));
+        point_m = place.point_m;
+        value = neph_rgb_mul(value, neph_rgb_scale(place.color, leave(&place, random, &direction)));
+        if (!(most_of(value) > 0.0))
+            return;
+    }
+}
+
+/* Whether what a direction leads to is in the picture. */
+static bool leads_on_screen(const struct neph_scene *scene, const struct neph_screen *screen,
+                            struct neph_vec3 point_m, struct neph_vec3 direction)
+{
+    const struct neph_hit hit = neph_scene_hit(scene, point_m, direction);
+    if (!screen || !hit.solid)
+        return false;
+    const struct neph_vec3 met_m = neph_vec3_along(point_m, direction, hit.t_m);
+    return neph_on_screen(scene, screen, neph_hit_outside_m(&hit, met_m));
+}
+
+/* ---- views ----------------------------------------------------------------------------------- */
+
+static struct place viewed(const struct neph_reflected_view *view)
+{
+    return (struct place){.solid = view->hit.solid,
+                          .point_m = view->point_m,
+                          .normal = view->hit.normal,
+                          .from = view->from};
+}
+
+struct neph_reflected_view neph_reflected_view(const struct neph_scene *scene,
+                                               struct neph_vec3 origin_m,
+                                               struct neph_vec3 direction)
+{
+    struct neph_reflected_view view = {.hit = neph_scene_hit(scene, origin_m, direction)};
+    if (!view.hit.solid)
+        return view;
+    const struct place place = place_of(&view.hit, origin_m, direction);
+    const double metalness = place.solid->surface.metalness;
+    view.point_m = place.point_m;
+    view.from = place.from;
+    view.color[0] = neph_rgb_scale(place.color, 1.0 - metalness);
+    view.color[1] = neph_rgb_scale(place.color, metalness);
+    reflect_beams(scene, &place, &view.direct[0], &view.direct[1]);
+    return view;
+}
+
+struct neph_reflected neph_reflected_sample(const struct neph_scene *scene,
+                                            const struct neph_reflected_view *view,
+                                            const struct neph_reflected_limits *limits,
+                                            struct neph_random *random)
+{
+    const struct neph_surface *surface = &view->hit.solid->surface;
+    const struct place place = viewed(view);
+    struct neph_reflected light = {{{0, 0, 0}}};
+    struct neph_rgb *part = light.part;
+    struct neph_vec3 direction = neph_cosine_sample(place.normal, random);
+    const struct neph_hit ahead = neph_scene_hit(scene, place.point_m, direction);
+    bool shown = leads_on_screen(scene, limits->screen, place.point_m, direction);
+    part[NEPH_AMBIENT] = ahead.t_m > limits->ao_distance_m || !ahead.solid ? white : black;
+    part[NEPH_AMBIENT_ON_SCREEN] = shown ? part[NEPH_AMBIENT] : white;
+    if (surface->metalness < 1.0) {
+        part[NEPH_DIFFUSE_DIRECT] = view->direct[0];
+        follow(scene, limits->bounces, place.point_m, direction, 1.0, random,
+               &part[NEPH_DIFFUSE_DIRECT], &part[NEPH_DIFFUSE_INDIRECT]);
+        part[NEPH_DIFFUSE_ON_SCREEN] = shown ? part[NEPH_DIFFUSE_INDIRECT] : black;
+    }
+    if (surface->metalness > 0.0) {
+        part[NEPH_GLOSSY_DIRECT] = view->direct[1];
+        const double worth = neph_metal_sample(surface->roughness, place.normal, place.from, random,
+                                               &direction);
+        if (worth > 0.0) {
+            follow(scene, limits->bounces, place.point_m, direction, worth, random,
+                   &part[NEPH_GLOSSY_DIRECT], &part[NEPH_GLOSSY_INDIRECT]);
+            shown = leads_on_screen(scene, limits->screen, place.point_m, direction);
+        }
+        part[NEPH_GLOSSY_ON_SCREEN] = worth > 0.0 && shown ? part[NEPH_GLOSSY_INDIRECT] : black;
+    }
+    return light;
+}
+
+struct neph_rgb neph_reflected_radiance(const struct neph_reflected_view *view,
+                                        const struct neph_reflected *light)
+{
+    const struct neph_rgb *part = light->part;
+    return neph_rgb_add(neph_rgb_mul(view->color[0], neph_rgb_add(part[NEPH_DIFFUSE_DIRECT],
+                                                                  part[NEPH_DIFFUSE_INDIRECT])),
+                        neph_rgb_mul(view->color[1], neph_rgb_add(part[NEPH_GLOSSY_DIRECT],
+                                                                  part[NEPH_GLOSSY_INDIRECT])));
+}
+
+/* ---- what can be rendered -------------------------------------------------------------------- */
+
+static const char *find_obstacle(const struct neph_scene *scene)
+{
+    int mirrors = 0, balls = 0;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const bool is_mirror = neph_is_mirror(&scene->solids[i].surface);
+        mirrors += is_mirror;
+        balls += is_mirror && scene->solids[i].kind == NEPH_SOLID_SPHERE;
+    }
+    if (scene->medium_count > 0)
+        return "media: this is light between solids in clear air";
+    if ((scene->sun.present || scene->light_count > 0) && (balls > 0 || mirrors > 1))
+        return "sun or lights in a mirrored ball or in several mirrors, whose light on others no "
+               "path finds: give them a roughness";
+    return NULL;
+}
+
+bool neph_reflected_can(const struct neph_scene *scene, char *reason, size_t reason_size)
+{
+    const char *obstacle = find_obstacle(scene);
+    if (obstacle)
+        snprintf(reason, reason_size, "%s", obstacle);
+    return !obstacle;
+}
