@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STEPS_MAX = 512, WORDS_MAX = 20 };
+enum { STEPS_MAX = 512, WORDS_MAX = 24 };
 
 static const char *const suite_names[] = {
     [NEPH_NIGHT_CATALOG] = "catalog", [NEPH_NIGHT_PHYSICS] = "physics",
