@@ -29,6 +29,8 @@ const struct neph_ladder_pipeline neph_ladder_pipelines[] = {
     {.name = NULL},
 };
 
+const char *const neph_ladder_narrow[] = {"fog_look", "sky", NULL};
+
 const struct neph_ladder_part neph_ladder_motion_parts[] = {
     {"history follows the wind", "wind=off", NEPH_LADDER_WIND},
     {"cuts of the camera void the history", "cut_reset=off", NEPH_LADDER_CAMERA},
@@ -261,6 +263,22 @@ static enum neph_status add_guest(struct neph_sweep_plan *plan, struct neph_diag
                : NEPH_OK;
 }
 
+/* Engines for one kind of scene, where it is of that kind. */
+static enum neph_status add_narrow(struct neph_sweep_plan *plan, const struct neph_scene *scene,
+                                   struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; neph_ladder_narrow[i] && !status; i++) {
+        const struct neph_engine *engine = neph_engine_find(neph_ladder_narrow[i]);
+        const struct neph_settings settings = neph_settings_default(engine);
+        char why[256];
+        if (engine->can_render(scene, &settings, why, sizeof(why)))
+            status = neph_ladder_add(plan, engine->name, engine->name, NULL, NULL, NULL, -1,
+                                     !neph_ladder_is_still(scene), diag);
+    }
+    return status;
+}
+
 enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,
                                   int height_px, struct neph_sweep_plan *plan,
                                   struct neph_diag *diag)
@@ -286,5 +304,7 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
             if (light->scattering <= (int)scene->scattering && light->is_late == late &&
                 !(late && !pipeline->preset))
                 status = add_rung(plan, pipeline, light, scene, diag);
+    if (!status && !late)
+        status = add_narrow(plan, scene, diag);
     return status || late ? status : add_guest(plan, diag);
 }

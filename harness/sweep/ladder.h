@@ -24,6 +24,9 @@ struct neph_ladder_pipeline {
 };
 extern const struct neph_ladder_pipeline neph_ladder_pipelines[]; /* the cheapest first */
 
+/* Engines for one kind of scene each: a series of their name where a scene is of it. */
+extern const char *const neph_ladder_narrow[];
+
 /* What moves. */
 enum neph_ladder_motion {
     NEPH_LADDER_CAMERA, /* or a solid, or the size of the picture */
@@ -64,7 +67,8 @@ bool neph_ladder_is_still(const struct neph_scene *scene);
 bool neph_ladder_has_closed_form(const struct neph_scene *scene);
 
 /* A series for each: closed forms, then pipelines by lights, those that are late or those that are
- * not, and with these "yours", engine command, where there is one. Without the parts for a motion
+ * not, and with these engines for
+ * one kind of scene where it is of that, and "yours", engine command, where there is one. Without the parts for a motion
  * that the scene has not; those of the air once without, and where the scene needs any once with
  * them: "ours+air, octaves". For neph_sweep_plan_finish(). */
 enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,

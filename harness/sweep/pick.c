@@ -380,6 +380,23 @@ static enum neph_status add_air(struct work *work, const struct neph_sweep_serie
     return status;
 }
 
+/* Engine sky stands alone: no march has what it renders. */
+static enum neph_status add_march_beside(struct work *work, const char *engine, const char *steps,
+                                         struct neph_diag *diag)
+{
+    return strcmp(engine, "sky") == 0 ? NEPH_OK
+                                      : add_variant(work, "a ray march of 32 steps", NULL, "march",
+                                                    NULL, NULL, steps, -1, diag);
+}
+
+static bool is_by_itself(const char *engine)
+{
+    for (int i = 0; neph_ladder_narrow[i]; i++)
+        if (strcmp(neph_ladder_narrow[i], engine) == 0)
+            return true;
+    return strcmp(engine, "command") == 0;
+}
+
 static enum neph_status add_variants(struct work *work, int chosen, struct neph_diag *diag)
 {
     /* A copy: the list of series grows. */
@@ -388,9 +405,8 @@ static enum neph_status add_variants(struct work *work, int chosen, struct neph_
     neph_sweep_value(&series, chosen % NEPH_SWEEP_VALUES_MAX, label);
     const char *steps = label[0] ? strchr(label, '=') + 1 : "32";
     enum neph_status status = NEPH_OK;
-    if (strcmp(series.engine, "command") == 0)
-        return add_variant(work, "a ray march of 32 steps", NULL, "march", NULL, NULL, steps, -1,
-                           diag);
+    if (is_by_itself(series.engine))
+        return add_march_beside(work, series.engine, steps, diag);
     if (strcmp(series.engine, "exact") == 0)
         return add_variant(work, "a ray march of 32 steps", "the closed form has no steps",
                            light_of(&series)->march, NULL, NULL, steps, series.scattering, diag);
@@ -415,7 +431,7 @@ static enum neph_status weigh_what_is_left_out(struct work *work, int chosen,
     enum neph_status status = add_variants(work, chosen, diag);
     for (int s = first; s < work->plan.series_count; s++)
         wanted[s * NEPH_SWEEP_VALUES_MAX] = true;
-    if (!status)
+    if (!status && work->plan.series_count > first)
         status = measure(work, wanted, FULL, isfinite(work->params->time_s), diag);
     for (int i = 0; i < work->pick->left_out_count && !status; i++)
         work->pick->left_out[i].with = work->entries[(first + i) * NEPH_SWEEP_VALUES_MAX].point;

@@ -11,7 +11,7 @@
 
 #include "shortcuts.glsl"
 
-const bool SAMPLES_TEXTURES = (SHORTCUTS & 16u) != 0u && (KINDS & 1u << MEDIUM_GRID) != 0u;
+bool samples_textures() { return (SHORTCUTS & 16u) != 0u && has_kind(MEDIUM_GRID); }
 
 // By place in the frame; of what is no grid one texel that nobody asks for.
 layout(binding = NEPH_GPU_IMAGES_BINDING) uniform sampler3D grid_textures[MEDIA_MAX];
@@ -50,10 +50,10 @@ float grid_texture_density(uint m, vec3 point_m)
 // As medium_extinction_per_m().
 float sampled_extinction_per_m(uint m, vec3 point_m)
 {
-    if (SAMPLES_TEXTURES && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m))) {
-        // Whether or not it counts: a GPU's samples are on their way before it is known.
-        float density = grid_texture_density(m, point_m);
-        return medium_contains(m, point_m) ? frame.media[m].extinction_per_m * density : 0.0;
+    if (samples_textures() && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m))) {
+        // Whether or not it counts, without a branch: samples are on their way before it is known.
+        float per_m = frame.media[m].extinction_per_m * grid_texture_density(m, point_m);
+        return mix(0.0, per_m, medium_contains(m, point_m));
     }
     return medium_extinction_per_m(m, point_m);
 }

@@ -130,7 +130,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         vec3 start_m = view_point_m(ray, step_start_m(steps, i));
         float point_distance_m = step_point_m(steps, i, place);
         vec3 point_m = view_point_m(ray, point_distance_m);
-        Mixture mixture = mixture_at(point_m);
+        if (looks_ahead())
+            look_ahead(ray, steps, place, i, i - own(run.first_step));
+        Mixture mixture = mixture_of(point_m, looks_ahead() ? ahead_per_m.x : -1.0);
         vec3 step_depth = mixture.marched_per_m * step_m;
         if (TRANSMITTANCE == EXACT)
             step_depth += exact_optical_depth(start_m, ray.direction, step_m);

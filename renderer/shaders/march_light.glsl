@@ -95,6 +95,25 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
     return grey(optical_depth);
 }
 
+// By how many samples at once a sum over steps is made: those of a texture are on their way
+// together, for a GPU would wait for one after the other. What is looked up behind the end is not
+// added. Where empty steps are passed it is not known which come next.
+const uint TAPS_MAX = 3;
+uint taps() { return samples_textures() && !SKIPS ? TAPS_MAX : 1; }
+
+void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, inout Sum sum)
+{
+    vec3 extinction_per_m[TAPS_MAX];
+    [[unroll]] for (uint k = 0; k < taps(); k++)
+        extinction_per_m[k] = sampled_extinctions_per_m(
+            kinds, origin_m + step_point_m(steps, i + k, 0.5) * direction);
+    [[unroll]] for (uint k = 0; k < taps(); k++)
+        if (i + k < steps.count) {
+            sum_add(sum, vec4(extinction_per_m[k] * steps.step_m, 0.0));
+            density_evaluations++;
+        }
+}
+
 // Where empty steps were passed nothing is added once: a sum that carries its error may then still
 // move by its last bit, and after that not again, as if nothing had been added for each.
 vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float length_m,
@@ -105,16 +124,14 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
         return vec3(0.0);
     Steps steps = equal_steps(stretch, step_count);
     Sum sum = sum_zero();
-    for (uint i = 0; i < step_count; i++) {
+    for (uint i = 0; i < step_count; i += taps()) {
         if (SKIPS && (kinds & FOG_KINDS) == 0u) {
             if (pass_empty_steps(steps, 0.5, origin_m, direction, step_count, i))
                 sum_add(sum, vec4(0.0));
             if (i == step_count)
                 break;
         }
-        vec3 middle = origin_m + step_point_m(steps, i, 0.5) * direction;
-        sum_add(sum, vec4(sampled_extinctions_per_m(kinds, middle) * steps.step_m, 0.0));
-        density_evaluations++;
+        add_taps(kinds, origin_m, direction, steps, i, sum);
     }
     return grey(sum.value.xyz);
 }
@@ -222,10 +239,28 @@ void look_along(ViewRay ray)
         keep_phases();
 }
 
+// Whether view rays look an only medium up in a texture for four steps at once: as with taps.
+bool looks_ahead() { return samples_textures() && KNOWN_MEDIA == 1u && !SKIPS; }
+
+vec4 ahead_per_m; // extinction at this step and at those after it
+
+// At a step of a run whose steps are `turn` from 0.
+void look_ahead(ViewRay ray, Steps steps, float place, uint i, uint turn)
+{
+    if (turn % 4u != 0u) {
+        ahead_per_m = ahead_per_m.yzwx;
+        return;
+    }
+    [[unroll]] for (uint k = 0; k < 4; k++)
+        ahead_per_m[k] = sampled_extinction_per_m(
+            0, view_point_m(ray, step_point_m(steps, i + k, place)));
+}
+
 // Where there is no extinction, nothing scatters or emits: guards all divisions by it.
 const vec3 LEAST = vec3(1e-37);
 
-Mixture mixture_at(vec3 point_m)
+// `known_per_m`: the extinction of an only medium there, where that is known; else below 0.
+Mixture mixture_of(vec3 point_m, float known_per_m)
 {
     bool only_fogs = SKIPS && shapes_are_empty(point_m);
     if (!only_fogs || has_fog())
@@ -233,8 +268,9 @@ Mixture mixture_at(vec3 point_m)
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     is_in_shape = !MAPS_SHADOW;
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
-        float density_per_m =
-            only_fogs && !is_fog(m) ? 0.0 : sampled_extinction_per_m(m, point_m);
+        float density_per_m = looks_ahead() && known_per_m >= 0.0 ? known_per_m
+                              : only_fogs && !is_fog(m)         ? 0.0
+                                                        : sampled_extinction_per_m(m, point_m);
         vec3 extinction_per_m = grey(frame.media[m].extinction_color) * density_per_m;
         vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
         if (MAPS_SHADOW && !is_fog(m) && density_per_m > 0.0)
@@ -253,6 +289,8 @@ Mixture mixture_at(vec3 point_m)
     mixture.marched_per_m = grey(mixture.marched_per_m);
     return mixture;
 }
+
+Mixture mixture_at(vec3 point_m) { return mixture_of(point_m, -1.0); }
 
 // --- octaves --------------------------------------------------------------------------------
 

@@ -186,8 +186,9 @@ bool clip_medium(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout 
 
 bool medium_contains(uint m, vec3 point_m)
 {
-    return all(greaterThanEqual(point_m, frame.media[m].low_m)) &&
-           all(lessThanEqual(point_m, frame.media[m].high_m));
+    bool is_above = all(greaterThanEqual(point_m, frame.media[m].low_m));
+    bool is_below = all(lessThanEqual(point_m, frame.media[m].high_m));
+    return is_above && is_below;
 }
 
 float fog_medium_extinction_per_m(uint m, vec3 point_m)

@@ -9,7 +9,7 @@
 #include "march_run.glsl"
 #include "scene.glsl"
 
-#define REALTIME_BINDING 9 // as in realtime_march.glsl, of which nothing else is needed
+#define REALTIME_BINDING 11 // as in realtime_march.glsl, of which nothing else is needed
 #include "realtime.glsl"
 
 // About the mover's axis, back to the frame before.

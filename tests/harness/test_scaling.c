@@ -186,6 +186,31 @@ static void test_parts_of_the_air(void **state)
     }
 }
 
+/* Engines for one kind of scene are rungs where the scene is of it. */
+static void test_the_ladder_has_engines_of_one_kind(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *engines;
+    } cases[] = {{"gaussian_blob", ""},
+                 {"height_fog_level", ""},
+                 {"fog_look_evening", "fog_look "},
+                 {"sky_earth", "sky "}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_scene *scene = load(cases[i].scene);
+        struct neph_sweep_plan plan;
+        char found[64] = "";
+        neph_assert_ok(neph_ladder_plan(scene, false, 64, 36, &plan, NULL), NULL);
+        for (int s = 0; s < plan.series_count; s++)
+            for (int n = 0; neph_ladder_narrow[n]; n++)
+                if (strcmp(plan.series[s].engine, neph_ladder_narrow[n]) == 0)
+                    strcat(strcat(found, plan.series[s].name), " ");
+        assert_string_equal(found, cases[i].engines);
+        neph_sweep_plan_finish(&plan);
+        neph_scene_destroy(scene);
+    }
+}
+
 /* A program reads the scene's file: it can have what differs from that in sun and camera alone, as
  * the job tells these. */
 static void test_a_program_gets_variants_of_its_file(void **state)
@@ -297,6 +322,7 @@ int main(void)
         cmocka_unit_test(test_a_scene_of_so_many_voxels),
         cmocka_unit_test(test_parts_for_motion),
         cmocka_unit_test(test_parts_of_the_air),
+        cmocka_unit_test(test_the_ladder_has_engines_of_one_kind),
         cmocka_unit_test(test_a_program_gets_variants_of_its_file),
         cmocka_unit_test(test_the_ladder_has_a_guest),
         cmocka_unit_test(test_fronts_hold_up_to_intervals),
