@@ -51,7 +51,7 @@ struct neph_march_stats {
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
                            char *reason, size_t reason_size);
 
-/* The same where `sky` says that the air of a planet is tables (struct neph_march_sky): also when
+/* As before where `sky` says that the air of a planet is tables (struct neph_march_sky): also when
  * there is no such air, or more behind it or around than tables know. */
 bool neph_march_can_render_under(const struct neph_scene *scene, bool sky,
                                  enum neph_march_lighting lighting, char *reason,
@@ -92,7 +92,7 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
  * in flight. */
 enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct neph_diag *diag);
 
-/* Of the frame that _home told last: its part for the tables of the sky. */
+/* What the tables of the sky took of the frame that _home told last. */
 struct neph_sky_times neph_march_home_sky(const struct neph_march *march);
 
 #endif

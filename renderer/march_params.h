@@ -129,8 +129,8 @@ struct neph_light_diffusion {
 #define NEPH_DIFFUSION_CELLS_MAX 192
 #define NEPH_DIFFUSION_CYCLES_MAX 1024
 
-/* The sky of a planet from tables, in place of a march through its air (renderer/sky/split.h). Zero:
- * all media are marched. */
+/* The sky of a planet from tables, in place of a march through its air (renderer/sky/split.h).
+ * Zero: all media are marched. */
 struct neph_march_sky {
     bool is_on;
     bool has_shadows;              /* of media and solids on the air before the camera */

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * What is put into a running renderer, to see whether it gets over it: values that no pass has
- * made, memory that is not its own, a second view, another origin, another exposure. Written in the scene's file
- * under `inject`. The scene itself stays what it is: the truth knows nothing of it, and of all
- * engines only those that say so (harness/engines/engine.h) put it in. Frames are of pictures.
+ * made, memory that is not its own, a second view, another origin, another exposure. Written in
+ * the scene's file under `inject`. The scene itself stays what it is: the truth knows nothing of
+ * it, and of all engines only those that say so (harness/engines/engine.h) put it in. Frames are
+ * of pictures.
  */
 #ifndef NEPH_SCENES_INJECTION_H
 #define NEPH_SCENES_INJECTION_H

@@ -75,7 +75,7 @@ static void close_end(int *fd)
     *fd = -1;
 }
 
-/* Of all that have ended. */
+/* Results of all that have ended. */
 static void close_crew(struct crew *crew)
 {
     if (crew->board)

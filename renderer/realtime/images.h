@@ -8,8 +8,9 @@
 #include "base/image.h"
 #include "renderer/realtime/device.h"
 
-/* Up to three channels of an image of what is rendered become those of a full-resolution target, where it has memory;
- * NULL: 0, and so is what is not of the view. Infinity becomes FAR_M. */
+/* Up to three channels of an image of what is rendered become those of a full-resolution
+ * target, where it has memory; NULL: 0, and so is what is not of the view. Infinity becomes
+ * FAR_M. */
 enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *const channels[3],
                               struct neph_diag *diag);
 

@@ -243,7 +243,7 @@ struct Behind {
     vec3 radiance, air, through;
 };
 
-// Of solids, the first is the ground, to which the table of views goes.
+// The first of the solids is the ground, to which the table of views goes.
 Behind sky_behind(Hit hit, ViewRay ray)
 {
     SkyLight all = sky_look_up(eye.places[0], sky_ray_along(eye.places[0], ray.direction));

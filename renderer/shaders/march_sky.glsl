@@ -22,7 +22,7 @@
 const bool HAS_SKY = (SHORTCUTS & 64u) != 0u;
 const bool SKY_LIGHTS = (SHORTCUTS & 128u) != 0u; // media, by a table of their own place
 
-// Of a place, relative to the camera.
+// For a place relative to the camera.
 struct SkySpot {
     vec3 vertical;
     float altitude_m, sun_cosine;

@@ -32,7 +32,7 @@ vec3 hold(vec3 value, vec3 low, vec3 high)
                 hold(value.b, low.b, high.b));
 }
 
-// Of what is no number it may make anything: behind a guard nobody looks at that.
+// What is no number may become anything: behind a guard nobody looks at that.
 vec3 guard(vec3 colour)
 {
     if (!guarded())
@@ -200,7 +200,7 @@ void take(Sample seen, int i, inout Surroundings around)
     around.hdr_weights[i] = seen.hdr_weight;
 }
 
-// Of a pixel whose source is no pixel of a block.
+// A pixel whose source is no pixel of a block.
 Surroundings look_around(ivec2 source)
 {
     Surroundings around;

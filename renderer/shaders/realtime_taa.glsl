@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// What temporal anti-aliasing and upsampling have in common: a pixel of the picture and the rendered
-// pixels around its source, of which it is made; the same pixel at 100 %. What is different from
-// Unreal Engine is said in rt_taa.comp.
+// What temporal anti-aliasing and upsampling have in common: a pixel of the picture and the
+// rendered pixels around its source, of which it is made; the same pixel at 100 %. What is
+// different from Unreal Engine is said in rt_taa.comp.
 #ifndef NEPH_REALTIME_TAA_GLSL
 #define NEPH_REALTIME_TAA_GLSL
 
@@ -46,9 +46,9 @@ bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }
 const ivec2 SQUARE_RING[8] = {ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1), ivec2(-1, 0),
                               ivec2(1, 0),   ivec2(-1, 1), ivec2(0, 1),  ivec2(1, 1)};
 
-// The nearest of the pixel's depth and four or eight around, so that the rim of an object goes with it, and
-// how far what is there has moved by itself. As in Unreal the motion is that of the pixel's own
-// place at this depth, not of the neighbour's.
+// The nearest of the pixel's depth and four or eight around, so that the rim of an object goes
+// with it, and how far what is there has moved by itself. As in Unreal the motion is that of the
+// pixel's own place at this depth, not of the neighbour's.
 float depth_of_motion(ivec2 pixel, out vec3 moved_m)
 {
     moved_m = vec3(0.0);

@@ -5,8 +5,9 @@
 // B-spline, by depth, and by the difference of luma against its deviation.
 //
 // Not as there: the deviation is that of the 3x3 around in what the step before has made, from the
-// plane through them, for there are no moments over time here; depth counts by its relative difference, without its slope; there
-// are no normals; and what is handed on to the next frame is not filtered.
+// plane through them, for there are no moments over time here; depth counts by its relative
+// difference, without its slope; there are no normals; and what is handed on to the next frame is
+// not filtered.
 //
 // Who includes this says what it reads, INPUT, and what it writes, OUTPUT.
 #ifndef RT_ATROUS_GLSL
@@ -23,8 +24,8 @@ bool is_there(vec4 volume, ivec2 half_pixel)
     return fetch_half(RT_HISTORY_STATE, half_pixel).x > 0.0 && is_sound(volume);
 }
 
-// Of the lumas around, in single steps, from the plane through them: a slope is no noise. Where some
-// do not count, from the mean of the others.
+// Deviation of the lumas around, in single steps, from the plane through them: a slope is no
+// noise. Where some do not count, from the mean of the others.
 float deviation_at(ivec2 half_pixel)
 {
     float sum = 0.0, squares = 0.0, count = 0.0;

@@ -3,17 +3,18 @@
 //
 // A rival: temporal upsampling after the description that comes with AMD's FidelityFX Super
 // Resolution 2 (MIT, version 2.2), with its parts in one pass. The frame is filtered by a Lanczos
-// kernel about the pixel's centre; the history counts by how much of the frames before has gone into
-// it; it does not where what was seen there stood before what is there now (disocclusion); and it is
-// held in a box, but where a thin feature is locked: so wires that no frame has as a whole come
-// together.
+// kernel about the pixel's centre; the history counts by how much of the frames before has gone
+// into it; it does not where what was seen there stood before what is there now (disocclusion);
+// and it is held in a box, but where a thin feature is locked: so wires that no frame has as a
+// whole come together.
 //
 // Like the original: dilated depths and their motion (3x3, taa_motion=square), the mask of
 // disocclusion by depth, locks by ridges of 3x3 lumas that last as long as the jitter and end with
 // the luma, accumulation by weights, less of it where a mask says reactive.
 // Not like it:
 // - The kernel is EASU's polynomial of 4x4 texels, along x and along y, of light as it is and not
-//   tone-mapped, held between the nearest 2x2; the history has taa_history. A frame's weight is the sum of rt_taau.comp's Gaussian.
+//   tone-mapped, held between the nearest 2x2; the history has taa_history. A frame's weight is
+//   the sum of rt_taau.comp's Gaussian.
 // - Depths of the frame before are those that the picture's pixels had, looked up, where the
 //   original scatters depths forwards; nothing is uncovered that was nearer than
 //   1 - lock_separation of all depths of 5x5 now, whatever the jitter has moved.
@@ -21,8 +22,8 @@
 //   pyramid of lumas, and four frames of luma to tell flicker, which is left out.
 // - The box reaches three times as far at rest as at taa_velocity_px, and the history counts by a
 //   quarter there: numbers of ours.
-// - The reactive mask is the medium's opacity (taa_responsive), at most 0.9. No exposure of its own,
-//   no sharpening (sharpen=on).
+// - The reactive mask is the medium's opacity (taa_responsive), at most 0.9. No exposure of its
+//   own, no sharpening (sharpen=on).
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_taa.glsl"
@@ -131,8 +132,8 @@ float luma_of(Surroundings around, int i)
     return sum;
 }
 
-// A ridge of lumas: no three neighbours at a corner are like the middle, and all that are unlike are
-// brighter, or all darker.
+// A ridge of lumas: no three neighbours at a corner are like the middle, and all that are unlike
+// are brighter, or all darker.
 bool is_thin(Surroundings around)
 {
     const uint corners[4] = {0x00bu, 0x026u, 0x0c8u, 0x1a0u};

@@ -1,13 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Temporal upsampling as in Unreal Engine 4.26: the history has the pixels of the picture, the frame
-// has fewer. A pixel's source is the rendered pixel whose jittered ray went nearest to its centre,
-// and the nine around that are filtered by their distance, in pixels of the picture. So few rays go
-// by the centre in a frame: where none did the frame weighs less, by the sum of the filter.
+// Temporal upsampling as in Unreal Engine 4.26: the history has the pixels of the picture, the
+// frame has fewer. A pixel's source is the rendered pixel whose jittered ray went nearest to its
+// centre, and the nine around that are filtered by their distance, in pixels of the picture. So
+// few rays go by the centre in a frame: where none did the frame weighs less, by the sum of the
+// filter.
 //
 // Done differently: the filter is the Gaussian of rt_taa.comp, which is nowhere 0 / 0; Unreal has a
-// polynomial of d^2 that ends at one pixel. Else as in rt_taa.comp, with what that does differently.
+// polynomial of d^2 that ends at one pixel. Else as in rt_taa.comp, with what that does
+// differently.
 #extension GL_GOOGLE_include_directive : require
 
 #include "realtime_taa.glsl"

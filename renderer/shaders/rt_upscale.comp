@@ -73,7 +73,7 @@ const int TAPS_MAX = 9;
 
 int tap_count() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? 9 : 4; }
 
-// Of the reconstruction, filtered or not.
+// From the reconstruction, filtered or not.
 vec4 fetch_volume(ivec2 half_pixel)
 {
     if (choice(RT_ATROUS) != 0)

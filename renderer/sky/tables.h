@@ -49,8 +49,8 @@ uint64_t neph_sky_look_turns(int layers, int degree);
 const char *neph_sky_tables_obstacle(const struct neph_scene *scene, const struct neph_sky_air *air,
                                      const struct neph_sky_params *params);
 
-/* Of an atmosphere in a scene's orders of scattering. Zero-initialise `tables`; free with _destroy,
- * also after an error. */
+/* Tables of an atmosphere in a scene's orders of scattering. Zero-initialise `tables`; free
+ * with _destroy, also after an error. */
 enum neph_status neph_sky_tables_create(struct neph_vulkan *vulkan, const struct neph_sky_air *air,
                                         enum neph_scattering scattering,
                                         const struct neph_sky_params *params,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Upsampling with locks against its twin, and what each of its parts is there for: thin features are
- * locked, what is uncovered has no history, a history counts by what is in it.
+ * Upsampling with locks against its twin, and what each of its parts is there for: thin features
+ * are locked, what is uncovered has no history, a history counts by what is in it.
  */
 #include "tests/renderer/taa_test.h"
 
@@ -93,7 +93,8 @@ static void open_flat(struct neph_vulkan *vulkan, const char *words, float value
         test_set(test, RT_TAA_STATE_BEFORE, i, (float[4]){0.0f, 0.0f, 128.0f});
 }
 
-/* Lanczos is 1 at its texel and 0 at all others: at 100 % and without jitter the frame comes out. */
+/* Lanczos is 1 at its texel and 0 at all others: at 100 % and without jitter the frame comes
+ * out. */
 static void test_a_first_frame_comes_out_as_it_is(void **state)
 {
     struct test_passes test;

@@ -25,7 +25,7 @@ static float way_px(const struct twin *twin, int pixel, int axis)
     return ((float)pixel + 0.5f) * twin->view->rendered_per_px[axis] - twin->view->jitter_px[axis];
 }
 
-/* Of 4x4, where all of them count; else the Gaussian's. */
+/* The sum of 4x4, where all of them count; else the Gaussian's. */
 static bool upsample(const struct twin *twin, struct place at, const struct surroundings *around,
                      struct colour *colour)
 {

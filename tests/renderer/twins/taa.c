@@ -42,7 +42,7 @@ struct colour taa_guard(const struct twin *twin, struct colour colour)
     return colour;
 }
 
-/* Of the frame, as the camera exposes it. */
+/* The frame as the camera exposes it. */
 struct colour taa_fetch(const struct twin *twin, int target, int x, int y)
 {
     float value[4];

@@ -27,7 +27,7 @@ static int choice(const struct twin *twin, int index)
     return (int)twin->view->settings[index];
 }
 
-/* Of the reconstruction, filtered or not. */
+/* From the reconstruction, filtered or not. */
 static int volume_target(const struct twin *twin)
 {
     return choice(twin, RT_ATROUS) ? RT_HISTORY_BEFORE : RT_HISTORY;
