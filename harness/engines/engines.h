@@ -35,6 +35,11 @@
 NEPH_ENGINES(NEPH_ENGINE_DECLARED)
 #undef NEPH_ENGINE_DECLARED
 
+/* How many there are, guests among them: what holds one of each has room for so many. */
+#define NEPH_ENGINE_COUNTED(name) +1
+enum { NEPH_ENGINE_COUNT = 0 NEPH_ENGINES(NEPH_ENGINE_COUNTED) };
+#undef NEPH_ENGINE_COUNTED
+
 /* All engines but guests; `*count` receives how many. */
 const struct neph_engine *const *neph_engines(int *count);
 

@@ -2,6 +2,7 @@
 #include "harness/report/attribution.h"
 
 #include "base/exr.h"
+#include "harness/engines/engines.h"
 #include "metrics/pair.h"
 #include "metrics/significance.h"
 
@@ -9,15 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ENGINES_MAX = 16 };
-
 struct entrant {
     const char *name;
     struct neph_image *frames[2]; /* the same twice for a deterministic engine */
 };
 
 struct field {
-    struct entrant entrants[ENGINES_MAX];
+    struct entrant entrants[NEPH_ENGINE_COUNT];
     int count;
     struct neph_mask *mask;
 };
@@ -128,8 +127,8 @@ static enum neph_status conclude(const struct field *field, struct neph_arena *a
                                  const struct neph_attribution **attribution,
                                  struct neph_diag *diag)
 {
-    int verdicts[ENGINES_MAX * ENGINES_MAX] = {0};
-    const char *names[ENGINES_MAX];
+    int verdicts[NEPH_ENGINE_COUNT * NEPH_ENGINE_COUNT] = {0};
+    const char *names[NEPH_ENGINE_COUNT];
     const size_t pair_count = (size_t)field->count * (size_t)(field->count - 1) / 2;
     struct neph_attribution *made = neph_arena_zeroed(arena, 1, sizeof(*made));
     if (made)
@@ -157,7 +156,7 @@ enum neph_status neph_attribute(const struct neph_peer *peers, int count, struct
     *attribution = NULL;
     if (count < 3)
         return NEPH_OK;
-    for (int i = 0; i < count && i < ENGINES_MAX && !status; i++)
+    for (int i = 0; i < count && i < NEPH_ENGINE_COUNT && !status; i++)
         status = enrol(&peers[i], &field, diag);
     if (!status)
         status = choose_mask(&field, diag);

@@ -9,6 +9,7 @@
 #include "base/arena.h"
 #include "harness/compare/measure.h"
 #include "harness/engines/bakes.h"
+#include "harness/engines/engines.h"
 #include "harness/physics/results.h"
 #include "harness/report/attribution.h"
 #include "harness/report/charts.h"
@@ -16,7 +17,7 @@
 #include "harness/run/job.h"
 #include "harness/study/study.h"
 
-enum { NEPH_FIELD_MAX = 16 };
+enum { NEPH_FIELD_MAX = NEPH_ENGINE_COUNT };
 
 /* The engines of a run, probed once. */
 struct neph_field {
