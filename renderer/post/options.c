@@ -6,6 +6,8 @@
  */
 #include "renderer/post/options.h"
 
+#include "base/option_rows.h"
+
 #include <stddef.h>
 
 static const char *const switches[] = {"off", "on", NULL};
@@ -20,15 +22,6 @@ static const char *const filters[] = {"off",         "nearest", "bilinear", "dir
                                       "easu",        NULL};
 
 static const char *const blooms[] = {"off", "conserving", "additive", NULL};
-
-#define CHOICE(name, value, words, help)                                                           \
-    {                                                                                              \
-        name, NEPH_OPTION_CHOICE, value, 0, 0, words, help                                         \
-    }
-#define REAL(name, value, least, most, help)                                                       \
-    {                                                                                              \
-        name, NEPH_OPTION_REAL, value, least, most, NULL, help                                     \
-    }
 
 const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
     [POST_AUTO_EXPOSURE] = CHOICE("auto_exposure", 0, switches,

@@ -7,6 +7,7 @@
  */
 #include "renderer/realtime/options.h"
 
+#include "base/option_rows.h"
 #include "renderer/march.h"
 #include "renderer/shortcuts.h"
 
@@ -48,19 +49,6 @@ static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance
 static const char *const depth_map_passes[] = {"auto", "own", NULL};
 static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
-
-#define CHOICE(name, value, words, help)                                                           \
-    {                                                                                              \
-        name, NEPH_OPTION_CHOICE, value, 0, 0, words, help                                         \
-    }
-#define REAL(name, value, least, most, help)                                                       \
-    {                                                                                              \
-        name, NEPH_OPTION_REAL, value, least, most, NULL, help                                     \
-    }
-#define WHOLE(name, value, least, most, help)                                                      \
-    {                                                                                              \
-        name, NEPH_OPTION_INTEGER, value, least, most, NULL, help                                  \
-    }
 
 _Static_assert(RT_SETTING_COUNT < NEPH_OPTIONS_MAX, "room for every setting");
 

@@ -5,6 +5,8 @@
  */
 #include "renderer/screen/options.h"
 
+#include "base/option_rows.h"
+
 #include <stddef.h>
 
 static const char *const switches[] = {"off", "on", NULL};
@@ -15,19 +17,6 @@ static const char *const ways_to_sum[] = {"ratio", "mean", NULL};
 static const char *const metals[] = {"relit", "camera", NULL};
 static const char *const bounces[] = {"one", "all", NULL};
 static const char *const formats[] = {"float32", "float16", NULL};
-
-#define CHOICE(name, value, words, help)                                                           \
-    {                                                                                              \
-        name, NEPH_OPTION_CHOICE, value, 0, 0, words, help                                         \
-    }
-#define REAL(name, value, least, most, help)                                                       \
-    {                                                                                              \
-        name, NEPH_OPTION_REAL, value, least, most, NULL, help                                     \
-    }
-#define WHOLE(name, value, least, most, help)                                                      \
-    {                                                                                              \
-        name, NEPH_OPTION_INTEGER, value, least, most, NULL, help                                  \
-    }
 
 const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     [SCREEN_AO] = CHOICE("ao", SCREEN_AO_GTAO, occlusions,
