@@ -205,26 +205,17 @@ static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct
     return status;
 }
 
-/* A picture alone pays for what it is set up with. */
-static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
-                               struct neph_cost *cost, struct neph_diag *diag)
-{
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    void *sequence = NULL;
-    enum neph_status status = open_sequence(shot, &sequence, diag);
-    if (!status)
-        status = next_picture(sequence, shot, frame, cost, diag);
-    close_sequence(sequence);
-    if (!status)
-        *cost = neph_own_cost(start, cost->render_s);
-    return status;
-}
-
 static const struct neph_engine_sequence sequence_of_looks = {.open = open_sequence,
                                                               .next = next_picture,
                                                               .send = send,
                                                               .home = home,
                                                               .close = close_sequence};
+
+static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
+                               struct neph_cost *cost, struct neph_diag *diag)
+{
+    return neph_own_picture(&sequence_of_looks, shot, frame, cost, diag);
+}
 
 const struct neph_engine neph_engine_fog_look = {
     .name = "fog_look",

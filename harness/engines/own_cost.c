@@ -23,3 +23,18 @@ struct neph_cost neph_own_cost(struct neph_stopwatch start, double render_s)
         .peak_memory_bytes = (int64_t)usage.ru_maxrss * 1024,
     };
 }
+
+enum neph_status neph_own_picture(const struct neph_engine_sequence *sequence,
+                                  const struct neph_shot *shot, struct neph_image **frame,
+                                  struct neph_cost *cost, struct neph_diag *diag)
+{
+    const struct neph_stopwatch start = neph_stopwatch_start();
+    void *opened = NULL;
+    enum neph_status status = sequence->open(shot, &opened, diag);
+    if (!status)
+        status = sequence->next(opened, shot, frame, cost, diag);
+    sequence->close(opened);
+    if (!status)
+        *cost = neph_own_cost(start, cost->render_s);
+    return status;
+}

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/fog_study_output.h"
 
+#include "base/written.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -71,8 +73,9 @@ static void print_row(const struct neph_fog_row *row, FILE *out)
         fprintf(out, " %.3f |\n", row->lobe_over_sun);
 }
 
-static void print_study(const struct neph_fog_study *study, FILE *out)
+static void print_study(const void *what, FILE *out)
 {
+    const struct neph_fog_study *study = what;
     const struct neph_fog_study_params *params = study->params;
     fprintf(out,
             "neph %s, %s: the controls of its fog_look, each alone, against engine exact; %dx%d "
@@ -94,8 +97,9 @@ static void print_study(const struct neph_fog_study *study, FILE *out)
 
 /* ---- results --------------------------------------------------------------------------------- */
 
-static void print_csv(const struct neph_fog_study *study, FILE *out)
+static void print_csv(const void *what, FILE *out)
 {
+    const struct neph_fog_study *study = what;
     fprintf(out, "scene,model,controls");
     for (int n = 0; n < NUMBER_COUNT; n++)
         fprintf(out, ",%s", numbers[n].name);
@@ -113,37 +117,16 @@ static void print_csv(const struct neph_fog_study *study, FILE *out)
     }
 }
 
-typedef void printer(const struct neph_fog_study *study, FILE *out);
-
-static enum neph_status print_text(const struct neph_fog_study *study, printer *print, char **text,
-                                   struct neph_diag *diag)
-{
-    char *made = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&made, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    print(study, out);
-    int failed = ferror(out);
-    failed |= fclose(out);
-    if (failed) {
-        free(made);
-        return neph_fail_memory(diag);
-    }
-    *text = made;
-    return NEPH_OK;
-}
-
 enum neph_status neph_fog_study_text(const struct neph_fog_study *study, char **text,
                                      struct neph_diag *diag)
 {
-    return print_text(study, print_study, text, diag);
+    return neph_written(print_study, study, text, diag);
 }
 
 enum neph_status neph_fog_study_csv(const struct neph_fog_study *study, char **text,
                                     struct neph_diag *diag)
 {
-    return print_text(study, print_csv, text, diag);
+    return neph_written(print_csv, study, text, diag);
 }
 
 static json_t *row_json(const struct neph_fog_row *row)

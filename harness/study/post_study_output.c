@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/post_study.h"
 
+#include "base/written.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -62,8 +64,9 @@ static void print_table(const struct neph_post_numbers *numbers, bool of_whole, 
     print_rows(numbers, of_whole, out);
 }
 
-static void print_study(const struct neph_post_study *study, FILE *out)
+static void print_study(const void *what, FILE *out)
 {
+    const struct neph_post_study *study = what;
     const struct neph_post_study_params *params = study->params;
     fprintf(out,
             "neph %s, realtime %s, %d steps, on %s: %d frames after %d at %g Hz, %dx%d, behind the "
@@ -79,8 +82,9 @@ static void print_study(const struct neph_post_study *study, FILE *out)
     }
 }
 
-static void print_csv(const struct neph_post_study *study, FILE *out)
+static void print_csv(const void *what, FILE *out)
 {
+    const struct neph_post_study *study = what;
     fputs("scene,chain", out);
     for (int c = 0; c < COLUMNS; c++)
         fprintf(out, ",%s", columns[c].name);
@@ -96,35 +100,16 @@ static void print_csv(const struct neph_post_study *study, FILE *out)
         }
 }
 
-static enum neph_status printed(const struct neph_post_study *study,
-                                void (*print)(const struct neph_post_study *study, FILE *out),
-                                char **text, struct neph_diag *diag)
-{
-    char *made = NULL;
-    size_t size;
-    FILE *out = open_memstream(&made, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    print(study, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (cut || !closed) {
-        free(made);
-        return neph_fail_memory(diag);
-    }
-    *text = made;
-    return NEPH_OK;
-}
-
 enum neph_status neph_post_study_text(const struct neph_post_study *study, char **text,
                                       struct neph_diag *diag)
 {
-    return printed(study, print_study, text, diag);
+    return neph_written(print_study, study, text, diag);
 }
 
 enum neph_status neph_post_study_csv(const struct neph_post_study *study, char **text,
                                      struct neph_diag *diag)
 {
-    return printed(study, print_csv, text, diag);
+    return neph_written(print_csv, study, text, diag);
 }
 
 json_t *neph_post_study_json(const struct neph_post_study *study)

@@ -4,6 +4,7 @@
  * display over those of the curve alone. Drawn here and not by Vega, so that a study on a machine
  * without node has it.
  */
+#include "base/written.h"
 #include "harness/study/post_study.h"
 #include "harness/study/svg.h"
 
@@ -114,8 +115,9 @@ static void draw_legend(const struct neph_post_study *study, int y, FILE *out)
     }
 }
 
-static void draw(const struct neph_post_study *study, FILE *out)
+static void draw(const void *what, FILE *out)
 {
+    const struct neph_post_study *study = what;
     struct axis axes[PANELS];
     int rows = 0;
     while (neph_post_rows[rows].name)
@@ -140,17 +142,5 @@ static void draw(const struct neph_post_study *study, FILE *out)
 enum neph_status neph_post_study_plot(const struct neph_post_study *study, char **svg,
                                       struct neph_diag *diag)
 {
-    char *made = NULL;
-    size_t size;
-    FILE *out = open_memstream(&made, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    draw(study, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (cut || !closed) {
-        free(made);
-        return neph_fail_memory(diag);
-    }
-    *svg = made;
-    return NEPH_OK;
+    return neph_written(draw, study, svg, diag);
 }

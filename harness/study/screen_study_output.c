@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/screen_study.h"
 
+#include "base/written.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -70,8 +72,9 @@ static void print_losses(const struct neph_screen_study *study, FILE *out)
     }
 }
 
-static void print_study(const struct neph_screen_study *study, FILE *out)
+static void print_study(const void *what, FILE *out)
 {
+    const struct neph_screen_study *study = what;
     const struct neph_screen_study_params *params = study->params;
     fprintf(out,
             "neph %s, against surfaces with %d samples, %dx%d, ambient occlusion within %g m.\n"
@@ -88,19 +91,7 @@ static void print_study(const struct neph_screen_study *study, FILE *out)
 enum neph_status neph_screen_study_text(const struct neph_screen_study *study, char **text,
                                         struct neph_diag *diag)
 {
-    char *made = NULL;
-    size_t size;
-    FILE *out = open_memstream(&made, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    print_study(study, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (cut || !closed) {
-        free(made);
-        return neph_fail_memory(diag);
-    }
-    *text = made;
-    return NEPH_OK;
+    return neph_written(print_study, study, text, diag);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */

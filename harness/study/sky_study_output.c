@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/sky_study.h"
 
+#include "base/written.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,8 +56,9 @@ static void print_model(const struct neph_sky_study *study, int model, FILE *out
             seconds / (2.0 * fmax(1.0, study->cell_count)));
 }
 
-static void print_study(const struct neph_sky_study *study, FILE *out)
+static void print_study(const void *what, FILE *out)
 {
+    const struct neph_sky_study *study = what;
     const struct neph_sky_study_params *params = study->params;
     fprintf(out,
             "neph %s, %s of %s on %s: %d samples, %dx%d, directions of %dx%d pixels.\n"
@@ -72,19 +75,7 @@ static void print_study(const struct neph_sky_study *study, FILE *out)
 enum neph_status neph_sky_study_text(const struct neph_sky_study *study, char **text,
                                      struct neph_diag *diag)
 {
-    char *made = NULL;
-    size_t size;
-    FILE *out = open_memstream(&made, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    print_study(study, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (cut || !closed) {
-        free(made);
-        return neph_fail_memory(diag);
-    }
-    *text = made;
-    return NEPH_OK;
+    return neph_written(print_study, study, text, diag);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */

@@ -10,7 +10,7 @@
 
 #include "realtime.glsl"
 
-// A texel of the view has [m].
+// The depth of a texel of the view [m].
 float mapped_depth_m(ivec2 half_pixel)
 {
     bool is_white = (half_pixel.x & 1) == (half_pixel.y & 1);

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/written.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+
+enum neph_status neph_written(neph_writer *write, const void *what, char **text,
+                              struct neph_diag *diag)
+{
+    char *made = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&made, &size);
+    if (!out)
+        return neph_fail_memory(diag);
+    write(what, out);
+    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
+    if (cut || !closed) {
+        free(made);
+        return neph_fail_memory(diag);
+    }
+    *text = made;
+    return NEPH_OK;
+}
