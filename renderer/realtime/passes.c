@@ -220,6 +220,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_upscale", upscale_spirv, sizeof(upscale_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_FULL,
+        .in_quads = true,
         .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_BEFORE) |
                  BIT(RT_HISTORY_STATE),
         .spared = {{{{RT_ATROUS, 0}}, BIT(RT_HISTORY)}, {{{RT_ATROUS, 1}}, BIT(RT_HISTORY_BEFORE)}},
@@ -430,6 +431,8 @@ uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct nep
                                       : quotient_up(view->size_px[0], (uint64_t)pass->resolution);
     const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
     const bool in_blocks = takes_turns(view, pass) || !pass->in_colours;
+    if (pass->in_quads)
+        return (width / 2 + 1) * (height / 2 + 1);
     if (on_gpu && in_blocks && pass->block[0] > 0)
         return GROUP_THREADS * quotient_up(width, (uint64_t)pass->block[0]) *
                quotient_up(height, (uint64_t)pass->block[1]);

@@ -109,6 +109,12 @@ bool rests()
 
 bool is_at_rest; // on a GPU, for all of a column; elsewhere what it saves is spent anyhow
 
+// Of which is_held follows: nothing moves and, by the gradient, nothing changes.
+bool is_steady()
+{
+    return is_at_rest && asks_for_change() && beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
+}
+
 // How far what is `depth_m` deep has come in the picture since the frame before, when it stood
 // `from_m` off from where it is now, as seen by the camera; false when it was behind that. Lengths
 // are divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
@@ -263,7 +269,8 @@ float frames_alike()
 // Where it rests history has the light of this frame, by the shares that both have in the pixel.
 vec3 relit(vec3 history, ivec2 source, Film film, float speed_px)
 {
-    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own)
+    bool is_steady = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
+    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || (ON_GPU && is_steady))
         return history;
     vec3 colour = film.own;
     vec3 medium = hold(exposure * fetch_full(RT_VOLUME, source).rgb, vec3(0.0), colour);
@@ -375,12 +382,16 @@ vec4 resolved(ivec2 pixel, ivec2 source, Film film)
         colour = has_history ? history : vec3(0.0);
     } else if (has_history) {
         history = relit(history, source, film, speed_px);
-        float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
-        float part = unrest(speed_px);
+        float alpha = 0.0, part = 0.0;
+        vec3 held = history;
+        if (is_held) {
+            alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
+            part = unrest(speed_px);
+            held = hold_history(history, film.box);
+        }
         alpha = weight_with_age(alpha, part, age);
         if (is_responsive(source))
             alpha = max(alpha, 0.25);
-        vec3 held = hold_history(history, film.box);
         colour = blend(colour, part == 1.0 ? held : mix(history, held, part), alpha);
     }
     return vec4(guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX))),
