@@ -139,6 +139,7 @@ static void set_choices(const struct neph_rt_device *device, struct neph_kernel_
     params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_HALVES_CONSTANT] = device->native_halves;
     params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
+    params->constants[RT_RESTS_CONSTANT] = neph_rt_view_rests(device->view);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++) {
         const float value = device->view->settings[s];

@@ -47,6 +47,7 @@ static const char *const motions[] = {"centre", "cross", "square", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
 static const char *const depth_map_passes[] = {"auto", "own", NULL};
+static const char *const change_passes[] = {"auto", "own", NULL};
 static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
@@ -478,5 +479,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                              "with atrous, difference of depth that counts by 1 / e, in parts of "
                              "the depth"),
     [RT_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,
+    [RT_CHANGE_PASS] = CHOICE(
+        "change_pass", RT_CHANGE_PASS_AUTO, change_passes,
+        "auto: on a GPU the reconstruction finds what has changed around a tile, by gradient=on, "
+        "by itself. Same bits"),
     {.name = NULL},
 };

@@ -89,7 +89,7 @@ float change() { return max(of_medium.residue, of_behind.residue); }
 // What does not change does not move, whatever the wind: a veil that looks the same everywhere.
 bool follows_medium()
 {
-    return choice(RT_TAA_MEDIUM) != 0 && choice(RT_WIND) != 0 && wind_m() != vec3(0.0) &&
+    return choice(RT_TAA_MEDIUM) != 0 && !air_rests() &&
            (!asks_for_change() || beyond(change(), setting(RT_TAA_CHANGE)) > 0.0);
 }
 
@@ -103,16 +103,16 @@ vec3 medium_from_m()
 // What it sees stays where it is: motions would come out as 0.
 bool rests()
 {
-    return !follows_solids() && camera_rests() &&
+    return (ON_GPU || ALL_REST) && !follows_solids() && camera_rests() &&
            (!follows_medium() || medium_from_m() == vec3(0.0));
 }
 
-bool is_at_rest; // on a GPU, for all of a column; elsewhere what it saves is spent anyhow
+bool is_at_rest; // for all of a column; on lavapipe where that is known before (ALL_REST) alone
 
 // Of which is_held follows: nothing moves and, by the gradient, nothing changes.
 bool is_steady()
 {
-    return is_at_rest && asks_for_change() && beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
+    return ON_GPU && is_at_rest && asks_for_change() && beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
 }
 
 // How far what is `depth_m` deep has come in the picture since the frame before, when it stood
