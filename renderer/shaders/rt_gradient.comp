@@ -95,6 +95,12 @@ void look_at_medium(ivec2 tile)
 // Some of a tile's pixels, every Nth: as many as there are with a jitter of 6 places or more.
 const int AT_ONCE = 3;
 
+// Known before, since lavapipe runs a loop once even if nobody wants it.
+bool may_be_more()
+{
+    return !SPECIALISED || AT_ONCE * known_choice(RT_TAA_JITTER_LENGTH) < TILE_PX;
+}
+
 struct Looks {
     ivec2 pixels[AT_ONCE];
     bool are_there[AT_ONCE];
@@ -148,12 +154,12 @@ void look_behind(ivec2 tile)
     Looks looks = look_from(tile, first, step);
     Sums sums = Sums(vec3(0.0), vec3(0.0), 0);
     add(looks, sums);
-    for (int i = first + AT_ONCE * step; i < TILE_PX; i += AT_ONCE * step)
+    for (int i = first + AT_ONCE * step; may_be_more() && i < TILE_PX; i += AT_ONCE * step)
         add(look_from(tile, i, step), sums);
     vec3 gain = gain_between(sums.now, sums.then);
     float unlike = 0.0;
     remember(looks, gain, unlike);
-    for (int i = first + AT_ONCE * step; i < TILE_PX; i += AT_ONCE * step)
+    for (int i = first + AT_ONCE * step; may_be_more() && i < TILE_PX; i += AT_ONCE * step)
         remember(look_from(tile, i, step), gain, unlike);
     put_tile(RT_LOOK_BEHIND_NOW, tile, vec4(sums.now, unlike));
     put_tile(RT_LOOK_BEHIND_THEN, tile, vec4(sums.then, float(sums.count)));

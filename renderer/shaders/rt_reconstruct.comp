@@ -312,8 +312,6 @@ void fetch_looks()
 void find_changes(ivec2 first_tile)
 {
     int thread = int(gl_LocalInvocationID.x), i = thread % BLOCK_TILE_COUNT;
-    if (thread >= 2 * BLOCK_TILE_COUNT)
-        return;
     ivec2 tile = first_tile + ivec2(i % BLOCK_TILES.x, i / BLOCK_TILES.x);
     bool is_there = all(lessThan(tile, tile_count()));
     if (thread < BLOCK_TILE_COUNT) {
@@ -321,7 +319,7 @@ void find_changes(ivec2 first_tile)
         area_changes[i] = change;
         if (is_there)
             put_tile(RT_CHANGE, tile, change);
-    } else if (is_there) {
+    } else if (thread < 2 * BLOCK_TILE_COUNT && is_there) {
         put_tile(RT_CHANGE_BEHIND, tile, change_behind(tile));
     }
 }
@@ -473,15 +471,14 @@ bool own_texel(out ivec2 half_pixel)
     half_pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x);
     own_place = half_pixel / 2 - block / 2 + 1;
     area_corner = block / 2 - 1;
-    if (finds_change())
-        fetch_looks();
     if (shares_rays())
         fetch_area(block / 2);
+    if (finds_change())
+        fetch_looks();
     barrier();
-    if (finds_change()) {
+    if (finds_change())
         find_changes(block / 2);
-        barrier();
-    }
+    barrier();
     return all(lessThan(half_pixel, half_size()));
 }
 
