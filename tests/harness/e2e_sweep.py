@@ -169,7 +169,7 @@ class Sweep(unittest.TestCase):
         self.plan.write_text(PLAN.replace("engine: march,", "engine: marsh,"))
         done = self.sweep()
         self.assertEqual(done.returncode, 65, done.stderr)
-        self.assertRegex(done.stderr, r"plan\.yaml:10:\d+: .*no engine 'marsh'")
+        self.assertRegex(done.stderr, r"plan\.yaml:11:\d+: .*no engine 'marsh'")
         self.plan.write_text(PLAN)
         done = self.sweep("--only", "nothing")
         self.assertEqual(done.returncode, 64, done.stderr)
