@@ -11,8 +11,8 @@
 /* The truth's two pictures are these repetitions; those of points are before them. */
 enum { NEPH_SWEEP_TRUTH_REPEAT = 1000 };
 
-/* The seed of a repetition, from 0 on, in a sweep of that seed. Sweeps with other seeds, up to 2^20,
- * share none of theirs: they are independent. */
+/* The seed of a repetition, from 0 on, in a sweep of that seed. Sweeps with other seeds, up to
+ * 2^20, share none of theirs: they are independent. */
 uint64_t neph_sweep_seed(uint64_t seed, int repeat);
 
 /* One value of `count` >= 1 of independent seeds: their mean. Its interval holds what differs over

@@ -41,7 +41,7 @@ int neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_s
                          FILE *out);
 
 /* {"format": "neph-stability-1", "sweeps", "cost", "moved", "points": [{"series", "label",
- * "number", "outcome", "on_fronts", "off"}, ...]}, of points that are on a front; for the caller. */
+ * "number", "outcome", "on_fronts", "off"}, ...]}, of points on a front; for the caller. */
 json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost);
 
 #endif

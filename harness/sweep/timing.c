@@ -28,7 +28,7 @@ static bool is_due(const struct neph_sweep_point *point)
     return !point->missing[0] && point->timed == 0;
 }
 
-/* Whose rounds are seeds of the error: also what was timed before has all of them, from the store. */
+/* Whose rounds are seeds of the error: what was timed before has them, too, from the store. */
 static bool has_seeds(const struct neph_sweep_point *point)
 {
     return !point->missing[0] && point->job.engine->stochastic &&

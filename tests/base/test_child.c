@@ -246,7 +246,7 @@ static void test_working_directory(void **state)
     assert_non_null(strstr(diag.message, "/no/such/folder"));
 }
 
-/* What a confined program, or a program of its own, does to files elsewhere comes to nothing; in its
+/* What a confined program, or one that it starts, does to files elsewhere comes to nothing; in its
  * folder it does as it likes. */
 static void test_confined(void **state)
 {

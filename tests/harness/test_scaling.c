@@ -331,7 +331,7 @@ static double normal(uint64_t *seed)
     return sum;
 }
 
-/* Three seeds of a number without an interval of its own: of 2000 such means 95 % hold the truth. */
+/* Three seeds of a number without an interval of its own: 95 % of such intervals hold the truth. */
 static void test_intervals_hold_what_seeds_differ_by(void **state)
 {
     (void)state;
