@@ -57,7 +57,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_INTEGER, .at = offsetof(struct request, bits), .minimum = 8, .maximum = 16},
     {"stats", 0, NULL, "The device's time of each stage, and what the eye is adapted to",
      NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
-    {"repeat", 0, "N", "Times that each frame goes through the chain; --stats has the medians",
+    {"repeat", 0, "N",
+     "Times that each frame goes through the chain; --stats has medians and least",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .otherwise = "1", .minimum = 1,
      .maximum = REPEAT_MAX},
     {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
@@ -229,21 +230,33 @@ static enum neph_status write(const struct work *work, const char *frame,
     return status;
 }
 
+/* The device's seconds of a stage over the repeats. */
+struct times {
+    double median_s[NEPH_POST_STAGES_MAX], least_s[NEPH_POST_STAGES_MAX];
+};
+
+static void note_stage(const struct work *work, const char *frame,
+                       const struct neph_post_stage *stage, const struct times *times,
+                       json_t **stages)
+{
+    const double ms = 1e3 * times->median_s[stage - neph_post_stages];
+    const double least_ms = 1e3 * times->least_s[stage - neph_post_stages];
+    if (work->request->stats && !work->request->shared.json)
+        printf("%s: %-17s %8.3f ms, at least %.3f\n", frame, stage->name, ms, least_ms);
+    neph_json_add(stages, json_pack("{s:s, s:o, s:o}", "name", stage->name, "ms",
+                                    neph_json_number(ms), "least_ms", neph_json_number(least_ms)));
+}
+
 /* One line of the list that --json prints. */
 static void note(struct work *work, const char *frame, const struct neph_image *picture,
-                 const struct neph_post_stats *stats)
+                 const struct neph_post_stats *stats, const struct times *times)
 {
     json_t *stages = json_array();
     const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
     const struct neph_post_params *params = &work->showing.params;
     const int count = neph_post_sequence(params->order, &params->settings, sequence);
-    for (int i = 0; i < count; i++) {
-        const double ms = 1e3 * stats->gpu_s[sequence[i] - neph_post_stages];
-        if (work->request->stats && !work->request->shared.json)
-            printf("%s: %-17s %8.3f ms\n", frame, sequence[i]->name, ms);
-        neph_json_add(&stages, json_pack("{s:s, s:o}", "name", sequence[i]->name, "ms",
-                                         neph_json_number(ms)));
-    }
+    for (int i = 0; i < count; i++)
+        note_stage(work, frame, sequence[i], times, &stages);
     json_t *result = json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px",
                                picture->width_px, "height_px", picture->height_px, "stages",
                                stages);
@@ -260,7 +273,7 @@ static void note(struct work *work, const char *frame, const struct neph_image *
 /* Each time as if it were the only one: the eye goes on from the frame before. */
 static enum neph_status run(struct work *work, const struct neph_image *frame,
                             struct neph_image **picture, struct neph_post_stats *stats,
-                            struct neph_diag *diag)
+                            struct times *times, struct neph_diag *diag)
 {
     const int count = work->request->repeat;
     double(*seconds)[REPEAT_MAX] = calloc(NEPH_POST_STAGES_MAX, sizeof(*seconds));
@@ -276,9 +289,11 @@ static enum neph_status run(struct work *work, const struct neph_image *frame,
         for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
             seconds[s][i] = stats->gpu_s[s];
     }
-    for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
-        if (!isnan(stats->gpu_s[s])) /* the device has a clock */
-            stats->gpu_s[s] = neph_percentile(seconds[s], (size_t)count, 0.5);
+    for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++) {
+        const bool has_clock = !isnan(stats->gpu_s[s]);
+        times->median_s[s] = has_clock ? neph_percentile(seconds[s], (size_t)count, 0.5) : NAN;
+        times->least_s[s] = has_clock ? neph_percentile(seconds[s], (size_t)count, 0.0) : NAN;
+    }
     showing->params.eye = NULL;
     showing->eye = eye;
     free(seconds);
@@ -299,6 +314,7 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     const char *path = work->frames.paths[index];
     struct neph_image *frame = NULL, *picture = NULL;
     struct neph_post_stats stats;
+    struct times times;
     enum neph_status status = neph_frame_read(path, work->request->layer, 0, &frame, diag);
     if (status)
         return status;
@@ -309,11 +325,11 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
         status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
                            path);
     if (!status)
-        status = run(work, frame, &picture, &stats, diag);
+        status = run(work, frame, &picture, &stats, &times, diag);
     if (!status)
         status = write(work, path, picture, diag);
     if (!status)
-        note(work, path, picture, &stats);
+        note(work, path, picture, &stats, &times);
     neph_image_destroy(picture);
     neph_image_destroy(frame);
     return status;
