@@ -77,8 +77,9 @@ struct neph_screen_study {
 
 extern const char *const neph_screen_part_names[NEPH_SCREEN_PARTS];
 
-/* NEPH_ERR_UNAVAILABLE: there is no Cycles. NEPH_ERR_INTERRUPTED: what is finished stays in the store. NEPH_ERR_USAGE: a model is of another
- * engine. NEPH_ERR_UNSUPPORTED: truth or model cannot render a scene, and why. */
+/* NEPH_ERR_UNAVAILABLE: there is no Cycles. NEPH_ERR_INTERRUPTED: what is finished stays in the
+ * store. NEPH_ERR_USAGE: a model is of another engine. NEPH_ERR_UNSUPPORTED: truth or model cannot
+ * render a scene, and why. */
 enum neph_status neph_screen_study_run(const struct neph_screen_study_params *params,
                                        struct neph_store *store, struct neph_screen_study *study,
                                        struct neph_diag *diag);

@@ -86,7 +86,8 @@ class StudyScreen(unittest.TestCase):
             ours = found["surface_rough"][part]["models"]["screen"]
             self.assertLess(abs(against["cycles"]["bias"]), noise, part)
             self.assertLess(abs(against["models"]["screen"]["bias"] - ours["bias"]), noise, part)
-        self.assertIsNone(found["surface_mirror"]["against_cycles"]["reflections"]["cycles"]["bias"])
+        refused = found["surface_mirror"]["against_cycles"]["reflections"]["cycles"]
+        self.assertIsNone(refused["bias"])
 
     def test_refusals(self):
         for code, words, arguments in ((64, "no screen", ("--models", "march")),
