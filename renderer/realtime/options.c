@@ -478,5 +478,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                              "with atrous, difference of depth that counts by 1 / e, in parts of "
                              "the depth"),
     [RT_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,
+    [RT_CHANGE_STROBE] = CHOICE(
+        "change_strobe", 0, switches,
+        "a sun that flashes with the period of two looks of gradient=on, four frames or the places "
+        "of the jitter, is a change everywhere; off: both looks see the same, and it rests"),
     {.name = NULL},
 };
