@@ -735,8 +735,8 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
     return now;
 }
 
-/* Whether a look at the medium, four frames after the first, or at what is behind it, as many as the
- * jitter has places, can tell what the sun does. */
+/* Whether a look at the medium, four frames after the first, or at what is behind it, as many as
+ * the jitter has places, can tell what the sun does. */
 static void set_strobes(struct neph_realtime *realtime, const struct neph_realtime_frame *frame)
 {
     struct neph_gpu_view *view = realtime->device.view;
