@@ -50,3 +50,11 @@ bool neph_rt_suns_flash(const struct neph_rt_suns *suns, uint32_t period)
     }
     return !is_steady;
 }
+
+bool neph_rt_suns_jumped(const struct neph_rt_suns *suns, uint32_t pictures)
+{
+    for (uint32_t i = 0; i < pictures && i + 1 < suns->count; i++)
+        if (!are_alike(before(suns, i), before(suns, i + 1)))
+            return true;
+    return false;
+}

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The suns of the pictures before, and whether they flash with the period of two looks at the same
- * light: rays that are marched a second time after as many frames (shaders/rt_gradient.comp) see
- * what they saw, and nothing tells that it was dark between.
+ * The suns of the pictures before, of which no ray can tell: whether they flash with the period of
+ * two looks at the same light, so that rays which are marched a second time after as many frames
+ * (shaders/rt_gradient.comp) see what they saw; and whether a sun has jumped, which texels that the
+ * override never marches would not learn.
  */
 #ifndef NEPH_RENDERER_REALTIME_SUNS_H
 #define NEPH_RENDERER_REALTIME_SUNS_H
@@ -29,5 +30,8 @@ void neph_rt_suns_keep(struct neph_rt_suns *suns, uint32_t number, const struct 
  * in the presets that look twice. A slow sun is never that: where it turns back it is unlike itself
  * a period before. False while fewer are known, and beyond half of NEPH_RT_SUNS_MAX. */
 bool neph_rt_suns_flash(const struct neph_rt_suns *suns, uint32_t period);
+
+/* Whether one of the latest `pictures` has another sun than the one before it, in that sense. */
+bool neph_rt_suns_jumped(const struct neph_rt_suns *suns, uint32_t pictures);
 
 #endif

@@ -200,6 +200,20 @@ static void test_flashes_of_other_periods(void **state)
     assert_false(neph_rt_suns_flash(&suns, 7));
 }
 
+/* As far back as is asked for, and no further than is known. */
+static void test_a_sun_that_jumps(void **state)
+{
+    (void)state;
+    struct neph_rt_suns suns = {.count = 0};
+    assert_false(neph_rt_suns_jumped(&suns, 8));
+    for (uint32_t n = 0; n < 100; n++) {
+        const struct neph_sun sun = sun_of(n < 20 ? 4.0 : 5.0, 0.09 * n);
+        neph_rt_suns_keep(&suns, n, &sun);
+        for (uint32_t pictures = 0; pictures < 40; pictures += 8)
+            assert_int_equal(neph_rt_suns_jumped(&suns, pictures), n >= 20 && n - 20 < pictures);
+    }
+}
+
 /* --- in the pipeline ------------------------------------------------------------------------- */
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36, TILES = (WIDTH_PX / 4) * (HEIGHT_PX / 4) };
@@ -210,6 +224,7 @@ struct changes {
     int void_tiles;     /* ... of all of it */
     double least, most; /* change of the medium */
     double gain[2];     /* the least and the largest, of the medium */
+    bool resting;       /* without override */
 };
 
 static void take_changes(struct neph_rt_device *device, const struct neph_rt_pass *pass,
@@ -218,7 +233,7 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
     struct changes *changes = context;
     if (strcmp(pass->name, "change") != 0)
         return;
-    *changes = (struct changes){.least = 2.0, .gain = {2.0, 0.0}};
+    *changes = (struct changes){.least = 2.0, .gain = {2.0, 0.0}, .resting = device->view->resting};
     for (int t = 0; t < 2; t++) {
         const int target = t ? RT_CHANGE_BEHIND : RT_CHANGE;
         uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
@@ -369,6 +384,24 @@ static void test_light_that_flashes_unseen_is_a_change(void **state)
     }
 }
 
+/* For 16 frames after the sun has jumped every second cycle of four is without override; a sun that
+ * sinks by a hundredth is none that jumps. */
+static void test_the_override_rests_after_a_jump(void **state)
+{
+    struct test_scene test;
+    scene_ground(&test);
+    const struct neph_settings settings = test_settings("gradient=on steps=4 override_wake=16");
+    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
+    struct changes changes = {0};
+    neph_realtime_observe(realtime, take_changes, &changes);
+    for (int frame = 0; frame < 32; frame++) {
+        dim_the_sun(&test, frame == 10 ? 0.5 : 0.99);
+        neph_image_destroy(next(realtime, &test, frame));
+        assert_int_equal(changes.resting, frame >= 10 && frame < 26 && frame / 4 % 2 == 1);
+    }
+    neph_realtime_destroy(realtime);
+}
+
 /* What a solid uncovers and hides all tiles there know in the same frame, and no others. */
 static void test_what_a_solid_uncovers_has_changed(void **state)
 {
@@ -475,9 +508,11 @@ int main(void)
         cmocka_unit_test(test_it_needs_the_split),
         cmocka_unit_test(test_what_flashes_with_a_period),
         cmocka_unit_test(test_flashes_of_other_periods),
+        cmocka_unit_test(test_a_sun_that_jumps),
         cmocka_unit_test(test_light_is_told_from_noise),
         cmocka_unit_test(test_slow_light_is_a_gain),
         cmocka_unit_test(test_light_that_flashes_unseen_is_a_change),
+        cmocka_unit_test(test_the_override_rests_after_a_jump),
         cmocka_unit_test(test_what_a_solid_uncovers_has_changed),
         cmocka_unit_test(test_the_second_generation_rests_and_follows),
     };
