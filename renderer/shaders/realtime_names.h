@@ -182,7 +182,11 @@
 #define RT_ATROUS_SIGMA 145
 #define RT_ATROUS_DEPTH 146
 #define RT_SKY_REFILL 147
-#define RT_SETTING_COUNT 148
+// What two looks at the same light cannot tell.
+#define RT_CHANGE_STROBE 148
+// How long slots that no ray is left for are marched after the sun has jumped.
+#define RT_OVERRIDE_WAKE 149
+#define RT_SETTING_COUNT 150
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

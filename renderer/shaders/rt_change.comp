@@ -25,8 +25,10 @@ vec4 remembered(int target, ivec2 tile, vec4 change)
     return change;
 }
 
-// `frames` are between two looks; the change is `unknown` where none of 3x3 was a second one.
-vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, float unknown)
+// `frames` are between two looks; the change is `unknown` where none of 3x3 was a second one, and
+// all of it where no look can tell.
+vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, float unknown,
+                   bool cannot_tell)
 {
     vec4 now[9], then[9];
     precise vec3 sum_now = vec3(0.0), sum_then = vec3(0.0);
@@ -42,7 +44,7 @@ vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, fl
         }
     }
     vec3 gain = gain_between(sum_now, sum_then);
-    float most = is_known ? 0.0 : unknown;
+    float most = cannot_tell ? 1.0 : is_known ? 0.0 : unknown;
     for (int i = 0; i < 9; i++) {
         float residue = then[i].a > 0.0 ? residue_between(now[i].rgb, then[i].rgb, gain) : 0.0;
         residue = now[i].a > residue ? now[i].a : residue;
@@ -57,9 +59,11 @@ void main()
     ivec2 tile;
     if (!own_element(tile_count(), tile))
         return;
-    vec4 of_medium = change_around(tile, RT_LOOK_NOW, RT_LOOK_THEN, 4.0, 1.0);
+    vec4 of_medium = change_around(tile, RT_LOOK_NOW, RT_LOOK_THEN, 4.0, 1.0,
+                                   view.strobes_medium != 0u);
     vec4 behind = change_around(tile, RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN,
-                                setting(RT_TAA_JITTER_LENGTH), 0.0);
+                                setting(RT_TAA_JITTER_LENGTH), 0.0,
+                                view.strobes_behind != 0u);
     put_tile(RT_CHANGE, tile, remembered(RT_CHANGE, tile, of_medium));
     put_tile(RT_CHANGE_BEHIND, tile, remembered(RT_CHANGE_BEHIND, tile, behind));
 }
