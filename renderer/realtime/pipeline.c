@@ -295,6 +295,9 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
         choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
         choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW)
         view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
+    if (on_gpu && choice_of(realtime, RT_CHANGE_PASS) == RT_CHANGE_PASS_AUTO &&
+        choice_of(realtime, RT_GRADIENT) != 0)
+        view->settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
 }
 
 /* Everything that depends on the size. */
