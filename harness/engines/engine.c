@@ -96,6 +96,19 @@ enum neph_status neph_settings_words(const struct neph_engine *engine, const cha
     return status;
 }
 
+void neph_settings_meet(const struct neph_engine *engine, const struct neph_scene *scene,
+                        struct neph_settings *settings)
+{
+    struct neph_settings under_sky = *settings;
+    char reason[256];
+    if (neph_option_find(engine->options, "sky") < 0 ||
+        engine->can_render(scene, settings, reason, sizeof(reason)) ||
+        neph_settings_set(engine, &under_sky, "sky=tables", NULL))
+        return;
+    if (engine->can_render(scene, &under_sky, reason, sizeof(reason)))
+        *settings = under_sky;
+}
+
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
                     const char *name)
 {
