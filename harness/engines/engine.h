@@ -203,7 +203,7 @@ enum neph_status neph_settings_words(const struct neph_engine *engine, const cha
                                      struct neph_diag *diag);
 
 /* What studies and sweeps leave to the scene: the air of a planet comes from tables (sky=tables)
- * where the engine can render the scene with these and not without. */
+ * where the engine refuses it as a medium. */
 void neph_settings_meet(const struct neph_engine *engine, const struct neph_scene *scene,
                         struct neph_settings *settings);
 

@@ -421,7 +421,7 @@ static void test_froxels_are_seen_through_the_air(void **state)
     struct neph_image *image = render_realtime(*state, scene, &settings);
     const double off = distance(image, NULL, exact);
     print_message("fog in froxels under a sky: off by %.2g\n", off);
-    assert_true(off < 0.02);
+    assert_true(off < 5e-3); /* 4.4e-2 without that air */
     neph_image_destroy(image);
     neph_scene_destroy(scene);
 }

@@ -535,6 +535,42 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
     neph_scene_destroy(earth);
 }
 
+/* The ground from a few metres up: 100 m to 4 km of air before it, of which as much is missing as
+ * the way is shorter than between two nodes; towards the sun and away from it. */
+static void test_view_table_sees_the_ground_near(void **state)
+{
+    (void)state;
+    struct neph_scene *earth = load_earth();
+    struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_SINGLE);
+    struct neph_sky_params params = usual;
+    struct neph_diag diag = {0};
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    const struct neph_vec3 sun = scene->sun.direction;
+    const double across = hypot(sun.x, sun.z);
+    struct neph_sky *walk = make_sky(scene, &params);
+    params.view = (struct neph_sky_view_params){true, 48, 48};
+    struct neph_sky *table = make_sky(scene, &params);
+    double worst = 0.0;
+    neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
+    for (int i = 0; i < 80; i++) {
+        const double down = 2.0 / (100.0 * pow(40.0, (i / 2) / 39.0)), side = i % 2 ? -1.0 : 1.0;
+        const struct neph_vec3 direction = neph_vec3_normalize(
+            (struct neph_vec3){side * sun.x / across, -down, side * sun.z / across});
+        const struct neph_sky_light a = neph_sky_see(walk, camera.position_m, direction);
+        const struct neph_sky_light b = neph_sky_see(table, camera.position_m, direction);
+        for (int c = 0; c < 3; c++) {
+            worst = fmax(worst, fabs(b.volume[c] / a.volume[c] - 1.0));
+            worst = fmax(worst, fabs(b.radiance[c] / a.radiance[c] - 1.0));
+        }
+    }
+    print_message("air before the ground near: off by %.2g\n", worst);
+    assert_true(worst < 0.01);
+    neph_sky_destroy(table);
+    neph_sky_destroy(walk);
+    neph_scene_destroy(scene);
+    neph_scene_destroy(earth);
+}
+
 /* --- layers ----------------------------------------------------------------------------------- */
 
 /* What a medium is cut into, and in which order its parts come, is no matter: sums of the same
@@ -725,6 +761,7 @@ int main(void)
         cmocka_unit_test(test_solids_behind_air),
         cmocka_unit_test(test_moments_light_surfaces),
         cmocka_unit_test(test_view_table_is_the_walk_in_the_limit),
+        cmocka_unit_test(test_view_table_sees_the_ground_near),
         cmocka_unit_test(test_splitting_a_medium_changes_nothing),
         cmocka_unit_test(test_device_is_the_twin),
         cmocka_unit_test(test_device_says_what_it_cannot),
