@@ -164,10 +164,6 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  has_sky ? "" : " (sky=tables: that of a planet's air may)");
         return false;
     }
-    if (has_sky && settings->values[RT_FROXEL_VOLUME] != 0.0) {
-        snprintf(reason, reason_size, "froxels under sky=tables: froxels=off");
-        return false;
-    }
     if (neph_scene_emits(scene)) {
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
