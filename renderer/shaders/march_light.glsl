@@ -114,21 +114,24 @@ void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, in
         }
 }
 
-// As add_taps(), of an only medium that is a texture: all of the steps.
+// Of an only medium that is a texture. A plain sum, which steps in clear air do not change.
 float texture_optical_depth(vec3 origin_m, vec3 direction, Steps steps)
 {
     TextureRay ray = texture_ray(origin_m, direction);
-    Sum sum = sum_zero();
-    for (uint i = 0; i < steps.count; i += TAPS_MAX) {
-        float densities[TAPS_MAX], part = 0.0;
-        [[unroll]] for (uint k = 0; k < TAPS_MAX; k++)
+    float sum = 0.0;
+    for (uint i = 0; i < steps.count; i += taps()) {
+        if (SKIPS)
+            pass_empty_steps(steps, 0.5, origin_m, direction, steps.count, i);
+        float densities[TAPS_MAX];
+        [[unroll]] for (uint k = 0; k < taps(); k++)
             densities[k] = texture_ray_density(ray, step_point_m(steps, i + k, 0.5));
-        [[unroll]] for (uint k = 0; k < TAPS_MAX; k++)
-            part += i + k < steps.count ? densities[k] : 0.0;
-        sum_add(sum, vec4(part));
+        [[unroll]] for (uint k = 0; k < taps(); k++)
+            if (i + k < steps.count) {
+                sum += densities[k];
+                density_evaluations++;
+            }
     }
-    density_evaluations += steps.count;
-    return ray.full_per_m * steps.step_m * sum.value.x;
+    return ray.full_per_m * steps.step_m * sum;
 }
 
 // Where empty steps were passed nothing is added once: a sum that carries its error may then still
