@@ -182,7 +182,10 @@
 #define RT_ATROUS_SIGMA 145
 #define RT_ATROUS_DEPTH 146
 #define RT_SKY_REFILL 147
-#define RT_SETTING_COUNT 148
+// Steps towards the sun.
+#define RT_SUN_GROWTH 148
+#define RT_SUN_CONE 149
+#define RT_SETTING_COUNT 150
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
