@@ -32,7 +32,7 @@ static enum neph_status check_growth(const char *name, double growth, int steps,
                          "march: %s is %.9g: 1 (equal steps), or at least %g, since "
                          "nearer to 1 float32 cannot tell its steps apart",
                          name, growth, NEPH_STEP_GROWTH_LEAST);
-    if (pow(growth, steps - 1) <= NEPH_STEP_GROWTH_WHOLE_MAX)
+    if (growth <= 1.0 || pow(growth, steps - 1) <= NEPH_STEP_GROWTH_WHOLE_MAX)
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_USAGE,
                      "march: with %s=%g the last of %d steps is more than %g times as "

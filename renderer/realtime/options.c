@@ -332,8 +332,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SKIP] = NEPH_OPTION_SKIP,
     [RT_EARLY_OUT] = NEPH_OPTION_EARLY_OUT,
     [RT_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,
-    [RT_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH,
-    [RT_SUN_CONE] = NEPH_OPTION_SUN_CONE,
     [RT_GRID_SAMPLING] = NEPH_OPTION_GRID_SAMPLING,
     [RT_GRID_FORMAT] = NEPH_OPTION_GRID_FORMAT,
 
@@ -480,5 +478,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                              "with atrous, difference of depth that counts by 1 / e, in parts of "
                              "the depth"),
     [RT_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,
+    [RT_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH,
+    [RT_SUN_CONE] = NEPH_OPTION_SUN_CONE,
     {.name = NULL},
 };

@@ -129,7 +129,7 @@ static void test_through_voxels(void **state)
             const double worst = worst_difference(*state, &test, &params, &shaded);
             print_message("growth %g, cone %g, skip %d: off by %.1e in %d pixels\n", rays[i].growth,
                           rays[i].cone, skips, worst, shaded);
-            assert_true(shaded > 20 && worst < 5e-5);
+            assert_true(shaded > 20 && worst < 2e-5);
         }
     neph_grid_destroy(grid);
 }
