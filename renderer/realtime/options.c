@@ -493,5 +493,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "change_pass", RT_CHANGE_PASS_AUTO, change_passes,
         "auto: on a GPU the reconstruction finds what has changed around a tile, by gradient=on, "
         "by itself. Same bits"),
+    [RT_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH,
+    [RT_SUN_CONE] = NEPH_OPTION_SUN_CONE,
     {.name = NULL},
 };

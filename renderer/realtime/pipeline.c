@@ -203,6 +203,8 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                       .skip = values[RT_SKIP] != 0.0,
                       .early_out = values[RT_EARLY_OUT],
                       .step_growth = values[RT_STEP_GROWTH],
+                      .sun_growth = values[RT_SUN_GROWTH],
+                      .sun_cone = values[RT_SUN_CONE],
                       .grid_texture = values[RT_GRID_SAMPLING] != 0.0,
                       .grid_format = (enum neph_texel_format)(int)values[RT_GRID_FORMAT],
                       .cloud_shadow = values[RT_CLOUD_SHADOW] != 0.0,

@@ -188,7 +188,10 @@
 #define RT_OVERRIDE_WAKE 149
 // And where what has changed around a tile is found.
 #define RT_CHANGE_PASS 150
-#define RT_SETTING_COUNT 151
+// Steps towards the sun.
+#define RT_SUN_GROWTH 151
+#define RT_SUN_CONE 152
+#define RT_SETTING_COUNT 153
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
