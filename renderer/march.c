@@ -227,6 +227,33 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     return NEPH_OK;
 }
 
+/* --- rays in squares ---------------------------------------------------------------------- */
+
+enum { square_px = 8 }; /* of shaders/march.comp, a work group */
+
+static uint64_t squares_across(int side_px)
+{
+    return ((uint64_t)side_px + square_px - 1) / square_px;
+}
+
+static uint64_t ray_count_of(const struct neph_march_params *params)
+{
+    return squares_across(params->width_px) * squares_across(params->height_px) * square_px *
+           square_px;
+}
+
+/* In raster order; -1: the ray is beyond the picture. */
+static int64_t pixel_of(const struct neph_march_params *params, uint64_t ray)
+{
+    const uint64_t side = square_px, columns = squares_across(params->width_px);
+    const uint64_t square = ray / (side * side), own = ray % (side * side);
+    const uint64_t x = side * (square % columns) + own % side;
+    const uint64_t y = side * (square / columns) + own / side;
+    return x < (uint64_t)params->width_px && y < (uint64_t)params->height_px
+               ? (int64_t)(y * (uint64_t)params->width_px + x)
+               : -1;
+}
+
 /* --- one march ---------------------------------------------------------------------------- */
 
 struct neph_march {
@@ -272,8 +299,7 @@ enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph
     made->params = *params;
     status = neph_march_scene_create(vulkan, scene, params, &made->scene, diag);
     if (!status)
-        status = neph_march_cut_make(vulkan, scene, &made->scene.gpu, params,
-                                     (uint64_t)params->width_px * (uint64_t)params->height_px,
+        status = neph_march_cut_make(vulkan, scene, &made->scene.gpu, params, ray_count_of(params),
                                      &made->cut, diag);
     if (!status)
         status = create_buffers(made, diag);
@@ -384,8 +410,11 @@ static enum neph_status read_pixels(struct work *work, const struct neph_gpu_mar
         march->vulkan, &march->pixels, &march->readback,
         run->ray_count * sizeof(struct neph_gpu_march_pixel), diag);
     const struct neph_gpu_march_pixel *pixels = march->readback.mapped;
-    for (uint32_t i = 0; i < run->ray_count && !status; i++)
-        unpack(&pixels[i], (size_t)run->first_ray + i, &work->layers, &work->stats);
+    for (uint32_t i = 0; i < run->ray_count && !status; i++) {
+        const int64_t pixel = pixel_of(&march->params, (uint64_t)run->first_ray + i);
+        if (pixel >= 0)
+            unpack(&pixels[i], (size_t)pixel, &work->layers, &work->stats);
+    }
     return status;
 }
 
@@ -455,7 +484,7 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
         neph_image_destroy(made);
         return status;
     }
-    work->stats.rays = march->cut.ray_count;
+    work->stats.rays = (uint64_t)march->params.width_px * (uint64_t)march->params.height_px;
     uint64_t evaluations, closed_forms;
     neph_sun_fill_counts(work->cost.fill, &evaluations, &closed_forms);
     work->stats.gpu_s = *work->gpu_s + neph_sun_fill_gpu_s(work->cost.fill) +

@@ -119,7 +119,7 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
     sunlight *= 1 + NEPH_GPU_LAMP_PARTS * (uint64_t)scene->light_count;
     if (params->sky.is_on)
         sunlight += 2 * neph_sky_look_turns(scene->medium_count, params->sky.tables.field.degree);
-    *per_step = 1 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
+    *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight + 1;
 }
 

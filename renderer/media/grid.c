@@ -52,8 +52,10 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
                            camera_m);
     int size[3];
     neph_gpu_grid_size(grid, size);
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; axis++) {
         gpu->shape.grid.size[axis] = (uint32_t)size[axis];
+        gpu->shape.grid.texel[axis] = 1.0f / (float)size[axis];
+    }
 }
 
 static size_t data_count(const struct neph_medium *medium)

@@ -42,14 +42,14 @@ layout(binding = NEPH_GPU_IMAGES_BINDING) uniform sampler3D grid_textures[1];
 
 float density_at(Grid grid, vec3 point_m)
 {
-    return TEXTURE ? textureLod(grid_textures[0], (point_m + 0.5) / vec3(grid.size), 0.0).r
+    return TEXTURE ? textureLod(grid_textures[0], (point_m + 0.5) * grid.texel, 0.0).r
                    : grid_density(grid, point_m);
 }
 
 void main()
 {
     CeilingLine line = lines[gl_GlobalInvocationID.x];
-    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), 1.0, uvec3(run.side));
+    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), 1.0, uvec3(run.side), 0.0, vec3(1.0) / float(run.side));
     float sum = 0.0;
     for (uint i = 0; i < run.sample_count; i++)
         sum += density_at(grid, line.start + float(i) * line.stride);

@@ -14,6 +14,8 @@ struct Grid {
     vec3 nodes_per_m;
     float full; // the largest density: what a texture has as 1 (grid_texture.glsl)
     uvec3 size; // nodes, the layer of zeros included; each side >= 3
+    float padding;
+    vec3 texel; // 1 / size: a node's share of a texture
 };
 
 // The eight nodes of a cell: those at its lower z face and those at its upper one, x fastest.

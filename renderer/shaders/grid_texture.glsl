@@ -39,13 +39,40 @@ float grid_texture_at(uint m, vec3 place)
     }
 }
 
-float grid_texture_density(uint m, vec3 point_m)
+vec3 grid_texture_place(uint m, vec3 point_m)
 {
-    vec3 size = vec3(frame.media[m].shape.grid.size);
     vec3 at = (point_m - frame.media[m].shape.grid.origin_m) *
               frame.media[m].shape.grid.nodes_per_m;
-    return frame.media[m].shape.grid.full * grid_texture_at(m, (at + 0.5) / size);
+    return (at + 0.5) * frame.media[m].shape.grid.texel;
 }
+
+float grid_texture_density(uint m, vec3 point_m)
+{
+    return frame.media[m].shape.grid.full * grid_texture_at(m, grid_texture_place(m, point_m));
+}
+
+// A ray as the texture of an only medium sees it: three products and sums a sample. Its places are
+// in the medium's bounds, as those of a stretch are.
+struct TextureRay {
+    vec3 start, per_m; // in parts of the texture
+    float full_per_m;  // the extinction of a texel of 1
+};
+
+TextureRay texture_ray(vec3 origin_m, vec3 direction)
+{
+    return TextureRay(grid_texture_place(0, origin_m),
+                      direction * frame.media[0].shape.grid.nodes_per_m *
+                          frame.media[0].shape.grid.texel,
+                      frame.media[0].extinction_per_m * frame.media[0].shape.grid.full);
+}
+
+float texture_ray_density(TextureRay ray, float t_m)
+{
+    return grid_texture_at(0, ray.start + t_m * ray.per_m);
+}
+
+// Whether there is an only medium, a grid, of which steps at any place may be sampled ahead.
+bool has_only_texture() { return samples_textures() && KNOWN_MEDIA == 1u && !SKIPS; }
 
 // As medium_extinction_per_m().
 float sampled_extinction_per_m(uint m, vec3 point_m)

@@ -1,11 +1,14 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The ray marcher at full resolution: one ray a pixel, in raster order, the medium looked at in the
-// middle of each step. What it computes is in march.glsl.
+// The ray marcher at full resolution: one ray a pixel, the medium looked at in the middle of each
+// step. What it computes is in march.glsl. A work group has a square of pixels, whose rays meet the
+// same voxels and part late; what of a square is beyond the picture is idle.
 #extension GL_GOOGLE_include_directive : require
 
 #include "march.glsl"
+
+const uint SQUARE_PX = 8;
 
 struct MarchPixel {
     vec3 radiance; // with everything
@@ -45,13 +48,22 @@ MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
     return pixel;
 }
 
+// pixel_of() of renderer/march.c once more.
+uvec2 pixel_of(uint ray)
+{
+    uint columns = (frame.width_px + SQUARE_PX - 1) / SQUARE_PX;
+    uint square = ray / (SQUARE_PX * SQUARE_PX), own_ray = ray % (SQUARE_PX * SQUARE_PX);
+    return SQUARE_PX * uvec2(square % columns, square / columns) +
+           uvec2(own_ray % SQUARE_PX, own_ray / SQUARE_PX);
+}
+
 void main()
 {
     uint thread = gl_GlobalInvocationID.x;
-    if (thread >= run.ray_count)
+    uvec2 pixel = pixel_of(run.first_ray + thread);
+    if (thread >= run.ray_count || pixel.x >= frame.width_px || pixel.y >= frame.height_px)
         return;
-    uint pixel = run.first_ray + thread;
-    vec2 place_px = vec2(pixel % frame.width_px, pixel / frame.width_px) + 0.5 + frame.jitter_px;
+    vec2 place_px = vec2(pixel) + 0.5 + frame.jitter_px;
     ViewRay ray = camera_ray_at(frame_camera(), place_px);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
 

@@ -96,6 +96,67 @@ float mean(vec3 channels) { return COLOURED ? dot(channels, vec3(1.0 / 3.0)) : c
 // it asks there.
 bool skips_steps() { return SKIPS && VIEW_MARCHED == KINDS && !has_fog(); }
 
+// Whether an only medium is looked up before anything else is done at a step: where it is clear the
+// step adds nothing, and all that it asks of the medium it asks at its point.
+bool passes_clear()
+{
+    return KNOWN_MEDIA == 1u && VIEW_MARCHED == KINDS && !has_fog() && LIGHTING != HORIZON;
+}
+
+float met_per_m = -1.0; // extinction at the step that was looked up last
+
+// Go on to the first step at whose point there is something, or to `end`.
+void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uint i)
+{
+    for (; i < end; i++) {
+        if (SKIPS)
+            pass_empty_steps(steps, place, ray.origin_m, ray.direction, end, i);
+        if (i == end)
+            break;
+        density_evaluations++;
+        view_steps++;
+        met_per_m = sampled_extinction_per_m(
+            0, view_point_m(ray, step_point_m(steps, i, place)));
+        if (met_per_m > 0.0)
+            break;
+    }
+}
+
+vec4 ahead; // densities of the four steps around the one where a ray is
+
+// The same in a texture, with four steps on their way together.
+void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout uint i)
+{
+    TextureRay way = texture_ray(ray.origin_m, ray.direction);
+    uint start = i;
+    while (i < end) {
+        uint turn = (i - own(run.first_step)) % 4u;
+        if (turn == 0u)
+            [[unroll]] for (uint k = 0; k < 4; k++)
+                ahead[k] = texture_ray_density(way, step_point_m(steps, i + k, place));
+        met_per_m = way.full_per_m * ahead[turn];
+        if (met_per_m > 0.0)
+            break;
+        i += turn == 0u && ahead == vec4(0.0) ? 4u : 1u;
+    }
+    i = min(i, end);
+    uint looked_up = i - start + (i < end ? 1u : 0u);
+    density_evaluations += looked_up;
+    view_steps += looked_up;
+}
+
+// In a loop of its own: rays that have passed clear air do their steps in the medium together.
+// Whether any was passed: nothing is added for it once, as in marched_optical_depth().
+bool pass_clear(ViewRay ray, Steps steps, float place, uint end, inout uint i)
+{
+    uint start = i;
+    if (has_only_texture())
+        pass_clear_texels(ray, steps, place, end, i);
+    else
+        pass_clear_steps(ray, steps, place, end, i);
+    return i > start;
+}
+
 bool is_dark(vec3 through) { return all(lessThan(through, vec3(frame.early_out))); }
 
 // March the steps of this run along a view ray of some length, onto the sums. The medium is looked
@@ -117,7 +178,7 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
     look_along(ray);
     Steps steps = view_steps_of(stretch);
     for (uint i = own(run.first_step); i < own(run.end_step); i++) {
-        if (skips_steps()) {
+        if (skips_steps() && !passes_clear()) {
             if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, own(run.end_step), i))
                 sums_add(sums, vec3(0.0), vec3(0.0)); // as in marched_optical_depth()
             if (i == own(run.end_step))
@@ -125,14 +186,19 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         }
         if (ENDS_EARLY && is_dark(fraction_through(marched_depth(sums))))
             break;
-        view_steps++;
+        if (passes_clear()) {
+            if (pass_clear(ray, steps, place, own(run.end_step), i))
+                sums_add(sums, vec3(0.0), vec3(0.0));
+            if (i == own(run.end_step))
+                break;
+        } else {
+            view_steps++;
+        }
         float step_m = step_length_m(steps, i);
         vec3 start_m = view_point_m(ray, step_start_m(steps, i));
         float point_distance_m = step_point_m(steps, i, place);
         vec3 point_m = view_point_m(ray, point_distance_m);
-        if (looks_ahead())
-            look_ahead(ray, steps, place, i, i - own(run.first_step));
-        Mixture mixture = mixture_of(point_m, looks_ahead() ? ahead_per_m.x : -1.0);
+        Mixture mixture = mixture_of(point_m, met_per_m);
         vec3 step_depth = mixture.marched_per_m * step_m;
         if (TRANSMITTANCE == EXACT)
             step_depth += exact_optical_depth(start_m, ray.direction, step_m);

@@ -114,6 +114,23 @@ void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, in
         }
 }
 
+// As add_taps(), of an only medium that is a texture: all of the steps.
+float texture_optical_depth(vec3 origin_m, vec3 direction, Steps steps)
+{
+    TextureRay ray = texture_ray(origin_m, direction);
+    Sum sum = sum_zero();
+    for (uint i = 0; i < steps.count; i += TAPS_MAX) {
+        float densities[TAPS_MAX], part = 0.0;
+        [[unroll]] for (uint k = 0; k < TAPS_MAX; k++)
+            densities[k] = texture_ray_density(ray, step_point_m(steps, i + k, 0.5));
+        [[unroll]] for (uint k = 0; k < TAPS_MAX; k++)
+            part += i + k < steps.count ? densities[k] : 0.0;
+        sum_add(sum, vec4(part));
+    }
+    density_evaluations += steps.count;
+    return ray.full_per_m * steps.step_m * sum.value.x;
+}
+
 // Where empty steps were passed nothing is added once: a sum that carries its error may then still
 // move by its last bit, and after that not again, as if nothing had been added for each.
 vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float length_m,
@@ -123,6 +140,9 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
     Steps steps = equal_steps(stretch, step_count);
+    if (has_only_texture())
+        return grey(frame.media[0].extinction_color) *
+               texture_optical_depth(origin_m, direction, steps);
     Sum sum = sum_zero();
     for (uint i = 0; i < step_count; i += taps()) {
         if (SKIPS && (kinds & FOG_KINDS) == 0u) {
@@ -213,17 +233,22 @@ float flattened_phase_per_sr(uint m, float part)
     return mix(1.0 / (4.0 * PI), phase_towards_camera_per_sr[m], part);
 }
 
-// Those of the first octaves of an only medium, once for a ray.
+// Those of the first octaves of an only medium, once for a ray; with their contributions where the
+// octaves of all channels are summed at once, which rounds otherwise.
 const bool KEEPS_PHASES = LIGHTING == OCTAVES && KNOWN_MEDIA == 1u;
 const uint KEPT_PHASES = 8;
 float kept_phases_per_sr[KEPT_PHASES];
 
+bool sums_channels() { return KEEPS_PHASES && has_only_texture() && !COLOURED; }
+
 void keep_phases()
 {
-    float part = 1.0; // c^i
+    float contribution = 1.0, part = 1.0; // a^i, c^i
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
         if (i < own(frame.octave_count))
-            kept_phases_per_sr[i] = flattened_phase_per_sr(0, part);
+            kept_phases_per_sr[i] = contribution * flattened_phase_per_sr(0, part);
+        if (sums_channels())
+            contribution *= frame.octave_factors.x;
         part *= frame.octave_factors.z;
     }
 }
@@ -239,37 +264,21 @@ void look_along(ViewRay ray)
         keep_phases();
 }
 
-// Whether view rays look an only medium up in a texture for four steps at once: as with taps.
-bool looks_ahead() { return samples_textures() && KNOWN_MEDIA == 1u && !SKIPS; }
-
-vec4 ahead_per_m; // extinction at this step and at those after it
-
-// At a step of a run whose steps are `turn` from 0.
-void look_ahead(ViewRay ray, Steps steps, float place, uint i, uint turn)
-{
-    if (turn % 4u != 0u) {
-        ahead_per_m = ahead_per_m.yzwx;
-        return;
-    }
-    [[unroll]] for (uint k = 0; k < 4; k++)
-        ahead_per_m[k] = sampled_extinction_per_m(
-            0, view_point_m(ray, step_point_m(steps, i + k, place)));
-}
-
 // Where there is no extinction, nothing scatters or emits: guards all divisions by it.
 const vec3 LEAST = vec3(1e-37);
 
-// `known_per_m`: the extinction of an only medium there, where that is known; else below 0.
+// `known_per_m`: the extinction of an only medium there, where that was looked up; else below 0.
 Mixture mixture_of(vec3 point_m, float known_per_m)
 {
-    bool only_fogs = SKIPS && shapes_are_empty(point_m);
-    if (!only_fogs || has_fog())
+    bool is_known = known_per_m >= 0.0;
+    bool only_fogs = !is_known && SKIPS && shapes_are_empty(point_m);
+    if (!is_known && (!only_fogs || has_fog()))
         density_evaluations++;
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     is_in_shape = !MAPS_SHADOW;
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
-        float density_per_m = looks_ahead() && known_per_m >= 0.0 ? known_per_m
-                              : only_fogs && !is_fog(m)         ? 0.0
+        float density_per_m = is_known                  ? known_per_m
+                              : only_fogs && !is_fog(m) ? 0.0
                                                         : sampled_extinction_per_m(m, point_m);
         vec3 extinction_per_m = grey(frame.media[m].extinction_color) * density_per_m;
         vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
@@ -294,16 +303,42 @@ Mixture mixture_at(vec3 point_m) { return mixture_of(point_m, -1.0); }
 
 // --- octaves --------------------------------------------------------------------------------
 
+// The first octaves of an only medium, by its kept phase functions.
+vec3 kept_octave_scattering(vec3 optical_depth)
+{
+    vec3 sum = vec3(0.0);
+    vec2 scale = vec2(1.0); // a^i, b^i
+    [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
+        vec3 octave = scattering_per_m[0] * kept_phases_per_sr[i];
+        if (i < own(frame.octave_count))
+            sum += scale.x * octave * fraction_through(scale.y * optical_depth);
+        scale *= frame.octave_factors.xy;
+    }
+    return sum;
+}
+
+// The same where all channels have one sum, of which contributions are a part already.
+vec3 summed_octave_scattering(float optical_depth)
+{
+    float sum = 0.0, attenuation = 1.0; // b^i
+    [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
+        if (i < own(frame.octave_count))
+            sum += kept_phases_per_sr[i] * transmittance(attenuation * optical_depth);
+        attenuation *= frame.octave_factors.y;
+    }
+    return sum * scattering_per_m[0];
+}
+
 // Sum over octaves of scattering times phase function times the sun's transmittance [1/(m sr)].
 vec3 octave_scattering(vec3 optical_depth)
 {
     vec3 sum = vec3(0.0);
     vec3 scale = vec3(1.0); // a^i, b^i, c^i
-    [[unroll]] for (uint i = 0; KEEPS_PHASES && i < KEPT_PHASES; i++) {
-        vec3 octave = scattering_per_m[0] * kept_phases_per_sr[i];
-        if (i < own(frame.octave_count))
-            sum += scale.x * octave * fraction_through(scale.y * optical_depth);
-        scale *= frame.octave_factors;
+    if (KEEPS_PHASES) {
+        sum = sums_channels() ? summed_octave_scattering(optical_depth.x)
+                              : kept_octave_scattering(optical_depth);
+        [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++)
+            scale *= frame.octave_factors;
     }
     for (uint i = KEEPS_PHASES ? KEPT_PHASES : 0; i < own(frame.octave_count); i++) {
         vec3 octave = vec3(0.0);

@@ -392,9 +392,23 @@ static void test_equal_error_and_equal_time(void **state)
     assert_ptr_equal(list[0].series, &plan.series[1]);
     assert_true(fabs(list[0].cost_ratio - 1.5) < 1e-12);
     assert_true(isnan(list[0].number_ratio)); /* 0.03 s are beyond 0.02 s */
+    /* One point is held against what is as good, or costs as much; not against all else. */
     assert_int_equal(
         neph_sweep_equals(&sweep, &plan.series[1], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
-        0); /* one point */
+        1);
+    assert_true(fabs(list[0].cost_ratio - 2.0 / 3.0) < 1e-12 && isnan(list[0].number_ratio));
+    points[2].numbers[NEPH_SWEEP_ERROR].value = 0.04;
+    assert_int_equal(
+        neph_sweep_equals(&sweep, &plan.series[1], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
+        0);
+    /* A series is held by the best of its points of which something can be said. */
+    points[1].time.median = 0.03;
+    assert_int_equal(
+        neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
+        1);
+    assert_true(isnan(list[0].cost_ratio) && fabs(list[0].number_ratio - 0.8) < 1e-12);
+    points[1].time.median = 0.02;
+    points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05;
     /* Evaluations were not counted; once they are, they are another cost. */
     assert_int_equal(
         neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR, list),
