@@ -82,6 +82,10 @@ layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     float rendered_per_px[2]; // size_px over picture_px
     float exposure; // of the camera, by which colours are multiplied before they are kept
     float exposure_before;
+    // 1: the sun flashes with the period of two looks at the medium, or at what is behind it, which
+    // see no difference (renderer/realtime/suns.h): all of it has changed.
+    uint strobes_medium;
+    uint strobes_behind;
 } view;
 
 // Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).

@@ -49,9 +49,11 @@ float most_unlike(vec4 now, vec4 then, vec3 gain, float most)
     return residue > most ? residue : most;
 }
 
-// `frames` are between two looks; the change is `unknown` where none of 3x3 was a second one. On a
-// GPU looks are in shared memory, and better read again than kept in registers.
-vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, float unknown)
+// `frames` are between two looks; the change is `unknown` where none of 3x3 was a second one, and
+// all of it where no look can tell. On a GPU looks are in shared memory, and better read again than
+// kept in registers.
+vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, float unknown,
+                   bool cannot_tell)
 {
     vec4 now[9], then[9];
     Around around = Around(vec3(0.0), vec3(0.0), false);
@@ -67,7 +69,7 @@ vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, fl
         }
     }
     vec3 gain = gain_between(around.now, around.then);
-    float most = around.is_known ? 0.0 : unknown;
+    float most = cannot_tell ? 1.0 : around.is_known ? 0.0 : unknown;
     if (ON_GPU) {
         [[dont_unroll]] for (int i = 0; i < 9; i++)
             most = most_unlike(look_of(target_now, tile_around(tile, i)),
@@ -83,14 +85,16 @@ vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, fl
 vec4 change_of_medium(ivec2 tile)
 {
     return remembered(RT_CHANGE, tile,
-                      change_around(tile, RT_LOOK_NOW, RT_LOOK_THEN, 4.0, 1.0));
+                      change_around(tile, RT_LOOK_NOW, RT_LOOK_THEN, 4.0, 1.0,
+                                    view.strobes_medium != 0u));
 }
 
 vec4 change_behind(ivec2 tile)
 {
     return remembered(RT_CHANGE_BEHIND, tile,
                       change_around(tile, RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN,
-                                    setting(RT_TAA_JITTER_LENGTH), 0.0));
+                                    setting(RT_TAA_JITTER_LENGTH), 0.0,
+                                    view.strobes_behind != 0u));
 }
 
 #endif

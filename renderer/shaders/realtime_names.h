@@ -182,9 +182,16 @@
 #define RT_ATROUS_SIGMA 145
 #define RT_ATROUS_DEPTH 146
 #define RT_SKY_REFILL 147
+// What two looks at the same light cannot tell.
+#define RT_CHANGE_STROBE 148
+// How long slots that no ray is left for are marched after the sun has jumped.
+#define RT_OVERRIDE_WAKE 149
 // And where what has changed around a tile is found.
-#define RT_CHANGE_PASS 148
-#define RT_SETTING_COUNT 149
+#define RT_CHANGE_PASS 150
+// Steps towards the sun.
+#define RT_SUN_GROWTH 151
+#define RT_SUN_CONE 152
+#define RT_SETTING_COUNT 153
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
