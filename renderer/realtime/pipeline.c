@@ -254,6 +254,7 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
+    const bool on_gpu = !realtime->vulkan->description.is_cpu;
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i].name && !status; i++) {
@@ -264,8 +265,8 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         if (pass->rays != NEPH_RT_RAYS_THROUGH_MEDIA)
             march.steps = 1;
         status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene.gpu, &march,
-                                     neph_rt_texel_count(view, pass->resolution),
-                                     &realtime->cuts[i], diag);
+                                     neph_rt_thread_count(view, pass, on_gpu), &realtime->cuts[i],
+                                     diag);
         if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays_max > most_rays)
             most_rays = realtime->cuts[i].rays_max;
     }
