@@ -183,6 +183,8 @@ static enum neph_status explain_start(const struct neph_child_params *params,
         return fail_start(program, "setpgid", report->error, diag);
     case NEPH_KEEPER_FOLDER:
         return fail_start(program, params->working_directory, report->error, diag);
+    case NEPH_KEEPER_CONFINE:
+        return fail_start(program, "landlock", report->error, diag);
     case NEPH_KEEPER_FILES:
         return fail_start(program, "its files", report->error, diag);
     case NEPH_KEEPER_FORK:
@@ -299,6 +301,7 @@ static enum neph_status run(const struct neph_child_params *params,
     status = program ? make_environment(params, &environment, diag) : neph_fail_memory(diag);
     job.program = program;
     job.folder = params->working_directory;
+    job.is_confined = params->is_confined;
     job.time_limit_s = params->time_limit_s;
     /* execve() takes pointers to non-const for historical reasons and changes nothing. */
     job.argv = (char *const *)params->argv;

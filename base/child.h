@@ -20,6 +20,8 @@ struct neph_child_params {
      * (NULL: HOME=/nonexistent), then these "NAME=value" (NULL: none). Nothing else of the user's
      * environment reaches a child. */
     const char *home;
+    bool is_confined; /* it and all that it starts write into `working_directory` alone, where the
+                         kernel can see to that (confine.h) */
     const char *const *environment;
     double time_limit_s; /* <= 0: none */
 };

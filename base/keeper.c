@@ -6,6 +6,7 @@
 #include "base/keeper.h"
 
 #include "base/clock.h"
+#include "base/confine.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -93,6 +94,8 @@ _Noreturn static void become_program(const struct neph_keeper_job *job, pid_t ke
         give_up(words_fd, NEPH_KEEPER_GROUP);
     if (job->folder && chdir(job->folder) != 0)
         give_up(words_fd, NEPH_KEEPER_FOLDER);
+    if (job->is_confined && !neph_confine_writes("."))
+        give_up(words_fd, NEPH_KEEPER_CONFINE);
     restore_signals();
     send_first_words(words_fd, NEPH_KEEPER_READY, 0);
     execve(job->program, job->argv, job->environment);

@@ -11,12 +11,15 @@
 #include "base/child_result.h"
 #include "base/status.h"
 
+#include <stdbool.h>
+
 /* What the program is and gets. All is made before fork(): after it nothing may be allocated. */
 struct neph_keeper_job {
     const char *program; /* absolute */
     char *const *argv;
     char *const *environment;
     const char *folder;      /* NULL: unchanged */
+    bool is_confined;        /* writes into that folder alone */
     int input_fd, output_fd; /* stdin; stdout and stderr */
     int talk_fd;             /* the keeper's end of a SOCK_SEQPACKET pair; neph holds the other */
     double start_s;          /* as of neph_wall_s() */
@@ -30,6 +33,7 @@ enum neph_keeper_step {
     NEPH_KEEPER_DEATH_SIGNAL,
     NEPH_KEEPER_GROUP,
     NEPH_KEEPER_FOLDER,
+    NEPH_KEEPER_CONFINE,
     NEPH_KEEPER_FILES,
     NEPH_KEEPER_FORK,
     NEPH_KEEPER_EXEC,

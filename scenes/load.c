@@ -22,7 +22,7 @@
 
 #define BRIGHT 1e9 /* one float32 pixel still holds the sum of 1e29 of them */
 
-enum { TITLE_MAX = 120, GATES_MAX = 64 };
+enum { TITLE_MAX = 120, GATES_MAX = 64, PATH_TEXT_MAX = 1000 };
 
 /* --- Texts --- */
 
@@ -107,7 +107,11 @@ static const struct neph_record octaves_record = {sizeof(struct neph_octaves), o
 
 static const struct neph_field display_fields[] = {
     {"exposure_ev", NEPH_NUMBER, SCENE(exposure_ev), "EV", -40, 40,
-     .note = "pictures show radiance times 2^ev; numbers do not"},
+     .note = "pictures show radiance times 2^ev; numbers do not", .standard = "0"},
+    {"chain", NEPH_TEXT, SCENE(chain),
+     .note = "a file, from the scene's folder on: what `neph render` shows its frames by, "
+             "docs/post.md; no frame depends on it",
+     .least = 1, .most = PATH_TEXT_MAX, .standard = "none"},
     {0},
 };
 static const struct neph_record display_record = {sizeof(struct neph_scene), display_fields, NULL};
@@ -165,6 +169,23 @@ void neph_scene_print_keys(FILE *file)
     neph_forms_print(file);
 }
 
+/* From the folder of the scene on. */
+static enum neph_status find_chain(const struct neph_reader *reader, const char *path,
+                                   struct neph_scene *scene)
+{
+    const char *slash = strrchr(path, '/');
+    if (!scene->chain)
+        return NEPH_OK;
+    if (has_control(scene->chain, ""))
+        return neph_refuse(reader, "display.chain", "control characters in the name of a file");
+    if (!slash || scene->chain[0] == '/')
+        return NEPH_OK;
+    char *whole = neph_format("%.*s/%s", (int)(slash - path), path, scene->chain);
+    free(scene->chain);
+    scene->chain = whole;
+    return whole ? NEPH_OK : neph_fail_memory(reader->diag);
+}
+
 static enum neph_status finish(struct neph_reader *reader, const char *path,
                                struct neph_written_scene *written)
 {
@@ -175,6 +196,8 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
                                                   : neph_fail_memory(reader->diag);
     free(stem);
     neph_finish_sun(written);
+    if (!status)
+        status = find_chain(reader, path, scene);
     if (!status)
         status = neph_finish_solids(reader, written);
     if (!status)
@@ -304,6 +327,7 @@ void neph_scene_destroy(struct neph_scene *scene)
     free(scene->clears);
     free(scene->pauses);
     free(scene->camera_keys);
+    free(scene->chain);
     free(scene->physics);
     free(scene->title);
     free(scene->name);

@@ -314,6 +314,8 @@ struct neph_scene {
     struct neph_fog_look fog_look; /* of the height fog among them; physics does not look at it */
 
     double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
+    char *chain; /* owned; the file of the picture chain, which its pictures are shown by; NULL:
+                           none */
     int gate_count;
     struct neph_gate *gates;           /* owned */
     struct neph_failing failing;       /* how methods fail in it over time; owned */
@@ -323,7 +325,7 @@ struct neph_scene {
     bool is_as_filed; /* of one that borrows: media, solids and scattering are those of its file */
 
     /* BLAKE2b of everything above that changes a rendered value (not names, gates, failures,
-     * injections, exposure). */
+     * injections, exposure, chain). */
     char hash[NEPH_HASH_HEX_SIZE];
 };
 

@@ -4,6 +4,7 @@
  */
 #include "harness/cli/cli.h"
 
+#include "harness/cli/post_list.h"
 #include "harness/engines/engines.h"
 
 #include <stdio.h>
@@ -61,15 +62,26 @@ static void print_passes(const struct neph_engine *engine)
     }
 }
 
+/* What comes behind the passes, for a chain that has it on. */
+static void print_stages(const struct neph_engine *engine)
+{
+    if (!engine->describe_pass)
+        return;
+    printf("    from a frame to the display, by display.chain of a scene or --chain FILE: what is "
+           "on, the last of it writes the picture\n");
+    neph_cli_post_print_stages("      ");
+}
+
 static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
 {
-    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o, s:o}", "name",
-                     engine->name, "summary", engine->summary, "rung", neph_rung_name(engine->rung),
-                     "bias", engine->bias, "available", info->available, "broken", info->broken,
-                     "version", info->version, "device", info->device, "missing", info->missing,
-                     "install_line", info->install_line, "options",
-                     neph_cli_options_json(engine->options), "presets", presets_json(engine),
-                     "passes", passes_json(engine));
+    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o}",
+                     "name", engine->name, "summary", engine->summary, "rung",
+                     neph_rung_name(engine->rung), "bias", engine->bias, "available",
+                     info->available, "broken", info->broken, "version", info->version, "device",
+                     info->device, "missing", info->missing, "install_line", info->install_line,
+                     "options", neph_cli_options_json(engine->options), "presets",
+                     presets_json(engine), "passes", passes_json(engine), "display_stages",
+                     engine->describe_pass ? neph_cli_post_stages_json() : json_array());
 }
 
 static void print_engine(const struct neph_engine *engine, const struct neph_engine_info *info)
@@ -84,6 +96,7 @@ static void print_engine(const struct neph_engine *engine, const struct neph_eng
     neph_cli_print_options(engine->options);
     print_presets(engine);
     print_passes(engine);
+    print_stages(engine);
 }
 
 static const struct neph_cli_syntax syntax = {

@@ -5,21 +5,17 @@
 #include "harness/cli/post_list.h"
 
 #include "base/clock.h"
-#include "base/exr.h"
 #include "base/files.h"
 #include "base/interrupt.h"
-#include "base/png.h"
 #include "base/text.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/sequence.h"
 #include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
+#include "harness/run/showing.h"
 #include "metrics/statistics.h"
-#include "renderer/post/chain.h"
 #include "renderer/post/display.h"
-#include "renderer/post/plan.h"
-#include "scenes/scene.h"
 
 #include <limits.h>
 #include <math.h>
@@ -61,7 +57,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_INTEGER, .at = offsetof(struct request, bits), .minimum = 8, .maximum = 16},
     {"stats", 0, NULL, "The device's time of each stage, and what the eye is adapted to",
      NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
-    {"repeat", 0, "N", "Times that each frame goes through the chain; --stats has the medians",
+    {"repeat", 0, "N",
+     "Times that each frame goes through the chain; --stats has medians and least",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .otherwise = "1", .minimum = 1,
      .maximum = REPEAT_MAX},
     {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
@@ -111,61 +108,24 @@ static const struct neph_cli_syntax syntax = {
 /* A chain and what goes through it. */
 struct work {
     const struct request *request;
-    struct neph_post_plan plan;    /* of --chain */
-    struct neph_scene *scene;      /* NULL: none */
-    struct neph_settings settings; /* before volumes */
-    struct neph_post_params params;
-    struct neph_post_eye eye;
+    struct neph_showing showing;
+    struct neph_scene *scene; /* owned; NULL: none */
     struct neph_vulkan *vulkan;
     struct neph_sequence frames;
     json_t *results;
 };
-
-/* Passes that are not in the chain's order are off. */
-static void hold_to_order(const struct neph_post_order *order, struct neph_settings *settings)
-{
-    for (int pass = 0; pass < NEPH_POST_PASS_COUNT; pass++) {
-        bool is_there = false;
-        for (int i = 0; i < order->count; i++)
-            is_there = is_there || (int)order->passes[i] == pass;
-        if (!is_there)
-            settings->values[neph_post_switch((enum neph_post_pass)pass)] = 0.0;
-    }
-}
-
-static enum neph_status check_settings(const struct work *work, struct neph_settings *settings,
-                                       struct neph_diag *diag)
-{
-    if (work->params.order)
-        hold_to_order(work->params.order, settings);
-    return neph_post_check(settings, diag);
-}
-
-/* What is set where the camera is in a frame. */
-static enum neph_status settle(struct work *work, struct neph_diag *diag)
-{
-    struct neph_settings *settings = &work->params.settings;
-    struct neph_vec3 place_m = {0.0, 0.0, 0.0};
-    *settings = work->settings;
-    if (work->scene)
-        place_m = neph_scene_camera(work->scene, work->params.frame).position_m;
-    neph_post_blend(work->plan.volumes, work->plan.volume_count, place_m, settings);
-    return check_settings(work, settings, diag);
-}
 
 static enum neph_status find_chain(struct work *work, struct neph_diag *diag)
 {
     const struct request *request = work->request;
     if (!request->chain)
         return NEPH_OK;
-    enum neph_status status = neph_post_plan_load(request->chain, &work->plan, diag);
-    if (status)
+    enum neph_status status = neph_showing_load(&work->showing, request->chain, diag);
+    if (!status && request->scene)
+        status = neph_data_load_scene(request->scene, &work->scene, diag);
+    work->showing.scene = work->scene;
+    if (status || work->scene || request->list || !neph_post_plan_wants_camera(&work->showing.plan))
         return status;
-    work->params.order = &work->plan.order;
-    if (request->scene)
-        return neph_data_load_scene(request->scene, &work->scene, diag);
-    if (!neph_post_plan_wants_camera(&work->plan) || request->list)
-        return NEPH_OK;
     neph_fail(diag, NEPH_ERR_USAGE, "'%s' has volumes in boxes: where is the camera?",
               request->chain);
     neph_hint(diag, "--scene SCENE");
@@ -175,13 +135,11 @@ static enum neph_status find_chain(struct work *work, struct neph_diag *diag)
 static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
 {
     const struct request *request = work->request;
-    struct neph_settings *settings = &work->settings;
+    struct neph_settings *settings = &work->showing.settings;
     const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
     static const char owner[] = "the picture chain";
     enum neph_status status = NEPH_OK;
-    if (request->chain)
-        *settings = neph_post_plan_settings(&work->plan);
-    else
+    if (!request->chain)
         status = neph_options_preset(neph_post_options, owner, neph_post_presets, request->preset,
                                      settings, diag);
     for (int i = 0; i < request->shared.settings.count && !status; i++)
@@ -192,12 +150,13 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
             neph_hint(diag, "`neph post --list` explains them");
         return status;
     }
-    status = check_settings(work, settings, diag);
+    status = neph_showing_check(&work->showing, diag);
     if (!status && request->png && request->bits == 8 && neph_post_is_hdr(settings))
         status = neph_fail(diag, NEPH_ERR_USAGE, "--bits=8: ST 2084 wants 10 to 16");
     if (status)
         return status;
-    if (neph_post_sequence(work->params.order, settings, stages) > 0 || work->plan.volume_count > 0)
+    if (neph_post_sequence(work->showing.params.order, settings, stages) > 0 ||
+        work->showing.plan.volume_count > 0)
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_USAGE, "all stages of the chain are off");
     neph_hint(diag, "give a --preset, or --set; `neph post --list` explains them");
@@ -258,82 +217,46 @@ static enum neph_status check_names(const struct work *work, struct neph_diag *d
     return status;
 }
 
-static enum neph_status write_bytes(const struct neph_image *picture, const char *path,
-                                    const uint16_t *codes, struct neph_diag *diag)
-{
-    const size_t count = 3 * neph_image_pixel_count(picture);
-    uint8_t *bytes = malloc(count);
-    if (!bytes)
-        return neph_fail_memory(diag);
-    for (size_t i = 0; i < count; i++)
-        bytes[i] = (uint8_t)codes[i];
-    const enum neph_status status = neph_png_write_rgb8(path, picture->width_px, picture->height_px,
-                                                        bytes, diag);
-    free(bytes);
-    return status;
-}
-
-static enum neph_status write_png(const struct work *work, const struct neph_image *picture,
-                                  const char *path, struct neph_diag *diag)
-{
-    const size_t count = 3 * neph_image_pixel_count(picture);
-    const bool is_hdr = neph_post_is_hdr(&work->params.settings);
-    const int bits = work->request->bits > 0 ? work->request->bits : is_hdr ? 10 : 8;
-    uint16_t *codes = malloc(count * sizeof(*codes));
-    if (!codes)
-        return neph_fail_memory(diag);
-    neph_post_codes(&work->params.settings, picture, bits, codes);
-    const enum neph_status status =
-        bits == 8 ? write_bytes(picture, path, codes, diag)
-                  : neph_png_write_rgb16(path, picture->width_px, picture->height_px, bits,
-                                         is_hdr ? NEPH_PNG_BT2020_PQ : NEPH_PNG_SRGB, codes, diag);
-    free(codes);
-    return status;
-}
-
-static enum neph_status show(const struct neph_settings *settings, struct neph_image *picture,
-                             struct neph_diag *diag)
-{
-    neph_post_show(settings, picture);
-    return neph_image_set_attribute(picture, NEPH_DISPLAY_ATTRIBUTE, diag, "%s",
-                                    neph_post_is_hdr(settings) ? "PQ" : "sRGB");
-}
-
 static enum neph_status write(const struct work *work, const char *frame,
                               struct neph_image *picture, struct neph_diag *diag)
 {
-    const struct neph_settings *settings = &work->params.settings;
     char *exr = path_for(work, frame, "exr"), *png = path_for(work, frame, "png");
-    char *text = neph_options_text(neph_post_options, settings);
-    enum neph_status status = exr && png && text ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && work->request->png)
-        status = write_png(work, picture, png, diag);
-    if (!status && neph_post_is_displayed(settings))
-        status = show(settings, picture, diag);
-    if (!status)
-        status = neph_image_set_attribute(picture, "neph.post", diag, "%s", text);
-    if (!status)
-        status = neph_exr_write(exr, picture, diag);
+    const enum neph_status status = exr && png
+                                        ? neph_showing_write(&work->showing, picture, exr,
+                                                             work->request->png ? png : NULL, diag)
+                                        : neph_fail_memory(diag);
     free(exr);
     free(png);
-    free(text);
     return status;
+}
+
+/* The device's seconds of a stage over the repeats. */
+struct times {
+    double median_s[NEPH_POST_STAGES_MAX], least_s[NEPH_POST_STAGES_MAX];
+};
+
+static void note_stage(const struct work *work, const char *frame,
+                       const struct neph_post_stage *stage, const struct times *times,
+                       json_t **stages)
+{
+    const double ms = 1e3 * times->median_s[stage - neph_post_stages];
+    const double least_ms = 1e3 * times->least_s[stage - neph_post_stages];
+    if (work->request->stats && !work->request->shared.json)
+        printf("%s: %-17s %8.3f ms, at least %.3f\n", frame, stage->name, ms, least_ms);
+    neph_json_add(stages, json_pack("{s:s, s:o, s:o}", "name", stage->name, "ms",
+                                    neph_json_number(ms), "least_ms", neph_json_number(least_ms)));
 }
 
 /* One line of the list that --json prints. */
 static void note(struct work *work, const char *frame, const struct neph_image *picture,
-                 const struct neph_post_stats *stats)
+                 const struct neph_post_stats *stats, const struct times *times)
 {
     json_t *stages = json_array();
     const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
-    const int count = neph_post_sequence(work->params.order, &work->params.settings, sequence);
-    for (int i = 0; i < count; i++) {
-        const double ms = 1e3 * stats->gpu_s[sequence[i] - neph_post_stages];
-        if (work->request->stats && !work->request->shared.json)
-            printf("%s: %-17s %8.3f ms\n", frame, sequence[i]->name, ms);
-        neph_json_add(&stages, json_pack("{s:s, s:o}", "name", sequence[i]->name, "ms",
-                                         neph_json_number(ms)));
-    }
+    const struct neph_post_params *params = &work->showing.params;
+    const int count = neph_post_sequence(params->order, &params->settings, sequence);
+    for (int i = 0; i < count; i++)
+        note_stage(work, frame, sequence[i], times, &stages);
     json_t *result = json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px",
                                picture->width_px, "height_px", picture->height_px, "stages",
                                stages);
@@ -350,26 +273,29 @@ static void note(struct work *work, const char *frame, const struct neph_image *
 /* Each time as if it were the only one: the eye goes on from the frame before. */
 static enum neph_status run(struct work *work, const struct neph_image *frame,
                             struct neph_image **picture, struct neph_post_stats *stats,
-                            struct neph_diag *diag)
+                            struct times *times, struct neph_diag *diag)
 {
     const int count = work->request->repeat;
     double(*seconds)[REPEAT_MAX] = calloc(NEPH_POST_STAGES_MAX, sizeof(*seconds));
-    struct neph_post_eye eye = work->eye;
+    struct neph_showing *showing = &work->showing;
+    struct neph_post_eye eye = showing->eye;
     enum neph_status status = seconds ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; i < count && !status; i++) {
-        eye = work->eye;
-        work->params.eye = &eye;
+        eye = showing->eye;
+        showing->params.eye = &eye;
         neph_image_destroy(*picture);
         *picture = NULL;
-        status = neph_post_run(work->vulkan, &work->params, frame, picture, stats, diag);
+        status = neph_post_run(work->vulkan, &showing->params, frame, picture, stats, diag);
         for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
             seconds[s][i] = stats->gpu_s[s];
     }
-    for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
-        if (!isnan(stats->gpu_s[s])) /* the device has a clock */
-            stats->gpu_s[s] = neph_percentile(seconds[s], (size_t)count, 0.5);
-    work->params.eye = NULL;
-    work->eye = eye;
+    for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++) {
+        const bool has_clock = !isnan(stats->gpu_s[s]);
+        times->median_s[s] = has_clock ? neph_percentile(seconds[s], (size_t)count, 0.5) : NAN;
+        times->least_s[s] = has_clock ? neph_percentile(seconds[s], (size_t)count, 0.0) : NAN;
+    }
+    showing->params.eye = NULL;
+    showing->eye = eye;
     free(seconds);
     return status;
 }
@@ -388,21 +314,22 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     const char *path = work->frames.paths[index];
     struct neph_image *frame = NULL, *picture = NULL;
     struct neph_post_stats stats;
+    struct times times;
     enum neph_status status = neph_frame_read(path, work->request->layer, 0, &frame, diag);
     if (status)
         return status;
-    work->params.frame = work->frames.numbers ? (int)work->frames.numbers[index] : index;
-    work->params.step_s = 1.0 / frame_rate_hz(work, frame);
-    status = settle(work, diag);
+    work->showing.params.step_s = 1.0 / frame_rate_hz(work, frame);
+    status = neph_showing_settle(
+        &work->showing, work->frames.numbers ? (int)work->frames.numbers[index] : index, diag);
     if (!status && neph_image_attribute(frame, "encoding"))
         status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
                            path);
     if (!status)
-        status = run(work, frame, &picture, &stats, diag);
+        status = run(work, frame, &picture, &stats, &times, diag);
     if (!status)
         status = write(work, path, picture, diag);
     if (!status)
-        note(work, path, picture, &stats);
+        note(work, path, picture, &stats, &times);
     neph_image_destroy(picture);
     neph_image_destroy(frame);
     return status;
@@ -449,16 +376,18 @@ enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
     struct work work = {.request = &request, .results = json_array()};
-    work.params.seed = (uint64_t)request.seed;
+    work.showing.params.seed = (uint64_t)request.seed;
+    work.showing.bits = request.bits;
     enum neph_status status = find_chain(&work, diag);
     if (!status && request.list)
-        status = neph_cli_post_list(request.chain ? &work.plan : NULL, request.shared.json, diag);
+        status = neph_cli_post_list(request.chain ? &work.showing.plan : NULL, request.shared.json,
+                                    diag);
     if (!status && !request.list)
         status = make_pictures(&work, diag);
     json_decref(work.results);
     neph_vulkan_destroy(work.vulkan);
     neph_sequence_finish(&work.frames);
     neph_scene_destroy(work.scene);
-    neph_post_plan_finish(&work.plan);
+    neph_showing_finish(&work.showing);
     return status;
 }

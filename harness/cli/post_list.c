@@ -17,17 +17,31 @@ static const char *size_of(const struct neph_post_stage *stage)
     return sizes[stage->makes];
 }
 
-static json_t *list_json(void)
+json_t *neph_cli_post_stages_json(void)
 {
-    json_t *stages = json_array(), *presets = json_array();
+    json_t *stages = json_array();
     for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
         neph_json_add(&stages,
-                      json_pack("{s:s, s:s, s:s, s:s}", "name", s->name, "note", s->note, "setting",
+                      json_pack("{s:s, s:s, s:s, s:s, s:s}", "name", s->name, "pass",
+                                neph_post_pass_names[s->pass], "note", s->note, "setting",
                                 neph_post_options[s->settings[1]].name, "makes", size_of(s)));
+    return stages;
+}
+
+void neph_cli_post_print_stages(const char *indent)
+{
+    for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
+        printf("%s%-17s %s; on with %s\n", indent, s->name, s->note,
+               neph_post_options[s->settings[1]].name);
+}
+
+static json_t *list_json(void)
+{
+    json_t *presets = json_array();
     for (const struct neph_preset *p = neph_post_presets; p->name; p++)
         neph_json_add(&presets, json_pack("{s:s, s:s, s:s}", "name", p->name, "summary", p->summary,
                                           "settings", p->assignments));
-    return json_pack("{s:o, s:o, s:o}", "stages", stages, "settings",
+    return json_pack("{s:o, s:o, s:o}", "stages", neph_cli_post_stages_json(), "settings",
                      neph_cli_options_json(neph_post_options), "presets", presets);
 }
 
@@ -75,9 +89,7 @@ enum neph_status neph_cli_post_list(const struct neph_post_plan *plan, bool as_j
     if (as_json)
         return neph_cli_print_json(list_json(), diag);
     printf("stages, in their order\n");
-    for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
-        printf("    %-17s %s; on with %s\n", s->name, s->note,
-               neph_post_options[s->settings[1]].name);
+    neph_cli_post_print_stages("    ");
     printf("settings\n");
     neph_cli_print_options(neph_post_options);
     printf("presets, each the defaults with\n");

@@ -2,12 +2,13 @@
  *
  * `neph render` and `neph export`: one scene, one engine.
  */
-#include "harness/cli/cli.h"
+#include "harness/cli/render_shown.h"
 
 #include "base/clock.h"
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/owned.h"
+#include "harness/cli/cli.h"
 #include "harness/compare/sequence.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
@@ -34,7 +35,7 @@ enum { FRAMES_MAX = 100000 };
 
 struct request {
     struct neph_cli_shared shared;
-    const char *checkpoint, *preset, *depth, *config, *scattering;
+    const char *checkpoint, *preset, *depth, *config, *scattering, *chain;
     int first_frame, frame_count, seed;
     bool noise, scene_layers, stats;
     struct neph_configuration configuration; /* of --config; its engine is NULL without */
@@ -86,6 +87,9 @@ static const struct neph_cli_option options[] = {
      "What each frame has cost: density evaluations, rays, steps, bytes, device time per pass "
      "(engines that count them)",
      NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
+    {"chain", 0, "FILE",
+     "Show the frames by this picture chain, in place of the scene's; off: by none", NEPH_CLI_WORD,
+     .at = offsetof(struct request, chain)},
     {.name = "output", .otherwise = "."},
     {"noise", 0, NULL,
      "Engine cycles: render every frame with a second seed, too, for its noise; other engines by "
@@ -108,7 +112,9 @@ static const struct neph_cli_syntax render_syntax = {
     .doc = "Render a scene (a file, or a name of the catalogue) with one engine.\v"
            "Writes DIR/SCENE_ENGINE_FRAME.exr: R G B, volume.*, transmittance.* and Z, 32-bit "
            "float, with the settings as attributes. Frames that are finished when an engine fails "
-           "or Ctrl-C comes stay.\n\n"
+           "or Ctrl-C comes stay. With a picture chain (display.chain of the scene, or --chain) "
+           "DIR/shown gets what a display makes of each, as EXR and PNG; --size is then that of "
+           "the display, and frames are smaller by what the chain enlarges.\n\n"
            "Examples:\n"
            "  neph render height_fog_level -o out\n"
            "  neph render my_fog.yaml -e cycles -s samples=256 --size 640x360 -o out\n"
@@ -202,6 +208,16 @@ static enum neph_status make_job(const struct request *request, const struct nep
     return status;
 }
 
+/* What the pictures of a run share, beside its job. */
+struct run {
+    const struct request *request;
+    struct neph_job *job;
+    struct neph_sequence depths; /* of --depth */
+    struct neph_shown shown;
+    int width_px, height_px; /* of the window of the picture at hand */
+    json_t *results;         /* owned */
+};
+
 /* DIR/SCENE_ENGINE_FRAME.exr, which is not to be the very file that --depth is read from. */
 static enum neph_status name_frame(const struct request *request, const struct neph_job *job,
                                    const char *depth, char **path, struct neph_diag *diag)
@@ -264,10 +280,41 @@ static void say(const struct request *request, const struct neph_job *job, doubl
                 100.0 * noise, (unsigned long long)job->shot.seed);
 }
 
-/* A scratch folder inside the output folder; engines keep their logs there when they fail. */
-static enum neph_status render_one(const struct request *request, struct neph_job *job,
-                                   const char *depth, json_t *results, struct neph_diag *diag)
+/* The picture of a frame beside it, and the line of both in the results. */
+static enum neph_status show_and_note(struct run *run, const struct neph_image *frame,
+                                      const char *path, const struct neph_cost *cost, double noise,
+                                      double step_depth, struct neph_diag *diag)
 {
+    const struct neph_shot *shot = &run->job->shot;
+    char *name = neph_scene_name_of(path), *shown = NULL;
+    json_t *stats = NULL;
+    enum neph_status status = name ? neph_shown_make(&run->shown, frame, name, shot->frame,
+                                                     run->width_px, run->height_px, shot->seed,
+                                                     &shown, &stats, diag)
+                                   : neph_fail_memory(diag);
+    if (!status)
+        status = neph_json_append(
+            run->results,
+            json_pack("{s:s, s:s?, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o, s:I, s:o, s:o}", "exr",
+                      path, "shown", shown, "frame", shot->frame, "size_px", frame->width_px,
+                      frame->height_px, "render_s", cost->render_s, "wall_s", cost->wall_s, "cpu_s",
+                      cost->cpu_s, "peak_memory_bytes", (json_int_t)cost->peak_memory_bytes,
+                      "stats", json_incref(stats), "seed", (json_int_t)shot->seed, "noise",
+                      real_or_null(noise), "step_optical_depth", real_or_null(step_depth)),
+            diag);
+    if (!status && !run->request->shared.json)
+        printf("%s\n%s%s", path, shown ? shown : "", shown ? "\n" : "");
+    json_decref(stats);
+    free(shown);
+    free(name);
+    return status;
+}
+
+/* A scratch folder inside the output folder; engines keep their logs there when they fail. */
+static enum neph_status render_one(struct run *run, const char *depth, struct neph_diag *diag)
+{
+    const struct request *request = run->request;
+    struct neph_job *job = run->job;
     char *path = NULL;
     struct neph_scratch *scratch = NULL;
     struct neph_image *frame = NULL;
@@ -290,17 +337,7 @@ static enum neph_status render_one(const struct request *request, struct neph_jo
     if (!status)
         say(request, job, noise, step_depth);
     if (!status)
-        status = neph_json_append(
-            results,
-            json_pack("{s:s, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o, s:I, s:o, s:o}", "exr", path,
-                      "frame", job->shot.frame, "size_px", frame->width_px, frame->height_px,
-                      "render_s", cost.render_s, "wall_s", cost.wall_s, "cpu_s", cost.cpu_s,
-                      "peak_memory_bytes", (json_int_t)cost.peak_memory_bytes, "stats",
-                      neph_frame_stats(frame), "seed", (json_int_t)job->shot.seed, "noise",
-                      real_or_null(noise), "step_optical_depth", real_or_null(step_depth)),
-            diag);
-    if (!status && !request->shared.json)
-        printf("%s\n", path);
+        status = show_and_note(run, frame, path, &cost, noise, step_depth, diag);
     neph_cli_end_scratch(scratch, status, diag);
     job->shot.scratch_directory = NULL;
     neph_image_destroy(frame);
@@ -330,18 +367,17 @@ static enum neph_status find_depths(const struct request *request, int frame_cou
 }
 
 /* Where the i-th picture gets what it is asked for; opens the sequence before the first. */
-static enum neph_status render_next(const struct request *request, struct neph_job *job,
-                                    const struct neph_sequence *depths, int i, json_t *results,
-                                    struct neph_diag *diag)
+static enum neph_status render_next(struct run *run, int i, struct neph_diag *diag)
 {
-    const char *path = depth_path(depths, i);
+    struct neph_job *job = run->job;
+    const char *path = depth_path(&run->depths, i);
     struct neph_image *given = NULL;
     enum neph_status status = path ? neph_exr_read(path, &given, diag) : NEPH_OK;
     job->shot.given = given;
     if (!status && i == 0)
         status = neph_job_open(job, diag);
     if (!status)
-        status = render_one(request, job, path, results, diag);
+        status = render_one(run, path, diag);
     if (status == NEPH_ERR_INPUT && given)
         neph_hint(diag, "that is '%s' of --depth, in frame %d", path, job->shot.frame);
     neph_image_destroy(given);
@@ -358,40 +394,57 @@ static void print_stats(const json_t *results)
     json_decref(stats);
 }
 
+/* The size that is asked for is that of the window. */
+static void set_size(struct run *run)
+{
+    const struct neph_cli_shared *shared = &run->request->shared;
+    struct neph_shot *shot = &run->job->shot;
+    run->width_px = shared->size.width_px;
+    run->height_px = shared->size.height_px;
+    neph_scene_frame_size(shot->scene, shot->frame, &run->width_px, &run->height_px);
+    shot->width_px = run->width_px;
+    shot->height_px = run->height_px;
+    neph_shown_frame_size(&run->shown, &shot->width_px, &shot->height_px);
+}
+
+static enum neph_status open_run(struct run *run, struct neph_diag *diag)
+{
+    const struct request *request = run->request;
+    enum neph_status status = find_depths(request, request->frame_count, &run->depths, diag);
+    if (!status)
+        status = neph_cli_open_folder(request->shared.output, diag);
+    return status ? status
+                  : neph_shown_open(&run->shown, request->chain, run->job->shot.scene,
+                                    request->shared.output, diag);
+}
+
 static enum neph_status render_frames(const struct request *request, struct neph_job *job,
                                       struct neph_diag *diag)
 {
-    const int frame_count = request->frame_count;
-    json_t *results = json_array();
-    struct neph_sequence depths = {0};
-    const int width_px = job->shot.width_px, height_px = job->shot.height_px;
+    struct run run = {.request = request, .job = job, .results = json_array()};
     struct neph_progress progress = neph_progress_start(
-        request->shared.quiet || request->shared.json, frame_count);
-    enum neph_status status = find_depths(request, frame_count, &depths, diag);
-    if (!status)
-        status = neph_cli_open_folder(request->shared.output, diag);
-    for (int i = 0; i < frame_count && !status; i++) {
+        request->shared.quiet || request->shared.json, request->frame_count);
+    enum neph_status status = open_run(&run, diag);
+    for (int i = 0; i < request->frame_count && !status; i++) {
         char what[128];
         snprintf(what, sizeof(what), "frame %d", job->shot.frame);
         neph_progress_begin(&progress, what);
-        job->shot.width_px = width_px;
-        job->shot.height_px = height_px;
-        neph_scene_frame_size(job->shot.scene, job->shot.frame, &job->shot.width_px,
-                              &job->shot.height_px);
+        set_size(&run);
         const double start_s = neph_wall_s();
-        status = render_next(request, job, &depths, i, results, diag);
+        status = render_next(&run, i, diag);
         neph_progress_step(&progress, what, neph_status_name(status), neph_wall_s() - start_s);
         job->shot.frame++;
     }
     neph_progress_end(&progress);
     neph_job_close(job);
-    neph_sequence_finish(&depths);
-    if (request->stats && !request->shared.json && json_array_size(results) > 0)
-        print_stats(results);
+    neph_shown_close(&run.shown);
+    neph_sequence_finish(&run.depths);
+    if (request->stats && !request->shared.json && json_array_size(run.results) > 0)
+        print_stats(run.results);
     const enum neph_status printed =
-        request->shared.json ? neph_cli_print_json(json_incref(results), status ? NULL : diag)
+        request->shared.json ? neph_cli_print_json(json_incref(run.results), status ? NULL : diag)
                              : NEPH_OK;
-    json_decref(results);
+    json_decref(run.results);
     return status ? status : printed;
 }
 

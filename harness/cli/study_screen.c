@@ -15,7 +15,7 @@
 struct request {
     struct neph_cli_shared shared; /* operands: scenes */
     const char *models, *markdown;
-    int samples, rays;
+    int samples, rays, witness_samples, frame_count;
     double radius_m;
 };
 
@@ -30,6 +30,15 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, samples), .otherwise = "256", .minimum = 2, .maximum = 1 << 24},
     {"rays", 0, "N", "Rays a pixel, to say why it is lost", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, rays), .otherwise = "64", .minimum = 1, .maximum = 1 << 16},
+    {"cycles", 0, "N",
+     "Hold them against Cycles' passes, too, with N samples a pixel; 0: it is not asked",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, witness_samples), .otherwise = "0",
+     .minimum = 0, .maximum = 1 << 16},
+    {"frames", 0, "N",
+     "Pictures, over which error and flicker of the whole are measured, at least 16; a scene that "
+     "moves has as many as it has; 0: none",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "0", .minimum = 0,
+     .maximum = 1024},
     {.name = "output", .help = "Folder of the store", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
     {"markdown", 0, "FILE", "The tables into a file, too", NEPH_CLI_FILE,
@@ -41,9 +50,18 @@ static const struct neph_cli_option options[] = {
 static const struct neph_cli_operands operands = {
     .shown = "[SCENE...]", .maximum = NEPH_SCREEN_SCENES_MAX, .surplus = "so many scenes"};
 
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    if (request->frame_count > 0 && request->frame_count < 16)
+        argp_error(state, "--frames=%d: flicker wants 16 frames or more, 0 is none",
+                   request->frame_count);
+}
+
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
+    .check = check,
     .doc =
         "Render solids with passes on a G-buffer, and say how far ambient occlusion, indirect "
         "light and reflections are from the truth (engine surfaces): what is the method's own, and "
@@ -53,7 +71,10 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph study screen --markdown screen.md\n"
         "  neph study screen surface_corner --models screen,screen+ao_places=pixel --radius 2\n"
-        "  neph study screen surface_room --models screen+warm_up=0,screen+warm_up=63",
+        "  neph study screen surface_room --models screen+warm_up=0,screen+warm_up=63\n"
+        "  neph study screen --cycles 256\n"
+        "  neph study screen surface_ground --frames 32 --models "
+        "screen,screen+gi=off,screen+ssr=off",
 };
 
 static const char *const usual_scenes[] = {"surface_step",   "surface_corner", "surface_room",
@@ -118,6 +139,8 @@ enum neph_status neph_cli_study_screen(int argc, char **argv, struct neph_diag *
                                               .samples = request.samples,
                                               .radius_m = request.radius_m,
                                               .rays = request.rays,
+                                              .witness_samples = request.witness_samples,
+                                              .frame_count = request.frame_count,
                                               .quiet = request.shared.quiet};
     char *words = strdup(request.models);
     enum neph_status status = words ? neph_cli_split(words, "models", NEPH_LIGHT_MODELS_MAX, models,

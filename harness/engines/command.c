@@ -137,6 +137,7 @@ static enum neph_status run(const char *folder, const char *log, double time_lim
                                              .working_directory = folder,
                                              .log_path = log,
                                              .home = folder,
+                                             .is_confined = true,
                                              .time_limit_s = time_limit_s};
     struct neph_child_result result = {0};
     const enum neph_status status = neph_child_run(&params, &result, diag);

@@ -6,6 +6,7 @@
 #include "harness/engines/engines.h"
 #include "harness/failure/expectations.h"
 #include "harness/failure/letter.h"
+#include "harness/failure/pieces.h"
 #include "harness/failure/plan.h"
 #include "harness/failure/share.h"
 #include "harness/failure/trial.h"
@@ -97,22 +98,27 @@ static void show_end(struct work *work)
 
 /* ---- letters --------------------------------------------------------------------------------- */
 
-/* Tell of a trial that is over, `before` and `frame_count` being as they were before it. */
+/* Tell of a trial that is over, `before` and `frame_count` being as they were before it. Pictures of
+ * a reference are told of once. */
 static enum neph_status tell(const struct neph_failure_bench *bench, const struct neph_share *share,
-                             const struct neph_failure_point *point, int column,
+                             const struct neph_failure_point *point,
+                             const struct neph_failure_piece *piece,
                              const struct neph_progress *before, int frame_count,
                              struct neph_diag *diag)
 {
     const struct neph_progress *now = &bench->progress;
     const int reference = NEPH_FAILURE_KIND_REFERENCE;
+    const int reference_count = now->kinds[reference].done - before->kinds[reference].done;
     const struct neph_failure_letter letter = {
         .first_row = point->first_row,
         .row_count = point->row_count,
-        .column = column,
+        .column = piece->column,
         .frame_count = bench->suite->frame_count - frame_count,
         .seconds = now->kinds[now->kind].spent_s - before->kinds[now->kind].spent_s,
-        .reference_count = now->kinds[reference].done - before->kinds[reference].done,
-        .reference_s = now->kinds[reference].spent_s - before->kinds[reference].spent_s,
+        .reference_count = piece->is_later ? 0 : reference_count,
+        .reference_s = piece->is_later
+                           ? 0.0
+                           : now->kinds[reference].spent_s - before->kinds[reference].spent_s,
     };
     char *text = neph_failure_letter_write(&letter, bench->suite);
     if (!text)
@@ -153,40 +159,45 @@ static bool is_left(const struct neph_failure_suite *suite, const struct neph_fa
     return false;
 }
 
-static enum neph_status run_column(struct work *work, const struct neph_share *share,
-                                   struct neph_failure_point *point, int column,
-                                   struct neph_diag *diag)
+static enum neph_status run_trial(struct work *work, const struct neph_share *share,
+                                  const struct neph_failure_piece *piece,
+                                  struct neph_failure_point *point, struct neph_diag *diag)
 {
     struct neph_failure_bench *bench = &work->bench;
     const struct neph_progress before = bench->progress;
     const int frame_count = bench->suite->frame_count;
-    const enum neph_status status = neph_failure_try(bench, point, column, diag);
+    const enum neph_status status = neph_failure_try(bench, point, piece->column, diag);
     if (status)
         return status;
-    return share->index > 0 ? tell(bench, share, point, column, &before, frame_count, diag)
+    return share->index > 0 ? tell(bench, share, point, piece, &before, frame_count, diag)
                             : show(work, NEPH_FAILURE_RUNNING, diag);
 }
 
-/* What is left of it. */
-static enum neph_status run_point(struct work *work, const struct neph_share *share, int row,
-                                  struct neph_diag *diag)
+static void close_point(struct neph_failure_point *point)
+{
+    neph_reference_finish(&point->presets);
+    neph_reference_finish(&point->engines);
+    neph_scene_destroy(point->at);
+    *point = (struct neph_failure_point){.scene = NULL};
+}
+
+/* `point` is that of the piece before, and then that of this one. */
+static enum neph_status run_piece(struct work *work, const struct neph_share *share,
+                                  const struct neph_failure_piece *piece,
+                                  struct neph_failure_point *point, struct neph_diag *diag)
 {
     const struct neph_failure_suite *suite = work->bench.suite;
-    struct neph_failure_point point = neph_failure_point_at(suite, row);
+    const struct neph_failure_row *row = &suite->rows[piece->row];
     enum neph_status status = NEPH_OK;
-    for (int c = 0; c < suite->column_count && !status; c++) {
-        if (!is_left(suite, &point, c))
-            continue;
-        if (!point.at)
-            status = neph_scene_load_point(point.scene, suite->rows[row].point_index, &point.at,
-                                           diag);
-        if (!status)
-            status = run_column(work, share, &point, c, diag);
+    if (!point->scene || point->first_row != piece->row) {
+        close_point(point);
+        *point = neph_failure_point_at(suite, piece->row);
     }
-    neph_reference_finish(&point.presets);
-    neph_reference_finish(&point.engines);
-    neph_scene_destroy(point.at);
-    return status;
+    if (!is_left(suite, point, piece->column))
+        return NEPH_OK;
+    if (!point->at)
+        status = neph_scene_load_point(point->scene, row->point_index, &point->at, diag);
+    return status ? status : run_trial(work, share, piece, point, diag);
 }
 
 /* Presets share an engine, which is asked once. */
@@ -204,15 +215,6 @@ static void probe(struct neph_failure_bench *bench)
             neph_engine_probe(suite->columns[c].engine, &bench->infos[c]);
 }
 
-/* The first row of a point by its number; row_count when there is none. */
-static int first_row_of(const struct neph_failure_suite *suite, int number)
-{
-    int row = 0;
-    while (row < suite->row_count && number-- > 0)
-        row += neph_failure_point_at(suite, row).row_count;
-    return row;
-}
-
 /* Engines are asked, and the time is guessed, in each process. */
 static void prepare(struct work *work, bool quiet)
 {
@@ -226,16 +228,19 @@ static void prepare(struct work *work, bool quiet)
     work->is_prepared = true;
 }
 
-/* The points of a share, one after the other. */
+/* The pieces of a share, one after the other. */
 static enum neph_status run_share(struct neph_share *share, void *context, struct neph_diag *diag)
 {
     struct work *work = context;
-    const struct neph_failure_suite *suite = work->bench.suite;
-    enum neph_status status = NEPH_OK;
-    int row;
+    struct neph_failure_point point = {.scene = NULL};
+    struct neph_failure_pieces pieces;
     prepare(work, work->bench.params->quiet || share->index > 0);
-    while (!status && (row = first_row_of(suite, neph_share_next(share))) < suite->row_count)
-        status = run_point(work, share, row, diag);
+    enum neph_status status = neph_failure_pieces_list(work->bench.suite, share->index > 0, &pieces,
+                                                       diag);
+    for (int next; !status && (next = neph_share_next(share)) < pieces.count;)
+        status = run_piece(work, share, &pieces.list[next], &point, diag);
+    close_point(&point);
+    free(pieces.list);
     neph_progress_end(&work->bench.progress);
     return status;
 }

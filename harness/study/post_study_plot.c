@@ -14,14 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 860, LEFT = 230, GAP = 30, PANEL = 290, TOP = 56, LINE = 20, FOOT = 30 };
+/* Two panels, one under the other, so narrow that letters are read on a telephone. */
+enum { WIDTH = 430, LEFT = 192, PANEL = 222, TOP = 50, LINE = 20, GAP = 24, LEGEND = 18 };
 
 /* What marks are over: the curve alone. */
 static const char base_name[] = "Unreal's curve";
-
-static const char *const colours[] = {"#1f77b4", "#d62728", "#2ca02c", "#9467bd",
-                                      "#ff7f0e", "#17becf", "#8c564b", "#7f7f7f"};
-enum { COLOURS = sizeof(colours) / sizeof(colours[0]) };
 
 static const struct panel {
     const char *title;
@@ -49,17 +46,16 @@ static double ratio(const struct neph_post_study *study, const struct panel *pan
 
 struct axis {
     double low, high; /* log2 */
-    double start_px;
 };
 
 static double at_px(const struct axis *axis, double place)
 {
-    return axis->start_px + PANEL * (place - axis->low) / (axis->high - axis->low);
+    return LEFT + PANEL * (place - axis->low) / (axis->high - axis->low);
 }
 
 static struct axis fit(const struct neph_post_study *study, int panel)
 {
-    struct axis axis = {-0.5, 0.5, LEFT + panel * (PANEL + GAP)};
+    struct axis axis = {-0.5, 0.5};
     for (int s = 0; s < study->params->scene_count; s++)
         for (int r = 0; neph_post_rows[r].name; r++) {
             const double place = ratio(study, &panels[panel], s, r);
@@ -71,71 +67,82 @@ static struct axis fit(const struct neph_post_study *study, int panel)
     return axis;
 }
 
-static void draw_grid(const struct axis *axis, const char *title, int bottom, FILE *out)
+static void draw_line(const struct axis *axis, double place, int top, int bottom, FILE *out)
 {
-    fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%s</text>\n",
-            axis->start_px + 0.5 * PANEL, TOP - 30, title);
-    for (int power = (int)ceil(axis->low); power <= (int)floor(axis->high); power++) {
-        const double px = at_px(axis, power);
-        fprintf(out,
-                "<path d=\"M%.1f %d V%d\" stroke=\"%s\"/>"
-                "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%g</text>\n",
-                px, TOP - 8, bottom, power == 0 ? "#888" : "#ddd", px, TOP - 12, exp2(power));
+    const double px = at_px(axis, place);
+    fprintf(out,
+            "<path d=\"M%.1f %d V%d\" stroke=\"%s\"/>"
+            "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%.2g</text>\n",
+            px, top - 8, bottom, place == 0.0 ? "#666" : "#ddd", px, top - 12, exp2(place));
+}
+
+static void draw_grid(const struct axis *axis, const char *title, int top, int bottom, FILE *out)
+{
+    const double range = axis->high - axis->low; /* powers of 2 */
+    const double step = range < 2.0 ? 0.5 : ceil(range / 6.0);
+    fprintf(out, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">%s</text>\n", WIDTH - 10, top - 30,
+            title);
+    for (double k = ceil(axis->low / step); k * step <= axis->high; k++)
+        draw_line(axis, k * step, top, bottom, out);
+}
+
+static void draw_row(const struct neph_post_study *study, int panel, const struct axis *axis,
+                     int row, int y, FILE *out)
+{
+    fprintf(out, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">", LEFT - 8, y + 4);
+    neph_svg_print_escaped(neph_post_rows[row].name, out);
+    fprintf(out, "</text><path d=\"M%d %d H%d\" stroke=\"#eee\"/>\n", LEFT, y, WIDTH - 10);
+    for (int s = 0; s < study->params->scene_count; s++) {
+        const double place = ratio(study, &panels[panel], s, row);
+        if (isfinite(place))
+            neph_svg_print_mark(s, at_px(axis, place), y, out);
     }
 }
 
-static void draw_row(const struct neph_post_study *study, const struct axis *axes, int row, int y,
-                     FILE *out)
+/* A line is left between what is alone and what is out of the whole. */
+static int row_count(void)
 {
-    fprintf(out, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">", LEFT - 12, y + 4);
-    neph_svg_print_escaped(neph_post_rows[row].name, out);
-    fprintf(out, "</text><path d=\"M%d %d H%d\" stroke=\"#eee\"/>\n", LEFT - 6, y, WIDTH - 10);
-    for (int p = 0; p < PANELS; p++)
-        for (int s = 0; s < study->params->scene_count; s++) {
-            const double place = ratio(study, &panels[p], s, row);
-            if (isfinite(place))
-                fprintf(
-                    out,
-                    "<circle cx=\"%.1f\" cy=\"%d\" r=\"4\" fill=\"%s\" fill-opacity=\"0.8\"/>\n",
-                    at_px(&axes[p], place), y, colours[s % COLOURS]);
-        }
+    int rows = 0;
+    while (neph_post_rows[rows].name)
+        rows++;
+    return rows + 1;
 }
 
-static void draw_legend(const struct neph_post_study *study, int y, FILE *out)
+static void draw_panel(const struct neph_post_study *study, int panel, int top, FILE *out)
 {
-    double x = LEFT;
-    const double letter_px = 7.2; /* on average, at 12 px */
+    const struct axis axis = fit(study, panel);
+    draw_grid(&axis, panels[panel].title, top, top + LINE * row_count() - LINE / 2, out);
+    for (int r = 0; neph_post_rows[r].name; r++)
+        draw_row(study, panel, &axis, r,
+                 top + LINE * (r + neph_post_rows[r].is_of_whole) + LINE / 2, out);
+}
+
+/* Two scenes a line. */
+static void draw_legend(const struct neph_post_study *study, int top, FILE *out)
+{
     for (int s = 0; s < study->params->scene_count; s++) {
-        fprintf(out,
-                "<circle cx=\"%.1f\" cy=\"%d\" r=\"4\" fill=\"%s\"/><text x=\"%.1f\" y=\"%d\">", x,
-                y, colours[s % COLOURS], x + 9.0, y + 4);
+        const double x = 20.0 + s % 2 * 0.5 * WIDTH, y = top + LEGEND * (s / 2);
+        neph_svg_print_mark(s, x, y, out);
+        fprintf(out, "<text x=\"%.1f\" y=\"%.1f\">", x + 10.0, y + 4.0);
         neph_svg_print_escaped(study->names[s], out);
         fprintf(out, "</text>\n");
-        x += 30.0 + letter_px * (double)strlen(study->names[s]);
     }
 }
 
 static void draw(const void *what, FILE *out)
 {
     const struct neph_post_study *study = what;
-    struct axis axes[PANELS];
-    int rows = 0;
-    while (neph_post_rows[rows].name)
-        rows++;
-    const int bottom = TOP + LINE * (rows + 1);
+    const int panel_height = TOP + LINE * row_count();
+    const int legend = GAP + LEGEND * ((study->params->scene_count + 1) / 2);
+    const int height = legend + PANELS * panel_height;
     fprintf(out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" "
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" "
             "font-family=\"sans-serif\" font-size=\"12\">\n"
             "<rect width=\"%d\" height=\"%d\" fill=\"white\"/>\n",
-            WIDTH, bottom + FOOT, WIDTH, bottom + FOOT);
-    for (int p = 0; p < PANELS; p++) {
-        axes[p] = fit(study, p);
-        draw_grid(&axes[p], panels[p].title, bottom - LINE / 2, out);
-    }
-    /* A line is left between what is alone and what is out of the whole. */
-    for (int r = 0; r < rows; r++)
-        draw_row(study, axes, r, TOP + LINE * (r + neph_post_rows[r].is_of_whole) + LINE / 2, out);
-    draw_legend(study, bottom + FOOT / 2, out);
+            WIDTH, height, WIDTH, WIDTH, height);
+    draw_legend(study, GAP, out);
+    for (int p = 0; p < PANELS; p++)
+        draw_panel(study, p, legend + p * panel_height + TOP, out);
     fprintf(out, "</svg>\n");
 }
 

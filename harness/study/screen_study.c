@@ -4,11 +4,14 @@
 #include "base/clock.h"
 #include "base/exr.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
 #include "harness/run/seed.h"
+#include "harness/study/screen_flicker.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double scene_typical_s = 30.0;
@@ -31,25 +34,33 @@ struct work {
     const struct neph_screen_study_params *params;
     struct neph_store *store;
     struct neph_progress progress;
-    struct neph_light_model truth, models[NEPH_LIGHT_MODELS_MAX];
+    struct neph_light_model truth, witness, models[NEPH_LIGHT_MODELS_MAX];
+    struct neph_vulkan *vulkan; /* of the display that flicker is seen on */
 };
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
+static struct neph_job job_of(const struct work *work, const struct neph_light_model *by,
+                              const struct neph_scene *scene, int frame)
+{
+    return (struct neph_job){.engine = by->engine,
+                             .info = &by->info,
+                             .shot = {.scene = scene,
+                                      .settings = by->settings,
+                                      .width_px = work->params->width_px,
+                                      .height_px = work->params->height_px,
+                                      .frame = frame,
+                                      .layers = NEPH_LAYERS_ALL,
+                                      .seed = neph_seed_of(scene, 1),
+                                      .time_limit_s = INFINITY}};
+}
+
 /* From the store, or rendered. */
 static enum neph_status take_picture(const struct work *work, const struct neph_light_model *by,
-                                     const struct neph_scene *scene, struct neph_image **picture,
-                                     struct neph_diag *diag)
+                                     const struct neph_scene *scene, int frame,
+                                     struct neph_image **picture, struct neph_diag *diag)
 {
-    const struct neph_job job = {.engine = by->engine,
-                                 .info = &by->info,
-                                 .shot = {.scene = scene,
-                                          .settings = by->settings,
-                                          .width_px = work->params->width_px,
-                                          .height_px = work->params->height_px,
-                                          .layers = NEPH_LAYERS_ALL,
-                                          .seed = neph_seed_of(scene, 1),
-                                          .time_limit_s = INFINITY}};
+    const struct neph_job job = job_of(work, by, scene, frame);
     struct neph_job_result result = {.settings = NULL};
     char reason[200];
     if (!by->engine->can_render(scene, &by->settings, reason, sizeof(reason)))
@@ -66,23 +77,43 @@ static enum neph_status take_picture(const struct work *work, const struct neph_
 
 /* ---- parts of a picture ---------------------------------------------------------------------- */
 
+/* What is held against what: a model, or nobody yet, against the truth, or against what a witness
+ * says in its place. */
+struct pictures {
+    const struct neph_image *truth, *said, *model;
+};
+
 /* What a part of the truth is made of, and what a model has of it (NULL: nothing). */
 struct layers {
     float *truth[3], *on_screen[3], *variance[3], *colour[3], *depth;
-    float *model[3];
+    float *model[3], *said_colour[3], *model_colour[3];
     bool has_colour, has_model;
 };
 
-static bool find_layers(const struct neph_image *truth, const struct neph_image *model,
-                        enum neph_screen_part part, struct layers *layers)
+/* A witness's colours are those of its own pixels, a screen's those of the truth. */
+static void find_colours(const struct neph_image *image, const char *layer, float *const truth[3],
+                         float *colours[3])
 {
+    if (!image || !neph_image_rgb(image, layer, colours))
+        memcpy(colours, truth, 3 * sizeof(*colours));
+}
+
+static bool find_layers(const struct pictures *pictures, enum neph_screen_part part,
+                        struct layers *layers)
+{
+    const struct neph_image *truth = pictures->truth, *model = pictures->model;
     char variance[64];
     snprintf(variance, sizeof(variance), "variance.%s", parts[part].layer);
     layers->depth = neph_image_channel(truth, "Z");
     layers->has_colour = parts[part].colour &&
                          neph_image_rgb(truth, parts[part].colour, layers->colour);
+    if (layers->has_colour) {
+        find_colours(pictures->said, parts[part].colour, layers->colour, layers->said_colour);
+        find_colours(model, parts[part].colour, layers->colour, layers->model_colour);
+    }
     layers->has_model = model && neph_image_rgb(model, parts[part].layer, layers->model);
-    return neph_image_rgb(truth, parts[part].layer, layers->truth) &&
+    return neph_image_rgb(pictures->said ? pictures->said : truth, parts[part].layer,
+                          layers->truth) &&
            neph_image_rgb(truth, parts[part].on_screen, layers->on_screen) &&
            neph_image_rgb(truth, variance, layers->variance);
 }
@@ -100,9 +131,11 @@ static bool sample_of(const struct layers *layers, size_t pixel, struct sample *
     *sample = (struct sample){0};
     for (int c = 0; c < 3; c++) {
         const double colour = layers->has_colour ? layers->colour[c][pixel] : 1.0 / 3.0;
-        const double truth = colour * layers->truth[c][pixel];
+        const double said = layers->has_colour ? layers->said_colour[c][pixel] : colour;
+        const double own = layers->has_colour ? layers->model_colour[c][pixel] : colour;
+        const double truth = said * layers->truth[c][pixel];
         const double on_screen = colour * layers->on_screen[c][pixel];
-        const double model = layers->has_model ? colour * layers->model[c][pixel] : 0.0;
+        const double model = layers->has_model ? own * layers->model[c][pixel] : 0.0;
         colours += colour;
         sample->truth += truth;
         sample->on_screen += on_screen;
@@ -145,19 +178,18 @@ static void add(enum neph_screen_part part, const struct sample *sample, struct 
     sums->beyond += sample->beyond;
 }
 
-static bool sum_up(const struct neph_image *truth, const struct neph_image *model,
-                   enum neph_screen_part part, struct sums *sums)
+static bool sum_up(const struct pictures *pictures, enum neph_screen_part part, struct sums *sums)
 {
     struct layers layers;
     *sums = (struct sums){0};
-    if (!find_layers(truth, model, part, &layers))
+    if (!find_layers(pictures, part, &layers))
         return false;
-    for (size_t p = 0; p < neph_image_pixel_count(truth); p++) {
+    for (size_t p = 0; p < neph_image_pixel_count(pictures->truth); p++) {
         struct sample sample;
         if (sample_of(&layers, p, &sample))
             add(part, &sample, sums);
     }
-    return !model || layers.has_model;
+    return !pictures->model || layers.has_model;
 }
 
 static struct neph_screen_truth truth_of(const struct sums *sums)
@@ -202,41 +234,109 @@ static void look_around(const struct work *work, const struct neph_scene *scene,
     }
 }
 
+static void hold_against(const struct pictures *pictures,
+                         struct neph_screen_gap gaps[NEPH_SCREEN_PARTS])
+{
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        struct sums sums;
+        const bool is_there = sum_up(pictures, (enum neph_screen_part)part, &sums);
+        gaps[part] = gap_of(&sums, is_there && sums.pixels > 0);
+    }
+}
+
+/* What is true of a scene, and what Cycles says, where it was asked and can. */
+struct known {
+    struct neph_image *truth, *witness; /* owned */
+    struct neph_screen_truths sequence;
+};
+
 static enum neph_status run_model(const struct work *work, int model,
-                                  const struct neph_scene *scene, const struct neph_image *truth,
+                                  const struct neph_scene *scene, const struct known *known,
                                   struct neph_screen_scene *result, struct neph_diag *diag)
 {
     struct neph_image *picture = NULL;
-    const enum neph_status status = take_picture(work, &work->models[model], scene, &picture, diag);
-    for (int part = 0; part < NEPH_SCREEN_PARTS && !status; part++) {
-        struct sums sums;
-        const bool is_there = sum_up(truth, picture, (enum neph_screen_part)part, &sums);
-        result->gaps[model][part] = gap_of(&sums, is_there);
-    }
+    enum neph_status status = take_picture(work, &work->models[model], scene, 0, &picture, diag);
+    if (!status)
+        hold_against(&(struct pictures){known->truth, NULL, picture}, result->gaps[model]);
+    if (!status && known->witness)
+        hold_against(&(struct pictures){known->truth, known->witness, picture},
+                     result->against_witness[model]);
     neph_image_destroy(picture);
+    if (status || !known->sequence.frames)
+        return status;
+    struct neph_job job = job_of(work, &work->models[model], scene, 0);
+    return neph_screen_flicker(work->vulkan, &job, &known->sequence, &result->flicker[model], diag);
+}
+
+/* Cycles finds no light that a mirror throws; where it cannot, the scene has no witness. */
+static enum neph_status ask_witness(const struct work *work, const struct neph_scene *scene,
+                                    struct known *known, struct neph_screen_scene *result,
+                                    struct neph_diag *diag)
+{
+    const struct neph_light_model *witness = &work->witness;
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        result->witness[part] = gap_of(&(struct sums){0}, false);
+        for (int model = 0; model < work->params->model_count; model++)
+            result->against_witness[model][part] = result->witness[part];
+    }
+    if (work->params->witness_samples == 0 ||
+        !witness->engine->can_render(scene, &witness->settings, result->witness_cannot,
+                                     sizeof(result->witness_cannot)))
+        return NEPH_OK;
+    const enum neph_status status = take_picture(work, witness, scene, 0, &known->witness, diag);
+    if (!status)
+        hold_against(&(struct pictures){known->truth, NULL, known->witness}, result->witness);
     return status;
+}
+
+static enum neph_status take_sequence(const struct work *work, const struct neph_scene *scene,
+                                      struct known *known, struct neph_diag *diag)
+{
+    struct neph_screen_truths *truths = &known->sequence;
+    enum neph_status status = NEPH_OK;
+    if (work->params->frame_count == 0)
+        return NEPH_OK;
+    neph_screen_frames(scene, work->params->frame_count, truths);
+    truths->frames = calloc((size_t)truths->frame_count, sizeof(*truths->frames));
+    if (!truths->frames)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < truths->frame_count && !status; i++)
+        status = take_picture(work, &work->truth, scene, i, &truths->frames[i], diag);
+    return status;
+}
+
+static void finish(struct known *known)
+{
+    neph_screen_truths_finish(&known->sequence);
+    neph_image_destroy(known->witness);
+    neph_image_destroy(known->truth);
 }
 
 static enum neph_status run_scene(struct work *work, const struct neph_scene *scene,
                                   struct neph_screen_scene *result, struct neph_diag *diag)
 {
-    struct neph_image *truth = NULL;
+    struct known known = {NULL};
     const double start_s = neph_wall_s();
     *result = (struct neph_screen_scene){0};
     neph_progress_begin(&work->progress, scene->name);
-    enum neph_status status = take_picture(work, &work->truth, scene, &truth, diag);
+    enum neph_status status = take_picture(work, &work->truth, scene, 0, &known.truth, diag);
     for (int part = 0; part < NEPH_SCREEN_PARTS && !status; part++) {
         struct sums sums;
-        if (sum_up(truth, NULL, (enum neph_screen_part)part, &sums))
+        if (sum_up(&(struct pictures){.truth = known.truth}, (enum neph_screen_part)part, &sums))
             result->truths[part] = truth_of(&sums);
     }
     if (!status)
-        look_around(work, scene, truth, result);
+        look_around(work, scene, known.truth, result);
+    if (!status)
+        status = ask_witness(work, scene, &known, result, diag);
+    if (!status)
+        status = take_sequence(work, scene, &known, diag);
+    result->frame_count = known.sequence.count;
     for (int model = 0; model < work->params->model_count && !status; model++)
-        status = run_model(work, model, scene, truth, result, diag);
+        status = run_model(work, model, scene, &known, result, diag);
     if (!status)
         neph_progress_step(&work->progress, scene->name, "measured", neph_wall_s() - start_s);
-    neph_image_destroy(truth);
+    finish(&known);
     return status;
 }
 
@@ -248,6 +348,24 @@ static enum neph_status set_number(struct neph_light_model *model, const char *n
     char assignment[64];
     snprintf(assignment, sizeof(assignment), "%s=%.17g", name, value);
     return neph_settings_set(model->engine, &model->settings, assignment, diag);
+}
+
+static enum neph_status prepare_witness(struct work *work, struct neph_diag *diag)
+{
+    struct neph_light_model *witness = &work->witness;
+    if (work->params->witness_samples == 0)
+        return NEPH_OK;
+    witness->engine = neph_engine_find("cycles");
+    witness->settings = neph_settings_default(witness->engine);
+    neph_engine_probe(witness->engine, &witness->info);
+    if (!witness->info.available)
+        return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "cycles: %s", witness->info.missing);
+    enum neph_status status = set_number(witness, "samples", work->params->witness_samples, diag);
+    if (!status)
+        status = set_number(witness, "ao_distance_m", work->params->radius_m, diag);
+    return status
+               ? status
+               : neph_settings_set(witness->engine, &witness->settings, "surface_layers=on", diag);
 }
 
 static enum neph_status prepare(struct work *work, struct neph_diag *diag)
@@ -271,7 +389,9 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
             status = set_number(&work->models[i], "ao_radius_m", params->radius_m, diag);
     }
     neph_progress_expect(&work->progress, 0, params->scene_count, scene_typical_s);
-    return status;
+    if (!status)
+        status = prepare_witness(work, diag);
+    return status || params->frame_count == 0 ? status : neph_vulkan_open(&work->vulkan, diag);
 }
 
 enum neph_status neph_screen_study_run(const struct neph_screen_study_params *params,
@@ -285,6 +405,7 @@ enum neph_status neph_screen_study_run(const struct neph_screen_study_params *pa
     for (int i = 0; i < params->scene_count && !status; i++)
         status = run_scene(&work, params->scenes[i], &study->scenes[i], diag);
     neph_progress_end(&work.progress);
+    neph_vulkan_destroy(work.vulkan);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");
     return status;

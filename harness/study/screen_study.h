@@ -15,6 +15,7 @@
 #include "harness/json.h"
 #include "harness/run/job.h"
 #include "harness/study/light_models.h"
+#include "harness/study/post_study.h"
 #include "harness/study/screen_lost.h"
 
 enum { NEPH_SCREEN_SCENES_MAX = 16 };
@@ -34,9 +35,11 @@ struct neph_screen_study_params {
     const char *const *models; /* of neph_light_model_parse(), of engine screen */
     int model_count;           /* 1 .. NEPH_LIGHT_MODELS_MAX */
     int width_px, height_px;
-    int samples;     /* a pixel, of the truth */
-    double radius_m; /* of ambient occlusion, of truth and models */
-    int rays;        /* a pixel, to tell why it is lost */
+    int samples;         /* a pixel, of the truth */
+    double radius_m;     /* of ambient occlusion, of truth and models */
+    int rays;            /* a pixel, to tell why it is lost */
+    int witness_samples; /* of Cycles, which is then held against, too; 0: it is not */
+    int frame_count;     /* over which models flicker, at least 16; 0: nobody looks */
     bool quiet;
 };
 
@@ -57,6 +60,12 @@ struct neph_screen_truth {
 struct neph_screen_scene {
     struct neph_screen_truth truths[NEPH_SCREEN_PARTS];
     struct neph_screen_gap gaps[NEPH_LIGHT_MODELS_MAX][NEPH_SCREEN_PARTS];
+    /* Cycles against the truth, and models against Cycles; NaN: it was not asked, or cannot. */
+    struct neph_screen_gap witness[NEPH_SCREEN_PARTS];
+    struct neph_screen_gap against_witness[NEPH_LIGHT_MODELS_MAX][NEPH_SCREEN_PARTS];
+    char witness_cannot[200];                                /* why; "": it can */
+    int frame_count;                                         /* 0: flicker was not measured */
+    struct neph_post_numbers flicker[NEPH_LIGHT_MODELS_MAX]; /* of pictures, against the truth */
     /* Over surfaces in the picture: shares of the hemisphere within the radius and all the way. */
     double near[NEPH_SCREEN_LOSSES], far[NEPH_SCREEN_LOSSES];
 };
@@ -68,8 +77,9 @@ struct neph_screen_study {
 
 extern const char *const neph_screen_part_names[NEPH_SCREEN_PARTS];
 
-/* NEPH_ERR_INTERRUPTED: what is finished stays in the store. NEPH_ERR_USAGE: a model is of another
- * engine. NEPH_ERR_UNSUPPORTED: truth or model cannot render a scene, and why. */
+/* NEPH_ERR_UNAVAILABLE: there is no Cycles. NEPH_ERR_INTERRUPTED: what is finished stays in the
+ * store. NEPH_ERR_USAGE: a model is of another engine. NEPH_ERR_UNSUPPORTED: truth or model cannot
+ * render a scene, and why. */
 enum neph_status neph_screen_study_run(const struct neph_screen_study_params *params,
                                        struct neph_store *store, struct neph_screen_study *study,
                                        struct neph_diag *diag);

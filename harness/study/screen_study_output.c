@@ -54,6 +54,62 @@ static void print_part(const struct neph_screen_study *study, int part, FILE *ou
     }
 }
 
+static void print_witness_row(const char *scene, const char *model,
+                              const struct neph_screen_gap gaps[NEPH_SCREEN_PARTS], FILE *out)
+{
+    fprintf(out, "| %s | %s |", scene, model);
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        print_percent(gaps[part].error, out);
+        print_percent(gaps[part].bias, out);
+    }
+    fprintf(out, "\n");
+}
+
+static void print_witness(const struct neph_screen_study *study, FILE *out)
+{
+    const struct neph_screen_study_params *params = study->params;
+    fprintf(out, "\n**Against Cycles** [%%, as above], %d samples\n\n| scene | |",
+            params->witness_samples);
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++)
+        fprintf(out, " %s: error | bias |", neph_screen_part_names[part]);
+    fprintf(out, "\n| --- | --- |");
+    for (int part = 0; part < 2 * NEPH_SCREEN_PARTS; part++)
+        fprintf(out, " ---: |");
+    fprintf(out, "\n");
+    for (int s = 0; s < params->scene_count; s++) {
+        const struct neph_screen_scene *scene = &study->scenes[s];
+        const char *name = params->scenes[s]->name;
+        if (scene->witness_cannot[0]) {
+            fprintf(out, "| %s | *it cannot: %s* |\n", name, scene->witness_cannot);
+            continue;
+        }
+        print_witness_row(name, "*cycles against surfaces*", scene->witness, out);
+        for (int m = 0; m < params->model_count; m++)
+            print_witness_row(name, params->models[m], scene->against_witness[m], out);
+    }
+}
+
+static void print_flicker(const struct neph_screen_study *study, FILE *out)
+{
+    const struct neph_screen_study_params *params = study->params;
+    fprintf(out, "\n**Over frames**, the picture against surfaces: light over its mean [%%]; on a "
+                 "display by Unreal's curve FLIP,\nflicker seen over threshold, share of pixels "
+                 "where it is seen\n\n"
+                 "| scene | | frames | error | its change | FLIP | flicker seen | share [%%] |\n"
+                 "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    for (int s = 0; s < params->scene_count; s++)
+        for (int m = 0; m < params->model_count; m++) {
+            const struct neph_post_numbers *numbers = &study->scenes[s].flicker[m];
+            fprintf(out, "| %s | %s | %d |", params->scenes[s]->name, params->models[m],
+                    study->scenes[s].frame_count);
+            print_percent(numbers->scene_error, out);
+            print_percent(numbers->scene_change, out);
+            fprintf(out, " %.4f | %.2f |", numbers->flip, numbers->seen);
+            print_percent(numbers->seen_share, out);
+            fprintf(out, "\n");
+        }
+}
+
 static void print_losses(const struct neph_screen_study *study, FILE *out)
 {
     fprintf(out, "\n**Why** [%% of the hemisphere over surfaces in the picture]\n\n"
@@ -86,6 +142,10 @@ static void print_study(const void *what, FILE *out)
     for (int part = 0; part < NEPH_SCREEN_PARTS; part++)
         print_part(study, part, out);
     print_losses(study, out);
+    if (params->witness_samples > 0)
+        print_witness(study, out);
+    if (params->frame_count > 0)
+        print_flicker(study, out);
 }
 
 enum neph_status neph_screen_study_text(const struct neph_screen_study *study, char **text,
@@ -115,6 +175,34 @@ static json_t *part_json(const struct neph_screen_study *study,
                      neph_json_number(truth->beyond), "models", models);
 }
 
+static json_t *witness_json(const struct neph_screen_study *study,
+                            const struct neph_screen_scene *scene, int part)
+{
+    json_t *models = json_object();
+    for (int m = 0; m < study->params->model_count; m++)
+        neph_json_set(&models, study->params->models[m],
+                      gap_json(&scene->against_witness[m][part]));
+    return json_pack("{s:o, s:o}", "cycles", gap_json(&scene->witness[part]), "models", models);
+}
+
+static json_t *flicker_json(const struct neph_screen_study *study,
+                            const struct neph_screen_scene *scene)
+{
+    json_t *models = json_object();
+    for (int m = 0; m < study->params->model_count && scene->frame_count > 0; m++) {
+        const struct neph_post_numbers *numbers = &scene->flicker[m];
+        neph_json_set(&models, study->params->models[m],
+                      json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "error",
+                                neph_json_number(numbers->scene_error), "change",
+                                neph_json_number(numbers->scene_change), "flip",
+                                neph_json_number(numbers->flip), "seen",
+                                neph_json_number(numbers->seen), "seen_share",
+                                neph_json_number(numbers->seen_share), "luma_change",
+                                neph_json_number(numbers->luma_change)));
+    }
+    return json_pack("{s:i, s:o}", "frames", scene->frame_count, "models", models);
+}
+
 static json_t *losses_json(const double shares[NEPH_SCREEN_LOSSES])
 {
     return json_pack("{s:f, s:f, s:f}", "off", shares[NEPH_LOST_OFF], "behind",
@@ -127,8 +215,13 @@ json_t *neph_screen_study_json(const struct neph_screen_study *study)
     for (int s = 0; s < study->params->scene_count; s++) {
         const struct neph_screen_scene *scene = &study->scenes[s];
         json_t *found = json_object();
-        for (int part = 0; part < NEPH_SCREEN_PARTS; part++)
+        json_t *witness = json_object();
+        for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
             neph_json_set(&found, neph_screen_part_names[part], part_json(study, scene, part));
+            neph_json_set(&witness, neph_screen_part_names[part], witness_json(study, scene, part));
+        }
+        neph_json_set(&found, "against_cycles", witness);
+        neph_json_set(&found, "over_frames", flicker_json(study, scene));
         neph_json_set(&found, "near", losses_json(scene->near));
         neph_json_set(&found, "far", losses_json(scene->far));
         neph_json_set(&scenes, study->params->scenes[s]->name, found);

@@ -6,13 +6,16 @@
 double neph_sweep_between(const double *x, const double *y, int count, double at)
 {
     for (int i = 0; i < count; i++)
+        if (x[i] == at)
+            return y[i];
+    for (int i = 0; i < count; i++)
         for (int k = 0; k < count; k++) {
             bool is_next = x[i] <= at && at <= x[k] && i != k;
             for (int other = 0; other < count && is_next; other++)
                 is_next = other == i || other == k || x[other] < x[i] || x[other] > x[k];
             if (!is_next)
                 continue;
-            const double part = x[k] > x[i] ? log(at / x[i]) / log(x[k] / x[i]) : 0.0;
+            const double part = log(at / x[i]) / log(x[k] / x[i]);
             return exp((1.0 - part) * log(y[i]) + part * log(y[k]));
         }
     return NAN;
@@ -45,12 +48,31 @@ static struct ladder ladder_of(const struct neph_sweep *sweep,
     return ladder;
 }
 
-static int best_of(const struct ladder *ladder)
+static struct neph_sweep_equal hold(const struct ladder *own, double number, double cost)
 {
-    int best = 0;
-    for (int i = 1; i < ladder->count; i++)
-        if (ladder->number[i] < ladder->number[best])
-            best = i;
+    return (struct neph_sweep_equal){
+        .cost_ratio = cost / neph_sweep_between(own->number, own->cost, own->count, number),
+        .number_ratio = number / neph_sweep_between(own->cost, own->number, own->count, cost),
+        .at_number = number,
+        .at_cost = cost,
+    };
+}
+
+static int finite_count(const struct neph_sweep_equal *equal)
+{
+    return (isfinite(equal->cost_ratio) != 0) + (isfinite(equal->number_ratio) != 0);
+}
+
+/* The best point of a series of which most can be said. */
+static struct neph_sweep_equal hold_best(const struct ladder *own, const struct ladder *other)
+{
+    struct neph_sweep_equal best = hold(own, other->number[0], other->cost[0]);
+    for (int i = 1; i < other->count; i++) {
+        const struct neph_sweep_equal next = hold(own, other->number[i], other->cost[i]);
+        const int more = finite_count(&next) - finite_count(&best);
+        if (more > 0 || (more == 0 && next.at_number < best.at_number))
+            best = next;
+    }
     return best;
 }
 
@@ -63,17 +85,13 @@ int neph_sweep_equals(const struct neph_sweep *sweep, const struct neph_sweep_se
     for (int s = 0; s < sweep->plan->series_count; s++) {
         const struct neph_sweep_series *series = &sweep->plan->series[s];
         const struct ladder other = ladder_of(sweep, series, cost, number);
-        if (series == base || other.count == 0 || own.count < 2)
+        if (series == base || other.count == 0 || own.count == 0)
             continue;
-        const int best = best_of(&other);
-        const double value = other.number[best], price = other.cost[best];
-        list[count++] = (struct neph_sweep_equal){
-            .series = series,
-            .cost_ratio = price / neph_sweep_between(own.number, own.cost, own.count, value),
-            .number_ratio = value / neph_sweep_between(own.cost, own.number, own.count, price),
-            .at_number = value,
-            .at_cost = price,
-        };
+        const struct neph_sweep_equal held = hold_best(&own, &other);
+        if (own.count == 1 && finite_count(&held) == 0)
+            continue;
+        list[count] = held;
+        list[count++].series = series;
     }
     return count;
 }

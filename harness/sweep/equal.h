@@ -24,13 +24,14 @@ struct neph_sweep_equal {
     double cost_ratio;   /* its cost over the other's at the same number; NaN: the other has no such
                             number between two of its points */
     double number_ratio; /* its number over the other's at the same cost; NaN likewise */
-    double at_number, at_cost; /* of the series: the point of its least number */
+    double at_number, at_cost; /* of the series: the best of its points of which most can be said */
 };
 
-/* Each series with that cost and number against `base`, at the point of its least number. Between
- * points of `base` the logarithm of one is linear in that of the other; beyond them nothing is
- * said. `list` has room for NEPH_SWEEP_SERIES_MAX; the number of entries is returned, 0 where
- * `base` has no two points. */
+/* Each series with that cost and number against `base`: at the point of least number among those
+ * that both ratios can be said of, else one of them, else none. Between points of `base` the
+ * logarithm of one is linear in that of the other; beyond them nothing is said, so that a single
+ * point of `base` is held against what costs as much. `list` has room for NEPH_SWEEP_SERIES_MAX;
+ * the number of entries is returned. */
 int neph_sweep_equals(const struct neph_sweep *sweep, const struct neph_sweep_series *base,
                       enum neph_sweep_cost cost, enum neph_sweep_number number,
                       struct neph_sweep_equal *list);
@@ -38,8 +39,8 @@ int neph_sweep_equals(const struct neph_sweep *sweep, const struct neph_sweep_se
 /* A value of y at x on the polyline of the points by their x, all in logarithms; NaN outside. */
 double neph_sweep_between(const double *x, const double *y, int count, double at);
 
-/* A table for each cost and number in which sweep->against has two points (NULL: the first series
- * that has them). What the machines are, where they differ, stands below. */
+/* A table for each cost and number in which something can be held against sweep->against (NULL: the
+ * first series of which that is so). What the machines are, where they differ, stands below. */
 void neph_sweep_print_equals(const struct neph_sweep *sweep, FILE *out);
 
 /* [{"cost": "seconds" | "evaluations", "number": "error", "against", "series", "at_cost",

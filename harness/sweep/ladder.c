@@ -291,7 +291,8 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
                                      .frame_count = FRAMES,
                                      .warm_up = WARM_UP,
                                      .truth_samples = TRUTH_SAMPLES,
-                                     .round_count = ROUNDS};
+                                     .round_count = ROUNDS,
+                                     .seed_count = 1};
     enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
     const struct neph_ladder_light *light = neph_ladder_lights;
     for (; light->name && closed && !late && !status; light++)

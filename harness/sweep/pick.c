@@ -523,7 +523,10 @@ static void print_variants(const struct neph_pick *pick, bool kept, const char *
             fprintf(out, "\n%s:\n", title);
         title = NULL; /* once */
         fprintf(out, "  %-34s ", left->what);
-        print_numbers(&left->with, out);
+        if (isnan(left->with.error))
+            fprintf(out, "cannot be rendered with this light");
+        else
+            print_numbers(&left->with, out);
         fprintf(out, "%s%s%s\n", left->because ? " (" : "", left->because ? left->because : "",
                 left->because ? ")" : "");
     }

@@ -244,6 +244,10 @@ static const struct neph_field plan_fields[] = {
      .note = "paths per pixel of the reference, where nothing exact is at hand"},
     {"rounds", NEPH_WHOLE, PLAN(round_count), "", 1, 99,
      .note = "in each of which every point is timed once"},
+    {"seeds", NEPH_WHOLE, PLAN(seed_count), "", 1, NEPH_SWEEP_SEEDS_MAX,
+     .note = "of each sequence: numbers are means over them, and intervals hold what they differ "
+             "by; of other pictures rounds are seeds",
+     .standard = "1"},
     {"series", NEPH_LIST, PLAN(series), .least = 1, .most = NEPH_SWEEP_SERIES_MAX,
      .count_at = PLAN(series_count), .record = &series_record},
     {0},
@@ -257,6 +261,7 @@ static enum neph_status read_text(const char *path, const char *text, size_t siz
     if (status)
         return status;
     struct neph_reader reader = {.document = &document, .diag = diag};
+    plan->seed_count = 1;
     status = neph_read_fields(&reader, neph_document_root(&document), plan_fields, plan);
     if (!status)
         status = check_plan(&reader, plan);

@@ -18,6 +18,7 @@ enum {
     NEPH_SWEEP_POINTS_MAX = NEPH_SWEEP_SERIES_MAX * NEPH_SWEEP_VALUES_MAX,
     NEPH_SWEEP_LABEL_SIZE = 80,
     NEPH_SWEEP_FRAMES_MIN = 16, /* of a sequence, warm-up left out */
+    NEPH_SWEEP_SEEDS_MAX = 16,  /* of a sequence */
 };
 
 /* Texts are owned. */
@@ -45,6 +46,7 @@ struct neph_sweep_plan {
     int warm_up;       /* the first of them, which are not measured; a multiple of 4 */
     int truth_samples; /* paths per pixel of the reference, where that is the tracer */
     int round_count;   /* in which every point is timed once */
+    int seed_count;    /* of sequences that are measured; rounds are seeds of other pictures */
     struct neph_sweep_series *series; /* owned */
     int series_count;
 };

@@ -7,6 +7,7 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/study/flicker_metrics.h"
 #include "harness/study/take.h"
+#include "harness/sweep/repeat.h"
 #include "scenes/variant.h"
 
 #include <math.h>
@@ -142,6 +143,48 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
     return viewing;
 }
 
+/* What one seed's sequence has: numbers of the document, and the error of its last picture. */
+static enum neph_status read_sequence(struct neph_sweep_bench *bench,
+                                      const struct neph_sweep_point *point,
+                                      const struct neph_take *take, const char *folder,
+                                      struct neph_sweep_value numbers[NEPH_SWEEP_NUMBERS],
+                                      struct neph_diag *diag)
+{
+    json_t *document = NULL;
+    char *last = neph_path_join(folder, "frame.exr");
+    enum neph_status status = last ? neph_take_document(folder, take->readings[0].name, &document,
+                                                        diag)
+                                   : neph_fail_memory(diag);
+    if (!status) {
+        if (!point->job.engine->is_guest) /* whose own model nobody knows */
+            numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
+        numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
+        numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
+        if (point->series->flicker)
+            bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
+        status = neph_sweep_truth_error(bench->truth, last, &numbers[NEPH_SWEEP_ERROR], diag);
+    }
+    json_decref(document);
+    free(last);
+    return status;
+}
+
+/* The evaluations are those of the first seed. */
+static enum neph_status count_sequence(const char *folder, struct neph_sweep_point *point,
+                                       struct neph_diag *diag)
+{
+    char *last = neph_path_join(folder, "frame.exr");
+    const enum neph_status status = last ? neph_sweep_point_count(last, point, diag)
+                                         : neph_fail_memory(diag);
+    free(last);
+    return status;
+}
+
+static int seed_count_of(const struct neph_sweep_bench *bench, const struct neph_sweep_point *point)
+{
+    return point->job.engine->stochastic ? bench->plan->seed_count : 1;
+}
+
 static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
                                          struct neph_sweep_point *point, struct neph_diag *diag)
 {
@@ -152,38 +195,35 @@ static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
                                          .viewing = viewing_of(point->job.shot.scene),
                                          .kept = flickers ? kept_of_flicker : kept_of_error,
                                          .warm_up_frames = bench->plan->warm_up};
-    const struct neph_take take = {.job = point->job,
-                                   .frame_count = bench->frame_count,
-                                   .reference = &bench->still,
-                                   .readings = &reading,
-                                   .reading_count = 1,
-                                   .frozen_is_fine = true};
-    char *folder = NULL, *last = NULL;
-    json_t *record = NULL, *document = NULL;
+    struct neph_take take = {.job = point->job,
+                             .frame_count = bench->frame_count,
+                             .reference = &bench->still,
+                             .readings = &reading,
+                             .reading_count = 1,
+                             .frozen_is_fine = true};
+    struct neph_sweep_value of_seeds[NEPH_SWEEP_SEEDS_MAX][NEPH_SWEEP_NUMBERS];
+    const int seed_count = seed_count_of(bench, point);
     enum neph_status status = have_reference(bench, &point->job, bench->frame_count, &bench->still,
                                              diag);
-    if (!status)
+    for (int i = 0; i < seed_count && !status; i++) {
+        char *folder = NULL;
+        json_t *record = NULL;
+        take.job.shot.seed = neph_sweep_seed(bench->seed, i);
+        memcpy(of_seeds[i], point->numbers, sizeof(of_seeds[i]));
         status = neph_take_run(&take, bench->store, &folder, &record, diag);
-    if (!status)
-        status = neph_take_document(folder, reading.name, &document, diag);
-    if (!status && !(last = neph_path_join(folder, "frame.exr")))
-        status = neph_fail_memory(diag);
-    if (!status) {
-        if (!point->job.engine->is_guest) /* whose own model nobody knows */
-            point->numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
-        point->numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
-        point->numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
-        if (flickers)
-            bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
-        status = neph_sweep_point_count(last, point, diag);
+        if (!status)
+            status = read_sequence(bench, point, &take, folder, of_seeds[i], diag);
+        if (!status && i == 0)
+            status = count_sequence(folder, point, diag);
+        json_decref(record);
+        free(folder);
     }
-    if (!status)
-        status = neph_sweep_truth_error(bench->truth, last, &point->numbers[NEPH_SWEEP_ERROR],
-                                        diag);
-    json_decref(document);
-    json_decref(record);
-    free(last);
-    free(folder);
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS && !status; n++) {
+        struct neph_sweep_value values[NEPH_SWEEP_SEEDS_MAX];
+        for (int i = 0; i < seed_count; i++)
+            values[i] = of_seeds[i][n];
+        point->numbers[n] = neph_sweep_repeated(values, seed_count);
+    }
     return status;
 }
 
@@ -247,7 +287,7 @@ static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_
 
 enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
                                          struct neph_sweep_point *point, int round,
-                                         struct neph_sweep_value *error, double *seconds,
+                                         struct neph_sweep_value *error, struct neph_cost *cost,
                                          struct neph_diag *diag)
 {
     struct neph_job job = point->job;
@@ -255,12 +295,12 @@ enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
     job.repeat = round;
     job.shot.frame = bench->frame;
     if (job.engine->stochastic)
-        job.shot.seed = bench->seed + (uint64_t)round;
+        job.shot.seed = neph_sweep_seed(bench->seed, round);
     enum neph_status status = neph_job_run(&job, bench->store, &result, diag);
     if (!status && result.outcome != NEPH_OUTCOME_RENDERED)
         snprintf(point->missing, sizeof(point->missing), "%s", result.reason);
     if (!status && result.outcome == NEPH_OUTCOME_RENDERED) {
-        *seconds = result.cost.render_s;
+        *cost = result.cost;
         status = neph_sweep_truth_error(bench->truth, result.frame_path, error, diag);
         if (!status)
             status = neph_sweep_point_count(result.frame_path, point, diag);
@@ -280,13 +320,13 @@ enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
                                           struct neph_sweep_point *point, struct neph_diag *diag)
 {
     struct neph_diag why = {.line = 0};
-    double seconds;
+    struct neph_cost cost;
     enum neph_status status;
     if (neph_sweep_is_sequence(point))
         status = measure_sequence(bench, point, &why);
     else
-        status = neph_sweep_point_render(bench, point, 0, &point->numbers[NEPH_SWEEP_ERROR],
-                                         &seconds, &why);
+        status = neph_sweep_point_render(bench, point, 0, &point->numbers[NEPH_SWEEP_ERROR], &cost,
+                                         &why);
     if (!status && neph_sweep_has_lag(point->series, point->place))
         status = measure_lag(bench, point, &why);
     point->at_floor = point->numbers[NEPH_SWEEP_ERROR].value < 2.0 * bench->truth->noise;

@@ -47,10 +47,10 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
                                         struct neph_diag *diag);
 
 /* A whole picture of the point with a round's seed, as a job of the store: its error into `error`,
- * its time into `seconds`. */
+ * what it costs, or has cost when it was rendered, into `cost`. */
 enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
                                          struct neph_sweep_point *point, int round,
-                                         struct neph_sweep_value *error, double *seconds,
+                                         struct neph_sweep_value *error, struct neph_cost *cost,
                                          struct neph_diag *diag);
 
 #endif

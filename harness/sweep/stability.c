@@ -55,6 +55,32 @@ static bool is_beaten(const struct neph_sweep *sweep, int point, enum neph_sweep
     return false;
 }
 
+/* By the least part that it would have to be cheaper or better, so that nothing beats it; better,
+ * where what beats it costs the same. */
+static double off_in(const struct neph_sweep *sweep, const struct neph_sweep_point *point,
+                     enum neph_sweep_cost cost, enum neph_sweep_number number)
+{
+    double factor = 1.0;
+    for (int i = 0; i < sweep->point_count; i++) {
+        const struct neph_sweep_point *other = &sweep->points[i];
+        const double dearer = neph_sweep_cost_of(point, cost) / neph_sweep_cost_of(other, cost);
+        const double larger = point->numbers[number].value / other->numbers[number].value;
+        if (is_measured(other, cost, number) && dearer >= 1.0)
+            factor = fmax(factor, dearer > 1.0 ? fmin(dearer, larger) : larger);
+    }
+    return factor - 1.0;
+}
+
+double neph_stability_off(const struct neph_sweep *sweeps, int count, int point,
+                          enum neph_sweep_cost cost, enum neph_sweep_number number)
+{
+    double most = 0.0;
+    for (int i = 0; i < count; i++)
+        if (is_measured(&sweeps[i].points[point], cost, number))
+            most = fmax(most, off_in(&sweeps[i], &sweeps[i].points[point], cost, number));
+    return most;
+}
+
 static int count_fronts(const struct neph_sweep *sweeps, int count, int point,
                         enum neph_sweep_number number)
 {
@@ -82,9 +108,15 @@ enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps
 
 /* --- all ------------------------------------------------------------------------------------ */
 
-/* Called with every point and number that is on a front somewhere. */
-typedef void seen(const struct neph_sweep_point *point, enum neph_sweep_number number,
-                  enum neph_stability_outcome outcome, int on, void *context);
+/* A point and a number by which it is on a front somewhere. */
+struct verdict {
+    const struct neph_sweep_point *point;
+    enum neph_sweep_number number;
+    enum neph_stability_outcome outcome;
+    int on;
+    double off; /* at most, as a part */
+};
+typedef void seen(const struct verdict *verdict, void *context);
 
 static void walk(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost, seen *see,
                  void *context)
@@ -93,9 +125,15 @@ static void walk(const struct neph_sweep *sweeps, int count, enum neph_sweep_cos
         for (int i = 0; i < sweeps[0].point_count; i++) {
             const enum neph_sweep_number number = (enum neph_sweep_number)n;
             const int on = count_fronts(sweeps, count, i, number);
-            if (on > 0)
-                see(&sweeps[0].points[i], number,
-                    neph_stability_judge(sweeps, count, i, cost, number), on, context);
+            if (on == 0)
+                continue;
+            const struct verdict verdict = {
+                .point = &sweeps[0].points[i],
+                .number = number,
+                .outcome = neph_stability_judge(sweeps, count, i, cost, number),
+                .on = on,
+                .off = neph_stability_off(sweeps, count, i, cost, number)};
+            see(&verdict, context);
         }
 }
 
@@ -104,15 +142,15 @@ struct print {
     int count, counts[NEPH_STABILITY_OUTCOMES];
 };
 
-static void print_one(const struct neph_sweep_point *point, enum neph_sweep_number number,
-                      enum neph_stability_outcome outcome, int on, void *context)
+static void print_one(const struct verdict *verdict, void *context)
 {
     struct print *print = context;
-    print->counts[outcome]++;
-    if (outcome != NEPH_STABILITY_ON)
-        fprintf(print->out, "%-10s %-16s %-14s on %d of %d: %s\n",
-                neph_sweep_number_texts[number].name, point->series->name, point->label, on,
-                print->count, neph_stability_words[outcome]);
+    print->counts[verdict->outcome]++;
+    if (verdict->outcome != NEPH_STABILITY_ON)
+        fprintf(print->out, "%-10s %-16s %-14s on %d of %d, else off by %.2g %%: %s\n",
+                neph_sweep_number_texts[verdict->number].name, verdict->point->series->name,
+                verdict->point->label, verdict->on, print->count, 100.0 * verdict->off,
+                neph_stability_words[verdict->outcome]);
 }
 
 int neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost,
@@ -136,15 +174,16 @@ struct list {
     int moved;
 };
 
-static void list_one(const struct neph_sweep_point *point, enum neph_sweep_number number,
-                     enum neph_stability_outcome outcome, int on, void *context)
+static void list_one(const struct verdict *verdict, void *context)
 {
     struct list *list = context;
-    list->moved += outcome == NEPH_STABILITY_MOVED;
+    list->moved += verdict->outcome == NEPH_STABILITY_MOVED;
     neph_json_add(&list->points,
-                  json_pack("{s:s, s:s, s:s, s:s, s:i}", "series", point->series->name, "label",
-                            point->label, "number", neph_sweep_number_texts[number].name, "outcome",
-                            neph_stability_words[outcome], "on_fronts", on));
+                  json_pack("{s:s, s:s, s:s, s:s, s:i, s:f}", "series",
+                            verdict->point->series->name, "label", verdict->point->label, "number",
+                            neph_sweep_number_texts[verdict->number].name, "outcome",
+                            neph_stability_words[verdict->outcome], "on_fronts", verdict->on, "off",
+                            verdict->off));
 }
 
 json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost)

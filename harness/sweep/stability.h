@@ -30,13 +30,18 @@ enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps
                                                  int point, enum neph_sweep_cost cost,
                                                  enum neph_sweep_number number);
 
+/* How far a point is off the fronts of these sweeps at most: by what part it would have to be
+ * cheaper or better, whichever is less, so that nothing beats it. 0: it is on all. */
+double neph_stability_off(const struct neph_sweep *sweeps, int count, int point,
+                          enum neph_sweep_cost cost, enum neph_sweep_number number);
+
 /* Points that are on some fronts, and how many there are of each sort; the number of those that
  * moved is returned. */
 int neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost,
                          FILE *out);
 
 /* {"format": "neph-stability-1", "sweeps", "cost", "moved", "points": [{"series", "label",
- * "number", "outcome", "on_fronts"}, ...]}, of points that are on a front; for the caller. */
+ * "number", "outcome", "on_fronts", "off"}, ...]}, of points on a front; for the caller. */
 json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost);
 
 #endif

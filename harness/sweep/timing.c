@@ -2,6 +2,7 @@
 #include "harness/sweep/timing.h"
 
 #include "base/clock.h"
+#include "harness/sweep/repeat.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +16,9 @@ struct timed {
     bool flies;
     long picture;
     struct neph_flown flown;
-    double *seconds, *errors; /* of pictures that are rendered one at a time */
+    double *seconds; /* of pictures that are rendered one at a time, */
+    struct neph_sweep_value *errors;
+    struct neph_cost last; /* of the last of them */
     int rendered;
 };
 
@@ -23,6 +26,18 @@ struct timed {
 static bool is_due(const struct neph_sweep_point *point)
 {
     return !point->missing[0] && point->timed == 0;
+}
+
+/* Whose rounds are seeds of the error: what was timed before has them, too, from the store. */
+static bool has_seeds(const struct neph_sweep_point *point)
+{
+    return !point->missing[0] && point->job.engine->stochastic &&
+           !neph_flight_applies(point->job.engine) && !neph_sweep_is_sequence(point);
+}
+
+static bool takes_part(const struct neph_sweep_point *point)
+{
+    return is_due(point) || has_seeds(point);
 }
 
 /* --- one point ------------------------------------------------------------------------------ */
@@ -59,20 +74,26 @@ static void close_one(struct timed *timed)
     free(timed->errors);
 }
 
+static bool is_enough(const struct timed *timed)
+{
+    return (timed->rendered > 0 && timed->last.render_s > NEPH_SWEEP_LONG_S) ||
+           (timed->rendered > 1 && timed->last.wall_s > NEPH_SWEEP_LONG_START_S);
+}
+
 static enum neph_status run_round(struct neph_sweep_bench *bench, struct neph_sweep_point *point,
                                   struct timed *timed, int round, struct neph_diag *diag)
 {
-    struct neph_sweep_value error = {NAN, NAN, NAN};
     if (timed->flies)
         return neph_flight_fly(&timed->job, &timed->picture, NEPH_SWEEP_ROUND_LEAST,
                                NEPH_SWEEP_ROUND_MOST, NEPH_SWEEP_ROUND_S, &timed->flown, diag);
     const int index = timed->rendered;
-    if (index > 0 && timed->seconds[index - 1] > NEPH_SWEEP_LONG_S)
+    if (is_enough(timed))
         return NEPH_OK;
-    const enum neph_status status = neph_sweep_point_render(bench, point, round, &error,
-                                                            &timed->seconds[index], diag);
-    timed->errors[index] = error.value;
-    timed->rendered += !status && isfinite(error.value);
+    timed->errors[index].value = NAN;
+    const enum neph_status status = neph_sweep_point_render(
+        bench, point, round, &timed->errors[index], &timed->last, diag);
+    timed->seconds[index] = timed->last.render_s;
+    timed->rendered += !status && isfinite(timed->errors[index].value);
     return status;
 }
 
@@ -88,32 +109,29 @@ static struct neph_spread flight_time(struct timed *timed)
     return neph_spread_of(flown->frame_s, flown->count);
 }
 
-/* Seeds of the rounds are independent: their mean. */
-static double mean_of(const double *values, int count)
-{
-    double sum = 0.0;
-    for (int i = 0; i < count; i++)
-        sum += values[i];
-    return sum / count;
-}
-
-static void move_error(const struct timed *timed, struct neph_sweep_value *error)
-{
-    const double mean = mean_of(timed->errors, timed->rendered), moved = mean - error->value;
-    *error = (struct neph_sweep_value){mean, error->low + moved, error->high + moved};
-}
-
-static void conclude(struct timed *timed, struct neph_sweep_point *point)
+static void conclude_time(struct timed *timed, struct neph_sweep_point *point)
 {
     if (timed->flies && timed->flown.count > 0) {
         point->timed = timed->flown.count;
         point->time = flight_time(timed);
     } else if (timed->rendered > 0) {
-        if (!neph_sweep_is_sequence(point)) /* whose error is that of its last picture */
-            move_error(timed, &point->numbers[NEPH_SWEEP_ERROR]);
         point->timed = timed->rendered;
         point->time = neph_spread_of(timed->seconds, timed->rendered);
     }
+}
+
+static enum neph_status conclude(const struct neph_sweep_bench *bench, struct timed *timed,
+                                 struct neph_sweep_point *point, double load,
+                                 struct neph_diag *diag)
+{
+    const bool was_due = is_due(point);
+    if (has_seeds(point) && timed->rendered > 0)
+        point->numbers[NEPH_SWEEP_ERROR] = neph_sweep_repeated(timed->errors, timed->rendered);
+    if (was_due)
+        conclude_time(timed, point);
+    return was_due && point->timed > 0
+               ? neph_times_put(bench->times, &point->job, point->time, point->timed, load, diag)
+               : NEPH_OK;
 }
 
 /* --- all ------------------------------------------------------------------------------------ */
@@ -128,7 +146,7 @@ static enum neph_status run_rounds(struct neph_sweep_bench *bench, struct neph_s
         neph_progress_begin(bench->progress, what);
         const double start_s = neph_wall_s();
         for (int i = 0; i < count && !status; i++)
-            if (is_due(&points[i]))
+            if (takes_part(&points[i]))
                 status = run_round(bench, &points[i], &all[i], round, diag);
         if (!status)
             neph_progress_step(bench->progress, what, "timed", neph_wall_s() - start_s);
@@ -144,19 +162,14 @@ enum neph_status neph_sweep_time(struct neph_sweep_bench *bench, struct neph_swe
     for (int i = 0; i < count && !bench->retimes; i++)
         neph_times_find(bench->times, &points[i].job, &points[i].time, &points[i].timed);
     for (int i = 0; i < count && !status; i++)
-        if (is_due(&points[i]))
+        if (takes_part(&points[i]))
             status = open_one(bench, &points[i], &all[i], diag);
     if (!status)
         status = run_rounds(bench, points, all, count, diag);
     const double load = neph_sweep_load();
     for (int i = 0; all && i < count; i++) {
-        if (!status && is_due(&points[i])) {
-            conclude(&all[i], &points[i]);
-            status = points[i].timed > 0
-                         ? neph_times_put(bench->times, &points[i].job, points[i].time,
-                                          points[i].timed, load, diag)
-                         : NEPH_OK;
-        }
+        if (!status)
+            status = conclude(bench, &all[i], &points[i], load, diag);
         close_one(&all[i]);
     }
     free(all);

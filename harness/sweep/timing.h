@@ -10,8 +10,10 @@
 
 /* Pictures of a point in flight in a round: as many as fit, within bounds. */
 #define NEPH_SWEEP_ROUND_S 0.3
-/* A whole picture that takes longer is timed in one round alone. */
+/* A whole picture that takes longer is timed in one round alone; one that takes longer with its
+ * program's start, which is no time of a picture, in two. */
 #define NEPH_SWEEP_LONG_S 5.0
+#define NEPH_SWEEP_LONG_START_S 10.0
 enum { NEPH_SWEEP_ROUND_LEAST = 4, NEPH_SWEEP_ROUND_MOST = 100 };
 
 /* How many processes wanted the machine in the last minute; NaN: not known. */

@@ -5,6 +5,7 @@
 #include "harness/compare/measure.h"
 #include "harness/engines/engines.h"
 #include "harness/run/job.h"
+#include "harness/sweep/repeat.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -96,11 +97,13 @@ static enum neph_status make_pictures(const struct neph_sweep_plan *plan,
     own.layers = NEPH_LAYERS_ALL;
     if (samples >= 0)
         own.settings.values[samples] = 0.5 * plan->truth_samples;
-    /* Seeds of the points are those of the rounds; these are far from them. */
-    enum neph_status status = render(engine, info, &own, shot->seed + 1000000, store, truth,
-                                     &truth->image, diag);
+    enum neph_status status = render(engine, info, &own,
+                                     neph_sweep_seed(shot->seed, NEPH_SWEEP_TRUTH_REPEAT), store,
+                                     truth, &truth->image, diag);
     if (!status && engine->stochastic)
-        status = render(engine, info, &own, shot->seed + 1000001, store, truth, &second, diag);
+        status = render(engine, info, &own,
+                        neph_sweep_seed(shot->seed, NEPH_SWEEP_TRUTH_REPEAT + 1), store, truth,
+                        &second, diag);
     double mean;
     if (!status)
         status = second ? merge(truth->image, second, &truth->noise, diag)

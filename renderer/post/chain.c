@@ -36,6 +36,8 @@ struct work {
     struct neph_vulkan *vulkan;
     const struct neph_post_params *params;
     struct size size; /* of pictures[0], the newest */
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
+    int stage_count;
     struct neph_buffer pictures[2], table, eye, pyramid, readback, eye_readback;
     struct neph_buffer views[NEPH_POST_STAGES_MAX];
     struct neph_batch batch;
@@ -48,22 +50,55 @@ static int enlarged(int side_px, double percent)
     return (int)fmin(round(side_px * 100.0 / percent), NEPH_IMAGE_SIDE_MAX_PX + 1.0);
 }
 
-static struct size size_after(const struct neph_post_stage *stage,
-                              const struct neph_settings *settings, struct size size)
+static int reduced(int side_px, double percent)
 {
-    const double percent = settings->values[stage->percent];
-    if (stage->makes == NEPH_POST_MAKES_LARGER)
-        return (struct size){enlarged(size.width_px, percent), enlarged(size.height_px, percent)};
+    const double rounding = 1e-9; /* 50 % of 38 are 19 */
+    return (int)ceil(side_px * percent / 100.0 - rounding);
+}
+
+/* What stages from the first on make one of the window's size of. */
+static struct size size_before(const struct neph_post_stage *const *stages, int count,
+                               const struct neph_settings *settings, struct size window)
+{
+    for (int i = count - 1; i >= 0; i--) {
+        const double percent = settings->values[stages[i]->percent];
+        if (stages[i]->makes == NEPH_POST_MAKES_LARGER)
+            window = (struct size){reduced(window.width_px, percent),
+                                   reduced(window.height_px, percent)};
+    }
+    return window;
+}
+
+static struct size size_after(const struct work *work, int at, struct size size)
+{
+    const struct neph_post_params *params = work->params;
+    const double percent = params->settings.values[work->stages[at]->percent];
+    const struct size window = {params->width_px, params->height_px};
+    if (work->stages[at]->makes != NEPH_POST_MAKES_LARGER)
+        return size;
+    if (window.width_px > 0)
+        return size_before(&work->stages[at + 1], work->stage_count - at - 1, &params->settings,
+                           window);
+    return (struct size){enlarged(size.width_px, percent), enlarged(size.height_px, percent)};
+}
+
+static struct size last_size(const struct work *work)
+{
+    struct size size = work->size;
+    for (int i = 0; i < work->stage_count; i++)
+        size = size_after(work, i, size);
     return size;
 }
 
-static struct size last_size(const struct neph_post_params *params, struct size size)
+void neph_post_frame_size(const struct neph_post_order *order, const struct neph_settings *settings,
+                          int *width_px, int *height_px)
 {
-    const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
-    const int count = neph_post_sequence(params->order, &params->settings, sequence);
-    for (int i = 0; i < count; i++)
-        size = size_after(sequence[i], &params->settings, size);
-    return size;
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(order, settings, stages);
+    const struct size size = size_before(stages, count, settings,
+                                         (struct size){*width_px, *height_px});
+    *width_px = size.width_px;
+    *height_px = size.height_px;
 }
 
 /* ---- the pyramid of bloom ------------------------------------------------------------------- */
@@ -154,9 +189,20 @@ static void fill_eye(const struct neph_post_params *params, size_t pixel_count,
     view->meter_units = meter_units(pixel_count);
 }
 
-static void fill_view(const struct work *work, const struct neph_post_stage *stage, struct size to,
+/* Light does not fit into 10 bits; what tone mapping makes does. */
+static uint32_t target_of(const struct work *work, int at)
+{
+    const int targets = (int)work->params->settings.values[POST_TARGETS];
+    for (int i = 0; i <= at; i++)
+        if (work->stages[i]->pass == NEPH_POST_TONE_MAPPING)
+            return (uint32_t)targets;
+    return targets == POST_UNORM10 ? POST_FLOAT16 : (uint32_t)targets;
+}
+
+static void fill_view(const struct work *work, int at, struct size to,
                       struct neph_gpu_post_view *view)
 {
+    const struct neph_post_stage *stage = work->stages[at];
     const struct neph_post_params *params = work->params;
     for (int i = 0; i < POST_SETTING_COUNT; i++)
         view->settings[i] = (float)params->settings.values[i];
@@ -168,6 +214,7 @@ static void fill_view(const struct work *work, const struct neph_post_stage *sta
     view->seed = (uint32_t)(params->seed ^ params->seed >> 32);
     fill_eye(params, texel_count(work->size), view);
     view->upscale_filter = (uint32_t)params->settings.values[stage->filter];
+    view->target = target_of(work, at);
     fill_levels(work, view);
     fill_colours(&params->settings, view);
 }
@@ -236,10 +283,11 @@ static enum neph_status run_stage(struct work *work, const struct neph_post_stag
     return status;
 }
 
-static enum neph_status add_stage(struct work *work, const struct neph_post_stage *stage,
-                                  struct neph_buffer *view, double *gpu_s, struct neph_diag *diag)
+static enum neph_status add_stage(struct work *work, int at, double *gpu_s, struct neph_diag *diag)
 {
-    const struct size to = size_after(stage, &work->params->settings, work->size);
+    const struct neph_post_stage *stage = work->stages[at];
+    struct neph_buffer *view = &work->views[at];
+    const struct size to = size_after(work, at, work->size);
     const struct neph_kernel_params params = {
         .name = stage->shader.name,
         .spirv = stage->shader.spirv,
@@ -257,7 +305,7 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
                                                  view, diag);
     if (status)
         return status;
-    fill_view(work, stage, to, view->mapped);
+    fill_view(work, at, to, view->mapped);
     status = neph_kernel_get(work->vulkan, &params, &kernel, diag);
     if (!status)
         status = run_stage(work, stage, kernel, &whole, to, diag);
@@ -276,12 +324,9 @@ static enum neph_status add_stage(struct work *work, const struct neph_post_stag
 static enum neph_status run_stages(struct work *work, struct neph_post_stats *stats,
                                    struct neph_diag *diag)
 {
-    const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
-    const int count = neph_post_sequence(work->params->order, &work->params->settings, sequence);
     enum neph_status status = neph_batch_begin(work->vulkan, &work->batch, diag);
-    for (int i = 0; i < count && !status; i++)
-        status = add_stage(work, sequence[i], &work->views[i],
-                           &stats->gpu_s[sequence[i] - neph_post_stages], diag);
+    for (int i = 0; i < work->stage_count && !status; i++)
+        status = add_stage(work, i, &stats->gpu_s[work->stages[i] - neph_post_stages], diag);
     if (!status)
         status = neph_batch_send(&work->batch, "picture chain", diag);
     return status ? status
@@ -399,7 +444,8 @@ enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_pos
     work.size = (struct size){frame->width_px, frame->height_px};
     if (!neph_image_rgb(frame, NULL, rgb))
         return neph_fail(diag, NEPH_ERR_INPUT, "the frame has no channels R, G and B");
-    const struct size last = last_size(params, work.size);
+    work.stage_count = neph_post_sequence(params->order, &params->settings, work.stages);
+    const struct size last = last_size(&work);
     enum neph_status status = neph_image_create(last.width_px, last.height_px, &image, diag);
     if (!status)
         status = make_room(&work, last, diag);

@@ -77,6 +77,11 @@ bool neph_post_is_on(const struct neph_post_stage *stage, const struct neph_sett
 int neph_post_sequence(const struct neph_post_order *order, const struct neph_settings *settings,
                        const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX]);
 
+/* From the size of a window to that of frames which the chain enlarges to it: by the percents of
+ * what enlarges, rounded up. */
+void neph_post_frame_size(const struct neph_post_order *order, const struct neph_settings *settings,
+                          int *width_px, int *height_px);
+
 /* Where the picture is one for a display, values of 1 being its white. */
 bool neph_post_is_displayed(const struct neph_settings *settings);
 
@@ -95,6 +100,7 @@ struct neph_post_params {
     int frame;                           /* of the grain */
     uint64_t seed;
     double step_s;             /* since the frame before, >= 0 */
+    int width_px, height_px;   /* of the window that stages enlarge to; 0: by their percents */
     struct neph_post_eye *eye; /* of the sequence, borrowed; NULL: each frame is the first */
 };
 

@@ -316,7 +316,17 @@ struct Behind {
     vec3 radiance, air, through;
 };
 
-// The first of the solids is the ground, to which the table of views goes.
+// From the sky and the ground around, to a solid: the first of them is the ground, whose own is
+// among the tables.
+vec3 sky_irradiance_of(Hit hit, vec3 point_m)
+{
+    SkySpot spot = sky_spot(point_m);
+    if (hit.solid != 0u || eye.has_field == 0u)
+        return sky_irradiance(spot, solid_normal(solids[hit.solid], point_m));
+    return frame.sun_irradiance * sky_field_ground(spot.sun_cosine);
+}
+
+// The table of views goes to the ground.
 Behind sky_behind(Hit hit, ViewRay ray)
 {
     SkyLight all = sky_look_up(eye.places[0], sky_ray_along(eye.places[0], ray.direction));
@@ -329,7 +339,7 @@ Behind sky_behind(Hit hit, ViewRay ray)
         return Behind(frame.sun_irradiance * all.radiance, frame.sun_irradiance * all.volume,
                       all.transmittance);
     vec3 point_m = view_point_m(ray, hit.t_m);
-    vec3 from_sky = sky_irradiance(sky_spot(point_m), solid_normal(solids[hit.solid], point_m));
+    vec3 from_sky = sky_irradiance_of(hit, point_m);
     vec3 radiance = surface_radiance(hit, point_m) +
                     solids[hit.solid].albedo.rgb / PI * from_sky;
     if (hit.solid != 0u) {

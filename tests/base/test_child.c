@@ -7,6 +7,7 @@
 
 #include "base/child.h"
 #include "base/clock.h"
+#include "base/confine.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -243,6 +244,38 @@ static void test_working_directory(void **state)
     params.working_directory = "/no/such/folder";
     assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_IO);
     assert_non_null(strstr(diag.message, "/no/such/folder"));
+}
+
+/* What a confined program, or one that it starts, does to files elsewhere comes to nothing; in its
+ * folder it does as it likes. */
+static void test_confined(void **state)
+{
+    char log[SCRATCH_PATH_MAX], own[SCRATCH_PATH_MAX], kept[SCRATCH_PATH_MAX],
+        made[SCRATCH_PATH_MAX], inside[SCRATCH_PATH_MAX];
+    if (!neph_confine_is_there())
+        skip();
+    neph_assert_ok(neph_dir_create(scratch_path(state, own, "own"), NULL), NULL);
+    neph_assert_ok(neph_file_write(scratch_path(state, kept, "kept"), "kept\n", 5, NULL), NULL);
+    const char *const argv[] = {
+        "sh", "-c",
+        "sh -c 'echo gone > ../kept; rm ../kept; mv ../kept .; touch "
+        "../made; mkdir ../folder; ln ../kept linked' 2> /dev/null; mkdir a "
+        "&& echo in > a/file && mv a/file inside && cat ../kept inside",
+        NULL};
+    struct neph_child_params params = {.argv = argv,
+                                       .working_directory = own,
+                                       .log_path = scratch_path(state, log, "log"),
+                                       .is_confined = true};
+    struct neph_child_result result;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_child_run(&params, &result, &diag), &diag);
+    assert_log(log, "kept\nin\n");
+    assert_false(neph_path_exists(scratch_path(state, made, "made")));
+    assert_false(neph_path_exists(scratch_path(state, made, "folder")));
+    assert_true(neph_path_exists(scratch_path(state, inside, "own/inside")));
+    params.is_confined = false; /* which is what keeps it from that */
+    assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_ENGINE); /* a is there */
+    assert_true(neph_path_exists(scratch_path(state, made, "made")));
 }
 
 /* A relative path is meant from here, also when the child works elsewhere. */
@@ -600,6 +633,7 @@ int main(int argc, char **argv)
         scratch_test(test_missing_programs),
         scratch_test(test_programs_that_cannot_start),
         scratch_test(test_working_directory),
+        scratch_test(test_confined),
         scratch_test(test_relative_program),
         scratch_test(test_environment),
         scratch_test(test_relative_home),

@@ -213,6 +213,82 @@ volumes:
             seen = reds(self.root / "out" / frame.name)[0]
             self.assertAlmostEqual(seen, 0.5 * 2 ** ev, places=5, msg=str(number))
 
+    WALK = """
+name: walk
+title: a walk
+physics: none
+camera:
+  keys:
+    - {frame: 0, position_m: [0, 1, 0], look_at_m: [100, 1, 0]}
+    - {frame: 2, position_m: [20, 1, 0], look_at_m: [120, 1, 0]}
+  vertical_fov_deg: 60
+frames: {count: 3}
+background_w_per_m2_sr: [0.4, 0.4, 0.4]
+scattering: none
+media:
+  - homogeneous: {extinction_per_m: 0.01, albedo: [1, 1, 1],
+                  bounds: {min_m: [60, 0, 0], max_m: [70, 9, 9]}}
+"""
+    TUNNEL = """
+preset: unreal
+passes: [{pass: exposure}, {pass: tone_mapping}, {pass: sharpening}, {pass: upscale}]
+settings: {auto_exposure: 'on', sharpen: cas%s}
+volumes:
+  - name: tunnel
+    blend_radius_m: 10
+    box: {minimum_m: [-5, 0, -5], maximum_m: [5, 5, 5]}
+    settings: {exposure_ev: -1%s}
+"""
+
+    def test_a_scene_is_shown_by_its_chain(self):
+        """Beside each frame what `neph post` makes of it, camera, grain and eye included."""
+        self.chain(self.TUNNEL % ("", ""))
+        scene = self.root / "walk.yaml"
+        scene.write_text(self.WALK + "display: {chain: chain.yaml}\n")
+        words = ["-e", "march", "-s", "steps=2", "--size", "16x8", "--frames", "3", "--seed", "5"]
+        done = neph("render", scene, *words, "--json", "-o", self.root / "shown")
+        neph("render", scene, *words, "-q", "--chain", "off", "-o", self.root / "plain")
+        self.assertFalse((self.root / "plain" / "shown").exists())
+        neph("post", self.root / "plain", "--chain", self.root / "chain.yaml", "--scene", scene,
+             "--seed", "5", "--png", "-q", "-o", self.root / "posted")
+        levels = set()
+        for result in json.loads(done.stdout):
+            picture = pathlib.Path(result["shown"])
+            frame = self.root / "plain" / picture.name
+            self.assertEqual(reds(self.root / "shown" / picture.name), reds(frame))
+            self.assertEqual(reds(picture), reds(self.root / "posted" / picture.name))
+            self.assertEqual(picture.with_suffix(".png").read_bytes(),
+                             (self.root / "posted" / picture.name).with_suffix(".png").read_bytes())
+            self.assertIn("shown_tone_mapping_gpu_ms", result["stats"])
+            levels.add(round(max(reds(picture)), 3))
+        self.assertEqual(len(levels), 3)  # inside, half way, outside
+
+    def test_a_chain_that_enlarges_makes_frames_smaller(self):
+        scene = self.root / "walk.yaml"
+        scene.write_text(self.WALK)
+        enlarging = ", upscale: bilinear, screen_percent: 67"
+        words = ["render", scene, "-s", "steps=2", "--size", "17x9", "-q", "--chain",
+                 self.chain(self.TUNNEL % (enlarging, "")), "-o", self.root / "out"]
+        neph(*words)
+        name = "walk_march_0000.exr"
+        self.assertEqual(frames.read_exr(self.root / "out" / name)[:2], (12, 7))
+        self.assertEqual(frames.read_exr(self.root / "out" / "shown" / name)[:2], (17, 9))
+        self.chain(self.TUNNEL % ("", enlarging))
+        self.assertIn("volume 'tunnel'", neph(*words, code=64).stderr)
+        self.chain("passes: [{pass: fxaa}]")
+        self.assertIn("are off", neph(*words, code=64).stderr)
+        scene.write_text(self.WALK + "display: {chain: none.yaml}\n")
+        done = neph("render", scene, "-o", self.root / "out", code=66)
+        self.assertIn(str(self.root / "none.yaml"), done.stderr)
+
+    def test_engines_with_passes_say_what_comes_behind_them(self):
+        [listed] = json.loads(neph("engines", "realtime", "--json").stdout)
+        stages = [stage["name"] for stage in listed["display_stages"]]
+        self.assertEqual(stages, [stage["name"] for stage in
+                                  json.loads(neph("post", "--list", "--json").stdout)["stages"]])
+        text = neph("engines", "realtime").stdout
+        self.assertLess(text.index("anti-aliasing"), text.index("secondary upscale"))
+
     def test_a_chain_lists_itself_and_its_faults(self):
         chain = self.chain("passes: [{pass: upscale}, {pass: exposure, on: false},\n"
                            "         {pass: tone_mapping}]\n"

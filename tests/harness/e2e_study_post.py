@@ -48,7 +48,7 @@ class StudyPost(unittest.TestCase):
         self.assertAlmostEqual(float(rows[1]["flip"]), curve["flip"], places=7)
         chart = (self.folder / "out" / "post.svg").read_text()
         root = ElementTree.fromstring(chart)
-        marks = root.findall("{http://www.w3.org/2000/svg}circle")
+        marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
         self.assertEqual(len(marks), 2 * len(chains))  # that of the legend; no FLIP of HDR
         text = (self.folder / "a.md").read_text()
         for name in chains:

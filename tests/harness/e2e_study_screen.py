@@ -5,8 +5,12 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import night  # noqa: E402
 
 NEPH = os.environ["NEPH"]
 ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
@@ -50,9 +54,45 @@ class StudyScreen(unittest.TestCase):
         self.assertEqual((self.folder / "a.md").read_text(), table)
         self.assertIn(table, again.stdout)
 
+    def test_pictures_flicker_by_what_rays_leave(self):
+        """One ray and no memory is another picture each frame; what stands still has one truth."""
+        calm, raw = "screen+gi=off", "screen+gi=off+ssr_rays=1+ssr_history=0+ssr_smooth=0"
+        done = self.run_neph("surface_rough", "--size", "24x14", "--samples", "32", "--models",
+                             f"{calm},{raw}", "--frames", "16", "--quiet", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        over = json.loads(done.stdout)["scenes"]["surface_rough"]["over_frames"]
+        self.assertEqual(over["frames"], 16)
+        for number, times in (("change", 2.0), ("seen", 1.2), ("luma_change", 2.0)):
+            self.assertGreater(over["models"][raw][number], times * over["models"][calm][number])
+        self.assertLess(over["models"][calm]["error"], over["models"][raw]["error"])
+
+    def test_a_scene_that_moves_has_a_truth_a_frame(self):
+        done = self.run_neph("surface_ground", "--size", "8x5", "--samples", "2", "--models",
+                             "screen+gi=off", "--frames", "64", "--quiet", "--markdown", "a.md")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("| surface_ground | screen+gi=off | 32 |", (self.folder / "a.md").read_text())
+
+    @night.of_the_night
+    def test_cycles_is_a_witness(self):
+        """Another program says the same, of the truth and so of a screen: within 4.5 standard
+        errors, which docs/surfaces.md has for four times as many pixels."""
+        done = self.run_neph("surface_rough", "surface_mirror", "--size", "48x27", "--samples",
+                             "1024", "--cycles", "1024", "--models", "screen", "--quiet", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)["scenes"]
+        for part, noise in (("ambient occlusion", 0.002), ("indirect light", 0.072),
+                            ("reflections", 0.042)):
+            against = found["surface_rough"]["against_cycles"][part]
+            ours = found["surface_rough"][part]["models"]["screen"]
+            self.assertLess(abs(against["cycles"]["bias"]), noise, part)
+            self.assertLess(abs(against["models"]["screen"]["bias"] - ours["bias"]), noise, part)
+        refused = found["surface_mirror"]["against_cycles"]["reflections"]["cycles"]
+        self.assertIsNone(refused["bias"])
+
     def test_refusals(self):
         for code, words, arguments in ((64, "no screen", ("--models", "march")),
                                        (2, "without solids", ("height_fog_up",)),
+                                       (64, "16 frames", ("--frames", "3")),
                                        (66, "nowhere", ("nowhere",))):
             done = self.run_neph("--size", "4x4", "--samples", "2", *arguments)
             self.assertEqual(done.returncode, code, done.stderr)

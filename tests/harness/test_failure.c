@@ -11,8 +11,10 @@
 #include "harness/failure/expectations.h"
 #include "harness/failure/letter.h"
 #include "harness/failure/measures.h"
+#include "harness/failure/pieces.h"
 #include "harness/failure/plan.h"
 #include "harness/failure/share.h"
+#include "harness/failure/trial.h"
 #include "harness/run/job.h"
 #include "metrics/extractors/extractors.h"
 
@@ -387,7 +389,7 @@ static void test_presets_and_engines_choose_columns(void **state)
         int presets, engines;
     } cases[] = {
         {{.only = fog, .only_count = 1}, 3, 4},
-        {{.only = fog, .only_count = 1, .full = true}, 7, 4},
+        {{.only = fog, .only_count = 1, .full = true}, 9, 4},
         {{.only = fence, .only_count = 1}, 3, 0},
         {{.only = fog, .only_count = 1, .presets = ours, .preset_count = 1}, 1, 0},
         {{.only = fog, .only_count = 1, .engines = march, .engine_count = 1}, 0, 1},
@@ -454,6 +456,74 @@ static void test_the_worst_is_first(void **state)
     assert_true(isinf(neph_failure_excess(&rows[2], &cells[2][0])));
     assert_true(neph_failure_excess(&rows[1], &cells[1][0]) == 1.5);
     free(spots);
+}
+
+/* ---- pieces ---------------------------------------------------------------------------------- */
+
+static bool is_asked_at(const struct neph_failure_suite *suite, int row, int column)
+{
+    const struct neph_failure_point point = neph_failure_point_at(suite, row);
+    return neph_failure_is_asked(suite, &point, column);
+}
+
+/* Each trial that is asked for is there once. */
+static void assert_all_once(const struct neph_failure_suite *suite,
+                            const struct neph_failure_pieces *pieces)
+{
+    int asked = 0;
+    for (int row = 0; row < suite->row_count; row += neph_failure_point_at(suite, row).row_count)
+        for (int c = 0; c < suite->column_count; c++)
+            asked += is_asked_at(suite, row, c);
+    assert_int_equal(pieces->count, asked);
+    for (int i = 0; i < pieces->count; i++) {
+        assert_true(is_asked_at(suite, pieces->list[i].row, pieces->list[i].column));
+        for (int k = 0; k < i; k++)
+            assert_true(pieces->list[i].row != pieces->list[k].row ||
+                        pieces->list[i].column != pieces->list[k].column);
+    }
+}
+
+static void test_one_process_goes_from_point_to_point(void **state)
+{
+    (void)state;
+    struct neph_failure_suite suite = {.scenes = NULL};
+    struct neph_failure_pieces pieces;
+    plan(&suite, false);
+    assert_int_equal(neph_failure_pieces_list(&suite, false, &pieces, NULL), NEPH_OK);
+    assert_all_once(&suite, &pieces);
+    for (int i = 1; i < pieces.count; i++)
+        assert_true(pieces.list[i].row >= pieces.list[i - 1].row);
+    free(pieces.list);
+    neph_failure_finish(&suite);
+}
+
+static void test_several_begin_with_truths_and_with_what_takes_long(void **state)
+{
+    (void)state;
+    struct neph_failure_suite suite = {.scenes = NULL};
+    struct neph_failure_pieces pieces;
+    int later_count = 0;
+    plan(&suite, false);
+    assert_int_equal(neph_failure_pieces_list(&suite, true, &pieces, NULL), NEPH_OK);
+    assert_all_once(&suite, &pieces);
+    for (int i = 1; i < pieces.count; i++) {
+        const struct neph_failure_piece *a = &pieces.list[i - 1], *b = &pieces.list[i];
+        assert_true(b->is_later || !a->is_later);
+        assert_true(a->is_later != b->is_later || a->cost >= b->cost);
+    }
+    for (int i = 0; i < pieces.count; i++) {
+        const struct neph_failure_piece *later = &pieces.list[i];
+        bool has_truth = !later->is_later;
+        for (int k = 0; k < i && !has_truth; k++)
+            has_truth = pieces.list[k].row == later->row && !pieces.list[k].is_later &&
+                        suite.columns[pieces.list[k].column].is_preset ==
+                            suite.columns[later->column].is_preset;
+        assert_true(has_truth);
+        later_count += later->is_later;
+    }
+    assert_true(later_count > 0 && later_count < pieces.count);
+    free(pieces.list);
+    neph_failure_finish(&suite);
 }
 
 /* ---- shares ---------------------------------------------------------------------------------- */
@@ -617,6 +687,8 @@ int main(void)
         cmocka_unit_test(test_presets_and_engines_choose_columns),
         cmocka_unit_test(test_engines_are_asked_for_what_is_of_a_picture),
         cmocka_unit_test(test_the_worst_is_first),
+        cmocka_unit_test(test_one_process_goes_from_point_to_point),
+        cmocka_unit_test(test_several_begin_with_truths_and_with_what_takes_long),
         scratch_test(test_all_shares_are_heard_and_the_whole_is_there_for_the_rest),
         scratch_test(test_one_job_has_nobody_to_tell),
         scratch_test(test_what_fails_here_ends_all),

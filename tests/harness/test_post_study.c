@@ -7,6 +7,7 @@
 
 #include "harness/engines/vulkan_device.h"
 #include "harness/study/post_study.h"
+#include "harness/study/svg.h"
 
 enum { width = 24, height = 16, pixels = width * height, frames = 24, warm_up = 8 };
 
@@ -36,6 +37,33 @@ static void test_the_chains_make_sense(void **state)
             assert_string_not_equal(row->name, other->name);
         assert_true(row->is_of_whole || row == neph_post_rows || !row[-1].is_of_whole);
     }
+}
+
+/* A mark as SVG, all colours but white being one. */
+static char *grey_mark(int number)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *file = open_memstream(&text, &size);
+    neph_svg_print_mark(number, 1.0, 2.0, file);
+    fclose(file);
+    for (char *c = strchr(text, '#'); c; c = strchr(c + 1, '#'))
+        if (c[4] != '"')
+            memset(c + 1, '0', 6);
+    return text;
+}
+
+static void test_marks_differ_without_their_colours(void **state)
+{
+    char *marks[NEPH_SVG_MARKS];
+    (void)state;
+    for (int i = 0; i < NEPH_SVG_MARKS; i++) {
+        marks[i] = grey_mark(i);
+        for (int other = 0; other < i; other++)
+            assert_string_not_equal(marks[i], marks[other]);
+    }
+    for (int i = 0; i < NEPH_SVG_MARKS; i++)
+        free(marks[i]);
 }
 
 /* ---- films ----------------------------------------------------------------------------------- */
@@ -140,7 +168,10 @@ static void test_the_eye_forgives_what_is_brighter(void **state)
 
 int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_the_chains_make_sense)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_chains_make_sense),
+        cmocka_unit_test(test_marks_differ_without_their_colours),
+    };
     const struct CMUnitTest engines[] = {
         cmocka_unit_test(test_what_is_known_is_measured),
         cmocka_unit_test(test_what_is_true_has_no_error_but_of_grain),

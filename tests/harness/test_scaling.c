@@ -7,7 +7,9 @@
 
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/sweep/front.h"
 #include "harness/sweep/ladder.h"
+#include "harness/sweep/repeat.h"
 #include "harness/sweep/scaled.h"
 #include "harness/sweep/scaling.h"
 #include "harness/sweep/stability.h"
@@ -307,9 +309,124 @@ static void test_fronts_hold_up_to_intervals(void **state)
     assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_OFF);
     points[1][1].evaluations = NAN;
     assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_ABSENT);
+    /* Beaten by half as much again at twice the cost: a third off would do, of both. */
+    make_sweep(&series, 1.5, 0.1, points[1], &sweeps[1]);
+    assert_true(fabs(neph_stability_off(sweeps, SWEEPS, 1, NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR) -
+                     0.5) < 1e-12);
+    assert_true(neph_stability_off(sweeps, SWEEPS, 2, NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR) ==
+                0.0);
     /* A point never beats itself, nor one that is as good. */
     assert_false(
         neph_stability_beats(&points[0][0], &points[0][0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR));
+}
+
+/* --- seeds ---------------------------------------------------------------------------------- */
+
+/* Nearly normal, of variance 1: the sum of twelve even ones. */
+static double normal(uint64_t *seed)
+{
+    double sum = -6.0;
+    for (int i = 0; i < 12; i++)
+        sum += neph_test_uniform(seed, 0.0, 1.0);
+    return sum;
+}
+
+/* Three seeds of a number without an interval of its own: 95 % of such intervals hold the truth. */
+static void test_intervals_hold_what_seeds_differ_by(void **state)
+{
+    (void)state;
+    enum { TRIALS = 2000, SEEDS = 3 };
+    uint64_t seed = 20261125;
+    int held = 0;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        struct neph_sweep_value values[SEEDS];
+        for (int i = 0; i < SEEDS; i++)
+            values[i] = (struct neph_sweep_value){1.0 + 0.1 * normal(&seed), NAN, NAN};
+        const struct neph_sweep_value mean = neph_sweep_repeated(values, SEEDS);
+        held += mean.low <= 1.0 && 1.0 <= mean.high;
+    }
+    /* 95 % give or take four standard deviations of the count */
+    assert_true(abs(held - 95 * TRIALS / 100) < 4 * sqrt(0.95 * 0.05 * TRIALS));
+    /* One seed has the interval over its picture; several have both, squares added up. */
+    const struct neph_sweep_value one = {2.0, 1.7, 2.4}, same[] = {one, one, one};
+    const struct neph_sweep_value alone = neph_sweep_repeated(&one, 1),
+                                  three = neph_sweep_repeated(same, 3);
+    assert_true(alone.low == 1.7 && alone.high == 2.4);
+    assert_true(three.value == 2.0 && fabs(three.low - 1.7) < 1e-12 &&
+                fabs(three.high - 2.4) < 1e-12);
+    /* 4.302653 is Student's for two degrees of freedom; 0.1 / sqrt(3) the error of the mean. */
+    const struct neph_sweep_value apart[] = {{1.9, 1.6, 2.2}, {2.0, 1.7, 2.3}, {2.1, 1.8, 2.4}};
+    const struct neph_sweep_value both = neph_sweep_repeated(apart, 3);
+    assert_true(fabs(both.high - 2.0 - hypot(0.3, 4.302653 * 0.1 / sqrt(3.0))) < 1e-6);
+    assert_true(
+        isnan(neph_sweep_repeated((struct neph_sweep_value[]){one, {NAN, NAN, NAN}}, 2).value));
+}
+
+/* Sweeps of seeds beside each other share none, of points or of the truth. */
+static void test_sweeps_share_no_seed(void **state)
+{
+    (void)state;
+    enum { BASES = 16, REPEATS = 99 + 2 };
+    uint64_t all[BASES * REPEATS];
+    int count = 0;
+    for (int base = 0; base < BASES; base++)
+        for (int i = 0; i < REPEATS; i++)
+            all[count++] = neph_sweep_seed((uint64_t)(1000000 - base),
+                                           i < 99 ? i : NEPH_SWEEP_TRUTH_REPEAT + i - 99);
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < i; k++)
+            assert_true(all[i] != all[k]);
+}
+
+enum { PLANTED_SWEEPS = 3, PLANTED_POINTS = 8, PLANTED_SEEDS = 3 };
+
+/* Fronts of sweeps whose numbers are those of the plan times what a seed makes of them; `gone` is a
+ * sweep in which the engine of the third point is another one. */
+static int moved_points(uint64_t *seed, double noise, int gone)
+{
+    struct neph_sweep_series series = {.name = (char[]){"a"}};
+    struct neph_sweep_point points[PLANTED_SWEEPS][PLANTED_POINTS];
+    struct neph_sweep sweeps[PLANTED_SWEEPS];
+    int moved = 0;
+    for (int s = 0; s < PLANTED_SWEEPS; s++) {
+        struct neph_front_point front[PLANTED_POINTS];
+        for (int i = 0; i < PLANTED_POINTS; i++) {
+            struct neph_sweep_value values[PLANTED_SEEDS];
+            const double plan = (s == gone && i == 2 ? 3.0 : 1.0) / (1.0 + i / 2);
+            for (int k = 0; k < PLANTED_SEEDS; k++)
+                values[k] = (struct neph_sweep_value){plan * (1.0 + noise * normal(seed)), NAN,
+                                                      NAN};
+            points[s][i] = (struct neph_sweep_point){
+                .series = &series, .evaluations = 1.0 + i, .time = {NAN, NAN, NAN}};
+            points[s][i].numbers[NEPH_SWEEP_ERROR] = neph_sweep_repeated(values, PLANTED_SEEDS);
+            front[i].values[0] = points[s][i].evaluations;
+            front[i].values[1] = points[s][i].numbers[NEPH_SWEEP_ERROR].value;
+        }
+        neph_front_find(front, PLANTED_POINTS, 2);
+        for (int i = 0; i < PLANTED_POINTS; i++)
+            points[s][i].on_front[NEPH_SWEEP_ERROR] = front[i].on_front;
+        sweeps[s] = (struct neph_sweep){.points = points[s], .point_count = PLANTED_POINTS};
+    }
+    for (int i = 0; i < PLANTED_POINTS; i++)
+        moved += neph_stability_judge(sweeps, PLANTED_SWEEPS, i, NEPH_SWEEP_COST_WORK,
+                                      NEPH_SWEEP_ERROR) == NEPH_STABILITY_MOVED;
+    return moved;
+}
+
+/* By pairs the second point costs more for the same number: which of both is on the front, chance
+ * decides, and nothing has moved. A point that is another engine's in one sweep has. */
+static void test_planted_fronts(void **state)
+{
+    (void)state;
+    enum { TRIALS = 300 };
+    uint64_t seed = 20261126;
+    int stable = 0, unstable = 0;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        stable += moved_points(&seed, 0.02, -1) > 0;
+        unstable += moved_points(&seed, 0.02, trial % PLANTED_SWEEPS) > 0;
+    }
+    assert_true(stable < TRIALS / 10);
+    assert_true(unstable > 9 * TRIALS / 10);
 }
 
 int main(void)
@@ -326,6 +443,9 @@ int main(void)
         cmocka_unit_test(test_a_program_gets_variants_of_its_file),
         cmocka_unit_test(test_the_ladder_has_a_guest),
         cmocka_unit_test(test_fronts_hold_up_to_intervals),
+        cmocka_unit_test(test_intervals_hold_what_seeds_differ_by),
+        cmocka_unit_test(test_sweeps_share_no_seed),
+        cmocka_unit_test(test_planted_fronts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

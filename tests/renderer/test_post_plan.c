@@ -266,6 +266,127 @@ static void test_the_second_upscale_comes_after_the_first(void **state)
     neph_image_destroy(image);
 }
 
+/* Passes from the last to the first are turned off: what is then the last writes the picture, and
+ * makes it of what the one before had written. */
+static void test_the_last_that_is_on_writes_the_picture(void **state)
+{
+    static const struct {
+        const char *setting;
+        int percent; /* of the side before */
+    } passes[] = {{"bloom=conserving", 100}, {"tone=on lut=on grain=3 vignette=0.4", 100},
+                  {"fxaa=quality_29", 100},  {"upscale=easu", 200},
+                  {"sharpen=rcas", 100},     {"secondary_upscale=catmull_rom", 200}};
+    enum { width = 13, height = 9, count = sizeof(passes) / sizeof(passes[0]) };
+    char all[300] = "";
+    float *rgb[3], *whole[3], *step[3];
+    uint64_t seed = 7;
+    struct neph_image *before = post_image(width, height, rgb);
+    struct neph_image *frame = post_image(width, height, step);
+    for (int i = 0; i < width * height; i++)
+        for (int c = 0; c < 3; c++)
+            rgb[c][i] = step[c][i] = (float)exp2(neph_test_uniform(&seed, -6.0, 3.0));
+    for (int k = 0, side = width; k < count; k++) {
+        snprintf(all + strlen(all), sizeof(all) - strlen(all), " %s", passes[k].setting);
+        struct neph_image *made = made_by(*state, NULL, all, frame, whole);
+        struct neph_image *alone = made_by(*state, NULL, passes[k].setting, before, step);
+        side = side * passes[k].percent / 100;
+        assert_int_equal(made->width_px, side);
+        for (size_t i = 0; i < neph_image_pixel_count(made); i++)
+            for (int c = 0; c < 3; c++)
+                assert_true(whole[c][i] == step[c][i] && isfinite(whole[c][i]));
+        neph_image_destroy(made);
+        neph_image_destroy(before);
+        before = alone;
+    }
+    neph_image_destroy(before);
+    neph_image_destroy(frame);
+}
+
+static double half_ulp(double value)
+{
+    return ldexp(1.0, (int)fmax(floor(log2(fmax(fabs(value), 1e-30))), -14.0) - 10);
+}
+
+/* Halves are within a step of theirs, whichever way a device rounds; 10 bits are codes. */
+static void test_targets_keep_what_fits_into_them(void **state)
+{
+    static const char chain[] = "bloom=conserving tone=on tone_map=reinhard sharpen=cas";
+    static const char *const last[] = {"bloom=conserving", "tone=on tone_map=reinhard"};
+    enum { width = 13, height = 9 };
+    float *in[3], *full[3], *half[3], *codes[3];
+    uint64_t seed = 11;
+    struct neph_image *image = post_image(width, height, in);
+    for (int i = 0; i < width * height; i++)
+        for (int c = 0; c < 3; c++)
+            in[c][i] = (float)exp2(neph_test_uniform(&seed, -12.0, 12.0));
+    for (int k = 0; k < 3; k++) {
+        char settings[200];
+        struct neph_image *made[3];
+        float **rgb[3] = {full, half, codes};
+        static const char *const targets[] = {"float32", "float16", "unorm10"};
+        for (int t = 0; t < 3; t++) {
+            snprintf(settings, sizeof(settings), "%s targets=%s", k < 2 ? last[k] : chain,
+                     targets[t]);
+            made[t] = made_by(*state, NULL, settings, image, rgb[t]);
+        }
+        for (int c = 0; c < 3; c++)
+            for (int i = 0; i < width * height; i++) {
+                const double code = 1023.0 * codes[c][i];
+                if (k < 2)
+                    neph_assert_close(half[c][i], full[c][i], 0.0, half_ulp(full[c][i]));
+                if (k == 0)
+                    assert_true(codes[c][i] == half[c][i]); /* there is no tone mapping */
+                if (k == 1)
+                    neph_assert_close(codes[c][i], full[c][i], 0.0, 0.50001 / 1023.0);
+                if (k > 0)
+                    neph_assert_close(code, round(code), 0.0, 1e-3);
+                assert_true(isfinite(half[c][i]) && half[c][i] >= 0.0 && codes[c][i] >= 0.0);
+            }
+        for (int t = 0; t < 3; t++)
+            neph_image_destroy(made[t]);
+    }
+    neph_image_destroy(image);
+}
+
+/* Frames of a window's chain are smaller by its percents, and become that window, to the pixel. */
+static void test_a_window_is_met_to_the_pixel(void **state)
+{
+    static const struct {
+        int window_px[2], frame_px[2];
+        const char *settings;
+    } cases[] = {
+        {{37, 23}, {37, 23}, "tone=on screen_percent=50"},
+        {{38, 22}, {19, 11}, "upscale=nearest screen_percent=50"},
+        {{37, 23}, {25, 16}, "upscale=lanczos screen_percent=67"},
+        {{37, 23},
+         {21, 14},
+         "upscale=easu screen_percent=70 secondary_upscale=bilinear "
+         "secondary_percent=80"},
+        {{5, 1}, {1, 1}, "upscale=bilinear screen_percent=12.5"},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_post_params params = {.settings = post_settings(cases[i].settings)};
+        int width_px = cases[i].window_px[0], height_px = cases[i].window_px[1];
+        struct neph_diag diag = {0};
+        struct neph_image *made;
+        float *rgb[3];
+        params.width_px = width_px;
+        params.height_px = height_px;
+        neph_post_frame_size(NULL, &params.settings, &width_px, &height_px);
+        assert_int_equal(width_px, cases[i].frame_px[0]);
+        assert_int_equal(height_px, cases[i].frame_px[1]);
+        struct neph_image *image = post_image(width_px, height_px, rgb);
+        for (int c = 0; c < 3; c++)
+            for (int p = 0; p < width_px * height_px; p++)
+                rgb[c][p] = 0.5f;
+        neph_assert_ok(neph_post_run(*state, &params, image, &made, NULL, &diag), &diag);
+        assert_int_equal(made->width_px, cases[i].window_px[0]);
+        assert_int_equal(made->height_px, cases[i].window_px[1]);
+        neph_image_destroy(made);
+        neph_image_destroy(image);
+    }
+}
+
 int main(int count, char **arguments)
 {
     const struct CMUnitTest manual[] = {
@@ -279,6 +400,9 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_what_makes_no_sense_is_refused_by_line),
         cmocka_unit_test(test_the_order_is_what_runs),
         cmocka_unit_test(test_the_second_upscale_comes_after_the_first),
+        cmocka_unit_test(test_the_last_that_is_on_writes_the_picture),
+        cmocka_unit_test(test_a_window_is_met_to_the_pixel),
+        cmocka_unit_test(test_targets_keep_what_fits_into_them),
     };
     return cmocka_run_group_tests(manual, NULL, NULL) +
            cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);

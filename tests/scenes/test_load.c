@@ -383,7 +383,8 @@ static void test_hash_follows_the_physics(void **state)
     hash_of("name: probe", "name: probe", base);
     hash_of("title: a probe", "title: another # and a comment", other);
     assert_string_equal(base, other);
-    hash_of("scattering: single", "scattering: single\ndisplay: {exposure_ev: 3}", other);
+    hash_of("scattering: single", "scattering: single\ndisplay: {exposure_ev: 3, chain: film.yaml}",
+            other);
     assert_string_equal(base, other);
     static const char *const changes[][2] = {
         {"extinction_per_m: 0.5", "extinction_per_m: 0.50000000000000011"},

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/cli/render_shown.h"
+
+#include "base/files.h"
+#include "base/text.h"
+#include "harness/cli/cli.h"
+#include "harness/engines/frame_stats.h"
+#include "harness/engines/vulkan_device.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the chain ------------------------------------------------------------------------------- */
+
+static enum neph_status check(struct neph_shown *shown, const char *path, struct neph_diag *diag)
+{
+    const struct neph_showing *showing = &shown->showing;
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
+    enum neph_status status = neph_showing_check(&shown->showing, diag);
+    if (!status)
+        status = neph_showing_check_size(showing, diag);
+    if (status || showing->plan.volume_count > 0 ||
+        neph_post_sequence(showing->params.order, &showing->settings, stages) > 0)
+        return status;
+    neph_fail(diag, NEPH_ERR_USAGE, "all stages of the chain '%s' are off", path);
+    neph_hint(diag, "`neph post --list` explains them; --chain off renders without one");
+    return NEPH_ERR_USAGE;
+}
+
+enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
+                                 const struct neph_scene *scene, const char *output,
+                                 struct neph_diag *diag)
+{
+    const char *path = chain ? chain : scene->chain;
+    if (!path || (chain && strcmp(chain, "off") == 0))
+        return NEPH_OK;
+    shown->is_on = true;
+    shown->showing.scene = scene;
+    shown->folder = neph_path_join(output, "shown");
+    enum neph_status status = shown->folder ? neph_showing_load(&shown->showing, path, diag)
+                                            : neph_fail_memory(diag);
+    if (!status)
+        status = check(shown, path, diag);
+    if (!status)
+        status = neph_cli_open_folder(shown->folder, diag);
+    return status ? status : neph_vulkan_open(&shown->vulkan, diag);
+}
+
+void neph_shown_close(struct neph_shown *shown)
+{
+    neph_vulkan_destroy(shown->vulkan);
+    neph_showing_finish(&shown->showing);
+    free(shown->folder);
+}
+
+void neph_shown_frame_size(const struct neph_shown *shown, int *width_px, int *height_px)
+{
+    if (shown->is_on)
+        neph_post_frame_size(shown->showing.params.order, &shown->showing.settings, width_px,
+                             height_px);
+}
+
+/* ---- a picture ------------------------------------------------------------------------------- */
+
+/* "shown_bloom_up_gpu_ms" of a stage. */
+static enum neph_status label(struct neph_image *picture, const struct neph_post_params *params,
+                              const struct neph_post_stats *stats, struct neph_diag *diag)
+{
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(params->order, &params->settings, stages);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        char name[64], *end = name + snprintf(name, sizeof(name), "shown_");
+        for (const char *c = stages[i]->name; *c; c++)
+            if (*c != ',')
+                *end++ = (char)(*c == ' ' ? '_' : *c);
+        strcpy(end, "_gpu_ms");
+        status = neph_frame_stats_set(picture, name,
+                                      1e3 * stats->gpu_s[stages[i] - neph_post_stages], diag);
+    }
+    return status;
+}
+
+static enum neph_status write(struct neph_shown *shown, struct neph_image *picture,
+                              const char *name, char **path, struct neph_diag *diag)
+{
+    char *exr = neph_format("%s/%s.exr", shown->folder, name);
+    char *png = neph_format("%s/%s.png", shown->folder, name);
+    const enum neph_status status = exr && png ? neph_showing_write(&shown->showing, picture, exr,
+                                                                    png, diag)
+                                               : neph_fail_memory(diag);
+    free(png);
+    if (status)
+        free(exr);
+    else
+        *path = exr;
+    return status;
+}
+
+enum neph_status neph_shown_make(struct neph_shown *shown, const struct neph_image *frame,
+                                 const char *name, int number, int width_px, int height_px,
+                                 uint64_t seed, char **path, json_t **stats, struct neph_diag *diag)
+{
+    struct neph_post_params *params = &shown->showing.params;
+    struct neph_image *picture = NULL;
+    struct neph_post_stats cost;
+    *path = NULL;
+    *stats = shown->is_on ? NULL : neph_frame_stats(frame);
+    if (!shown->is_on)
+        return NEPH_OK;
+    params->seed = seed;
+    params->step_s = 1.0 / shown->showing.scene->frame_rate_hz;
+    params->width_px = width_px;
+    params->height_px = height_px;
+    params->eye = &shown->showing.eye;
+    enum neph_status status = neph_showing_settle(&shown->showing, number, diag);
+    if (!status)
+        status = neph_post_run(shown->vulkan, params, frame, &picture, &cost, diag);
+    if (!status)
+        status = label(picture, params, &cost, diag);
+    if (!status)
+        status = write(shown, picture, name, path, diag);
+    if (!status)
+        *stats = neph_frame_stats(picture);
+    neph_image_destroy(picture);
+    return status;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What `neph render` leaves beside its frames: pictures for a display, by a picture chain.
+ */
+#ifndef NEPH_HARNESS_CLI_RENDER_SHOWN_H
+#define NEPH_HARNESS_CLI_RENDER_SHOWN_H
+
+#include "harness/json.h"
+#include "harness/run/showing.h"
+
+struct neph_vulkan;
+
+/* Zero-initialise it; for _close. */
+struct neph_shown {
+    bool is_on;
+    char *folder; /* owned */
+    struct neph_showing showing;
+    struct neph_vulkan *vulkan;
+};
+
+/* The chain of the scene, or of a file in its place ("off": none), whose pictures go to
+ * `output`/shown; its camera is that of the scene, which has to outlive it. NEPH_ERR_USAGE: the
+ * chain is off, or has no size of its own. Errors as of loading a chain. */
+enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
+                                 const struct neph_scene *scene, const char *output,
+                                 struct neph_diag *diag);
+
+/* From the size that is asked for to that which is rendered. */
+void neph_shown_frame_size(const struct neph_shown *shown, int *width_px, int *height_px);
+
+/* A picture of a frame, for a window of this size: shown/NAME.exr and .png for FOLDER/NAME.exr.
+ * `*path` is the first, for the caller to free, and NULL where the chain is off; `*stats` are those
+ * of frame and chain, for the caller to decref. */
+enum neph_status neph_shown_make(struct neph_shown *shown, const struct neph_image *frame,
+                                 const char *name, int number, int width_px, int height_px,
+                                 uint64_t seed, char **path, json_t **stats,
+                                 struct neph_diag *diag);
+
+void neph_shown_close(struct neph_shown *shown);
+
+#endif

@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The passes of the screen against their twins in double precision, pixel by pixel: occlusion by
+ * all methods, indirect light, reflections, the picture; with targets of 32 and 16 bits and cameras
+ * of both kinds, at an odd size.
+ */
+#include "tests/renderer/screen_test.h"
+#include "tests/renderer/twins/screen.h"
+
+enum { WIDTH = 37, HEIGHT = 23 };
+
+/* A floor, a turned block on it, a ball of rough metal, a plate that is a mirror, a lamp, the sun,
+ * and the sky. */
+static void set_things(struct test_scene *test)
+{
+    test_scene_init(test);
+    test->key.position_m = (struct neph_vec3){0.5, 1.2, 3.5};
+    test->key.look_at_m = (struct neph_vec3){0.0, 0.5, 0.0};
+    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    test->scene.environment_light = true;
+    test->scene.light_count = 1;
+    test->scene.lights[0] = (struct neph_light){.position_m = {0.5, 1.6, 1.4},
+                                                .intensity_w_per_sr = {2.0, 1.5, 1.0},
+                                                .axis = {0.0, -1.0, 0.0},
+                                                .inner_cosine = -2.0,
+                                                .outer_cosine = -3.0};
+    test_add_box(test, (struct neph_vec3){-9, -1, -9}, (struct neph_vec3){9, 0, 9});
+    test_add_box(test, (struct neph_vec3){-0.9, 0, -0.5}, (struct neph_vec3){-0.1, 0.9, 0.3});
+    test->solids[1].turn = (struct neph_turn){1, cos(0.4), sin(0.4)};
+    test_add_sphere(test, (struct neph_vec3){0.6, 0.4, 0.2}, 0.4);
+    test->solids[2].surface.metalness = 0.7;
+    test->solids[2].surface.roughness = 0.6;
+    test_add_box(test, (struct neph_vec3){-1.4, 0, -1.2}, (struct neph_vec3){1.4, 1.1, -0.9});
+    test->solids[3].surface.metalness = 1.0;
+}
+
+/* ---- a picture that both know ---------------------------------------------------------------- */
+
+struct both {
+    struct test_scene test;
+    struct neph_settings settings;
+    struct neph_screening *screen;
+    struct twin_screen twin;
+    float *texels[SCREEN_TARGET_COUNT]; /* owned */
+};
+
+static unsigned targets_used(const struct neph_settings *settings)
+{
+    unsigned used = 0;
+    for (const struct neph_screen_pass *pass = neph_screen_passes; pass->name; pass++)
+        if (neph_screen_is_on(pass, settings))
+            used |= pass->reads | pass->writes;
+    return used;
+}
+
+/* By a perspective camera, by an orthographic one, with a floor that is a mirror. */
+enum kind { PLAIN, FLAT, MIRROR };
+
+/* After so many frames; what is left on the device is that of the last. */
+static void render(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames,
+                   struct both *both)
+{
+    struct neph_diag diag = {0};
+    *both = (struct both){.settings = screen_settings(settings)};
+    set_things(&both->test);
+    if (kind == MIRROR)
+        both->test.solids[0].surface.metalness = 1.0;
+    if (kind == FLAT) {
+        both->test.scene.vertical_fov_rad = 0.0;
+        both->test.scene.orthographic_height_m = 2.6;
+    }
+    both->screen = screen_of(vulkan, &both->test, WIDTH, HEIGHT, settings);
+    for (int i = 0; i < frames; i++)
+        neph_assert_ok(
+            neph_screening_frame(both->screen, &both->test.scene, 0.0, NULL, NULL, &diag), &diag);
+    const struct neph_camera camera = neph_scene_camera(&both->test.scene, 0.0);
+    const double half = neph_camera_half_height(&camera);
+    both->twin = (struct twin_screen){.scene = &both->test.scene,
+                                      .camera = camera,
+                                      .values = both->settings.values,
+                                      .width_px = WIDTH,
+                                      .height_px = HEIGHT,
+                                      .half_width = half * WIDTH / HEIGHT,
+                                      .half_height = half,
+                                      .frame = (unsigned)frames - 1};
+    for (int t = 0; t < SCREEN_TARGET_COUNT; t++) {
+        if (!(targets_used(&both->settings) >> t & 1u))
+            continue;
+        both->texels[t] = malloc(4 * WIDTH * HEIGHT * sizeof(float));
+        neph_assert_ok(neph_screening_read(both->screen, t, both->texels[t], &diag), &diag);
+        both->twin.targets[t] = both->texels[t];
+    }
+}
+
+static void drop(struct both *both)
+{
+    for (int t = 0; t < SCREEN_TARGET_COUNT; t++)
+        free(both->texels[t]);
+    neph_screening_destroy(both->screen);
+}
+
+/* ---- one against the other ------------------------------------------------------------------- */
+
+typedef struct texel twin_of(const struct twin_screen *twin, int x, int y);
+
+static struct texel ao(const struct twin_screen *twin, int x, int y)
+{
+    const double open = twin_screen_ao(twin, x, y);
+    return (struct texel){{open, open, open, open}};
+}
+
+/* Pixels off by more than float32 (or a half) leaves: where a step falls onto an edge of depth or
+ * between two pixels, its last digit decides which surface is seen. */
+static int count_off(const struct both *both, int target, twin_of *twin, int channels,
+                     double *largest)
+{
+    const bool half = both->settings.values[SCREEN_TARGETS] == SCREEN_FLOAT16;
+    const double relative = half ? 1e-3 : 1e-4, absolute = half ? 1e-3 : 1e-4;
+    int off = 0;
+    *largest = 0.0;
+    for (int p = 0; p < WIDTH * HEIGHT; p++) {
+        const struct texel own = twin(&both->twin, p % WIDTH, p / WIDTH);
+        bool is_off = false;
+        for (int c = 0; c < channels; c++) {
+            const double seen = both->texels[target][4 * p + c], gap = fabs(seen - own.v[c]);
+            assert_true(isfinite(seen) && seen >= 0.0);
+            is_off = is_off || gap > absolute + relative * fabs(own.v[c]);
+            *largest = fmax(*largest, gap);
+        }
+        off += is_off;
+    }
+    return off;
+}
+
+static void check(const struct both *both, int target, twin_of *twin, int channels, int most,
+                  const char *what)
+{
+    double largest;
+    const int off = count_off(both, target, twin, channels, &largest);
+    printf("%s: %d of %d pixels are others, by %.3g at most\n", what, off, WIDTH * HEIGHT, largest);
+    assert_true(off <= most);
+}
+
+/* ---- tests ----------------------------------------------------------------------------------- */
+
+static void check_occlusion(struct neph_vulkan *vulkan, const char *settings, enum kind kind)
+{
+    struct both both;
+    char all[200];
+    snprintf(all, sizeof(all), "gi=off ssr=off ao_blur_px=0 %s", settings);
+    render(vulkan, all, kind, 2, &both);
+    check(&both, SCREEN_OPEN, ao, 1, WIDTH * HEIGHT / 200, settings);
+    drop(&both);
+}
+
+static void test_occlusion(void **state)
+{
+    static const char *const by_day[] = {"ao=gtao", "ao=ssao", "ao=unreal"};
+    static const char *const by_night[] = {
+        "ao=gtao targets=float16",
+        "ao=gtao ao_places=pixel ao_slices=axis ao_sum=mean ao_falloff=0.6 ao_thickness=0.1",
+        "ao=gtao ao_noise=off ao_directions=5 ao_steps=9 ao_step_power=1 ao_radius_m=0.4",
+        "ao=gtao ao_power=2 ao_intensity=0.5",
+        "ao=ssao ao_bias=0.01 ao_radius_m=2",
+        "ao=unreal ao_places=pixel ao_radius_m=2 ao_directions=6 ao_steps=3 targets=float16",
+    };
+    for (size_t i = 0; i < sizeof(by_day) / sizeof(by_day[0]); i++)
+        check_occlusion(*state, by_day[i], PLAIN);
+    check_occlusion(*state, "ao=gtao ao_slices=axis", FLAT);
+    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]) && neph_test_is_night(); i++)
+        for (int kind = PLAIN; kind <= FLAT; kind++)
+            check_occlusion(*state, by_night[i], (enum kind)kind);
+}
+
+/* The second frame, which knows what surfaces had in the first. */
+static void check_rays(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames)
+{
+    struct both both;
+    render(vulkan, settings, kind, frames, &both);
+    printf("frame %d: %s\n", frames, settings);
+    check(&both, SCREEN_GI_RAW, twin_screen_gi, 4, WIDTH * HEIGHT / 200, "indirect light");
+    check(&both, SCREEN_SSR_RAW, twin_screen_ssr, 4, WIDTH * HEIGHT / 200, "reflections");
+    check(&both, SCREEN_LIT, twin_screen_lit, 4, 0, "diffuse light");
+    check(&both, SCREEN_PICTURE, twin_screen_final, 4, 0, "picture");
+    drop(&both);
+}
+
+static void test_rays(void **state)
+{
+    static const char *const by_night[] = {
+        "targets=float16",
+        "gi_bounces=one ray_metal=camera ray_noise=off ao=off",
+        "ray_thickness_m=0 ray_refine=0 gi_reach_m=1.5 gi_rays=3",
+        "ray_step_power=1.5 ssr_steps=20 gi_steps=9 ssr_rays=2 ao=ssao gi_smooth=0 ssr_smooth=1",
+    };
+    check_rays(*state, "", PLAIN, 2);
+    if (!neph_test_is_night())
+        return;
+    check_rays(*state, "", PLAIN, 1);
+    check_rays(*state, "", FLAT, 2);
+    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]); i++)
+        check_rays(*state, by_night[i], PLAIN, 3);
+}
+
+/* ---- a mirror's rays ------------------------------------------------------------------------- */
+
+struct found {
+    int known, found, wrong; /* meetings that the picture shows; met; met where it shows none */
+    double off_px;           /* summed over those that were met */
+};
+
+/* Whether a place of the world is what its pixel shows. */
+static bool is_shown(const struct both *both, struct neph_vec3 point_m, struct vec2 *place_px)
+{
+    const struct neph_camera *camera = &both->twin.camera;
+    const struct neph_vec3 way_m = neph_vec3_sub(point_m, camera->position_m);
+    const struct neph_vec3 own_m = {neph_vec3_dot(way_m, camera->right),
+                                    neph_vec3_dot(way_m, camera->up),
+                                    neph_vec3_dot(way_m, camera->forward)};
+    *place_px = twin_screen_pixel_of(&both->twin, own_m);
+    const double distance_m = neph_vec3_length(way_m);
+    const struct neph_hit hit = neph_scene_hit(&both->test.scene, camera->position_m,
+                                               neph_vec3_scale(way_m, 1.0 / distance_m));
+    return own_m.z > 0.0 && hit.solid && fabs(hit.t_m - distance_m) < 1e-6 * distance_m &&
+           twin_screen_is_inside(&both->twin, (int)floor(place_px->x), (int)floor(place_px->y));
+}
+
+/* Against what the mirrored ray meets in truth. */
+static void look_into_mirror(const struct both *both, int p, struct found *found)
+{
+    struct neph_vec3 point_m, met_m;
+    struct vec2 place_px, met_px;
+    const struct neph_hit own = screen_hit(&both->test, WIDTH, HEIGHT, p % WIDTH, p / WIDTH,
+                                           &point_m);
+    if (own.solid != &both->test.solids[0] || own.normal.y < 0.5)
+        return;
+    struct neph_vec3 way = neph_vec3_normalize(
+        neph_vec3_sub(point_m, both->twin.camera.position_m));
+    way.y = -way.y;
+    const struct neph_vec3 from_m = neph_vec3_along(point_m, own.normal, 1e-9);
+    const struct neph_hit hit = neph_scene_hit(&both->test.scene, from_m, way);
+    const bool is_known = hit.solid &&
+                          is_shown(both, neph_vec3_along(from_m, way, hit.t_m), &place_px);
+    const bool is_met = twin_screen_mirror(&both->twin, p % WIDTH, p / WIDTH, &met_m);
+    found->known += is_known;
+    found->wrong += is_met && !is_known;
+    if (!is_known || !is_met)
+        return;
+    met_px = twin_screen_pixel_of(&both->twin, met_m);
+    found->found++;
+    found->off_px += hypot(met_px.x - place_px.x, met_px.y - place_px.y);
+}
+
+/* By the twin, which is the device's ray: nearly all that the picture can show is found, within a
+ * fraction of a pixel. */
+static void test_a_mirror_finds_what_is_shown(void **state)
+{
+    struct both both;
+    struct found found = {0};
+    render(*state, "", MIRROR, 1, &both);
+    for (int p = 0; p < WIDTH * HEIGHT; p++)
+        look_into_mirror(&both, p, &found);
+    printf(
+        "of %d meetings that are shown %d are found, %.3g px off in the mean; %d are not there\n",
+        found.known, found.found, found.off_px / found.found, found.wrong);
+    assert_true(found.known > 60 && found.found > 0.9 * found.known);
+    assert_true(found.off_px < 0.3 * found.found && found.wrong < 0.1 * found.known);
+    drop(&both);
+}
+
+/* Without rays there is the sky, where it is open. */
+static void test_the_picture_without_rays(void **state)
+{
+    struct both both;
+    render(*state, "gi=off ssr=off", PLAIN, 1, &both);
+    check(&both, SCREEN_LIT, twin_screen_lit, 4, 0, "diffuse light");
+    check(&both, SCREEN_PICTURE, twin_screen_final, 4, 0, "picture");
+    drop(&both);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_occlusion),
+        cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_a_mirror_finds_what_is_shown),
+        cmocka_unit_test(test_the_picture_without_rays),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
