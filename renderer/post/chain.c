@@ -189,9 +189,20 @@ static void fill_eye(const struct neph_post_params *params, size_t pixel_count,
     view->meter_units = meter_units(pixel_count);
 }
 
-static void fill_view(const struct work *work, const struct neph_post_stage *stage, struct size to,
+/* Light does not fit into 10 bits; what tone mapping makes does. */
+static uint32_t target_of(const struct work *work, int at)
+{
+    const int targets = (int)work->params->settings.values[POST_TARGETS];
+    for (int i = 0; i <= at; i++)
+        if (work->stages[i]->pass == NEPH_POST_TONE_MAPPING)
+            return (uint32_t)targets;
+    return targets == POST_UNORM10 ? POST_FLOAT16 : (uint32_t)targets;
+}
+
+static void fill_view(const struct work *work, int at, struct size to,
                       struct neph_gpu_post_view *view)
 {
+    const struct neph_post_stage *stage = work->stages[at];
     const struct neph_post_params *params = work->params;
     for (int i = 0; i < POST_SETTING_COUNT; i++)
         view->settings[i] = (float)params->settings.values[i];
@@ -203,6 +214,7 @@ static void fill_view(const struct work *work, const struct neph_post_stage *sta
     view->seed = (uint32_t)(params->seed ^ params->seed >> 32);
     fill_eye(params, texel_count(work->size), view);
     view->upscale_filter = (uint32_t)params->settings.values[stage->filter];
+    view->target = target_of(work, at);
     fill_levels(work, view);
     fill_colours(&params->settings, view);
 }
@@ -293,7 +305,7 @@ static enum neph_status add_stage(struct work *work, int at, double *gpu_s, stru
                                                  view, diag);
     if (status)
         return status;
-    fill_view(work, stage, to, view->mapped);
+    fill_view(work, at, to, view->mapped);
     status = neph_kernel_get(work->vulkan, &params, &kernel, diag);
     if (!status)
         status = run_stage(work, stage, kernel, &whole, to, diag);

@@ -21,6 +21,7 @@ static const char *const filters[] = {"off",         "nearest", "bilinear", "dir
                                       "catmull_rom", "lanczos", "gaussian", "smoothstep",
                                       "easu",        NULL};
 
+static const char *const targets[] = {"float32", "float16", "unorm10", NULL};
 static const char *const blooms[] = {"off", "conserving", "additive", NULL};
 
 const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
@@ -124,6 +125,10 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
                                       "window's; Unreal has nearest"),
     [POST_SECONDARY_PERCENT] = REAL("secondary_percent", 50, 12.5, 100,
                                     "the size before it over the window's, of a side [%]"),
+    [POST_TARGETS] = CHOICE("targets", POST_FLOAT32, targets,
+                            "what a stage hands on is rounded to: floats of 32 bits, or halves; "
+                            "unorm10: from tone mapping on to 10 bits of 0..1, before it to halves "
+                            "(it takes no less memory here)"),
     {.name = NULL},
 };
 

@@ -48,6 +48,7 @@ static const char *const motions[] = {"centre", "cross", "square", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
 static const char *const depth_map_passes[] = {"auto", "own", NULL};
+static const char *const change_passes[] = {"auto", "own", NULL};
 static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
@@ -488,5 +489,11 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         NEPH_RT_SUNS_MAX - 1,
         "frames, after the sun has jumped by a tenth from one to the next, in which every second "
         "cycle of four has no override: what it keeps from being marched sees the new light, too"),
+    [RT_CHANGE_PASS] = CHOICE(
+        "change_pass", RT_CHANGE_PASS_AUTO, change_passes,
+        "auto: on a GPU the reconstruction finds what has changed around a tile, by gradient=on, "
+        "by itself. Same bits"),
+    [RT_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH,
+    [RT_SUN_CONE] = NEPH_OPTION_SUN_CONE,
     {.name = NULL},
 };

@@ -164,10 +164,6 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  has_sky ? "" : " (sky=tables: that of a planet's air may)");
         return false;
     }
-    if (has_sky && settings->values[RT_FROXEL_VOLUME] != 0.0) {
-        snprintf(reason, reason_size, "froxels under sky=tables: froxels=off");
-        return false;
-    }
     if (neph_scene_emits(scene)) {
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
@@ -207,6 +203,8 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                       .skip = values[RT_SKIP] != 0.0,
                       .early_out = values[RT_EARLY_OUT],
                       .step_growth = values[RT_STEP_GROWTH],
+                      .sun_growth = values[RT_SUN_GROWTH],
+                      .sun_cone = values[RT_SUN_CONE],
                       .grid_texture = values[RT_GRID_SAMPLING] != 0.0,
                       .grid_format = (enum neph_texel_format)(int)values[RT_GRID_FORMAT],
                       .cloud_shadow = values[RT_CLOUD_SHADOW] != 0.0,
@@ -295,6 +293,9 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
         choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
         choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW)
         view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
+    if (on_gpu && choice_of(realtime, RT_CHANGE_PASS) == RT_CHANGE_PASS_AUTO &&
+        choice_of(realtime, RT_GRADIENT) != 0)
+        view->settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
 }
 
 /* Everything that depends on the size. */

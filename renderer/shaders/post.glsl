@@ -34,6 +34,7 @@ layout(scalar, binding = 0) readonly buffer PostView {
     uint level_at[POST_LEVELS_MAX + 1];       // its first texel
     uint level_count;                         // besides the picture
     uint upscale_filter;                      // of this upscale, POST_UPSCALE_*
+    uint target;                              // what this stage writes, POST_FLOAT32 ..
 } view;
 
 layout(std430, binding = 1) readonly buffer From {
@@ -58,9 +59,24 @@ bool own_pixel(out ivec2 pixel)
     return pixel.y < to_size().y;
 }
 
+// What a target of fewer bits keeps of a colour.
+vec3 kept(vec3 colour)
+{
+    const float HALF_MAX = 65504.0, LAST_CODE = 1023.0;
+    vec3 held = clamp(colour, -HALF_MAX, HALF_MAX);
+    switch (view.target) {
+    case POST_FLOAT16:
+        return vec3(unpackHalf2x16(packHalf2x16(held.xy)), unpackHalf2x16(packHalf2x16(held.zz)).x);
+    case POST_UNORM10:
+        return floor(clamp(colour, 0.0, 1.0) * LAST_CODE + 0.5) / LAST_CODE;
+    default:
+        return colour;
+    }
+}
+
 void put(ivec2 pixel, vec3 colour)
 {
-    to_texels[pixel.y * to_size().x + pixel.x] = vec4(colour, 1.0);
+    to_texels[pixel.y * to_size().x + pixel.x] = vec4(kept(colour), 1.0);
 }
 
 // The picture goes on beyond its edges as it ends there.

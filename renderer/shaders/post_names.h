@@ -54,7 +54,9 @@
 #define POST_SHARPEN_AMOUNT 38
 #define POST_SECONDARY_UPSCALE 39
 #define POST_SECONDARY_PERCENT 40
-#define POST_SETTING_COUNT 41
+// What pictures are handed on in.
+#define POST_TARGETS 41
+#define POST_SETTING_COUNT 42
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -89,6 +91,10 @@
 #define POST_SHARPEN_OFF 0
 #define POST_SHARPEN_CAS 1
 #define POST_SHARPEN_RCAS 2
+
+#define POST_FLOAT32 0
+#define POST_FLOAT16 1
+#define POST_UNORM10 2
 
 #define POST_BLOOM_OFF 0
 #define POST_BLOOM_CONSERVING 1

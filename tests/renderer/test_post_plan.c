@@ -302,6 +302,52 @@ static void test_the_last_that_is_on_writes_the_picture(void **state)
     neph_image_destroy(frame);
 }
 
+static double half_ulp(double value)
+{
+    return ldexp(1.0, (int)fmax(floor(log2(fmax(fabs(value), 1e-30))), -14.0) - 10);
+}
+
+/* Halves are within a step of theirs, whichever way a device rounds; 10 bits are codes. */
+static void test_targets_keep_what_fits_into_them(void **state)
+{
+    static const char chain[] = "bloom=conserving tone=on tone_map=reinhard sharpen=cas";
+    static const char *const last[] = {"bloom=conserving", "tone=on tone_map=reinhard"};
+    enum { width = 13, height = 9 };
+    float *in[3], *full[3], *half[3], *codes[3];
+    uint64_t seed = 11;
+    struct neph_image *image = post_image(width, height, in);
+    for (int i = 0; i < width * height; i++)
+        for (int c = 0; c < 3; c++)
+            in[c][i] = (float)exp2(neph_test_uniform(&seed, -12.0, 12.0));
+    for (int k = 0; k < 3; k++) {
+        char settings[200];
+        struct neph_image *made[3];
+        float **rgb[3] = {full, half, codes};
+        static const char *const targets[] = {"float32", "float16", "unorm10"};
+        for (int t = 0; t < 3; t++) {
+            snprintf(settings, sizeof(settings), "%s targets=%s", k < 2 ? last[k] : chain,
+                     targets[t]);
+            made[t] = made_by(*state, NULL, settings, image, rgb[t]);
+        }
+        for (int c = 0; c < 3; c++)
+            for (int i = 0; i < width * height; i++) {
+                const double code = 1023.0 * codes[c][i];
+                if (k < 2)
+                    neph_assert_close(half[c][i], full[c][i], 0.0, half_ulp(full[c][i]));
+                if (k == 0)
+                    assert_true(codes[c][i] == half[c][i]); /* there is no tone mapping */
+                if (k == 1)
+                    neph_assert_close(codes[c][i], full[c][i], 0.0, 0.50001 / 1023.0);
+                if (k > 0)
+                    neph_assert_close(code, round(code), 0.0, 1e-3);
+                assert_true(isfinite(half[c][i]) && half[c][i] >= 0.0 && codes[c][i] >= 0.0);
+            }
+        for (int t = 0; t < 3; t++)
+            neph_image_destroy(made[t]);
+    }
+    neph_image_destroy(image);
+}
+
 /* Frames of a window's chain are smaller by its percents, and become that window, to the pixel. */
 static void test_a_window_is_met_to_the_pixel(void **state)
 {
@@ -356,6 +402,7 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_the_second_upscale_comes_after_the_first),
         cmocka_unit_test(test_the_last_that_is_on_writes_the_picture),
         cmocka_unit_test(test_a_window_is_met_to_the_pixel),
+        cmocka_unit_test(test_targets_keep_what_fits_into_them),
     };
     return cmocka_run_group_tests(manual, NULL, NULL) +
            cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);

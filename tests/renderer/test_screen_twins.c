@@ -53,14 +53,19 @@ static unsigned targets_used(const struct neph_settings *settings)
     return used;
 }
 
+/* By a perspective camera, by an orthographic one, with a floor that is a mirror. */
+enum kind { PLAIN, FLAT, MIRROR };
+
 /* After so many frames; what is left on the device is that of the last. */
-static void render(struct neph_vulkan *vulkan, const char *settings, bool is_flat, int frames,
+static void render(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames,
                    struct both *both)
 {
     struct neph_diag diag = {0};
     *both = (struct both){.settings = screen_settings(settings)};
     set_things(&both->test);
-    if (is_flat) {
+    if (kind == MIRROR)
+        both->test.solids[0].surface.metalness = 1.0;
+    if (kind == FLAT) {
         both->test.scene.vertical_fov_rad = 0.0;
         both->test.scene.orthographic_height_m = 2.6;
     }
@@ -138,12 +143,12 @@ static void check(const struct both *both, int target, twin_of *twin, int channe
 
 /* ---- tests ----------------------------------------------------------------------------------- */
 
-static void check_occlusion(struct neph_vulkan *vulkan, const char *settings, bool is_flat)
+static void check_occlusion(struct neph_vulkan *vulkan, const char *settings, enum kind kind)
 {
     struct both both;
     char all[200];
     snprintf(all, sizeof(all), "gi=off ssr=off ao_blur_px=0 %s", settings);
-    render(vulkan, all, is_flat, 2, &both);
+    render(vulkan, all, kind, 2, &both);
     check(&both, SCREEN_OPEN, ao, 1, WIDTH * HEIGHT / 200, settings);
     drop(&both);
 }
@@ -160,18 +165,18 @@ static void test_occlusion(void **state)
         "ao=unreal ao_places=pixel ao_radius_m=2 ao_directions=6 ao_steps=3 targets=float16",
     };
     for (size_t i = 0; i < sizeof(by_day) / sizeof(by_day[0]); i++)
-        check_occlusion(*state, by_day[i], false);
-    check_occlusion(*state, "ao=gtao ao_slices=axis", true);
+        check_occlusion(*state, by_day[i], PLAIN);
+    check_occlusion(*state, "ao=gtao ao_slices=axis", FLAT);
     for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]) && neph_test_is_night(); i++)
-        for (int flat = 0; flat < 2; flat++)
-            check_occlusion(*state, by_night[i], flat);
+        for (int kind = PLAIN; kind <= FLAT; kind++)
+            check_occlusion(*state, by_night[i], (enum kind)kind);
 }
 
 /* The second frame, which knows what surfaces had in the first. */
-static void check_rays(struct neph_vulkan *vulkan, const char *settings, bool is_flat, int frames)
+static void check_rays(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames)
 {
     struct both both;
-    render(vulkan, settings, is_flat, frames, &both);
+    render(vulkan, settings, kind, frames, &both);
     printf("frame %d: %s\n", frames, settings);
     check(&both, SCREEN_GI_RAW, twin_screen_gi, 4, WIDTH * HEIGHT / 200, "indirect light");
     check(&both, SCREEN_SSR_RAW, twin_screen_ssr, 4, WIDTH * HEIGHT / 200, "reflections");
@@ -188,20 +193,86 @@ static void test_rays(void **state)
         "ray_thickness_m=0 ray_refine=0 gi_reach_m=1.5 gi_rays=3",
         "ray_step_power=1.5 ssr_steps=20 gi_steps=9 ssr_rays=2 ao=ssao gi_smooth=0 ssr_smooth=1",
     };
-    check_rays(*state, "", false, 2);
+    check_rays(*state, "", PLAIN, 2);
     if (!neph_test_is_night())
         return;
-    check_rays(*state, "", false, 1);
-    check_rays(*state, "", true, 2);
+    check_rays(*state, "", PLAIN, 1);
+    check_rays(*state, "", FLAT, 2);
     for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]); i++)
-        check_rays(*state, by_night[i], false, 3);
+        check_rays(*state, by_night[i], PLAIN, 3);
+}
+
+/* ---- a mirror's rays ------------------------------------------------------------------------- */
+
+struct found {
+    int known, found, wrong; /* meetings that the picture shows; met; met where it shows none */
+    double off_px;           /* summed over those that were met */
+};
+
+/* Whether a place of the world is what its pixel shows. */
+static bool is_shown(const struct both *both, struct neph_vec3 point_m, struct vec2 *place_px)
+{
+    const struct neph_camera *camera = &both->twin.camera;
+    const struct neph_vec3 way_m = neph_vec3_sub(point_m, camera->position_m);
+    const struct neph_vec3 own_m = {neph_vec3_dot(way_m, camera->right),
+                                    neph_vec3_dot(way_m, camera->up),
+                                    neph_vec3_dot(way_m, camera->forward)};
+    *place_px = twin_screen_pixel_of(&both->twin, own_m);
+    const double distance_m = neph_vec3_length(way_m);
+    const struct neph_hit hit = neph_scene_hit(&both->test.scene, camera->position_m,
+                                               neph_vec3_scale(way_m, 1.0 / distance_m));
+    return own_m.z > 0.0 && hit.solid && fabs(hit.t_m - distance_m) < 1e-6 * distance_m &&
+           twin_screen_is_inside(&both->twin, (int)floor(place_px->x), (int)floor(place_px->y));
+}
+
+/* Against what the mirrored ray meets in truth. */
+static void look_into_mirror(const struct both *both, int p, struct found *found)
+{
+    struct neph_vec3 point_m, met_m;
+    struct vec2 place_px, met_px;
+    const struct neph_hit own = screen_hit(&both->test, WIDTH, HEIGHT, p % WIDTH, p / WIDTH,
+                                           &point_m);
+    if (own.solid != &both->test.solids[0] || own.normal.y < 0.5)
+        return;
+    struct neph_vec3 way = neph_vec3_normalize(
+        neph_vec3_sub(point_m, both->twin.camera.position_m));
+    way.y = -way.y;
+    const struct neph_vec3 from_m = neph_vec3_along(point_m, own.normal, 1e-9);
+    const struct neph_hit hit = neph_scene_hit(&both->test.scene, from_m, way);
+    const bool is_known = hit.solid &&
+                          is_shown(both, neph_vec3_along(from_m, way, hit.t_m), &place_px);
+    const bool is_met = twin_screen_mirror(&both->twin, p % WIDTH, p / WIDTH, &met_m);
+    found->known += is_known;
+    found->wrong += is_met && !is_known;
+    if (!is_known || !is_met)
+        return;
+    met_px = twin_screen_pixel_of(&both->twin, met_m);
+    found->found++;
+    found->off_px += hypot(met_px.x - place_px.x, met_px.y - place_px.y);
+}
+
+/* By the twin, which is the device's ray: nearly all that the picture can show is found, within a
+ * fraction of a pixel. */
+static void test_a_mirror_finds_what_is_shown(void **state)
+{
+    struct both both;
+    struct found found = {0};
+    render(*state, "", MIRROR, 1, &both);
+    for (int p = 0; p < WIDTH * HEIGHT; p++)
+        look_into_mirror(&both, p, &found);
+    printf(
+        "of %d meetings that are shown %d are found, %.3g px off in the mean; %d are not there\n",
+        found.known, found.found, found.off_px / found.found, found.wrong);
+    assert_true(found.known > 60 && found.found > 0.9 * found.known);
+    assert_true(found.off_px < 0.3 * found.found && found.wrong < 0.1 * found.known);
+    drop(&both);
 }
 
 /* Without rays there is the sky, where it is open. */
 static void test_the_picture_without_rays(void **state)
 {
     struct both both;
-    render(*state, "gi=off ssr=off", false, 1, &both);
+    render(*state, "gi=off ssr=off", PLAIN, 1, &both);
     check(&both, SCREEN_LIT, twin_screen_lit, 4, 0, "diffuse light");
     check(&both, SCREEN_PICTURE, twin_screen_final, 4, 0, "picture");
     drop(&both);
@@ -212,6 +283,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_occlusion),
         cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_a_mirror_finds_what_is_shown),
         cmocka_unit_test(test_the_picture_without_rays),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);

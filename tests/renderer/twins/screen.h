@@ -65,6 +65,9 @@ double twin_screen_ao(const struct twin_screen *twin, int x, int y);
 struct texel twin_screen_gi(const struct twin_screen *twin, int x, int y);
 struct texel twin_screen_ssr(const struct twin_screen *twin, int x, int y);
 
+/* Where a mirror's first ray meets what is seen; false: nothing. In the camera's axes. */
+bool twin_screen_mirror(const struct twin_screen *twin, int x, int y, struct neph_vec3 *point_m);
+
 /* SCREEN_LIT, SCREEN_PICTURE (twins/screen.c). */
 struct texel twin_screen_lit(const struct twin_screen *twin, int x, int y);
 struct texel twin_screen_final(const struct twin_screen *twin, int x, int y);

@@ -398,6 +398,20 @@ static void add_reflection(const struct twin_screen *twin, int x, int y, struct 
         add(sum, glossy_light(&ray, &met), 0.0, weight);
 }
 
+bool twin_screen_mirror(const struct twin_screen *twin, int x, int y, struct neph_vec3 *point_m)
+{
+    const struct neph_vec3 normal = twin_screen_normal(twin, x, y);
+    const struct neph_vec3 from_m = twin_screen_surface_m(twin, x, y);
+    const struct neph_vec3 eye = twin_screen_to_camera(twin, from_m);
+    const struct neph_vec3 direction = neph_vec3_along(neph_vec3_scale(eye, -1.0), normal,
+                                                       2.0 * neph_vec3_dot(normal, eye));
+    const struct ray ray = ray_of(twin, x, y, from_m, direction, NEPH_GPU_FAR_M);
+    const struct meeting met = march(&ray, twin_screen_choice(twin, SCREEN_SSR_STEPS),
+                                     offset_of(twin, x, y, 4, twin->frame));
+    *point_m = met.point_m;
+    return met.is_found && !is_met_from_behind(&ray, &met);
+}
+
 struct texel twin_screen_ssr(const struct twin_screen *twin, int x, int y)
 {
     struct texel sum = {{0.0}};
