@@ -751,8 +751,8 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
     return now;
 }
 
-/* What rays cannot tell of the sun: whether a look at the medium, four frames after the first, or at
- * what is behind it, as many as the jitter has places, sees what it does; and whether what the
+/* What rays cannot tell of the sun: whether a look at the medium, four frames after the first, or
+ * at what is behind it, as many as the jitter has places, sees what it does; and whether what the
  * override keeps from being marched has old light. */
 static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_frame *frame)
 {
