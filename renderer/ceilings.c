@@ -16,6 +16,10 @@ static const uint32_t samples_spirv[] = {
 #include "shaders/ceiling_samples.comp.inc"
 };
 
+static const uint32_t arithmetic_spirv[] = {
+#include "shaders/ceiling_arithmetic.comp.inc"
+};
+
 enum { local_size = 64, copy_buffers = 2, sample_buffers = 3, word_bytes = 16 };
 
 /* On a CPU device what two cores do in some 10 ms, on a GPU what fills it; the copy exceeds the
@@ -23,7 +27,11 @@ enum { local_size = 64, copy_buffers = 2, sample_buffers = 3, word_bytes = 16 };
 static const struct sizes {
     size_t copy_bytes;
     uint32_t line_count, sample_count;
-} cpu_sizes = {(size_t)64 << 20, 1u << 12, 64}, gpu_sizes = {(size_t)512 << 20, 1u << 20, 256};
+    uint32_t thread_count, turns; /* of arithmetic_rows operations */
+} cpu_sizes = {(size_t)64 << 20, 1u << 12, 64, 1u << 12, 256},
+  gpu_sizes = {(size_t)512 << 20, 1u << 20, 256, 1u << 21, 1024};
+
+enum { arithmetic_rows = 8 }; /* of a thread, in shaders/ceiling_arithmetic.comp */
 
 enum { grid_side = 128 };
 
@@ -96,6 +104,54 @@ static enum neph_status measure_copies(struct neph_vulkan *vulkan, const struct 
     ceilings->copy_bytes_per_s = 2.0 * (double)ceilings->copy_bytes / least_s;
     for (int i = 0; i < copy_buffers; i++)
         neph_buffer_destroy(vulkan, &buffers[i]);
+    return status;
+}
+
+/* --- arithmetic --------------------------------------------------------------------------- */
+
+static enum neph_status run_arithmetic(struct neph_vulkan *vulkan, const struct sizes *sizes,
+                                       const struct neph_buffer *results, bool exponentials,
+                                       double seconds, double *per_s, struct neph_diag *diag)
+{
+    const struct neph_kernel_params params = {
+        .name = "ceiling_arithmetic",
+        .spirv = arithmetic_spirv,
+        .spirv_size_bytes = sizeof(arithmetic_spirv),
+        .buffer_count = 1,
+        .push_size_bytes = sizeof(struct neph_gpu_ceiling_turns),
+        .constant_count = 1,
+        .constants = {exponentials},
+    };
+    const struct neph_gpu_ceiling_turns run = {sizes->turns, 0.999f, 0.001f};
+    const struct neph_dispatch dispatch = {
+        .buffers = {results},
+        .push = &run,
+        .group_count = sizes->thread_count / local_size,
+    };
+    const struct neph_kernel *kernel;
+    double least_s = NAN;
+    enum neph_status status = neph_kernel_get(vulkan, &params, &kernel, diag);
+    if (!status)
+        status = find_least(vulkan, kernel, &dispatch, seconds, &least_s, diag);
+    *per_s = (double)sizes->thread_count * sizes->turns * arithmetic_rows / least_s;
+    return status;
+}
+
+static enum neph_status measure_arithmetic(struct neph_vulkan *vulkan, const struct sizes *sizes,
+                                           double seconds, struct neph_ceilings *ceilings,
+                                           struct neph_diag *diag)
+{
+    struct neph_buffer results = {0};
+    enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE,
+                                                 sizes->thread_count * sizeof(float), "arithmetic",
+                                                 &results, diag);
+    if (!status)
+        status = run_arithmetic(vulkan, sizes, &results, false, seconds,
+                                &ceilings->multiply_adds_per_s, diag);
+    if (!status)
+        status = run_arithmetic(vulkan, sizes, &results, true, seconds,
+                                &ceilings->exponentials_per_s, diag);
+    neph_buffer_destroy(vulkan, &results);
     return status;
 }
 
@@ -175,8 +231,8 @@ struct sampled {
 };
 
 static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sampled *sampled,
-                                    bool by_texture, double seconds, double *samples_per_s,
-                                    struct neph_diag *diag)
+                                    bool by_texture, bool waits, double seconds,
+                                    double *samples_per_s, struct neph_diag *diag)
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_samples",
@@ -185,8 +241,8 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
         .buffer_count = sample_buffers,
         .image_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_ceiling_run),
-        .constant_count = 1,
-        .constants = {by_texture},
+        .constant_count = 2,
+        .constants = {by_texture, waits},
     };
     const struct sizes *sizes = sampled->sizes;
     const struct neph_gpu_ceiling_run run = {grid_side, sizes->sample_count};
@@ -212,7 +268,10 @@ static enum neph_status run_buffer(struct neph_vulkan *vulkan, struct sampled *s
 {
     enum neph_status status = create_texture(vulkan, NEPH_TEXEL_R8, &sampled->texture, diag);
     if (!status)
-        status = run_samples(vulkan, sampled, false, seconds, &ceilings->buffer_samples_per_s,
+        status = run_samples(vulkan, sampled, false, false, seconds,
+                             &ceilings->buffer_samples_per_s, diag);
+    if (!status)
+        status = run_samples(vulkan, sampled, false, true, seconds, &ceilings->buffer_chain_per_s,
                              diag);
     neph_texture_destroy(vulkan, &sampled->texture);
     return status;
@@ -225,13 +284,16 @@ static enum neph_status run_textures(struct neph_vulkan *vulkan, struct sampled 
     enum neph_status status = NEPH_OK;
     for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT && !status; f++) {
         const enum neph_texel_format format = (enum neph_texel_format)f;
-        ceilings->texture_samples_per_s[f] = NAN;
+        ceilings->texture_samples_per_s[f] = ceilings->texture_chain_per_s[f] = NAN;
         if (!(texel_formats & 1u << f) || !neph_texture_filters(vulkan, format))
             continue;
         status = create_texture(vulkan, format, &sampled->texture, diag);
         if (!status)
-            status = run_samples(vulkan, sampled, true, seconds,
+            status = run_samples(vulkan, sampled, true, false, seconds,
                                  &ceilings->texture_samples_per_s[f], diag);
+        if (!status)
+            status = run_samples(vulkan, sampled, true, true, seconds,
+                                 &ceilings->texture_chain_per_s[f], diag);
         neph_texture_destroy(vulkan, &sampled->texture);
     }
     return status;
@@ -272,6 +334,8 @@ enum neph_status neph_ceilings_measure(struct neph_vulkan *vulkan, double second
     enum neph_status status = measure_copies(vulkan, sizes, seconds, &measured, diag);
     if (!status)
         status = measure_samples(vulkan, sizes, seconds, texel_formats, &measured, diag);
+    if (!status)
+        status = measure_arithmetic(vulkan, sizes, seconds, &measured, diag);
     if (!status)
         *ceilings = measured;
     return status;

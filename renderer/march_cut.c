@@ -6,6 +6,8 @@
 #include "renderer/sky/tables.h"
 #include "scenes/media.h"
 
+#include <math.h>
+
 /* The loop turns of all rays in a dispatch before anything is known of the device's speed: about
  * 0.2 s on two CPU cores; a GPU does 500 times as much in a millisecond or two, and cut as finely
  * as that runs a few hundred rays at a time of the 100,000 that fill it. */
@@ -62,6 +64,8 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
     frame->steps = (uint32_t)params->steps;
     frame->sun_steps = (uint32_t)neph_march_sun_steps(scene, params);
     frame->early_out = (float)params->shortcuts.early_out;
+    frame->sun_growth = (float)fmax(1.0, params->shortcuts.sun_growth);
+    frame->sun_cone = (float)params->shortcuts.sun_cone;
     frame->light_texel_px = (uint32_t)params->light.texel_px;
     frame->step_growth = (float)params->shortcuts.step_growth;
     for (uint32_t m = 0; m < frame->medium_count && params->lighting == NEPH_MARCH_SIMILARITY; m++)
@@ -128,6 +132,7 @@ static uint32_t shortcut_bits(const struct neph_march_params *params)
 {
     const struct neph_shortcuts *shortcuts = &params->shortcuts;
     return (shortcuts->sun_cache ? 1u : 0u) | (shortcuts->skip ? 2u : 0u) |
+           (shortcuts->sun_growth > 1.0 || shortcuts->sun_cone > 0.0 ? 256u : 0u) |
            (shortcuts->early_out > 0.0 ? 4u : 0u) | (shortcuts->step_growth > 1.0 ? 8u : 0u) |
            (shortcuts->grid_texture ? 16u : 0u) | (shortcuts->cloud_shadow ? 32u : 0u) |
            (params->sky.is_on ? 64u : 0u) | (neph_march_sky_lights(params) ? 128u : 0u);

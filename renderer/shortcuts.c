@@ -24,21 +24,21 @@ static enum neph_status check_range(const char *name, double value, double least
                      most);
 }
 
-static enum neph_status check_growth(const struct neph_march_params *params, struct neph_diag *diag)
+static enum neph_status check_growth(const char *name, double growth, int steps,
+                                     struct neph_diag *diag)
 {
-    const double growth = params->shortcuts.step_growth;
     if (growth > 1.0 && growth < NEPH_STEP_GROWTH_LEAST)
         return neph_fail(diag, NEPH_ERR_USAGE,
-                         "march: step_growth is %.9g: 1 (equal steps), or at least %g, since "
+                         "march: %s is %.9g: 1 (equal steps), or at least %g, since "
                          "nearer to 1 float32 cannot tell its steps apart",
-                         growth, NEPH_STEP_GROWTH_LEAST);
-    if (pow(growth, params->steps - 1) <= NEPH_STEP_GROWTH_WHOLE_MAX)
+                         name, growth, NEPH_STEP_GROWTH_LEAST);
+    if (growth <= 1.0 || pow(growth, steps - 1) <= NEPH_STEP_GROWTH_WHOLE_MAX)
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_USAGE,
-                     "march: with step_growth=%g the last of %d steps is more than %g times as "
-                     "long as the first; at most step_growth=%.6g is of use",
-                     growth, params->steps, NEPH_STEP_GROWTH_WHOLE_MAX,
-                     pow(NEPH_STEP_GROWTH_WHOLE_MAX, 1.0 / (params->steps - 1)));
+                     "march: with %s=%g the last of %d steps is more than %g times as "
+                     "long as the first; at most %s=%.6g is of use",
+                     name, growth, steps, NEPH_STEP_GROWTH_WHOLE_MAX, name,
+                     pow(NEPH_STEP_GROWTH_WHOLE_MAX, 1.0 / (steps - 1)));
 }
 
 /* As SCALES_VIEW of shaders/march_light.glsl. */
@@ -107,7 +107,14 @@ enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
         status = check_range("step_growth", fmax(1.0, shortcuts->step_growth), 1.0,
                              NEPH_STEP_GROWTH_MAX, diag);
     if (!status)
-        status = check_growth(params, diag);
+        status = check_growth("step_growth", shortcuts->step_growth, params->steps, diag);
+    if (!status)
+        status = check_range("sun_growth", fmax(1.0, shortcuts->sun_growth), 1.0,
+                             NEPH_SUN_GROWTH_MAX, diag);
+    if (!status)
+        status = check_growth("sun_growth", shortcuts->sun_growth, params->sun_steps, diag);
+    if (!status)
+        status = check_range("sun_cone", shortcuts->sun_cone, 0.0, NEPH_SUN_CONE_MAX, diag);
     if (!status && shortcuts->sun_cache)
         status = check_range("sun_cache_voxels", shortcuts->sun_cache_voxels,
                              NEPH_SUN_CACHE_VOXELS_MIN, NEPH_SUN_CACHE_VOXELS_MAX, diag);

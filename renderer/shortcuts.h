@@ -49,6 +49,19 @@ extern const char *const neph_sky_refills[];
             "all are equal"                                                                        \
     }
 
+#define NEPH_OPTION_SUN_GROWTH                                                                     \
+    {                                                                                              \
+        "sun_growth", NEPH_OPTION_REAL, 1, 1, NEPH_SUN_GROWTH_MAX, NULL,                           \
+            "sun=marched: each step towards the sun is so many times as long as the one before; "  \
+            "1: all are equal"                                                                     \
+    }
+#define NEPH_OPTION_SUN_CONE                                                                       \
+    {                                                                                              \
+        "sun_cone", NEPH_OPTION_REAL, 0, 0, NEPH_SUN_CONE_MAX, NULL,                               \
+            "sun=marched: these steps lie within a cone around the ray, the tangent of its half "  \
+            "angle; 0: on the ray"                                                                 \
+    }
+
 #define NEPH_OPTION_GRID_SAMPLING                                                                  \
     {                                                                                              \
         "grid_sampling", NEPH_OPTION_CHOICE, 0, 0, 0, neph_grid_samplings,                         \

@@ -80,7 +80,11 @@ static const struct neph_cli_syntax syntax = {
         "its passes on the device. Beside them the error (rel_rmse against the march of "
         "the same lighting at its defaults), and what part the pass gets of what the device can "
         "do at most: bytes copied, or voxel grids sampled from a buffer or, with "
-        "grid_sampling=texture, by the texture unit, measured in the same run.\n\n"
+        "grid_sampling=texture, by the texture unit, measured in the same run. Samples are also "
+        "measured one ray a lane where each place depends on the sample before it, as in a plain "
+        "loop that cannot look ahead, and beside them what arithmetic the device can do: a pass "
+        "whose samples take as long as the multiply-adds and exponentials around them waits for "
+        "these.\n\n"
         "Examples:\n"
         "  neph benchmark slab_multiple_thin\n"
         "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
@@ -283,6 +287,7 @@ static void print_pass(const struct neph_benchmark_frames *benchmark,
 {
     const char *limit;
     const double share = neph_benchmark_share(benchmark, engine, pass, &limit);
+    const struct neph_benchmark_evaluation one = neph_benchmark_evaluation(benchmark, engine, pass);
     printf("  %-20s", pass->name);
     print_times(pass->gpu_s);
     if (isfinite(pass->traffic_bytes))
@@ -292,6 +297,10 @@ static void print_pass(const struct neph_benchmark_frames *benchmark,
                1e-6 * pass->density_evaluations / pass->gpu_s.median);
     if (isfinite(share))
         printf("  %.2g %% of the ceiling of %s", 100.0 * share, limit);
+    if (isfinite(one.chain_share))
+        printf(
+            ", %.2g %% of those that wait for each other; one takes as long as %.3g multiply-adds",
+            100.0 * one.chain_share, one.multiply_adds);
     printf("\n");
 }
 
@@ -328,14 +337,18 @@ static void print_frames(const struct neph_benchmark_frames *benchmark)
         printf("clock %.3g GHz\n", 1e-9 * benchmark->cpu_clock_hz);
     else
         printf("clock not known\n");
-    printf("ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s (grid of %d^3)",
+    printf("ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s, waiting for each "
+           "other %.4g (grid of %d^3)",
            1e-9 * ceilings->copy_bytes_per_s, ceilings->copy_bytes >> 20,
-           1e-9 * ceilings->buffer_samples_per_s, ceilings->grid_side);
+           1e-9 * ceilings->buffer_samples_per_s, 1e-9 * ceilings->buffer_chain_per_s,
+           ceilings->grid_side);
     for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++)
         if (isfinite(ceilings->texture_samples_per_s[f]))
-            printf(", %s texture samples %.4g G/s", neph_texel_formats[f],
-                   1e-9 * ceilings->texture_samples_per_s[f]);
-    printf("\n");
+            printf(", %s texture samples %.4g G/s, waiting %.4g", neph_texel_formats[f],
+                   1e-9 * ceilings->texture_samples_per_s[f],
+                   1e-9 * ceilings->texture_chain_per_s[f]);
+    printf(", multiply-adds %.4g G/s, exponentials %.4g G/s\n",
+           1e-9 * ceilings->multiply_adds_per_s, 1e-9 * ceilings->exponentials_per_s);
     for (int e = 0; e < benchmark->engine_count; e++)
         print_flight(benchmark, &benchmark->engines[e]);
 }

@@ -48,7 +48,7 @@ static const struct neph_cli_syntax syntax = {
     .doc =
         "Fly through a scene in a window: presets of realtime and march at a key, their error and "
         "their flicker as maps, times of all passes.\v"
-        "W A S D, Q and E fly, the right button looks around, the wheel changes the speed. 0 to 6 "
+        "W A S D, Q and E fly, the right button looks around, the wheel changes the speed. 0 to 9 "
         "are presets, R and M realtime and march, C a line to drag between the two, X the error "
         "against march, F the flicker at rest, [ and ] the exposure, space stops sun and wind, T "
         "shows the time of each pass, H all keys. P writes DIR/SCENE_fly.exr and .png, K records "

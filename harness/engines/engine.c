@@ -3,6 +3,7 @@
 
 #include "base/hash.h"
 #include "base/text.h"
+#include "renderer/sky/split.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -94,6 +95,17 @@ enum neph_status neph_settings_words(const struct neph_engine *engine, const cha
         status = neph_settings_set(engine, settings, strsep(&rest, "+"), diag);
     free(text);
     return status;
+}
+
+void neph_settings_meet(const struct neph_engine *engine, const struct neph_scene *scene,
+                        struct neph_settings *settings)
+{
+    struct neph_sky_split split;
+    char reason[256];
+    if (neph_option_find(engine->options, "sky") >= 0 &&
+        neph_sky_split(scene, &split, reason, sizeof(reason)) &&
+        !engine->can_render(scene, settings, reason, sizeof(reason)))
+        (void)neph_settings_set(engine, settings, "sky=tables", NULL);
 }
 
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,

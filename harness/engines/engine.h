@@ -202,6 +202,11 @@ enum neph_status neph_settings_words(const struct neph_engine *engine, const cha
                                      const char *shared, struct neph_settings *settings,
                                      struct neph_diag *diag);
 
+/* What studies and sweeps leave to the scene: the air of a planet comes from tables (sky=tables)
+ * where the engine refuses it as a medium. */
+void neph_settings_meet(const struct neph_engine *engine, const struct neph_scene *scene,
+                        struct neph_settings *settings);
+
 /* The value of an option by name; the name must exist in the table. */
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
                     const char *name);

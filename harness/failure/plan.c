@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const all_presets[] = {"off",  "seed",  "fixed", "ue",
-                                          "c52e", "unity", "ours",  NULL};
+static const char *const all_presets[] = {"off",   "seed", "fixed", "ue",   "c52e",
+                                          "unity", "ours", "fsr2",  "svgf", NULL};
 static const char *const quick_presets[] = {"seed", "fixed", "ours", NULL};
 static const char *const witnesses[] = {"march", "fog_look", "cycles", "povray", NULL};
 

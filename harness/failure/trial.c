@@ -118,7 +118,11 @@ static enum neph_status set_words(const struct trial *trial, const char *words,
 {
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", trial->point->at->failing.steps);
-    return neph_engine_words(words, steps, &job->engine, &job->shot.settings, diag);
+    const enum neph_status status = neph_engine_words(words, steps, &job->engine,
+                                                      &job->shot.settings, diag);
+    if (!status)
+        neph_settings_meet(job->engine, trial->point->at, &job->shot.settings);
+    return status;
 }
 
 static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)

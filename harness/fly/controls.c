@@ -22,6 +22,9 @@ static const struct {
     {'4', {NEPH_FLY_PRESET, 4}},
     {'5', {NEPH_FLY_PRESET, 5}},
     {'6', {NEPH_FLY_PRESET, 6}},
+    {'7', {NEPH_FLY_PRESET, 7}},
+    {'8', {NEPH_FLY_PRESET, 8}},
+    {'9', {NEPH_FLY_PRESET, 9}},
     {'m', {NEPH_FLY_MARCH, 0}},
     {'r', {NEPH_FLY_REALTIME, 0}},
     {'c', {NEPH_FLY_WIPE, 0}},
@@ -44,7 +47,7 @@ static const struct {
 const struct neph_fly_help neph_fly_help[] = {
     {"W A S D, Q E", "fly; E up, Q down; shift: four times as fast; wheel: the speed"},
     {"right button", "look around; tab: without the button"},
-    {"0 .. 6", "a preset of realtime, named below"},
+    {"0 .. 9", "a preset of realtime, named below"},
     {"R, M", "realtime; march"},
     {"C", "realtime left, march right; drag the line with the left button"},
     {"X", "error against march"},

@@ -342,6 +342,23 @@ double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
            (format < 0 ? ceilings->buffer_samples_per_s : ceilings->texture_samples_per_s[format]);
 }
 
+struct neph_benchmark_evaluation
+neph_benchmark_evaluation(const struct neph_benchmark_frames *benchmark,
+                          const struct neph_benchmark_frames_engine *engine,
+                          const struct neph_benchmark_pass *pass)
+{
+    const struct neph_ceilings *ceilings = &benchmark->ceilings;
+    const int format = texel_format_of(&engine->job);
+    const double per_s = pass->density_evaluations / pass->gpu_s.median;
+    if (!benchmark->samples_grids || !pass->is_march || pass->density_evaluations == 0.0)
+        return (struct neph_benchmark_evaluation){NAN, NAN};
+    return (struct neph_benchmark_evaluation){
+        .chain_share = per_s / (format < 0 ? ceilings->buffer_chain_per_s
+                                           : ceilings->texture_chain_per_s[format]),
+        .multiply_adds = ceilings->multiply_adds_per_s / per_s,
+    };
+}
+
 /* --- JSON --------------------------------------------------------------------------------- */
 
 static json_t *spread_json(struct neph_spread s)
@@ -358,12 +375,16 @@ static json_t *passes_json(const struct neph_benchmark_frames *benchmark,
         const struct neph_benchmark_pass *pass = &engine->passes[p];
         const char *limit;
         const double share = neph_benchmark_share(benchmark, engine, pass, &limit);
+        const struct neph_benchmark_evaluation one = neph_benchmark_evaluation(benchmark, engine,
+                                                                               pass);
         neph_json_add(&passes,
-                      json_pack("{s:s, s:o, s:o, s:o, s:s, s:o}", "pass", pass->name, "gpu_s",
-                                spread_json(pass->gpu_s), "traffic_bytes",
+                      json_pack("{s:s, s:o, s:o, s:o, s:s, s:o, s:o, s:o}", "pass", pass->name,
+                                "gpu_s", spread_json(pass->gpu_s), "traffic_bytes",
                                 neph_json_number(pass->traffic_bytes), "density_evaluations",
                                 neph_json_number(pass->density_evaluations), "ceiling", limit,
-                                "share", neph_json_number(share)));
+                                "share", neph_json_number(share), "chain_share",
+                                neph_json_number(one.chain_share), "multiply_adds",
+                                neph_json_number(one.multiply_adds)));
     }
     return passes;
 }
@@ -387,15 +408,22 @@ static json_t *engine_json(const struct neph_benchmark_frames *benchmark,
 
 static json_t *ceilings_json(const struct neph_ceilings *ceilings)
 {
-    json_t *textures = json_object();
-    for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++)
+    json_t *textures = json_object(), *chains = json_object();
+    for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++) {
         neph_json_set(&textures, neph_texel_formats[f],
                       neph_json_number(ceilings->texture_samples_per_s[f]));
-    return json_pack("{s:o, s:I, s:o, s:o, s:i}", "copy_bytes_per_s",
+        neph_json_set(&chains, neph_texel_formats[f],
+                      neph_json_number(ceilings->texture_chain_per_s[f]));
+    }
+    return json_pack("{s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:i}", "copy_bytes_per_s",
                      neph_json_number(ceilings->copy_bytes_per_s), "copy_bytes",
                      (json_int_t)ceilings->copy_bytes, "buffer_samples_per_s",
                      neph_json_number(ceilings->buffer_samples_per_s), "texture_samples_per_s",
-                     textures, "grid_side", ceilings->grid_side);
+                     textures, "buffer_chain_per_s", neph_json_number(ceilings->buffer_chain_per_s),
+                     "texture_chain_per_s", chains, "multiply_adds_per_s",
+                     neph_json_number(ceilings->multiply_adds_per_s), "exponentials_per_s",
+                     neph_json_number(ceilings->exponentials_per_s), "grid_side",
+                     ceilings->grid_side);
 }
 
 json_t *neph_benchmark_frames_json(const struct neph_benchmark_frames *benchmark)

@@ -58,6 +58,19 @@ double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
                             const struct neph_benchmark_frames_engine *engine,
                             const struct neph_benchmark_pass *pass, const char **limit);
 
+/* What a density evaluation of a march through grids takes, beside what the device can do; NaN: not
+ * known, or no such pass. */
+struct neph_benchmark_evaluation {
+    double chain_share; /* of the rate of samples that wait for each other (struct neph_ceilings) */
+    double multiply_adds; /* that the device can make in the time of one: what all else around the
+                             sample may cost before arithmetic is what the pass waits for */
+};
+
+struct neph_benchmark_evaluation
+neph_benchmark_evaluation(const struct neph_benchmark_frames *benchmark,
+                          const struct neph_benchmark_frames_engine *engine,
+                          const struct neph_benchmark_pass *pass);
+
 /* For the caller to free. */
 json_t *neph_benchmark_frames_json(const struct neph_benchmark_frames *benchmark);
 

@@ -141,6 +141,8 @@ const struct neph_ablation_exception neph_ablation_exceptions[] = {
     {"edge_tiles", "counts in sizes that are no multiple of 4 alone"},
     {"gather", "counts in sizes of 4 n + 1 alone"},
     {"tile_origin", "counts in split views alone"},
+    {"override_wake", "counts where the sun jumps alone"},
+    {"change_strobe", "counts where the sun flashes with the period of two looks alone"},
     {"taa_pre_exposure", "counts where the camera's exposure changes alone (inject.exposures)"},
     {.option = NULL},
 };

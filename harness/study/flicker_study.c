@@ -62,6 +62,8 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
     snprintf(steps, sizeof(steps), "steps=%d", params->steps);
     const enum neph_status status = neph_engine_words(words, steps, &job->engine,
                                                       &job->shot.settings, diag);
+    if (!status && scene)
+        neph_settings_meet(job->engine, scene, &job->shot.settings);
     if (!status)
         job->info = job->engine->is_guest ? &work->guest : &work->info;
     return status;

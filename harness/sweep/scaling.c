@@ -145,6 +145,8 @@ static enum neph_status make_job(struct work *work, int series, const struct nep
     enum neph_status status = neph_sweep_settings(&work->plan, of, 0, scattering,
                                                   &job->shot.settings, diag);
     char steps[24];
+    if (!status)
+        neph_settings_meet(job->engine, scene, &job->shot.settings);
     snprintf(steps, sizeof(steps), "steps=%d", STEPS);
     return status ? status : neph_settings_set(job->engine, &job->shot.settings, steps, diag);
 }

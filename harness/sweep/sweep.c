@@ -110,6 +110,8 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
     enum neph_status status = have_scene(sweep, scattering, &shot->scene, diag);
     if (!status)
         status = neph_sweep_settings(plan, series, place, scattering, &shot->settings, diag);
+    if (!status)
+        neph_settings_meet(engine, shot->scene, &shot->settings);
     if (!status && !(point->settings = neph_settings_text(engine, &shot->settings)))
         status = neph_fail_memory(diag);
     if (!status && !info->available)

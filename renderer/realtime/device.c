@@ -133,19 +133,27 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
     }
 }
 
+/* What a shader knows of a setting (shaders/realtime_choices.glsl). */
+static uint32_t digit_of(int setting, float value)
+{
+    if (neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)
+        return (uint32_t)value;
+    if (setting == RT_TAA_JITTER_LENGTH)
+        return value < 15.0f ? (uint32_t)value : 15;
+    return value != 0.0f;
+}
+
 /* Specialization constants of shaders/realtime_choices.glsl. */
 static void set_choices(const struct neph_rt_device *device, struct neph_kernel_params *params)
 {
     params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_HALVES_CONSTANT] = device->native_halves;
     params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
+    params->constants[RT_RESTS_CONSTANT] = neph_rt_view_rests(device->view);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
-    for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++) {
-        const float value = device->view->settings[s];
-        const bool is_choice = neph_rt_options[s].kind == NEPH_OPTION_CHOICE;
-        const uint32_t digit = is_choice ? (uint32_t)value : value != 0.0f;
-        params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit << 4 * (s % 8);
-    }
+    for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++)
+        params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit_of(s, device->view->settings[s])
+                                                         << 4 * (s % 8);
 }
 
 void neph_rt_device_show(struct neph_rt_device *device)

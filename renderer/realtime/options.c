@@ -9,6 +9,7 @@
 
 #include "base/option_rows.h"
 #include "renderer/march.h"
+#include "renderer/realtime/suns.h"
 #include "renderer/shortcuts.h"
 
 static const char *const modes[] = {"exact", "marched", NULL};
@@ -47,6 +48,7 @@ static const char *const motions[] = {"centre", "cross", "square", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
 static const char *const depth_map_passes[] = {"auto", "own", NULL};
+static const char *const change_passes[] = {"auto", "own", NULL};
 static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
@@ -478,5 +480,20 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                              "with atrous, difference of depth that counts by 1 / e, in parts of "
                              "the depth"),
     [RT_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,
+    [RT_CHANGE_STROBE] = CHOICE(
+        "change_strobe", 0, switches,
+        "a sun that flashes with the period of two looks of gradient=on, four frames or the places "
+        "of the jitter, is a change everywhere; off: both looks see the same, and it rests"),
+    [RT_OVERRIDE_WAKE] = WHOLE(
+        "override_wake", 0, 0,
+        NEPH_RT_SUNS_MAX - 1,
+        "frames, after the sun has jumped by a tenth from one to the next, in which every second "
+        "cycle of four has no override: what it keeps from being marched sees the new light, too"),
+    [RT_CHANGE_PASS] = CHOICE(
+        "change_pass", RT_CHANGE_PASS_AUTO, change_passes,
+        "auto: on a GPU the reconstruction finds what has changed around a tile, by gradient=on, "
+        "by itself. Same bits"),
+    [RT_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH,
+    [RT_SUN_CONE] = NEPH_OPTION_SUN_CONE,
     {.name = NULL},
 };

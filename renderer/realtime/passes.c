@@ -71,6 +71,11 @@ static const uint32_t lamp_peaks_spirv[] = {
 
 #define ATROUS_READS BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY_STATE)
 
+/* And what has changed around a tile. */
+#define CHANGE_READS                                                                               \
+    BIT(RT_LOOK_NOW) | BIT(RT_LOOK_THEN) | BIT(RT_LOOK_BEHIND_NOW) | BIT(RT_LOOK_BEHIND_THEN) |    \
+        BIT(RT_CHANGE_BEHIND)
+
 /* What anti-aliasing and upsampling are bound to. */
 #define TAA_READS                                                                                  \
     BIT(RT_COLOR) | BIT(RT_DEPTH) | BIT(RT_TAA_BEFORE) | BIT(RT_VOLUME) | BIT(RT_BEHIND) |         \
@@ -169,9 +174,10 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "what has changed around a tile",
         .shader = {"rt_change", change_spirv, sizeof(change_spirv)},
         .condition = {RT_GRADIENT, 1},
+        .done_by_other = &(const struct neph_rt_condition){RT_CHANGE_PASS,
+                                                           RT_CHANGE_PASS_RECONSTRUCTION},
         .resolution = RT_QUARTER,
-        .reads = BIT(RT_LOOK_NOW) | BIT(RT_LOOK_THEN) | BIT(RT_LOOK_BEHIND_NOW) |
-                 BIT(RT_LOOK_BEHIND_THEN) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND),
+        .reads = CHANGE_READS | BIT(RT_CHANGE),
         .writes = BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND),
     },
     {
@@ -180,11 +186,13 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_reconstruct", reconstruct_spirv, sizeof(reconstruct_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_HALF,
+        .block = {RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT},
         .reads = BIT(RT_TILE) | BIT(RT_RAY) | BIT(RT_RAY_DISTANCE) | BIT(RT_HALF_DEPTH) |
                  BIT(RT_HALF_DEPTH_BEFORE) | BIT(RT_HISTORY_BEFORE) | BIT(RT_HISTORY_STATE_BEFORE) |
-                 BIT(RT_CHANGE),
-        .spared = {{{{RT_GRADIENT, 1}}, BIT(RT_CHANGE)}},
-        .writes = BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE),
+                 BIT(RT_CHANGE) | CHANGE_READS,
+        .spared = {{{{RT_GRADIENT, 1}}, BIT(RT_CHANGE)},
+                   {{{RT_CHANGE_PASS, RT_CHANGE_PASS_RECONSTRUCTION}}, CHANGE_READS}},
+        .writes = BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND),
         .histories = {{RT_HISTORY, RT_HISTORY_BEFORE}, {RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE}},
     },
     {
@@ -220,6 +228,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_upscale", upscale_spirv, sizeof(upscale_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_FULL,
+        .in_quads = true,
         .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_BEFORE) |
                  BIT(RT_HISTORY_STATE),
         .spared = {{{{RT_ATROUS, 0}}, BIT(RT_HISTORY)}, {{{RT_ATROUS, 1}}, BIT(RT_HISTORY_BEFORE)}},
@@ -430,6 +439,8 @@ uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct nep
                                       : quotient_up(view->size_px[0], (uint64_t)pass->resolution);
     const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
     const bool in_blocks = takes_turns(view, pass) || !pass->in_colours;
+    if (pass->in_quads)
+        return (width / 2 + 1) * (height / 2 + 1);
     if (on_gpu && in_blocks && pass->block[0] > 0)
         return GROUP_THREADS * quotient_up(width, (uint64_t)pass->block[0]) *
                quotient_up(height, (uint64_t)pass->block[1]);

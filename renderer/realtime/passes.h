@@ -52,7 +52,8 @@ struct neph_rt_pass {
     struct neph_rt_condition condition;            /* of being in the frame */
     const struct neph_rt_condition *done_by_other; /* where this holds; or NULL */
     int resolution;                                /* RT_FULL, ..: of the texels that it makes */
-    int column; /* texels, one below the other, that a thread makes; 0: one */
+    int column;    /* texels, one below the other, that a thread makes; 0: one */
+    bool in_quads; /* a thread makes 2x2, the first of which may be one before the view */
     /* Texels that a group makes together on a GPU, where there is in_colours if that holds; {0}:
      * they are by themselves. */
     int block[2];

@@ -9,6 +9,7 @@
 #include "renderer/realtime/injection.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
+#include "renderer/realtime/suns.h"
 #include "renderer/realtime/watch.h"
 #include "renderer/shortcuts.h"
 #include "scenes/emission.h"
@@ -40,6 +41,7 @@ struct neph_realtime {
     uint32_t frame_count; /* that it has rendered */
     bool has_past;
     struct neph_rt_moment past;
+    struct neph_rt_suns suns;
     bool has_mirrored_past; /* of the camera that is mirrored (inject.mirror) */
     struct neph_rt_moment mirrored_past;
     uint64_t injected_values;  /* since the last picture */
@@ -162,10 +164,6 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  has_sky ? "" : " (sky=tables: that of a planet's air may)");
         return false;
     }
-    if (has_sky && settings->values[RT_FROXEL_VOLUME] != 0.0) {
-        snprintf(reason, reason_size, "froxels under sky=tables: froxels=off");
-        return false;
-    }
     if (neph_scene_emits(scene)) {
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
@@ -205,6 +203,8 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                       .skip = values[RT_SKIP] != 0.0,
                       .early_out = values[RT_EARLY_OUT],
                       .step_growth = values[RT_STEP_GROWTH],
+                      .sun_growth = values[RT_SUN_GROWTH],
+                      .sun_cone = values[RT_SUN_CONE],
                       .grid_texture = values[RT_GRID_SAMPLING] != 0.0,
                       .grid_format = (enum neph_texel_format)(int)values[RT_GRID_FORMAT],
                       .cloud_shadow = values[RT_CLOUD_SHADOW] != 0.0,
@@ -293,6 +293,9 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
         choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
         choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW)
         view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
+    if (on_gpu && choice_of(realtime, RT_CHANGE_PASS) == RT_CHANGE_PASS_AUTO &&
+        choice_of(realtime, RT_GRADIENT) != 0)
+        view->settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
 }
 
 /* Everything that depends on the size. */
@@ -733,6 +736,23 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
     return now;
 }
 
+/* What rays cannot tell of the sun: whether a look at the medium, four frames after the first, or at
+ * what is behind it, as many as the jitter has places, sees what it does; and whether what the
+ * override keeps from being marched has old light. */
+static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_frame *frame)
+{
+    struct neph_gpu_view *view = realtime->device.view;
+    const uint32_t number = realtime->frame_count;
+    const struct neph_sun sun = neph_scene_sun(frame->scene, frame->frame);
+    const bool asks = view->settings[RT_CHANGE_STROBE] != 0.0f;
+    const uint32_t places = (uint32_t)view->settings[RT_TAA_JITTER_LENGTH];
+    const uint32_t awake = (uint32_t)view->settings[RT_OVERRIDE_WAKE];
+    neph_rt_suns_keep(&realtime->suns, number, &sun);
+    view->strobes_medium = asks && neph_rt_suns_flash(&realtime->suns, 4);
+    view->strobes_behind = asks && neph_rt_suns_flash(&realtime->suns, places);
+    view->resting |= number / 4 % 2 == 1 && neph_rt_suns_jumped(&realtime->suns, awake);
+}
+
 static enum neph_status render_picture(struct neph_realtime *realtime,
                                        const struct neph_realtime_frame *frame, bool is_mirrored,
                                        struct neph_image **image, struct neph_realtime_stats *stats,
@@ -759,6 +779,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     made.fill = &realtime->fills[slot];
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
+    set_suns(realtime, frame);
     made.moment = march_moment(view, &now);
     neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
     neph_rt_device_show(&realtime->device);

@@ -83,9 +83,10 @@ const struct neph_preset neph_rt_presets[] = {
      "taa_box=variance taa_sigma=1"},
     {"ours", "the mean of all that is at rest, told from noise, in the light that there is",
      "reject_depth=0.1 reject_around=moved gradient=on relight=0.1 change_hold=0.75 "
-     "box_motion_px=0.05 box_change=0.1 history_age_max=32 box_age=0 fallback=bilateral "
-     "fallback_rejected=bilateral taa_medium=on taa_age_max=256 taa_change=0.1 taa_alpha=0.1 "
-     "taa_box=variance taa_sigma=1 taa_pre_exposure=on upscale=bilateral upscale_dither=none"},
+     "change_strobe=on override_wake=32 box_motion_px=0.05 box_change=0.1 history_age_max=32 "
+     "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
+     "taa_change=0.1 taa_alpha=0.1 taa_box=variance taa_sigma=1 taa_pre_exposure=on "
+     "upscale=bilateral upscale_dither=none"},
     {"fsr2", "`fixed`, upsampled from 67 % after AMD's FSR 2: locks, disocclusion, Lanczos",
      "screen_percent=67 taa=locks taa_jitter=halton taa_jitter_length=8 taa_motion=square "
      "taa_box=variance taa_sigma=1 taa_age_max=8 taa_responsive=medium "

@@ -102,3 +102,21 @@ void neph_rt_store(const struct neph_gpu_target *target, uint32_t *words, size_t
             words[c / 2] |= (uint32_t)neph_rt_to_half(value[c]) << 16;
     }
 }
+
+static bool is_same(const float a[3], const float b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+bool neph_rt_view_rests(const struct neph_gpu_view *view)
+{
+    static const float nothing[3] = {0.0f, 0.0f, 0.0f};
+    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
+    const bool camera_rests = is_same(before->position_m, nothing) &&
+                              is_same(now->forward, before->forward) &&
+                              is_same(now->right, before->right) &&
+                              now->half_width == before->half_width &&
+                              now->half_height == before->half_height;
+    const bool air_rests = view->settings[RT_WIND] == 0.0f || is_same(view->wind_m, nothing);
+    return camera_rests && air_rests && view->settings[RT_SOLID_MOTION] == 0.0f;
+}

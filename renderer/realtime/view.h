@@ -32,4 +32,7 @@ void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, s
 void neph_rt_store(const struct neph_gpu_target *target, uint32_t *words, size_t index,
                    const float value[4]);
 
+/* Whether camera, air and solids stand where they stood in the frame before. */
+bool neph_rt_view_rests(const struct neph_gpu_view *view);
+
 #endif

@@ -37,6 +37,8 @@ layout(push_constant) uniform CeilingRun {
 #include "grid.glsl"
 
 layout(constant_id = 0) const bool TEXTURE = false;
+// Whether each place depends on the sample before it, as nothing may be looked up ahead then.
+layout(constant_id = 1) const bool WAITS = false;
 
 layout(binding = NEPH_GPU_IMAGES_BINDING) uniform sampler3D grid_textures[1];
 
@@ -51,7 +53,11 @@ void main()
     CeilingLine line = lines[gl_GlobalInvocationID.x];
     Grid grid = Grid(vec3(0.0), 0, vec3(1.0), 1.0, uvec3(run.side), 0.0, vec3(1.0) / float(run.side));
     float sum = 0.0;
-    for (uint i = 0; i < run.sample_count; i++)
-        sum += density_at(grid, line.start + float(i) * line.stride);
+    vec3 place = line.start;
+    for (uint i = 0; i < run.sample_count; i++) {
+        float density = density_at(grid, WAITS ? place : line.start + float(i) * line.stride);
+        sum += density;
+        place += (1.0 - 1e-6 * density) * line.stride;
+    }
     results[gl_GlobalInvocationID.x] = sum;
 }

@@ -71,8 +71,7 @@ float texture_ray_density(TextureRay ray, float t_m)
     return grid_texture_at(0, ray.start + t_m * ray.per_m);
 }
 
-// Whether there is an only medium, a grid, of which steps at any place may be sampled ahead.
-bool has_only_texture() { return samples_textures() && KNOWN_MEDIA == 1u && !SKIPS; }
+bool has_only_texture() { return samples_textures() && KNOWN_MEDIA == 1u; }
 
 // As medium_extinction_per_m().
 float sampled_extinction_per_m(uint m, vec3 point_m)

@@ -108,6 +108,9 @@ float met_per_m = -1.0; // extinction at the step that was looked up last
 // Go on to the first step at whose point there is something, or to `end`.
 void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
+    TextureRay way;
+    if (has_only_texture())
+        way = texture_ray(ray.origin_m, ray.direction);
     for (; i < end; i++) {
         if (SKIPS)
             pass_empty_steps(steps, place, ray.origin_m, ray.direction, end, i);
@@ -115,8 +118,9 @@ void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uin
             break;
         density_evaluations++;
         view_steps++;
-        met_per_m = sampled_extinction_per_m(
-            0, view_point_m(ray, step_point_m(steps, i, place)));
+        float t_m = step_point_m(steps, i, place);
+        met_per_m = has_only_texture() ? way.full_per_m * texture_ray_density(way, t_m)
+                                       : sampled_extinction_per_m(0, view_point_m(ray, t_m));
         if (met_per_m > 0.0)
             break;
     }
@@ -124,7 +128,7 @@ void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uin
 
 vec4 ahead; // densities of the four steps around the one where a ray is
 
-// The same in a texture, with four steps on their way together.
+// The same in a texture, with four steps on their way together: a GPU would wait for each.
 void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     TextureRay way = texture_ray(ray.origin_m, ray.direction);
@@ -145,12 +149,15 @@ void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout ui
     view_steps += looked_up;
 }
 
+// Where empty steps are passed it is not known which come next, and lavapipe waits for nothing.
+bool looks_ahead() { return has_only_texture() && !SKIPS && !ON_CPU; }
+
 // In a loop of its own: rays that have passed clear air do their steps in the medium together.
 // Whether any was passed: nothing is added for it once, as in marched_optical_depth().
 bool pass_clear(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     uint start = i;
-    if (has_only_texture())
+    if (looks_ahead())
         pass_clear_texels(ray, steps, place, end, i);
     else
         pass_clear_steps(ray, steps, place, end, i);
@@ -309,7 +316,17 @@ struct Behind {
     vec3 radiance, air, through;
 };
 
-// The first of the solids is the ground, to which the table of views goes.
+// From the sky and the ground around, to a solid: the first of them is the ground, whose own is
+// among the tables.
+vec3 sky_irradiance_of(Hit hit, vec3 point_m)
+{
+    SkySpot spot = sky_spot(point_m);
+    if (hit.solid != 0u || eye.has_field == 0u)
+        return sky_irradiance(spot, solid_normal(solids[hit.solid], point_m));
+    return frame.sun_irradiance * sky_field_ground(spot.sun_cosine);
+}
+
+// The table of views goes to the ground.
 Behind sky_behind(Hit hit, ViewRay ray)
 {
     SkyLight all = sky_look_up(eye.places[0], sky_ray_along(eye.places[0], ray.direction));
@@ -322,7 +339,7 @@ Behind sky_behind(Hit hit, ViewRay ray)
         return Behind(frame.sun_irradiance * all.radiance, frame.sun_irradiance * all.volume,
                       all.transmittance);
     vec3 point_m = view_point_m(ray, hit.t_m);
-    vec3 from_sky = sky_irradiance(sky_spot(point_m), solid_normal(solids[hit.solid], point_m));
+    vec3 from_sky = sky_irradiance_of(hit, point_m);
     vec3 radiance = surface_radiance(hit, point_m) +
                     solids[hit.solid].albedo.rgb / PI * from_sky;
     if (hit.solid != 0u) {

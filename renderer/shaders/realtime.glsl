@@ -82,6 +82,10 @@ layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     float rendered_per_px[2]; // size_px over picture_px
     float exposure; // of the camera, by which colours are multiplied before they are kept
     float exposure_before;
+    // 1: the sun flashes with the period of two looks at the medium, or at what is behind it, which
+    // see no difference (renderer/realtime/suns.h): all of it has changed.
+    uint strobes_medium;
+    uint strobes_behind;
 } view;
 
 // Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).
@@ -160,6 +164,9 @@ layout(constant_id = RT_HALVES_CONSTANT) const uint NATIVE_HALVES = 0;
 // lavapipe runs both sides of every branch, and skips what no thread wants of a loop alone; a GPU
 // keeps in registers what it finds without an index, and wants its loops known.
 layout(constant_id = RT_ON_GPU_CONSTANT) const bool ON_GPU = false;
+// What a picture at rest spares is most of the search for its history: where that is known no
+// instruction of it is there, and lavapipe does not run it for nothing.
+layout(constant_id = RT_RESTS_CONSTANT) const bool ALL_REST = false;
 
 // By the driver's own conversions where they are known to be right (renderer/halves.h).
 vec2 unpack(uint word)
@@ -331,11 +338,15 @@ ViewLine view_line_at(ViewCamera camera, vec2 place_px)
 // Whether this frame's camera stands where that of the frame before stood, and sees as that did.
 bool camera_rests()
 {
+    if (ALL_REST)
+        return true;
     return view_before.position_m == vec3(0.0) && view_now.forward == view_before.forward &&
            view_now.right == view_before.right && view_now.up == view_before.up &&
            view_now.half_width == view_before.half_width &&
            view_now.half_height == view_before.half_height;
 }
+
+bool air_rests() { return ALL_REST || choice(RT_WIND) == 0 || wind_m() == vec3(0.0); }
 
 // What the width of the picture grows with: the depth, or nothing.
 float view_spread(ViewCamera camera, float depth) { return camera.is_parallel != 0u ? 1.0 : depth; }

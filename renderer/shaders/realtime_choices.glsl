@@ -16,7 +16,7 @@ layout(constant_id = RT_SPECIALISED_CONSTANT) const bool SPECIALISED = false;
 #endif
 
 // A hexadecimal digit for each setting, eight to a constant, the lowest first: the choice, or
-// whether the number is other than 0.
+// whether the number is other than 0; of taa_jitter_length itself, up to 15.
 layout(constant_id = 8) const uint DIGITS_0 = 0;
 layout(constant_id = 9) const uint DIGITS_1 = 0;
 layout(constant_id = 10) const uint DIGITS_2 = 0;

@@ -94,6 +94,10 @@ struct Film {
 
 float box_scale = 1.0;
 
+// Whether history is held in the box. On a GPU there is none for what is at rest in the same light
+// (rt_taa.comp); elsewhere it is made anyhow.
+bool is_held = true;
+
 // M. Salvi, "An Excursion in Temporal Supersampling", GDC 2016; the filtered colour is in it.
 Box box_about(vec3 mean, vec3 variance, vec3 filtered)
 {
@@ -370,10 +374,12 @@ Row row_at(ivec2 pixel)
             row.has_own = from.is_counted;
         }
     }
-    row.mean = part_of_one(row.count) * sum;
-    row.scatter = vec3(0.0);
-    [[unroll]] for (int i = 0; i < 3; i++)
-        row.scatter += counts[i] * (seen[i] - row.mean) * (seen[i] - row.mean);
+    row.mean = row.scatter = vec3(0.0);
+    if (is_held) {
+        row.mean = part_of_one(row.count) * sum;
+        [[unroll]] for (int i = 0; i < 3; i++)
+            row.scatter += counts[i] * (seen[i] - row.mean) * (seen[i] - row.mean);
+    }
     return row;
 }
 
@@ -405,7 +411,8 @@ Film film_of(Row rows[3])
     bool is_filtered = choice(RT_TAA_FILTER) != 0;
     film.colour = is_filtered ? 1.0 / sum.a * sum.rgb : film.own;
     film.is_any = is_filtered ? rows[0].count + rows[1].count + rows[2].count > 0.0 : film.has_own;
-    film.box = variance_box(rows, to_space(film.colour));
+    if (is_held)
+        film.box = variance_box(rows, to_space(film.colour));
     return film;
 }
 

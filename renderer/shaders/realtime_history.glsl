@@ -21,15 +21,15 @@ const History REJECTED = History(vec4(0.0), 0.0, true, true, 0.0);
 
 bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 
-// Set by who asks for it: on a GPU, where camera and medium rest, history is in the very place, and
-// all that would find it there can be left out. Elsewhere what it saves is spent anyhow.
+// Set by who asks for it: where camera and medium rest history is in the very place, and all that
+// would find it there can be left out. On lavapipe what is not known before (ALL_REST) is spent
+// anyhow.
 bool is_at_rest = false;
 
 bool history_rests()
 {
     bool has_jitter = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
-    return ON_GPU && camera_rests() && !has_jitter &&
-           (choice(RT_WIND) == 0 || wind_m() == vec3(0.0));
+    return (ON_GPU || ALL_REST) && camera_rests() && air_rests() && !has_jitter;
 }
 
 // --- its value ----------------------------------------------------------------------------------

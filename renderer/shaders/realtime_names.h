@@ -182,13 +182,22 @@
 #define RT_ATROUS_SIGMA 145
 #define RT_ATROUS_DEPTH 146
 #define RT_SKY_REFILL 147
-#define RT_SETTING_COUNT 148
+// What two looks at the same light cannot tell.
+#define RT_CHANGE_STROBE 148
+// How long slots that no ray is left for are marched after the sun has jumped.
+#define RT_OVERRIDE_WAKE 149
+// And where what has changed around a tile is found.
+#define RT_CHANGE_PASS 150
+// Steps towards the sun.
+#define RT_SUN_GROWTH 151
+#define RT_SUN_CONE 152
+#define RT_SETTING_COUNT 153
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
 // first that does (realtime_choices.glsl); how many solids the scene has, or that there are many
 // (rt_scene.comp); which of the driver's own conversions of halves are taken (renderer/halves.h);
-// whether the device is no CPU.
+// whether the device is no CPU; whether camera, air and solids stand where they stood.
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
@@ -197,7 +206,8 @@
 #define RT_SOLIDS_UNKNOWN 33 // and from there on: looked at one by one
 #define RT_HALVES_CONSTANT 29
 #define RT_ON_GPU_CONSTANT 30
-#define RT_CONSTANT_COUNT 31
+#define RT_RESTS_CONSTANT 31
+#define RT_CONSTANT_COUNT 32
 
 // Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
 // three of them.
@@ -205,6 +215,10 @@
 // Pixels of the block that a work group of 64 takes through it on a GPU.
 #define RT_TAA_BLOCK_WIDTH 32
 #define RT_TAA_BLOCK_HEIGHT 8
+
+// Texels of the block that a work group of 64 takes through the reconstruction on a GPU.
+#define RT_TEXEL_BLOCK_WIDTH 16
+#define RT_TEXEL_BLOCK_HEIGHT 4
 
 // Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
 // colours take turns.
@@ -322,6 +336,10 @@
 #define RT_DEPTH_MAP_PASS_AUTO 0
 #define RT_DEPTH_MAP_PASS_OWN 1
 #define RT_DEPTH_MAP_PASS_TILE_INDEX 2 // of views alone
+
+#define RT_CHANGE_PASS_AUTO 0
+#define RT_CHANGE_PASS_OWN 1
+#define RT_CHANGE_PASS_RECONSTRUCTION 2 // of views alone
 
 #define RT_COMPOSITION_AUTO 0
 #define RT_COMPOSITION_PASS 1

@@ -89,7 +89,7 @@ float change() { return max(of_medium.residue, of_behind.residue); }
 // What does not change does not move, whatever the wind: a veil that looks the same everywhere.
 bool follows_medium()
 {
-    return choice(RT_TAA_MEDIUM) != 0 && choice(RT_WIND) != 0 && wind_m() != vec3(0.0) &&
+    return choice(RT_TAA_MEDIUM) != 0 && !air_rests() &&
            (!asks_for_change() || beyond(change(), setting(RT_TAA_CHANGE)) > 0.0);
 }
 
@@ -103,11 +103,17 @@ vec3 medium_from_m()
 // What it sees stays where it is: motions would come out as 0.
 bool rests()
 {
-    return !follows_solids() && camera_rests() &&
+    return (ON_GPU || ALL_REST) && !follows_solids() && camera_rests() &&
            (!follows_medium() || medium_from_m() == vec3(0.0));
 }
 
-bool is_at_rest; // on a GPU, for all of a column; elsewhere what it saves is spent anyhow
+bool is_at_rest; // for all of a column; on lavapipe where that is known before (ALL_REST) alone
+
+// Of which is_held follows: nothing moves and, by the gradient, nothing changes.
+bool is_steady()
+{
+    return ON_GPU && is_at_rest && asks_for_change() && beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
+}
 
 // How far what is `depth_m` deep has come in the picture since the frame before, when it stood
 // `from_m` off from where it is now, as seen by the camera; false when it was behind that. Lengths
@@ -263,7 +269,8 @@ float frames_alike()
 // Where it rests history has the light of this frame, by the shares that both have in the pixel.
 vec3 relit(vec3 history, ivec2 source, Film film, float speed_px)
 {
-    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own)
+    bool is_steady = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
+    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || (ON_GPU && is_steady))
         return history;
     vec3 colour = film.own;
     vec3 medium = hold(exposure * fetch_full(RT_VOLUME, source).rgb, vec3(0.0), colour);
@@ -375,12 +382,16 @@ vec4 resolved(ivec2 pixel, ivec2 source, Film film)
         colour = has_history ? history : vec3(0.0);
     } else if (has_history) {
         history = relit(history, source, film, speed_px);
-        float alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
-        float part = unrest(speed_px);
+        float alpha = 0.0, part = 0.0;
+        vec3 held = history;
+        if (is_held) {
+            alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
+            part = unrest(speed_px);
+            held = hold_history(history, film.box);
+        }
         alpha = weight_with_age(alpha, part, age);
         if (is_responsive(source))
             alpha = max(alpha, 0.25);
-        vec3 held = hold_history(history, film.box);
         colour = blend(colour, part == 1.0 ? held : mix(history, held, part), alpha);
     }
     return vec4(guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX))),

@@ -93,11 +93,14 @@ vec4 light_of(ivec3 froxel)
     if (reach.inside.t1_m <= reach.inside.t0_m)
         return vec4(0.0);
     look_along(ray);
-    vec3 point_m = view_point_m(ray, mix(reach.inside.t0_m, reach.inside.t1_m,
-                                         place.z - float(froxel.z)));
+    float distance_m = mix(reach.inside.t0_m, reach.inside.t1_m, place.z - float(froxel.z));
+    vec3 point_m = view_point_m(ray, distance_m);
     Mixture mixture = mixture_at(point_m);
     float extinction_per_m = mean_extinction_per_m(mixture, ray, reach);
-    return vec4(scattered_per_m(mixture, ray, point_m, reach, extinction_per_m), extinction_per_m);
+    vec3 light = scattered_per_m(mixture, ray, point_m, reach, extinction_per_m);
+    if (HAS_SKY) // as in a step of the march
+        light = behind_air(ray.direction, distance_m, light, vec3(extinction_per_m));
+    return vec4(light, extinction_per_m);
 }
 
 vec4 mix_at(int section, vec3 place)

@@ -21,6 +21,7 @@
 // What is kept is of halves and compared as such. When the camera moves, no ray is the same one:
 // what comes out then is of no use, and the consumers go by motion before they ask.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
 #include "realtime_looks.glsl"
 #include "realtime_pass.glsl"
@@ -28,15 +29,18 @@
 
 const int TILE_PX = 16;
 
-// What a half keeps of a value; not more than the largest. A NaN becomes 0.
-float kept(float value)
+// Not more than the largest half. A NaN becomes 0.
+vec4 limited(vec4 value)
 {
-    return value > 0.0 ? from_half(to_half(value < HALF_MAX ? value : HALF_MAX)) : 0.0;
+    vec4 below = mix(vec4(HALF_MAX), value, lessThan(value, vec4(HALF_MAX)));
+    return mix(vec4(0.0), below, greaterThan(value, vec4(0.0)));
 }
 
+// What a half keeps of a value.
 vec4 kept(vec4 value)
 {
-    return vec4(kept(value.r), kept(value.g), kept(value.b), kept(value.a));
+    vec4 seen = limited(value);
+    return vec4(unpack(pack(seen.xy)), unpack(pack(seen.zw)));
 }
 
 // Whether the scene behind one of the tile's texels is another one than in the frame before.
@@ -44,16 +48,16 @@ bool is_other_scene(ivec2 tile)
 {
     if (!is_set(RT_REJECT_DEPTH) || !has_past)
         return is_set(RT_REJECT_DEPTH);
-    for (int i = 0; i < 4; i++) {
+    bool is_other = false; // a loop with a way out would wait for each depth
+    [[unroll]] for (int i = 0; i < 4; i++) {
         ivec2 half_pixel = 2 * tile + ivec2(i & 1, i >> 1);
         float now_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
         float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, half_pixel).x;
         precise float difference_m = abs(now_m - before_m);
         precise float allowed_m = setting(RT_REJECT_DEPTH) * now_m;
-        if (now_m != before_m && !(difference_m < allowed_m))
-            return true;
+        is_other = is_other || (now_m != before_m && !(difference_m < allowed_m));
     }
-    return false;
+    return is_other;
 }
 
 // Nothing was seen before a first picture, whatever lies in memory, nor before a cut.
@@ -78,7 +82,7 @@ void look_at_medium(ivec2 tile)
     bool is_known = half_pixel.x < half_size().x && half_pixel.y < half_size().y;
     if (is_known) { // a cut tile has no room for all four
         now = kept(fetch_tile(RT_RAY, tile));
-        then = kept(fetch_half(RT_KEPT_RAY, half_pixel)); // what is no number is 0
+        then = limited(fetch_half(RT_KEPT_RAY, half_pixel)); // what is no number is 0
         put_half(RT_KEPT_RAY, half_pixel, now);
     }
     is_known = is_known && repeats_ray(tile);
@@ -88,31 +92,77 @@ void look_at_medium(ivec2 tile)
     put_tile(RT_LOOK_THEN, tile, vec4(then.rgb, is_known ? 1.0 : 0.0));
 }
 
+// Some of a tile's pixels, every Nth: as many as there are with a jitter of 6 places or more.
+const int AT_ONCE = 3;
+
+// Known before, since lavapipe runs a loop once even if nobody wants it.
+bool may_be_more()
+{
+    return !SPECIALISED || AT_ONCE * known_choice(RT_TAA_JITTER_LENGTH) < TILE_PX;
+}
+
+struct Looks {
+    ivec2 pixels[AT_ONCE];
+    bool are_there[AT_ONCE];
+    vec3 now[AT_ONCE], then[AT_ONCE];
+};
+
+Looks look_from(ivec2 tile, int first, int step)
+{
+    Looks looks;
+    [[unroll]] for (int k = 0; k < AT_ONCE; k++) {
+        int i = first + k * step;
+        ivec2 pixel = 4 * tile + ivec2(i & 3, i >> 2);
+        looks.pixels[k] = pixel;
+        looks.are_there[k] = i < TILE_PX && pixel.x < view_size().x && pixel.y < view_size().y;
+        looks.now[k] = kept(fetch_full(RT_BEHIND, pixel)).rgb;
+        looks.then[k] = limited(fetch_full(RT_KEPT_BEHIND, pixel)).rgb;
+    }
+    return looks;
+}
+
+struct Sums {
+    vec3 now, then;
+    int count;
+};
+
+void add(Looks looks, inout Sums sums)
+{
+    [[unroll]] for (int k = 0; k < AT_ONCE; k++) {
+        precise vec3 now = sums.now + looks.now[k], then = sums.then + looks.then[k];
+        if (looks.are_there[k])
+            sums = Sums(now, then, sums.count + 1);
+    }
+}
+
+// What their common gain leaves unexplained in one of them. They are kept for the next time.
+void remember(Looks looks, vec3 gain, inout float unlike)
+{
+    [[unroll]] for (int k = 0; k < AT_ONCE; k++) {
+        if (!looks.are_there[k])
+            continue;
+        float residue = residue_between(looks.now[k], looks.then[k], gain);
+        unlike = residue > unlike ? residue : unlike;
+        put_full(RT_KEPT_BEHIND, looks.pixels[k], vec4(looks.now[k], 0.0));
+    }
+}
+
 // Light that has another gain in one of a tile's pixels than in the others is a shadow's edge.
 void look_behind(ivec2 tile)
 {
-    int length = int(setting(RT_TAA_JITTER_LENGTH)), count = 0;
-    vec3 now[TILE_PX], then[TILE_PX];
-    precise vec3 sum_now = vec3(0.0), sum_then = vec3(0.0);
-    for (int i = int(view_frame % uint(length)); i < TILE_PX; i += length) {
-        ivec2 pixel = 4 * tile + ivec2(i & 3, i >> 2);
-        if (pixel.x >= view_size().x || pixel.y >= view_size().y)
-            continue;
-        now[count] = kept(fetch_full(RT_BEHIND, pixel)).rgb;
-        then[count] = kept(fetch_full(RT_KEPT_BEHIND, pixel)).rgb;
-        put_full(RT_KEPT_BEHIND, pixel, vec4(now[count], 0.0));
-        sum_now += now[count];
-        sum_then += then[count];
-        count++;
-    }
-    vec3 gain = gain_between(sum_now, sum_then);
+    int step = int(setting(RT_TAA_JITTER_LENGTH)), first = int(view_frame % uint(step));
+    Looks looks = look_from(tile, first, step);
+    Sums sums = Sums(vec3(0.0), vec3(0.0), 0);
+    add(looks, sums);
+    for (int i = first + AT_ONCE * step; may_be_more() && i < TILE_PX; i += AT_ONCE * step)
+        add(look_from(tile, i, step), sums);
+    vec3 gain = gain_between(sums.now, sums.then);
     float unlike = 0.0;
-    for (int i = 0; i < count; i++) {
-        float residue = residue_between(now[i], then[i], gain);
-        unlike = residue > unlike ? residue : unlike;
-    }
-    put_tile(RT_LOOK_BEHIND_NOW, tile, vec4(sum_now, unlike));
-    put_tile(RT_LOOK_BEHIND_THEN, tile, vec4(sum_then, float(count)));
+    remember(looks, gain, unlike);
+    for (int i = first + AT_ONCE * step; may_be_more() && i < TILE_PX; i += AT_ONCE * step)
+        remember(look_from(tile, i, step), gain, unlike);
+    put_tile(RT_LOOK_BEHIND_NOW, tile, vec4(sums.now, unlike));
+    put_tile(RT_LOOK_BEHIND_THEN, tile, vec4(sums.then, float(sums.count)));
 }
 
 void main()

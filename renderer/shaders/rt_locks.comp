@@ -202,7 +202,7 @@ void main()
     find_weights();
     if (asks_for_change())
         find_change(clamp(source, ivec2(0), view_size() - 1) / 4);
-    is_at_rest = ON_GPU && rests();
+    is_at_rest = rests();
     Surroundings around = look_around(source);
 
     bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);

@@ -33,6 +33,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 #include "realtime_change.glsl"
+#include "realtime_change_around.glsl"
 #include "realtime_pass.glsl"
 #include "realtime_history.glsl"
 
@@ -43,10 +44,10 @@ struct Ray {
     float depth_m; // of the scene, where the ray ends
     bool is_usable;
     bool is_sky; // known where somebody asks
-    bool is_in_box;
 };
 
-Ray rays[9]; // of the tiles around, in the order in which ties are decided
+Ray rays[9]; // of the tiles around, in the order in which ties are decided; elsewhere in the area
+bool in_box[9];
 
 const ivec2 AROUND[9] = ivec2[9](ivec2(0, 0), ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1),
                                  ivec2(1, 1), ivec2(-1, 1), ivec2(1, -1), ivec2(-1, -1));
@@ -92,20 +93,68 @@ float ray_depth_m(ivec2 tile, int ray)
     return depth_m;
 }
 
+Ray load_ray(ivec2 tile, int i)
+{
+    Ray ray;
+    ray.value = fetch_tile(RT_RAY, ray_tile(tile, i));
+    ray.depth_m = ray_depth_m(tile, i);
+    ray.is_usable = !checks_validity() || is_sound(ray.value);
+    ray.is_sky = asks_for_kinds() &&
+                 is_sky(fetch_half(RT_HALF_DEPTH, ray_half_pixel(ray_tile(tile, i))).x);
+    return ray;
+}
+
 void load_rays(ivec2 tile)
 {
-    [[unroll]] for (int i = 0; i < 9; i++) {
-        rays[i].value = fetch_tile(RT_RAY, ray_tile(tile, i));
-        rays[i].depth_m = ray_depth_m(tile, i);
-        rays[i].is_usable = !checks_validity() || is_sound(rays[i].value);
-        rays[i].is_sky = asks_for_kinds() &&
-                         is_sky(fetch_half(RT_HALF_DEPTH, ray_half_pixel(ray_tile(tile, i))).x);
+    [[unroll]] for (int i = 0; i < 9; i++)
+        rays[i] = load_ray(tile, i);
+}
+
+// On a GPU a work group makes a block of texels. Its rays and those around are fetched once, into
+// shared memory, where a ray can be picked by its number, too.
+const ivec2 BLOCK = ivec2(RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT);
+const ivec2 BLOCK_TILES = BLOCK / 2, AREA = BLOCK_TILES + 2;
+shared vec4 area_values[AREA.x * AREA.y];
+shared vec2 area_rays[AREA.x * AREA.y]; // depth [m]; 1: usable, 2: that and of the sky
+ivec2 own_place; // of this thread's tile in the area
+
+// Not by who looks for neighbours where there are none.
+bool shares_rays()
+{
+    return ON_GPU && choice(RT_EDGE_TILES) == RT_EDGE_TILES_KEPT &&
+           choice(RT_GATHER) == RT_GATHER_TEXEL;
+}
+
+// By all threads of a group.
+void fetch_area(ivec2 first_tile)
+{
+    for (int i = int(gl_LocalInvocationID.x); i < AREA.x * AREA.y; i += GROUP_THREADS) {
+        ivec2 tile = first_tile - 1 + ivec2(i % AREA.x, i / AREA.x);
+        Ray ray = load_ray(clamp(tile, ivec2(0), tile_count() - 1), 0);
+        area_values[i] = ray.value;
+        area_rays[i] = vec2(ray.depth_m, !ray.is_usable ? 0.0 : ray.is_sky ? 2.0 : 1.0);
     }
+}
+
+int area_index(int i)
+{
+    ivec2 at = own_place + AROUND[i];
+    return at.x + AREA.x * at.y;
+}
+
+Ray ray_at(int i)
+{
+    if (!shares_rays())
+        return rays[i];
+    vec2 known = area_rays[area_index(i)];
+    return Ray(area_values[area_index(i)], known.x, known.y > 0.0, known.y > 1.0);
 }
 
 // A choice among known rays is cheaper than an index into memory.
 vec4 value_of(int ray)
 {
+    if (shares_rays())
+        return area_values[area_index(ray)];
     vec4 value = rays[0].value;
     [[unroll]] for (int i = 1; i < 9; i++)
         if (i == ray)
@@ -115,7 +164,7 @@ vec4 value_of(int ray)
 
 float depth_difference_m(float own_m, int ray)
 {
-    precise float difference_m = abs(own_m - rays[ray].depth_m);
+    precise float difference_m = abs(own_m - ray_at(ray).depth_m);
     return difference_m;
 }
 
@@ -127,7 +176,7 @@ int nearest_ray(float own_m, int first)
     float least_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? FAR_M : setting(RT_SKY_M);
     int nearest = -1;
     [[unroll]] for (int i = 0; i < 9; i++) {
-        if (i < first || !rays[i].is_usable)
+        if (i < first || !ray_at(i).is_usable)
             continue;
         float difference_m = depth_difference_m(own_m, i);
         if (difference_m < least_m || nearest < 0)
@@ -153,31 +202,31 @@ bool is_alike(float transmittance, float other)
 
 bool is_accepted(int ray, int nearest, float nearest_through, float own_m, bool own_is_sky)
 {
-    precise float allowed_m = setting(RT_BOX_DEPTH) * rays[ray].depth_m;
-    bool is_candidate = rays[ray].is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0) &&
-                        (choice(RT_BOX_SAME_KIND) == 0 || rays[ray].is_sky == own_is_sky);
+    precise float allowed_m = setting(RT_BOX_DEPTH) * ray_at(ray).depth_m;
+    bool is_candidate = ray_at(ray).is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0) &&
+                        (choice(RT_BOX_SAME_KIND) == 0 || ray_at(ray).is_sky == own_is_sky);
     return ray == nearest ||
            (is_candidate && (depth_difference_m(own_m, ray) < allowed_m ||
-                             is_alike(rays[ray].value.a, nearest_through)));
+                             is_alike(ray_at(ray).value.a, nearest_through)));
 }
 
 void choose_rays(int nearest, float nearest_through, float own_m, bool own_is_sky)
 {
     int count = 0;
     [[unroll]] for (int i = 0; i < 9; i++) {
-        rays[i].is_in_box = is_accepted(i, nearest, nearest_through, own_m, own_is_sky);
-        count += int(rays[i].is_in_box);
+        in_box[i] = is_accepted(i, nearest, nearest_through, own_m, own_is_sky);
+        count += int(in_box[i]);
     }
     if (count < int(setting(RT_BOX_LEAST)))
         [[unroll]] for (int i = 0; i < 9; i++)
-            rays[i].is_in_box = rays[i].is_usable;
+            in_box[i] = ray_at(i).is_usable;
 }
 
 void extend_by_rays(inout Box box, int space)
 {
     [[unroll]] for (int i = 0; i < 9; i++)
-        if (rays[i].is_in_box)
-            extend(box, to_space(space, rays[i].value));
+        if (in_box[i])
+            extend(box, to_space(space, ray_at(i).value));
 }
 
 void extend_by_variance(inout Box box, int space)
@@ -185,14 +234,14 @@ void extend_by_variance(inout Box box, int space)
     float count = 0.0;
     vec4 mean = vec4(0.0), variance = vec4(0.0);
     [[unroll]] for (int i = 0; i < 9; i++)
-        if (rays[i].is_in_box) {
+        if (in_box[i]) {
             count += 1.0;
-            mean += to_space(space, rays[i].value);
+            mean += to_space(space, ray_at(i).value);
         }
     mean /= count;
     [[unroll]] for (int i = 0; i < 9; i++)
-        if (rays[i].is_in_box) {
-            vec4 difference = to_space(space, rays[i].value) - mean;
+        if (in_box[i]) {
+            vec4 difference = to_space(space, ray_at(i).value) - mean;
             variance += difference * difference;
         }
     vec4 half_width = setting(RT_BOX_SIGMA) * sqrt(variance / count);
@@ -233,10 +282,61 @@ float change_at_ray(ivec2 tile, int ray)
     return then.is_void ? 1.0 : max(change, abs(now.a - then.value.a));
 }
 
+// What has changed around a tile is found here where there is no pass for it: by a thread for each
+// tile of the block, and one more for what is behind.
+const int BLOCK_TILE_COUNT = BLOCK_TILES.x * BLOCK_TILES.y;
+shared vec4 area_changes[BLOCK_TILE_COUNT];
+shared vec4 area_looks[4 * AREA.x * AREA.y];
+ivec2 area_corner; // its first tile
+
+bool finds_change() { return choice(RT_CHANGE_PASS) == RT_CHANGE_PASS_RECONSTRUCTION; }
+
+vec4 look_of(int target, ivec2 tile)
+{
+    ivec2 at = tile - area_corner;
+    return area_looks[(target - RT_LOOK_NOW) * AREA.x * AREA.y + at.x + AREA.x * at.y];
+}
+
+// By all threads of a group, before the changes are found.
+void fetch_looks()
+{
+    for (int i = int(gl_LocalInvocationID.x); i < AREA.x * AREA.y; i += GROUP_THREADS) {
+        ivec2 tile = area_corner + ivec2(i % AREA.x, i / AREA.x);
+        area_looks[i] = fetch_tile(RT_LOOK_NOW, tile);
+        area_looks[i + AREA.x * AREA.y] = fetch_tile(RT_LOOK_THEN, tile);
+        area_looks[i + 2 * AREA.x * AREA.y] = fetch_tile(RT_LOOK_BEHIND_NOW, tile);
+        area_looks[i + 3 * AREA.x * AREA.y] = fetch_tile(RT_LOOK_BEHIND_THEN, tile);
+    }
+}
+
+void find_changes(ivec2 first_tile)
+{
+    int thread = int(gl_LocalInvocationID.x), i = thread % BLOCK_TILE_COUNT;
+    ivec2 tile = first_tile + ivec2(i % BLOCK_TILES.x, i / BLOCK_TILES.x);
+    bool is_there = all(lessThan(tile, tile_count()));
+    if (thread < BLOCK_TILE_COUNT) {
+        vec4 change = change_of_medium(tile);
+        area_changes[i] = change;
+        if (is_there)
+            put_tile(RT_CHANGE, tile, change);
+    } else if (thread < 2 * BLOCK_TILE_COUNT && is_there) {
+        put_tile(RT_CHANGE_BEHIND, tile, change_behind(tile));
+    }
+}
+
+Change known_change(ivec2 tile)
+{
+    if (!finds_change())
+        return change_of(RT_CHANGE, tile);
+    ivec2 at = own_place - 1;
+    vec4 change = area_changes[at.x + BLOCK_TILES.x * at.y];
+    return Change(change.rgb, change.a);
+}
+
 // With gradient = on it is had without noise (rt_gradient.comp).
 float change_at(ivec2 tile, int nearest)
 {
-    return choice(RT_GRADIENT) != 0 ? change_of(RT_CHANGE, tile).residue
+    return choice(RT_GRADIENT) != 0 ? known_change(tile).residue
                                     : change_at_ray(tile, nearest);
 }
 
@@ -246,7 +346,7 @@ float age_after_change(ivec2 tile, bool is_fresh, float age)
 {
     if (choice(RT_GRADIENT) == 0)
         return age;
-    float change = change_of(RT_CHANGE, tile).residue;
+    float change = known_change(tile).residue;
     float unchanged = 1.0 - beyond(change, setting(RT_BOX_CHANGE));
     age = min(unchanged * age, lasting(change, setting(RT_BOX_CHANGE)));
     return max(age, is_fresh ? 0.0 : 1.0);
@@ -258,7 +358,7 @@ vec3 relit(vec3 radiance, ivec2 tile, float motion_px)
 {
     if (choice(RT_GRADIENT) == 0 || !is_set(RT_RELIGHT))
         return radiance;
-    vec3 gain = change_of(RT_CHANGE, tile).gain;
+    vec3 gain = known_change(tile).gain;
     return mix(gain, vec3(1.0), beyond(motion_px, setting(RT_BOX_MOTION_PX))) * radiance;
 }
 
@@ -270,6 +370,13 @@ float box_share(float motion_px, ivec2 tile, int nearest)
     if (share < 1.0)
         share = max(share, beyond(change_at(tile, nearest), setting(RT_BOX_CHANGE)));
     return share;
+}
+
+// Where a GPU knows before that no share of it applies there is no box. Elsewhere it is made anyhow,
+// and the change asked for where the box has moved something alone.
+bool may_be_boxed(float motion_px, ivec2 tile, int nearest)
+{
+    return !ON_GPU || choice(RT_GRADIENT) == 0 || box_share(motion_px, tile, nearest) > 0.0;
 }
 
 // At a weight of 0 or 1 the value itself, whatever the other one is (a NaN, say).
@@ -318,9 +425,9 @@ vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own
                                       (depth_difference_m(own_m, i) +
                                        setting(RT_UPSCALE_TOLERANCE_M))
                                 : LINEAR_WEIGHTS[at.x] * LINEAR_WEIGHTS[at.y];
-        if (!rays[i].is_usable || weight == 0.0 || (by_depth && rays[i].is_sky != own_is_sky))
+        if (!ray_at(i).is_usable || weight == 0.0 || (by_depth && ray_at(i).is_sky != own_is_sky))
             continue;
-        sum += weight * rays[i].value;
+        sum += weight * ray_at(i).value;
         total += weight;
     }
     return total > 0.0 ? sum / total : value_of(nearest);
@@ -331,8 +438,8 @@ vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_
     int around = kind == RT_FALLBACK_AROUND ? nearest_ray(own_m, 1) : -1;
     if (kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL)
         return mean_of_rays(kind, half_pixel, nearest, own_m, own_is_sky);
-    if (kind == RT_FALLBACK_TILE && rays[0].is_usable)
-        return rays[0].value;
+    if (kind == RT_FALLBACK_TILE && ray_at(0).is_usable)
+        return ray_at(0).value;
     return value_of(around < 0 ? nearest : around);
 }
 
@@ -354,14 +461,36 @@ void put_result(ivec2 half_pixel, vec4 value, float age, float distance_m)
     put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(RT_DEPTH_FORMAT, distance_m), 0.0, 0.0));
 }
 
+// The texel of this thread; false when there is none left.
+bool own_texel(out ivec2 half_pixel)
+{
+    if (!ON_GPU)
+        return own_element(half_size(), half_pixel);
+    ivec2 block = own_block(half_size(), BLOCK);
+    int thread = int(gl_LocalInvocationID.x);
+    half_pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x);
+    own_place = half_pixel / 2 - block / 2 + 1;
+    area_corner = block / 2 - 1;
+    if (shares_rays())
+        fetch_area(block / 2);
+    if (finds_change())
+        fetch_looks();
+    barrier();
+    if (finds_change())
+        find_changes(block / 2);
+    barrier();
+    return all(lessThan(half_pixel, half_size()));
+}
+
 void main()
 {
     ivec2 half_pixel;
-    if (!own_element(half_size(), half_pixel))
+    if (!own_texel(half_pixel))
         return;
     ivec2 tile = half_pixel / 2;
     is_at_rest = history_rests();
-    load_rays(tile);
+    if (!shares_rays())
+        load_rays(tile);
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
     float own_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(depth_m)
                   : is_sky(depth_m)                 ? setting(RT_SKY_M)
@@ -371,19 +500,21 @@ void main()
         put_result(half_pixel, vec4(0.0, 0.0, 0.0, 1.0), 0.0, FAR_M);
         return;
     }
-    bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
+    bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && ray_at(0).is_usable;
     float distance_m = fetch_tile(RT_RAY_DISTANCE, ray_tile(tile, of_tile ? 0 : nearest)).x;
-    bool is_fresh = rays[0].is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
+    bool is_fresh = ray_at(0).is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
     History history = history_of(half_pixel, depth_m, distance_m);
     float part = 1.0; // of its age that counts
     if (!history.is_void) {
         history.value.rgb = relit(history.value.rgb, tile, history.motion_px);
-        vec4 boxed = held_among_rays(history.value, nearest, own_m, is_sky(depth_m));
-        if (boxed != history.value) {
-            float share = box_share(history.motion_px, tile, nearest);
-            if (boxed.rgb != history.value.rgb)
-                part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
-            history.value = blend(history.value, boxed, share);
+        if (may_be_boxed(history.motion_px, tile, nearest)) {
+            vec4 boxed = held_among_rays(history.value, nearest, own_m, is_sky(depth_m));
+            if (boxed != history.value) {
+                float share = box_share(history.motion_px, tile, nearest);
+                if (boxed.rgb != history.value.rgb)
+                    part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
+                history.value = blend(history.value, boxed, share);
+            }
         }
         history.age = age_after_change(tile, is_fresh, history.age);
     }

@@ -57,7 +57,8 @@ void main()
     int end = min(pixel.y + RT_TAA_COLUMN, size.y);
     if (asks_for_change())
         find_change(pixel / 4);
-    is_at_rest = ON_GPU && rests();
+    is_at_rest = rests();
+    is_held = !is_steady();
     Window window = look_above(pixel);
     for (; pixel.y < end; pixel.y++) {
         look_down(pixel, window);

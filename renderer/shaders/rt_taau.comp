@@ -53,7 +53,7 @@ void main()
     find_reach();
     if (asks_for_change())
         find_change(clamp(source, ivec2(0), view_size() - 1) / 4);
-    is_at_rest = ON_GPU && rests();
+    is_at_rest = rests();
     vec4 made = resolved(pixel, source, film_of(look_around(source)));
     put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
 }

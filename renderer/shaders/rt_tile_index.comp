@@ -59,6 +59,9 @@ float half_depth_m(ivec2 half_pixel, ivec2 origin_px)
     return fetch(RT_HALF_DEPTH, min(origin_px / 2 + half_pixel, last)).x;
 }
 
+// Of a half-resolution texel in the area.
+int area_index(ivec2 at) { return at.x + 2 * AREA * at.y; }
+
 // Eye depth of one slot of a tile [m].
 float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
 {
@@ -66,7 +69,7 @@ float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
     if (!(ON_GPU && is_sequential() && has_area_depths()))
         return half_depth_m(half_pixel, origin_px);
     ivec2 at = half_pixel - 2 * area_corner;
-    return area_depths_m[at.x + 2 * AREA * at.y];
+    return area_depths_m[area_index(at)];
 }
 
 // By all threads of a group: what four colours look at, one after the other, is fetched at once.
@@ -86,17 +89,6 @@ void fetch_area_depths()
     barrier();
 }
 
-void put_depth_map()
-{
-    const int side = 2 * RT_COLOUR_BLOCK;
-    ivec2 first = 2 * (area_corner + HALO);
-    for (int i = int(gl_LocalInvocationID.x); i < side * side; i += GROUP_THREADS) {
-        ivec2 in_block = ivec2(i % side, i / side), at = in_block + 2 * HALO;
-        if (all(lessThan(first + in_block, half_size())))
-            put_half(RT_HALF_DEPTH, first + in_block, vec4(area_depths_m[at.x + 2 * AREA * at.y]));
-    }
-}
-
 float compared_depth_m(float depth_m)
 {
     float sky_m = choice(RT_FAR) == RT_FAR_INFINITE ? uintBitsToFloat(0x7f800000u)
@@ -110,6 +102,53 @@ bool covers(float ray_m, float depth_m)
     precise float difference_m = abs(depth_m - ray_m);
     precise float allowed_m = setting(RT_OVERRIDE_DEPTH) * ray_m;
     return is_finite(ray_m) && is_finite(depth_m) && difference_m < allowed_m;
+}
+
+// Of the block and the tiles next to it, as whole numbers, which depths are ordered like.
+shared uint least_depth, largest_depth;
+
+// Whether all of these depths stand for each other, so that no tile of the block overrides, whatever
+// those around choose; their own halo does not matter then. They are fetched.
+bool is_smooth()
+{
+    const int side = 2 * (RT_COLOUR_BLOCK + 2), count = side * side;
+    const int turns = (count - 1) / GROUP_THREADS + 1;
+    int thread = int(gl_LocalInvocationID.x);
+    float depths_m[turns];
+    uint least = 0xffffffffu, largest = 0u;
+    if (thread == 0) {
+        least_depth = least;
+        largest_depth = largest;
+    }
+    barrier();
+    [[unroll]] for (int k = 0; k < turns; k++) {
+        int i = min(thread + GROUP_THREADS * k, count - 1);
+        ivec2 at = 2 * (HALO - 1) + ivec2(i % side, i / side);
+        depths_m[k] = half_depth_m(max(2 * area_corner + at, ivec2(0)), view_origin());
+    }
+    [[unroll]] for (int k = 0; k < turns; k++) {
+        int i = min(thread + GROUP_THREADS * k, count - 1);
+        area_depths_m[area_index(2 * (HALO - 1) + ivec2(i % side, i / side))] = depths_m[k];
+        uint depth = floatBitsToUint(compared_depth_m(depths_m[k]));
+        least = min(least, depth);
+        largest = max(largest, depth);
+    }
+    atomicMin(least_depth, least);
+    atomicMax(largest_depth, largest);
+    barrier();
+    float least_m = uintBitsToFloat(least_depth), largest_m = uintBitsToFloat(largest_depth);
+    return covers(least_m, largest_m);
+}
+
+void put_depth_map()
+{
+    const int side = 2 * RT_COLOUR_BLOCK;
+    ivec2 first = 2 * (area_corner + HALO);
+    for (int i = int(gl_LocalInvocationID.x); i < side * side; i += GROUP_THREADS) {
+        ivec2 in_block = ivec2(i % side, i / side), at = in_block + 2 * HALO;
+        if (all(lessThan(first + in_block, half_size())))
+            put_half(RT_HALF_DEPTH, first + in_block, vec4(area_depths_m[area_index(at)]));
+    }
 }
 
 uint colour_of(ivec2 tile) { return uint((tile.x & 1) + 2 * (tile.y & 1)); }
@@ -197,8 +236,11 @@ void choose_block(bool may_override)
     ivec2 first = own_block(tile_count(), ivec2(RT_COLOUR_BLOCK));
     ivec2 in_block = ivec2(thread % RT_COLOUR_BLOCK, thread / RT_COLOUR_BLOCK);
     area_corner = first - HALO;
-    if (has_area_depths())
-        fetch_area_depths();
+    if (has_area_depths()) {
+        may_override = !is_smooth() && may_override;
+        if (may_override)
+            fetch_area_depths();
+    }
     if (makes_depth_map())
         put_depth_map();
     for (colour = 0; may_override && colour < 4; colour++) {

@@ -48,6 +48,10 @@
 // take the mean, bilateral and inverse are bilinear, and square goes by place alone.
 //
 // With validity on, taps that are void or unsound do not count; a pixel without any tap is void.
+//
+// A thread makes 2x2 pixels. Without dither they lie between the same texels, since the jitter is
+// at most half a pixel, and one fetch of taps serves all four: pixels 2 k - 1 and 2 k, or 2 k and
+// 2 k + 1 about one texel (square).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -71,7 +75,17 @@ struct Tap {
 
 const int TAPS_MAX = 9;
 
-int tap_count() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? 9 : 4; }
+struct Taps {
+    Tap of[TAPS_MAX];
+};
+
+struct Upscaled {
+    vec4 volume;
+    float distance_m;
+};
+
+const Upscaled NOTHING = Upscaled(vec4(0.0, 0.0, 0.0, 1.0), 0.0);
+
 
 // From the reconstruction, filtered or not.
 vec4 fetch_volume(ivec2 half_pixel)
@@ -145,20 +159,28 @@ float compared_depth_m(float eye_m)
     return is_sky(eye_m) ? setting(RT_UPSCALE_SKY_M) : eye_m;
 }
 
-// The half-resolution texel that a place's taps are counted from, row by row.
-vec2 corner_of(vec2 place)
+bool is_square() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE; }
+
+bool shares_taps() { return choice(RT_UPSCALE_DITHER) == RT_DITHER_NONE; }
+
+// The first pixel of a thread; it may be one before the view.
+ivec2 first_pixel(ivec2 quad) { return 2 * quad - (is_square() ? 0 : 1); }
+
+// The half-resolution texel that a pixel's taps are counted from, row by row.
+ivec2 corner_of(ivec2 pixel, vec2 place)
 {
-    return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? floor(place + 0.5) - 1.0 : floor(place);
+    if (shares_taps())
+        return (is_square() ? pixel : pixel + 1) / 2 - 1;
+    return ivec2(is_square() ? floor(place + 0.5) - 1.0 : floor(place));
 }
 
-ivec2 tap_offset(int i)
-{
-    return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE ? ivec2(i % 3, i / 3) : ivec2(i & 1, i >> 1);
-}
+int tap_count() { return is_square() ? 9 : 4; }
+
+ivec2 tap_offset(int i) { return is_square() ? ivec2(i % 3, i / 3) : ivec2(i & 1, i >> 1); }
 
 float place_weight(ivec2 at, vec2 fraction)
 {
-    if (choice(RT_UPSCALE) == RT_UPSCALE_SQUARE) {
+    if (is_square()) {
         vec2 way = fraction - vec2(at);
         return exp(-dot(way, way));
     }
@@ -166,6 +188,10 @@ float place_weight(ivec2 at, vec2 fraction)
                              at.y == 0 ? 1.0 - fraction.y : fraction.y);
     return side.x * side.y;
 }
+
+// What is rounded to halves needs no hold: what a sum in float32 is off by is less than half a step
+// of theirs. Taps that are not used are 0.
+bool rounds_to_halves() { return ON_GPU && choice(RT_COLOR_FORMAT) == RT_FORMAT_HALF; }
 
 Tap fetch_tap(ivec2 texel)
 {
@@ -175,7 +201,19 @@ Tap fetch_tap(ivec2 texel)
     tap.age = state.x;
     tap.distance_m = state.y;
     tap.depth_m = fetch_half(RT_HALF_DEPTH, texel).x;
+    tap.is_used = is_usable(tap.volume, tap.age);
+    if (rounds_to_halves() && !tap.is_used)
+        tap.volume = vec4(0.0);
     return tap;
+}
+
+// All on their way before the first is looked at.
+Taps fetch_taps(ivec2 corner)
+{
+    Taps taps;
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
+        taps.of[i] = fetch_tap(corner + tap_offset(i));
+    return taps;
 }
 
 // `fraction` of the place from the corner, in texels; `scene_m` the pixel's eye depth.
@@ -184,15 +222,17 @@ void judge(inout Tap tap, int i, vec2 fraction, float scene_m)
     precise float difference_m = abs(compared_depth_m(scene_m) - compared_depth_m(tap.depth_m));
     tap.difference_m = difference_m;
     tap.place = place_weight(tap_offset(i), fraction);
-    tap.is_used = is_usable(tap.volume, tap.age);
     tap.is_foreign = choice(RT_UPSCALE_SAME_KIND) != 0 && is_sky(tap.depth_m) != is_sky(scene_m);
 }
 
-// The order in which ties are decided: first the nearest in place.
-int asked_tap(int i, vec2 fraction)
+// The order in which ties are decided: first the nearest in place. That of a quad's pixels is in
+// the corner that they are in.
+int asked_tap(int i, int in_quad, vec2 fraction)
 {
-    if (choice(RT_UPSCALE) == RT_UPSCALE_SQUARE)
+    if (is_square())
         return i == 0 ? 4 : i <= 4 ? i - 1 : i;
+    if (shares_taps())
+        return i ^ in_quad;
     return i ^ ((fraction.x < 0.5 ? 0 : 1) + (fraction.y < 0.5 ? 0 : 2));
 }
 
@@ -207,12 +247,12 @@ Tap picked(Tap taps[TAPS_MAX], int index)
 }
 
 // The tap nearest in depth; -1: none is used.
-int nearest_tap(Tap taps[TAPS_MAX], vec2 fraction)
+int nearest_tap(Tap taps[TAPS_MAX], int in_quad, vec2 fraction)
 {
     int nearest = -1;
     float least_m = 0.0;
     [[unroll]] for (int i = 0; i < tap_count(); i++) {
-        int asked = asked_tap(i, fraction);
+        int asked = asked_tap(i, in_quad, fraction);
         Tap tap = picked(taps, asked);
         if (tap.is_used && (nearest < 0 || tap.difference_m < least_m)) {
             nearest = asked;
@@ -270,24 +310,18 @@ float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
     return regardless || is_nearest ? 1.0 : 0.0;
 }
 
-// Four taps of equal weight, as nearly everywhere: their mean is between them.
-bool all_count_alike(float weights[TAPS_MAX])
+vec4 mean_of(Tap taps[TAPS_MAX], float weights[TAPS_MAX], float total)
 {
-    return tap_count() == 4 &&
-           all(equal(vec4(weights[0], weights[1], weights[2], weights[3]), vec4(1.0)));
+    vec4 sum = vec4(0.0);
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
+        sum += weights[i] * taps[i].volume;
+    return sum / total;
 }
 
 // Held between the values that it is made of: a constant stays what it is, and no rounding makes a
 // radiance negative.
-vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], Tap nearest)
+vec4 held_mean_of(Tap taps[TAPS_MAX], float weights[TAPS_MAX], float total)
 {
-    if (ON_GPU && all_count_alike(weights))
-        return 0.25 * (taps[0].volume + taps[1].volume + taps[2].volume + taps[3].volume);
-    float total = 0.0;
-    [[unroll]] for (int i = 0; i < tap_count(); i++)
-        total += weights[i];
-    if (!(total > 0.0))
-        return nearest.volume;
     vec4 sum = vec4(0.0), least = vec4(FLOAT_MAX), largest = vec4(-FLOAT_MAX);
     [[unroll]] for (int i = 0; i < tap_count(); i++)
         if (weights[i] > 0.0) {
@@ -300,35 +334,52 @@ vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], Tap nearest)
     return mix(sum, largest, greaterThan(sum, largest));
 }
 
-void main()
+vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], int nearest)
 {
-    ivec2 pixel;
-    if (!own_element(view_size(), pixel))
-        return;
-    precise vec2 place = place_of(pixel) + shift_px(pixel);
-    vec2 corner = corner_of(place);
-    precise vec2 fraction = place - corner;
-    float scene_m = fetch_full(RT_DEPTH, pixel).x;
-    precise float limit_m = setting(RT_UPSCALE_DEPTH) * compared_depth_m(scene_m);
+    float total = 0.0;
+    [[unroll]] for (int i = 0; i < tap_count(); i++)
+        total += weights[i];
+    if (!(total > 0.0))
+        return picked(taps, nearest).volume;
+    return rounds_to_halves() ? mean_of(taps, weights, total)
+                              : held_mean_of(taps, weights, total);
+}
 
-    Tap taps[TAPS_MAX]; // all on their way before the first is looked at
+Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
+{
+    precise float limit_m = setting(RT_UPSCALE_DEPTH) * compared_depth_m(scene_m);
     [[unroll]] for (int i = 0; i < tap_count(); i++)
-        taps[i] = fetch_tap(ivec2(corner) + tap_offset(i));
-    [[unroll]] for (int i = 0; i < tap_count(); i++)
-        judge(taps[i], i, fraction, scene_m);
-    int nearest = nearest_tap(taps, fraction);
-    if (nearest < 0) {
-        put_full(RT_VOLUME, pixel, vec4(0.0, 0.0, 0.0, 1.0));
-        put_full(RT_VOLUME_DISTANCE, pixel, vec4(0.0));
-        return;
-    }
-    Tap chosen = picked(taps, nearest);
+        judge(taps.of[i], i, fraction, scene_m);
+    int nearest = nearest_tap(taps.of, in_quad, fraction);
+    Tap chosen = picked(taps.of, nearest);
     bool allows = choice(RT_UPSCALE) == RT_UPSCALE_MEAN ||
-                      choice(RT_UPSCALE) == RT_UPSCALE_INVERSE;
-    bool regardless = !depth_matters(taps, chosen) || (allows && all_within(taps, limit_m));
+                  choice(RT_UPSCALE) == RT_UPSCALE_INVERSE;
+    bool regardless = !depth_matters(taps.of, chosen) || (allows && all_within(taps.of, limit_m));
     float weights[TAPS_MAX];
     [[unroll]] for (int i = 0; i < tap_count(); i++)
-        weights[i] = tap_weight(taps[i], i == nearest, regardless, limit_m);
-    put_full(RT_VOLUME, pixel, blend(taps, weights, chosen));
-    put_full(RT_VOLUME_DISTANCE, pixel, vec4(chosen.distance_m));
+        weights[i] = tap_weight(taps.of[i], i == nearest, regardless, limit_m);
+    if (nearest < 0)
+        return NOTHING;
+    return Upscaled(blend(taps.of, weights, nearest), chosen.distance_m);
+}
+
+void main()
+{
+    ivec2 quad;
+    if (!own_element(view_size() / 2 + 1, quad))
+        return;
+    Taps taps;
+    [[unroll]] for (int i = 0; i < 4; i++) {
+        ivec2 pixel = first_pixel(quad) + ivec2(i & 1, i >> 1);
+        precise vec2 place = place_of(pixel) + shift_px(pixel);
+        ivec2 corner = corner_of(pixel, place);
+        if (i == 0 || !shares_taps())
+            taps = fetch_taps(corner);
+        precise vec2 fraction = place - vec2(corner);
+        Upscaled made = upscaled(taps, i, fraction, fetch_full(RT_DEPTH, pixel).x);
+        if (all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, view_size()))) {
+            put_full(RT_VOLUME, pixel, made.volume);
+            put_full(RT_VOLUME_DISTANCE, pixel, vec4(made.distance_m));
+        }
+    }
 }

@@ -33,11 +33,12 @@ void main()
         ray.phases[n] = n == layer ? 1.0 : 0.0;
     SkyLight light = sky_walk(ray, eye.steps, eye.scatters != 0u, !is_layer && eye.has_field != 0u);
     uint first = place.first + node * sky_slice_count();
+    vec3 per_m = light.volume / sky_way_m(light.length_m);
     if (is_layer) {
-        sky_nodes[first + layer] = vec4(light.volume, 0.0);
+        sky_nodes[first + layer] = vec4(per_m, 0.0);
     } else {
         first += air.layer_count;
-        sky_nodes[first + SLICE_HIGHER] = vec4(light.volume, 0.0);
+        sky_nodes[first + SLICE_HIGHER] = vec4(per_m, 0.0);
         sky_nodes[first + SLICE_GROUND] = vec4(light.radiance - light.volume, 0.0);
         sky_nodes[first + SLICE_THROUGH] = vec4(light.transmittance, 0.0);
     }

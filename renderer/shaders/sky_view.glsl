@@ -53,12 +53,21 @@ float sky_among_azimuths(SkyRay ray, out uint low)
     return sky_among(sqrt(sky_acos(x) / PI), eye.azimuths, low);
 }
 
+// Below the horizon nodes hold what the air scatters per metre of the way to the ground, which
+// changes more between them than anything else.
+float sky_way_m(float length_m)
+{
+    const float LEAST_M = 1e-3; // for a place on the ground
+    return length_m < FAR_M ? max(length_m, LEAST_M) : 1.0;
+}
+
 void sky_add_view(SkyRay ray, uint first, float weight, inout SkyLight light)
 {
     uint others = first + air.layer_count;
     vec3 volume = sky_nodes[others + SLICE_HIGHER].rgb;
     for (uint n = 0u; n < air.layer_count; n++)
         volume += ray.phases[n] * sky_nodes[first + n].rgb;
+    volume *= sky_way_m(light.length_m);
     light.volume += weight * volume;
     light.radiance += weight * (volume + sky_nodes[others + SLICE_GROUND].rgb);
     light.transmittance += weight * sky_nodes[others + SLICE_THROUGH].rgb;

@@ -10,6 +10,14 @@
 /* Directions of a half stay so far from the horizon, for a ray that touches it is of both [rad]. */
 static const double horizon_gap_rad = 1e-5;
 
+/* Near the ground the way to it changes more between nodes than anything else: below the horizon
+ * nodes hold what the air scatters per metre of that way. */
+static double way_m(double length_m)
+{
+    static const double least_m = 1e-3; /* for a place on the ground */
+    return isfinite(length_m) ? fmax(length_m, least_m) : 1.0;
+}
+
 static double horizon_rad(const struct neph_sky_air *air, double altitude_m)
 {
     const double growth_m2 = altitude_m * (2.0 * air->radius_m + altitude_m);
@@ -42,13 +50,14 @@ static void fill_node(const struct filling *filling, struct neph_sky_ray ray, do
         ray.phases[i] = 1.0;
         const struct neph_sky_light light = neph_sky_walk(filling->air, &once, &ray,
                                                           filling->steps);
-        memcpy(slices[i], light.volume, sizeof(light.volume));
+        for (int c = 0; c < 3; c++)
+            slices[i][c] = light.volume[c] / way_m(light.length_m);
     }
     memset(ray.phases, 0, sizeof(ray.phases));
     const struct neph_sky_light light = neph_sky_walk(filling->air, filling->sources, &ray,
                                                       filling->steps);
     for (int c = 0; c < 3; c++) {
-        slices[layers + NEPH_SKY_HIGHER][c] = light.volume[c];
+        slices[layers + NEPH_SKY_HIGHER][c] = light.volume[c] / way_m(light.length_m);
         slices[layers + NEPH_SKY_GROUND][c] = light.radiance[c] - light.volume[c];
         slices[layers + NEPH_SKY_THROUGH][c] = light.transmittance[c];
     }
@@ -131,6 +140,7 @@ static void gather(const struct neph_sky_view_table *table, const struct neph_sk
         double volume = slices[layers + NEPH_SKY_HIGHER][c];
         for (int i = 0; i < layers; i++)
             volume += ray->phases[i] * slices[i][c];
+        volume *= way_m(light->length_m);
         light->volume[c] += weight * volume;
         light->radiance[c] += weight * (volume + slices[layers + NEPH_SKY_GROUND][c]);
         light->transmittance[c] += weight * slices[layers + NEPH_SKY_THROUGH][c];

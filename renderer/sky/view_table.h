@@ -26,7 +26,8 @@ struct neph_sky_view_table {
     double (*nodes)[3]; /* owned; [half][elevation][azimuth][slice] */
 };
 
-/* Behind a slice for each layer, light that it scatters once over its phase function. */
+/* Behind a slice for each layer, light that it scatters once over its phase function. Below the
+ * horizon that and what is of higher orders are per metre of the way to the ground. */
 enum neph_sky_slice { NEPH_SKY_HIGHER, NEPH_SKY_GROUND, NEPH_SKY_THROUGH, NEPH_SKY_SLICES };
 
 /* Free with _destroy, also after an error. */

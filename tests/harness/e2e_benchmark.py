@@ -135,21 +135,25 @@ class Benchmark(unittest.TestCase):
         self.assertEqual([e["engine"] for e in document["noise"]["engines"]], ["tracer"])
         flown = document["frames"]
         self.assertEqual(flown["format"], "neph-benchmark-frames-1")
-        for ceiling in ("copy_bytes_per_s", "buffer_samples_per_s"):
+        for ceiling in ("copy_bytes_per_s", "buffer_samples_per_s", "buffer_chain_per_s",
+                        "multiply_adds_per_s", "exponentials_per_s"):
             self.assertGreater(flown["ceilings"][ceiling], 0.0)
         # Of the formats that some engine samples.
         textures = flown["ceilings"]["texture_samples_per_s"]
         self.assertEqual((textures["r32f"], textures["r16f"]), (None, None))
         self.assertGreater(textures["r8"], 0.0)
+        chains = flown["ceilings"]["texture_chain_per_s"]
+        self.assertEqual((chains["r32f"], chains["r16f"]), (None, None))
         march, realtime = flown["engines"]
         self.assertEqual(march["error"], 0.0)  # its defaults are the reference
         self.assertGreater(realtime["error"], 0.0)
         self.assertLess(realtime["error"], error_of_black("voxel_grid", "32x18"))
         self.assertEqual([p["pass"] for p in march["passes"]], ["march"])
         self.assertIn("reconstruction", [p["pass"] for p in realtime["passes"]])
-        for engine, samples, ceiling in (
-                (march, "buffer samples", flown["ceilings"]["buffer_samples_per_s"]),
-                (realtime, "r8 texture samples", textures["r8"])):
+        for engine, samples, ceiling, chain in (
+                (march, "buffer samples", flown["ceilings"]["buffer_samples_per_s"],
+                 flown["ceilings"]["buffer_chain_per_s"]),
+                (realtime, "r8 texture samples", textures["r8"], chains["r8"])):
             with self.subTest(engine["engine"]):
                 self.assertTrue(1 <= engine["frames"] <= 4)
                 self.assertEqual(engine["reference"], "march")
@@ -161,6 +165,10 @@ class Benchmark(unittest.TestCase):
                 self.assertGreater(rays["density_evaluations"], 0)
                 share = rays["density_evaluations"] / rays["gpu_s"]["median"] / ceiling
                 self.assertAlmostEqual(rays["share"] / share, 1.0, places=9)
+                self.assertAlmostEqual(rays["chain_share"] * chain / (share * ceiling), 1.0,
+                                       places=9)
+                self.assertAlmostEqual(rays["multiply_adds"] * share * ceiling /
+                                       flown["ceilings"]["multiply_adds_per_s"], 1.0, places=9)
         # A ray for each 4 x 4 pixels.
         counts = [[p["density_evaluations"] for p in e["passes"] if p["pass"] == "march"][0]
                   for e in (march, realtime)]

@@ -5,6 +5,7 @@ and planted faults that it must find. NEPH_FAILURE_TIER=full plants all of them.
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import tempfile
@@ -458,6 +459,11 @@ class Proofs(unittest.TestCase):
                      if m.get("settings") != "steps=1" or m["measure"] == "energy"})
         scenarios = {path.stem for path in (ROOT / "scenes/failure").glob("*.yaml")}
         self.assertEqual(scenarios - proven, set(MUTATIONS["unproven"]))
+
+    def test_each_scenario_is_on_the_page_of_what_is_known_to_fail(self):
+        told = set(re.findall(r"`(\w+)`", (ROOT / "docs/failure.md").read_text()))
+        scenarios = {path.stem for path in (ROOT / "scenes/failure").glob("*.yaml")}
+        self.assertEqual(scenarios - told, set())
 
 
 def tearDownModule():

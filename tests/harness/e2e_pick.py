@@ -113,6 +113,30 @@ class Pick(unittest.TestCase):
         kept = {entry["what"]: entry["without"] for entry in found["kept"]}
         self.assertGreater(kept["light scattered more than once"]["error"], 2.0 * found["error"])
 
+    def test_the_shipped_preset_is_the_point_of_the_front_that_was_asked_for(self):
+        def pick(*arguments):
+            done = run("pick", "gaussian_blob", "--presets", "fixed,ours", "--size", "32x18",
+                       "--frames", "16", "-o", self.out, "-q", "--json", *arguments)
+            return done, json.loads(done.stdout)
+        done, found = pick("--least", "flicker", "--half-life", "8")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((found["preset"], found["found"]), ("ours", True))
+        fixed, ours = found["candidates"]
+        self.assertTrue(ours["on_front"])
+        # The file renders what the preset does.
+        for name, words in (("a", ("--config", str(pathlib.Path(self.out, "pick.json")))),
+                            ("b", ("-e", "realtime", "--preset", "ours", "-s", "steps=8"))):
+            done = run("render", "gaussian_blob", *words, "--size", "32x18", "--frames", "4", "-q",
+                       "-o", str(pathlib.Path(self.out, name)))
+            self.assertEqual(done.returncode, 0, done.stderr)
+        a, b = (pathlib.Path(self.out, name, "gaussian_blob_realtime_0003.exr") for name in "ab")
+        done = run("compare", str(a), str(b), "-m", "error", "--fail-above", "max_abs=0")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        # What only the other one has is not within what was asked for.
+        self.assertLess(3.0 * ours["flicker"], fixed["flicker"])
+        done, none = pick("--flicker", str(0.5 * ours["flicker"]))
+        self.assertEqual((done.returncode, none["found"]), (1, False))
+
     @night.of_the_night
     def test_presets_over_scenes(self):
         def pick(*arguments):

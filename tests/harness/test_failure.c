@@ -389,7 +389,7 @@ static void test_presets_and_engines_choose_columns(void **state)
         int presets, engines;
     } cases[] = {
         {{.only = fog, .only_count = 1}, 3, 4},
-        {{.only = fog, .only_count = 1, .full = true}, 7, 4},
+        {{.only = fog, .only_count = 1, .full = true}, 9, 4},
         {{.only = fence, .only_count = 1}, 3, 0},
         {{.only = fog, .only_count = 1, .presets = ours, .preset_count = 1}, 1, 0},
         {{.only = fog, .only_count = 1, .engines = march, .engine_count = 1}, 0, 1},

@@ -4,6 +4,7 @@
  */
 #include "tests/neph_test.h"
 
+#include "harness/engines/engines.h"
 #include "harness/fly/controls.h"
 #include "harness/fly/script.h"
 
@@ -125,6 +126,18 @@ static void test_orders_come_in_their_order_and_not_without_end(void **state)
     assert_int_equal(controls.order_count, NEPH_FLY_ORDERS_MAX);
 }
 
+/* One that no key chooses can be seen at the start alone. */
+static void test_each_preset_has_a_key(void **state)
+{
+    (void)state;
+    for (int i = 0; neph_engine_realtime.presets[i].name; i++) {
+        struct neph_controls controls = {.split_share = 0.5};
+        key(&controls, '0' + i, true);
+        const struct neph_fly_order order = neph_controls_next(&controls);
+        assert_true(order.command == NEPH_FLY_PRESET && order.number == i);
+    }
+}
+
 static void test_a_script_presses_keys_frame_by_frame(void **state)
 {
     (void)state;
@@ -162,6 +175,7 @@ int main(void)
         cmocka_unit_test(test_the_line_of_the_wipe_is_dragged),
         cmocka_unit_test(test_the_wheel_changes_the_speed),
         cmocka_unit_test(test_orders_come_in_their_order_and_not_without_end),
+        cmocka_unit_test(test_each_preset_has_a_key),
         cmocka_unit_test(test_a_script_presses_keys_frame_by_frame),
         cmocka_unit_test(test_what_is_no_script_is_refused_by_its_word),
     };

@@ -98,6 +98,37 @@ static void test_the_light_is_that_of_the_scene(void **state)
 }
 
 /* Each with what the message must say. */
+/* `sky` of an engine's settings that meet a catalog's scene: 0 is off, -1 there is none. */
+static double sky_met(const char *scene_name, const char *engine_name, const char *word)
+{
+    const struct neph_engine *engine = neph_engine_find(engine_name);
+    struct neph_settings settings = neph_settings_default(engine);
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {.line = 0};
+    char path[512];
+    snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/catalog/%s.yaml", scene_name);
+    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+    if (word)
+        neph_assert_ok(neph_settings_set(engine, &settings, word, &diag), &diag);
+    neph_settings_meet(engine, scene, &settings);
+    neph_scene_destroy(scene);
+    const int sky = neph_option_find(engine->options, "sky");
+    return sky < 0 ? -1.0 : settings.values[sky];
+}
+
+/* What refuses coloured air as a medium gets tables of it, and nothing else does: not what marches
+ * it as ever, not where there is none, not what has no tables. */
+static void test_air_comes_from_tables_where_it_must(void **state)
+{
+    (void)state;
+    assert_true(sky_met("sky_earth", "realtime", "lighting=octaves") == 1.0);
+    assert_true(sky_met("sky_earth", "march_traced", NULL) == 1.0);
+    assert_true(sky_met("sky_earth", "march_octaves", NULL) == 0.0);
+    assert_true(sky_met("coloured_fog", "realtime", NULL) == 0.0);
+    assert_true(sky_met("gaussian_blob", "realtime", NULL) == 0.0);
+    assert_true(sky_met("sky_earth", "tracer", NULL) == -1.0);
+}
+
 static void test_bad_plans_are_refused(void **state)
 {
     (void)state;
@@ -455,6 +486,7 @@ int main(int count, char **arguments)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_plan_is_read),
         cmocka_unit_test(test_the_light_is_that_of_the_scene),
+        cmocka_unit_test(test_air_comes_from_tables_where_it_must),
         cmocka_unit_test(test_bad_plans_are_refused),
         cmocka_unit_test(test_the_plans_that_come_with_neph),
         cmocka_unit_test_prestate(test_the_manual_holds_the_keys, writes_readme(count, arguments)),

@@ -11,6 +11,7 @@
 #include "renderer/realtime/pipeline.h"
 #include "renderer/texture.h"
 #include "scenes/grid.h"
+#include "scenes/media.h"
 
 #include <stdlib.h>
 
@@ -263,6 +264,40 @@ static void test_a_march_changes_by_the_values_alone(void **state)
     destroy_two(two);
 }
 
+/* Rays through an only medium pass clear air before anything else is done, and in a texture they
+ * have its own coordinates; with another medium behind the camera they take each step by itself. */
+static void test_clear_air_adds_nothing(void **state)
+{
+    struct test_scene test;
+    struct neph_march_stats passed_stats, plain_stats;
+    test_scene_init(&test);
+    const struct two_grids two = add_grids(&test);
+    struct neph_march_params params = marched;
+    neph_medium_drift(&test.scene.media[1], (struct neph_vec3){0.0, 0.0, 200.0});
+    struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
+    params.shortcuts.grid_texture = true;
+    struct neph_image *plain_texture = render(*state, &test.scene, &params, NULL);
+    test.scene.medium_count = 1;
+    struct neph_image *passed_texture = render(*state, &test.scene, &params, NULL);
+    params.shortcuts.skip = true;
+    struct neph_image *skipped_texture = render(*state, &test.scene, &params, NULL);
+    params.shortcuts = (struct neph_shortcuts){.grid_texture = false};
+    struct neph_image *passed = render(*state, &test.scene, &params, &passed_stats);
+    const double off = largest_difference(plain_texture, passed_texture);
+    print_message("clear air passed: off by %.2e in a texture\n", off);
+    assert_true(largest_difference(plain, passed) == 0.0);
+    assert_int_equal(plain_stats.density_evaluations, passed_stats.density_evaluations);
+    assert_int_equal(plain_stats.view_steps, passed_stats.view_steps);
+    assert_true(off < 1e-4);
+    assert_true(largest_difference(passed_texture, skipped_texture) == 0.0);
+    neph_image_destroy(passed);
+    neph_image_destroy(skipped_texture);
+    neph_image_destroy(passed_texture);
+    neph_image_destroy(plain_texture);
+    neph_image_destroy(plain);
+    destroy_two(two);
+}
+
 /* --- refusals --------------------------------------------------------------------------------- */
 
 static void test_closed_forms_alone_are_refused(void **state)
@@ -357,6 +392,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_values_are_within_weights_and_texels),
         cmocka_unit_test(test_a_march_changes_by_the_values_alone),
+        cmocka_unit_test(test_clear_air_adds_nothing),
         cmocka_unit_test(test_closed_forms_alone_are_refused),
         cmocka_unit_test(test_a_format_that_the_device_lacks_is_named),
         cmocka_unit_test(test_textures_in_real_time),

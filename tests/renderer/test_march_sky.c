@@ -337,20 +337,38 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
 
 /* --- in real time ----------------------------------------------------------------------------- */
 
-static struct neph_settings realtime_settings(void)
+static const char *const plain_words[] = {"split=four",   "ray_dither=none", "upscale_dither=none",
+                                          "sky=tables",   "sky_columns=8",   "sky_rows=8",
+                                          "sky_slices=8", "sky_far_m=6e4",   NULL};
+
+/* Preset `off` with changes, up to NULL. */
+static struct neph_settings realtime_settings(const char *const *words)
 {
-    static const char *const words[] = {"split=four",   "ray_dither=none", "upscale_dither=none",
-                                        "sky=tables",   "sky_columns=8",   "sky_rows=8",
-                                        "sky_slices=8", "sky_far_m=6e4"};
     struct neph_settings settings;
     struct neph_diag diag = {0};
     neph_assert_ok(
         neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, "off", &settings, &diag),
         &diag);
-    for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i++)
-        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", words[i], &settings, &diag),
+    for (; *words; words++)
+        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", *words, &settings, &diag),
                        &diag);
     return settings;
+}
+
+static struct neph_image *render_realtime(struct neph_vulkan *vulkan,
+                                          const struct neph_scene *scene,
+                                          const struct neph_settings *settings)
+{
+    const struct neph_realtime_params params = {
+        .width_px = WIDTH, .height_px = HEIGHT, .settings = settings, .seed = 7};
+    const struct neph_realtime_frame picture = {scene, 0, NULL};
+    struct neph_realtime *realtime = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+    neph_realtime_destroy(realtime);
+    return image;
 }
 
 /* Where no cloud is, `realtime` shows what the march does: the sky, and solids through the air, in
@@ -358,26 +376,53 @@ static struct neph_settings realtime_settings(void)
 static void test_realtime_has_the_same_sky(void **state)
 {
     struct neph_scene *scene = load("sky_aerial");
-    struct neph_realtime *realtime = NULL;
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
     scene->scattering = NEPH_SCATTERING_SINGLE;
     const struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
     struct neph_image *marched = render(*state, scene, &params);
     double *values = values_of(marched);
-    const struct neph_settings settings = realtime_settings();
-    const struct neph_realtime_params own = {
-        .width_px = WIDTH, .height_px = HEIGHT, .settings = &settings, .seed = 7};
-    const struct neph_realtime_frame picture = {scene, 0, NULL};
-    neph_assert_ok(neph_realtime_create(*state, scene, &own, &realtime, &diag), &diag);
-    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+    const struct neph_settings settings = realtime_settings(plain_words);
+    struct neph_image *image = render_realtime(*state, scene, &settings);
     const double off = distance(image, NULL, values);
     print_message("the sky in real time: off by %.2g\n", off);
     assert_true(off < 1e-3); /* halves */
     free(values);
     neph_image_destroy(image);
     neph_image_destroy(marched);
-    neph_realtime_destroy(realtime);
+    neph_scene_destroy(scene);
+}
+
+/* A bank of fog from 2 to 12 km ahead, all of it in froxels that reach as far: the air before each
+ * froxel dims it and shines, as before a step of the march. One order, against the exact light; and
+ * without that air the picture would be another. */
+static void test_froxels_are_seen_through_the_air(void **state)
+{
+    static const char *const words[] = {"split=four",
+                                        "ray_dither=none",
+                                        "upscale_dither=none",
+                                        "sky=tables",
+                                        "sky_columns=32",
+                                        "sky_rows=32",
+                                        "sky_slices=32",
+                                        "sky_far_m=6e4",
+                                        "froxels=on",
+                                        "froxel_px=1",
+                                        "froxel_near_m=2000",
+                                        "froxel_end_m=14000",
+                                        "froxel_history=0",
+                                        "froxel_jitter=off",
+                                        "steps=16",
+                                        NULL};
+    struct neph_scene *scene = load_with_cloud(1.0, NEPH_SCATTERING_SINGLE);
+    struct neph_medium *fog = &scene->media[scene->medium_count - 1];
+    double exact[3 * PIXELS], through[3 * PIXELS];
+    *fog = make_homogeneous(1e-4, (struct neph_bounds){{-6e3, 0.0, -12e3}, {6e3, 1500.0, -2e3}});
+    exact_light(scene, exact, through);
+    const struct neph_settings settings = realtime_settings(words);
+    struct neph_image *image = render_realtime(*state, scene, &settings);
+    const double off = distance(image, NULL, exact);
+    print_message("fog in froxels under a sky: off by %.2g\n", off);
+    assert_true(off < 5e-3); /* 4.4e-2 without that air */
+    neph_image_destroy(image);
     neph_scene_destroy(scene);
 }
 
@@ -430,6 +475,7 @@ int main(void)
         cmocka_unit_test(test_aerial_perspective_converges),
         cmocka_unit_test(test_the_sky_lights_a_thin_cloud),
         cmocka_unit_test(test_realtime_has_the_same_sky),
+        cmocka_unit_test(test_froxels_are_seen_through_the_air),
         cmocka_unit_test(test_says_what_it_cannot),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);

@@ -10,6 +10,7 @@
 
 #include "base/files.h"
 #include "renderer/realtime/pipeline.h"
+#include "renderer/realtime/suns.h"
 
 static float random_light(uint64_t *seed)
 {
@@ -91,6 +92,8 @@ static void test_the_passes_equal_their_twins(void **state)
         fill_kept(&test, RT_CHANGE_BEHIND, &seed);
         test.view.has_history = round % 7 != 0;
         test.view.is_cut = round % 11 == 3;
+        test.view.strobes_medium = round % 13 == 5;
+        test.view.strobes_behind = round % 13 == 7;
         if (round % 2) {
             test_passes_run(&test, "change");
             twin_change(&test.twin);
@@ -102,6 +105,65 @@ static void test_the_passes_equal_their_twins(void **state)
         for (int target = 0; target < RT_TARGET_COUNT; target++)
             if (writes & NEPH_RT_BIT(target))
                 test_same_words(&test, target, start);
+        test_passes_close(&test);
+    }
+}
+
+/* Of targets, from the device into the twin's memory. */
+static void take(struct test_passes *test, const int targets[4])
+{
+    for (int t = 0; t < 4; t++) {
+        free(test->twin.targets[targets[t]]);
+        test->twin.targets[targets[t]] = test_download(test, targets[t]);
+    }
+}
+
+/* By one pass of a GPU or by two: every word of what has changed, and of what is made of it. */
+static void test_the_reconstruction_finds_changes_as_their_pass_does(void **state)
+{
+    static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {67, 35}};
+    static const int targets[] = {RT_CHANGE, RT_CHANGE_BEHIND, RT_HISTORY, RT_HISTORY_STATE};
+    static const int filled[] = {RT_TILE, RT_RAY, RT_RAY_DISTANCE, RT_HISTORY_BEFORE,
+                                 RT_HISTORY_STATE_BEFORE};
+    const struct neph_settings settings = test_settings(
+        "gradient=on relight=0.1 change_hold=0.8 box_change=0.1 box_motion_px=0.05 "
+        "reject_depth=0.1 "
+        "history_age_max=32");
+    for (int round = 0; round < 12; round++) {
+        uint64_t seed = (uint64_t)round + 1;
+        struct test_passes test;
+        test_passes_open(*state, &settings, sizes_px[round % 6], (int[2]){round % 3 * 4, 8},
+                         2 * (uint64_t)round + 1, &test);
+        test.view.has_history = round % 5 != 0;
+        test.view.now.forward[2] = round % 4 == 3 ? -0.999f : -1.0f;
+        fill_looks(&test, RT_LOOK_NOW, RT_LOOK_THEN, &seed);
+        fill_looks(&test, RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN, &seed);
+        for (int i = 0; i < 5; i++)
+            fill_kept(&test, filled[i], &seed);
+        fill_depths(&test, RT_HALF_DEPTH, &seed);
+        fill_depths(&test, RT_HALF_DEPTH_BEFORE, &seed);
+        uint32_t *before[4]; /* what is known of the frame before; of histories nothing */
+        for (int t = 0; t < 4; t++) {
+            const size_t count = neph_rt_device_words(&test.device, targets[t]);
+            before[t] = calloc(count, sizeof(*before[t]));
+            if (t >= 2)
+                continue;
+            fill_kept(&test, targets[t], &seed);
+            memcpy(before[t], test.twin.targets[targets[t]], count * sizeof(*before[t]));
+        }
+        test_passes_run(&test, "change");
+        take(&test, (const int[4]){RT_CHANGE, RT_CHANGE_BEHIND, RT_CHANGE, RT_CHANGE_BEHIND});
+        test_passes_run(&test, "reconstruction");
+        take(&test, targets);
+        struct test_passes alone = test;
+        for (int t = 0; t < 4; t++)
+            alone.twin.targets[targets[t]] = before[t];
+        alone.view.settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
+        test_passes_run(&alone, "reconstruction");
+        for (int t = 0; t < 4; t++)
+            test_same_words(&test, targets[t], (uint64_t)round);
+        for (int t = 0; t < 4; t++)
+            free(before[t]);
         test_passes_close(&test);
     }
 }
@@ -137,6 +199,80 @@ static void test_it_needs_the_split(void **state)
     }
 }
 
+/* --- suns that flash ------------------------------------------------------------------------- */
+
+static struct neph_sun sun_of(double irradiance, double angle_rad)
+{
+    return (struct neph_sun){
+        .present = irradiance > 0.0,
+        .direction = {cos(angle_rad), sin(angle_rad), 0.0},
+        .irradiance_w_per_m2 = {irradiance, irradiance, irradiance},
+    };
+}
+
+/* Irradiances of pictures in turn, ended by -1; whether they flash with a period of four. */
+static void test_what_flashes_with_a_period(void **state)
+{
+    (void)state;
+    static const struct {
+        double irradiance[17];
+        bool flashes;
+    } cases[] = {
+        {{4, 4, 1, 1, 4, 4, 1, 1, -1}, true},
+        {{4, 1, 4, 1, 4, 1, 4, 1, -1}, true},
+        {{4, 4, 4, 4, 4, 4, 4, 0, 4, 4, 4, 0, -1}, true}, /* no sun at all */
+        {{4, 3.9, 1, 1, 4, 4, 1.05, 1, -1}, true},        /* alike is not equal */
+        {{4, 4, 1, 1, 4, 4, 1, -1}, false},               /* not yet twice */
+        {{4, 4, 4, 4, 4, 4, 4, 4, 4, -1}, false},
+        {{4, 4, 4, 4, 1, 1, 1, 1, 4, 4, 4, 4, -1}, false}, /* of eight: the looks see it */
+        {{4, 4, 4, 4, 4, 4, 9, 4, 4, 4, 4, -1}, false},    /* a single one */
+        {{4, 4, 4, 4, 1, 1, 1, 1, -1}, false},             /* a step */
+        {{4, 3.6, 3.2, 2.8, 2.4, 2.8, 3.2, 3.6, -1}, false},
+        {{4, 3.2, 2.4, 1.6, 0.8, 1.6, 2.4, 3.2, 4, 3.2, 2.4, -1}, false},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_rt_suns suns = {.count = 0};
+        for (uint32_t n = 0; cases[i].irradiance[n] >= 0.0; n++) {
+            const struct neph_sun sun = sun_of(cases[i].irradiance[n], 1.0);
+            neph_rt_suns_keep(&suns, 60 + n, &sun); /* past the end of the ring */
+            neph_rt_suns_keep(&suns, 60 + n, &sun); /* and that of a mirrored view */
+        }
+        assert_int_equal(neph_rt_suns_flash(&suns, 4), cases[i].flashes);
+    }
+}
+
+/* Periods are asked for one by one; a direction that jumps is a flash, too, and after a gap of
+ * pictures nothing is known. */
+static void test_flashes_of_other_periods(void **state)
+{
+    (void)state;
+    struct neph_rt_suns suns = {.count = 0};
+    for (uint32_t n = 0; n < 80; n++) {
+        const struct neph_sun sun = sun_of(4.0, n % 7 < 3 ? 1.0 : 1.2);
+        neph_rt_suns_keep(&suns, n, &sun);
+    }
+    for (uint32_t period = 1; period < 40; period++)
+        assert_int_equal(neph_rt_suns_flash(&suns, period),
+                         period % 7 == 0 && period <= NEPH_RT_SUNS_MAX / 2);
+    const struct neph_sun sun = sun_of(4.0, 1.0);
+    neph_rt_suns_keep(&suns, 100, &sun);
+    assert_false(neph_rt_suns_flash(&suns, 7));
+}
+
+/* As far back as is asked for, and no further than is known. */
+static void test_a_sun_that_jumps(void **state)
+{
+    (void)state;
+    struct neph_rt_suns suns = {.count = 0};
+    assert_false(neph_rt_suns_jumped(&suns, 8));
+    for (uint32_t n = 0; n < 100; n++) {
+        const struct neph_sun sun = sun_of(n < 20 ? 4.0 : 5.0, 0.09 * n);
+        neph_rt_suns_keep(&suns, n, &sun);
+        for (uint32_t pictures = 0; pictures < 40; pictures += 8)
+            assert_int_equal(neph_rt_suns_jumped(&suns, pictures), n >= 20 && n - 20 < pictures);
+    }
+}
+
 /* --- in the pipeline ------------------------------------------------------------------------- */
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36, TILES = (WIDTH_PX / 4) * (HEIGHT_PX / 4) };
@@ -147,6 +283,7 @@ struct changes {
     int void_tiles;     /* ... of all of it */
     double least, most; /* change of the medium */
     double gain[2];     /* the least and the largest, of the medium */
+    bool resting;       /* without override */
 };
 
 static void take_changes(struct neph_rt_device *device, const struct neph_rt_pass *pass,
@@ -155,7 +292,7 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
     struct changes *changes = context;
     if (strcmp(pass->name, "change") != 0)
         return;
-    *changes = (struct changes){.least = 2.0, .gain = {2.0, 0.0}};
+    *changes = (struct changes){.least = 2.0, .gain = {2.0, 0.0}, .resting = device->view->resting};
     for (int t = 0; t < 2; t++) {
         const int target = t ? RT_CHANGE_BEHIND : RT_CHANGE;
         uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
@@ -281,6 +418,49 @@ static void test_slow_light_is_a_gain(void **state)
     neph_realtime_destroy(realtime);
 }
 
+/* Half of the light in every other frame: both looks at a ray see the same. With change_strobe all
+ * tiles know from the eighth frame on, before that and without it none. */
+static void test_light_that_flashes_unseen_is_a_change(void **state)
+{
+    static const char *const texts[] = {"gradient=on steps=4",
+                                        "gradient=on steps=4 change_strobe=on"};
+    for (int on = 0; on < 2; on++) {
+        struct test_scene test;
+        scene_ground(&test);
+        const struct neph_settings settings = test_settings(texts[on]);
+        struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
+        struct changes changes = {0};
+        neph_realtime_observe(realtime, take_changes, &changes);
+        for (int frame = 0; frame < 14; frame++) {
+            dim_the_sun(&test, frame % 2 ? 0.5 : 2.0);
+            neph_image_destroy(next(realtime, &test, frame));
+            if (frame == 6)
+                assert_int_equal(changes.medium, 0);
+        }
+        assert_int_equal(changes.void_tiles, on ? TILES : 0);
+        assert_true(changes.behind > TILES / 4); /* seven frames: one look is light, one dark */
+        neph_realtime_destroy(realtime);
+    }
+}
+
+/* For 16 frames after the sun has jumped every second cycle of four is without override; a sun that
+ * sinks by a hundredth is none that jumps. */
+static void test_the_override_rests_after_a_jump(void **state)
+{
+    struct test_scene test;
+    scene_ground(&test);
+    const struct neph_settings settings = test_settings("gradient=on steps=4 override_wake=16");
+    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
+    struct changes changes = {0};
+    neph_realtime_observe(realtime, take_changes, &changes);
+    for (int frame = 0; frame < 32; frame++) {
+        dim_the_sun(&test, frame == 10 ? 0.5 : 0.99);
+        neph_image_destroy(next(realtime, &test, frame));
+        assert_int_equal(changes.resting, frame >= 10 && frame < 26 && frame / 4 % 2 == 1);
+    }
+    neph_realtime_destroy(realtime);
+}
+
 /* What a solid uncovers and hides all tiles there know in the same frame, and no others. */
 static void test_what_a_solid_uncovers_has_changed(void **state)
 {
@@ -383,10 +563,16 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_passes_equal_their_twins),
+        cmocka_unit_test(test_the_reconstruction_finds_changes_as_their_pass_does),
         cmocka_unit_test(test_tiles_repeat_by_turns),
         cmocka_unit_test(test_it_needs_the_split),
+        cmocka_unit_test(test_what_flashes_with_a_period),
+        cmocka_unit_test(test_flashes_of_other_periods),
+        cmocka_unit_test(test_a_sun_that_jumps),
         cmocka_unit_test(test_light_is_told_from_noise),
         cmocka_unit_test(test_slow_light_is_a_gain),
+        cmocka_unit_test(test_light_that_flashes_unseen_is_a_change),
+        cmocka_unit_test(test_the_override_rests_after_a_jump),
         cmocka_unit_test(test_what_a_solid_uncovers_has_changed),
         cmocka_unit_test(test_the_second_generation_rests_and_follows),
     };

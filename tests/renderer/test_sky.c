@@ -284,6 +284,73 @@ static void test_all_orders_in_a_slab(void **state)
         check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.5}, 4, 8e-3);
 }
 
+/* --- published values ------------------------------------------------------------------------- */
+
+/* Light of all orders in a slab that scatters as Rayleigh without polarisation, of optical depth
+ * 0.2, the sun 4.6 degrees high, in the plane of the sun, towards it from below and from above:
+ * A. Sweigart, "Radiative Transfer in Atmospheres Scattering According to the Rayleigh Phase
+ * Function with Absorption" (Astrophys. J. Suppl. 22, 1970), table 1, as the second test of DISORT
+ * (K. Stamnes et al., Appl. Opt. 27, 1988) prints it. The irradiance across the sunlight is pi. */
+static const struct {
+    double albedo, below[3], above[3];
+} sweigart[] = {
+    {0.5, {2.57685e-2, 2.00778e-2, 7.71897e-3}, {1.61796e-1, 2.11501e-2, 7.86713e-3}},
+    {1.0, {6.77603e-2, 4.64061e-2, 1.86027e-2}, {3.47678e-1, 4.87120e-2, 1.89387e-2}},
+};
+static const double sweigart_sun_cosine = 0.080442;
+static const double sweigart_cosines[3] = {0.018014, 0.538263, 0.981986};
+
+/* So large a ball that the first direction, a degree above the horizon, sees hardly any curve: 1e-3
+ * of its way there. */
+static void test_sweigarts_rayleigh_sky(void **state)
+{
+    (void)state;
+    static const double radius_m = 3e8, height_m = 100.0;
+    const struct neph_sky_params params = {.steps = 192,
+                                           .sun_altitudes = 24,
+                                           .sun_cosines = 4096,
+                                           .field = {.altitudes = 32,
+                                                     .suns = 20,
+                                                     .degree = 2,
+                                                     .orders = 10,
+                                                     .above = 16,
+                                                     .below = 8,
+                                                     .around = 5,
+                                                     .steps = 16}};
+    struct neph_solid ground = make_sphere(0.0, -radius_m, 0.0, radius_m);
+    double worst = 0.0, grazing = 0.0;
+    for (size_t n = 0; n < sizeof(sweigart) / sizeof(sweigart[0]); n++) {
+        struct neph_medium medium = make_shell(0.2 / height_m, ground.center_m, radius_m, height_m);
+        medium.albedo = make_grey(sweigart[n].albedo);
+        medium.phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
+        struct neph_scene scene = make_sunny(medium, (struct neph_vec3){0, 1, 0});
+        scene.sun.direction = (struct neph_vec3){
+            sqrt(1.0 - sweigart_sun_cosine * sweigart_sun_cosine), sweigart_sun_cosine, 0.0};
+        scene.sun.irradiance_w_per_m2 = make_grey(M_PI);
+        scene.solids = &ground;
+        scene.solid_count = 1;
+        scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        struct neph_sky *sky = make_sky(&scene, &params);
+        for (int i = 0; i < 3; i++) {
+            const double y = sweigart_cosines[i], x = sqrt(1.0 - y * y);
+            const double below = neph_sky_see(sky, (struct neph_vec3){0, 1e-3, 0},
+                                              (struct neph_vec3){x, y, 0})
+                                     .radiance[1];
+            const double above = neph_sky_see(sky, (struct neph_vec3){0, 1390.0, 0},
+                                              (struct neph_vec3){x, -y, 0})
+                                     .radiance[1];
+            print_message("albedo %.1f, cosine %.3f: %+.2f %% from below, %+.2f %% from above\n",
+                          sweigart[n].albedo, y, 1e2 * (below / sweigart[n].below[i] - 1.0),
+                          1e2 * (above / sweigart[n].above[i] - 1.0));
+            double *of = i == 0 ? &grazing : &worst;
+            *of = fmax(*of, fabs(below / sweigart[n].below[i] - 1.0));
+            *of = fmax(*of, fabs(above / sweigart[n].above[i] - 1.0));
+        }
+        neph_sky_destroy(sky);
+    }
+    assert_true(worst < 5e-3 && grazing < 1.5e-2);
+}
+
 /* The mean of a wide picture, by the oracle to 1 %; of each pixel at night. */
 static void test_all_orders_of_the_earth(void **state)
 {
@@ -463,6 +530,42 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
     print_message("table of views: off by %.2g, with twice the nodes by %.2g\n", worst[0],
                   worst[1]);
     assert_true(worst[0] < 0.03 && worst[1] < 0.3 * worst[0]);
+    neph_sky_destroy(walk);
+    neph_scene_destroy(scene);
+    neph_scene_destroy(earth);
+}
+
+/* The ground from a few metres up: 100 m to 4 km of air before it, of which as much is missing as
+ * the way is shorter than between two nodes; towards the sun and away from it. */
+static void test_view_table_sees_the_ground_near(void **state)
+{
+    (void)state;
+    struct neph_scene *earth = load_earth();
+    struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_SINGLE);
+    struct neph_sky_params params = usual;
+    struct neph_diag diag = {0};
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    const struct neph_vec3 sun = scene->sun.direction;
+    const double across = hypot(sun.x, sun.z);
+    struct neph_sky *walk = make_sky(scene, &params);
+    params.view = (struct neph_sky_view_params){true, 48, 48};
+    struct neph_sky *table = make_sky(scene, &params);
+    double worst = 0.0;
+    neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
+    for (int i = 0; i < 80; i++) {
+        const double down = 2.0 / (100.0 * pow(40.0, (i / 2) / 39.0)), side = i % 2 ? -1.0 : 1.0;
+        const struct neph_vec3 direction = neph_vec3_normalize(
+            (struct neph_vec3){side * sun.x / across, -down, side * sun.z / across});
+        const struct neph_sky_light a = neph_sky_see(walk, camera.position_m, direction);
+        const struct neph_sky_light b = neph_sky_see(table, camera.position_m, direction);
+        for (int c = 0; c < 3; c++) {
+            worst = fmax(worst, fabs(b.volume[c] / a.volume[c] - 1.0));
+            worst = fmax(worst, fabs(b.radiance[c] / a.radiance[c] - 1.0));
+        }
+    }
+    print_message("air before the ground near: off by %.2g\n", worst);
+    assert_true(worst < 0.01);
+    neph_sky_destroy(table);
     neph_sky_destroy(walk);
     neph_scene_destroy(scene);
     neph_scene_destroy(earth);
@@ -653,10 +756,12 @@ int main(void)
         cmocka_unit_test(test_sun_table),
         cmocka_unit_test(test_one_order_is_exact_in_the_limit),
         cmocka_unit_test(test_all_orders_in_a_slab),
+        cmocka_unit_test(test_sweigarts_rayleigh_sky),
         cmocka_unit_test(test_all_orders_of_the_earth),
         cmocka_unit_test(test_solids_behind_air),
         cmocka_unit_test(test_moments_light_surfaces),
         cmocka_unit_test(test_view_table_is_the_walk_in_the_limit),
+        cmocka_unit_test(test_view_table_sees_the_ground_near),
         cmocka_unit_test(test_splitting_a_medium_changes_nothing),
         cmocka_unit_test(test_device_is_the_twin),
         cmocka_unit_test(test_device_says_what_it_cannot),

@@ -137,7 +137,7 @@ void twin_gradient(const struct twin *twin)
 /* --- the change ------------------------------------------------------------------------------ */
 
 static void change_around(const struct twin *twin, int x, int y, const int targets[2], float frames,
-                          float unknown, float change[4])
+                          float unknown, uint32_t cannot_tell, float change[4])
 {
     float now[9][4], then[9][4], sum_now[3] = {0.0f}, sum_then[3] = {0.0f}, gain[3];
     bool is_known = false;
@@ -151,7 +151,7 @@ static void change_around(const struct twin *twin, int x, int y, const int targe
         is_known = true;
     }
     gain_between(twin, sum_now, sum_then, gain);
-    change[3] = is_known ? 0.0f : unknown;
+    change[3] = cannot_tell ? 1.0f : is_known ? 0.0f : unknown;
     for (int i = 0; i < 9; i++) {
         const float residue = then[i][3] > 0.0f ? residue_between(now[i], then[i], gain) : 0.0f;
         change[3] = fmaxf(change[3], fmaxf(residue, now[i][3]));
@@ -179,9 +179,9 @@ void twin_change(const struct twin *twin)
     for (int y = 0; y < (int)twin->view->tile_count[1]; y++)
         for (int x = 0; x < (int)twin->view->tile_count[0]; x++) {
             float change[4];
-            change_around(twin, x, y, medium, 4.0f, 1.0f, change);
+            change_around(twin, x, y, medium, 4.0f, 1.0f, twin->view->strobes_medium, change);
             put_change(twin, RT_CHANGE, x, y, change);
-            change_around(twin, x, y, behind, length, 0.0f, change);
+            change_around(twin, x, y, behind, length, 0.0f, twin->view->strobes_behind, change);
             put_change(twin, RT_CHANGE_BEHIND, x, y, change);
         }
 }

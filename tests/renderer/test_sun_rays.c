@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Sun rays of few steps, which grow and lie within a cone: what they are is written down once more
+ * here, in double precision, and where a medium is even they know its optical depth.
+ */
+#include "tests/renderer/march_test.h"
+
+#include "renderer/shortcuts.h"
+#include "scenes/media.h"
+
+enum { WIDTH_PX = 40, HEIGHT_PX = 24, PIXELS = WIDTH_PX * HEIGHT_PX };
+
+static const struct neph_march_params marched = {.width_px = WIDTH_PX,
+                                                 .height_px = HEIGHT_PX,
+                                                 .steps = 16,
+                                                 .transmittance = NEPH_MARCH_MARCHED,
+                                                 .sun = NEPH_MARCH_MARCHED,
+                                                 .sun_steps = 6};
+
+/* --- once more ------------------------------------------------------------------------------ */
+
+static struct neph_vec3 cross(struct neph_vec3 a, struct neph_vec3 b)
+{
+    return (struct neph_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static struct neph_vec3 ahead(struct neph_vec3 from_m, struct neph_vec3 direction, double way_m)
+{
+    return neph_vec3_add(from_m, neph_vec3_scale(direction, way_m));
+}
+
+/* Of `medium` from a point towards the sun, `to_sun` not steep. */
+static double depth_of(const struct neph_medium *medium, struct neph_vec3 from_m,
+                       struct neph_vec3 to_sun, const struct neph_march_params *params)
+{
+    const struct neph_bounds box = neph_medium_support(medium);
+    const struct neph_shortcuts *rays = &params->shortcuts;
+    const struct neph_vec3 right = neph_vec3_normalize(cross(to_sun, (struct neph_vec3){0, 1, 0}));
+    const struct neph_vec3 up = cross(right, to_sun);
+    double t0_m = 0.0, t1_m = 1e6, parts = 0.0, depth = 0.0;
+    if (!neph_bounds_clip(&box, from_m, to_sun, &t0_m, &t1_m))
+        return 0.0;
+    for (int i = 0; i < params->sun_steps; i++)
+        parts += pow(rays->sun_growth, i);
+    for (int i = 0; i < params->sun_steps; i++) {
+        const double length_m = (t1_m - t0_m) * pow(rays->sun_growth, i) / parts;
+        double start_m = t0_m;
+        for (int k = 0; k < i; k++)
+            start_m += (t1_m - t0_m) * pow(rays->sun_growth, k) / parts;
+        const double t_m = start_m + 0.5 * length_m, angle = M_PI * (3.0 - sqrt(5.0)) * i;
+        const double width_m = t_m * rays->sun_cone * sqrt((i + 0.5) / params->sun_steps);
+        const struct neph_vec3 on_ray_m = ahead(from_m, to_sun, t_m);
+        const struct neph_vec3 tap_m = ahead(ahead(on_ray_m, right, width_m * cos(angle)), up,
+                                             width_m * sin(angle));
+        depth += length_m * neph_medium_extinction_per_m(medium, tap_m);
+    }
+    return depth;
+}
+
+/* --- the ground's light --------------------------------------------------------------------- */
+
+/* Optical depth towards the sun at what a pixel shows of level ground. */
+static double shown_depth(const struct neph_image *frame, const struct test_scene *test, int pixel)
+{
+    float *radiance[3], *through[3];
+    assert_true(neph_image_rgb(frame, NULL, radiance) &&
+                neph_image_rgb(frame, "transmittance", through));
+    const struct neph_sun *sun = &test->scene.sun;
+    const double clear = test->solids[0].albedo.r / M_PI * sun->direction.y *
+                         sun->irradiance_w_per_m2.r;
+    return -log((double)radiance[0][pixel] / (double)through[0][pixel] / clear);
+}
+
+/* The largest difference over all pixels of ground, and how many have something before the sun. */
+static double worst_difference(struct neph_vulkan *vulkan, const struct test_scene *test,
+                               const struct neph_march_params *params, int *shaded)
+{
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    const float *z_m = neph_image_channel(frame, "Z");
+    double worst = 0.0;
+    *shaded = 0;
+    assert_non_null(z_m);
+    for (int p = 0; p < PIXELS; p++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH_PX, HEIGHT_PX,
+                                                          p % WIDTH_PX, p / WIDTH_PX);
+        if (isinf(z_m[p]))
+            continue;
+        const double way_m = (test->solids[0].box.max_m.y - ray.origin_m.y) / ray.direction.y;
+        const double own = depth_of(&test->scene.media[0],
+                                    ahead(ray.origin_m, ray.direction, way_m),
+                                    test->scene.sun.direction, params);
+        worst = fmax(worst, fabs(shown_depth(frame, test, p) - own));
+        *shaded += own > 0.1;
+    }
+    neph_image_destroy(frame);
+    return worst;
+}
+
+static void add_ground(struct test_scene *test)
+{
+    test->scene.scattering = NEPH_SCATTERING_NONE;
+    test_add_box(test, (struct neph_vec3){-1e3, -3.0, -1e3}, (struct neph_vec3){1e3, -2.0, 1e3});
+}
+
+/* Float32 knows a point 20 m away to 2e-6 m, where densities change by up to 0.9 in a cell of 0.5 m
+ * and at six steps of a metre. */
+static void test_through_voxels(void **state)
+{
+    static const struct {
+        double growth, cone;
+    } rays[] = {{1.0, 0.25}, {1.6, 0.0}, {1.6, 0.25}};
+    uint64_t random = 7;
+    struct test_scene test;
+    test_scene_init(&test);
+    add_ground(&test);
+    struct neph_grid *grid = random_lattice((const int[3]){12, 11, 10},
+                                            (struct neph_vec3){-3.0, 1.0, -15.0},
+                                            (struct neph_vec3){0.6, 0.5, 0.7}, 0.0, &random);
+    test_add(&test, make_voxels(0.9, grid));
+    for (int skips = 0; skips < 2; skips++)
+        for (int i = 0; i < 3; i++) {
+            struct neph_march_params params = marched;
+            int shaded;
+            params.shortcuts = (struct neph_shortcuts){
+                .sun_growth = rays[i].growth, .sun_cone = rays[i].cone, .skip = skips == 1};
+            const double worst = worst_difference(*state, &test, &params, &shaded);
+            print_message("growth %g, cone %g, skip %d: off by %.1e in %d pixels\n", rays[i].growth,
+                          rays[i].cone, skips, worst, shaded);
+            assert_true(shaded > 20 && worst < 2e-5);
+        }
+    neph_grid_destroy(grid);
+}
+
+/* Lengths add up to the way, wherever in the medium the points are. */
+static void test_in_an_even_medium(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    add_ground(&test);
+    const struct neph_bounds box = {{-500.0, -2.0, -500.0}, {500.0, 12.0, 500.0}};
+    test_add(&test, make_homogeneous(0.05, box));
+    struct neph_march_params params = marched;
+    params.shortcuts = (struct neph_shortcuts){.sun_growth = 1.5, .sun_cone = 0.1};
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    neph_assert_ok(test_march_frame(*state, &test.scene, &params, &frame, NULL, &diag), &diag);
+    const double depth = 0.05 * 14.0 / test.scene.sun.direction.y;
+    const double shown = shown_depth(frame, &test, PIXELS - WIDTH_PX / 2);
+    print_message("optical depth %.7f, where it is %.7f\n", shown, depth);
+    assert_true(fabs(shown - depth) < 2e-6);
+    neph_image_destroy(frame);
+}
+
+static void test_other_rays_are_refused(void **state)
+{
+    (void)state;
+    static const struct neph_shortcuts refused[] = {
+        {.sun_growth = 4.5}, {.sun_growth = 1.0005}, {.sun_cone = 1.5}, {.sun_cone = -0.1}};
+    struct test_scene test;
+    test_scene_init(&test);
+    test_add_medium(&test, 0.03, 0.05, 0.0);
+    for (size_t i = 0; i < sizeof(refused) / sizeof(refused[0]); i++) {
+        struct neph_diag diag = {0};
+        struct neph_march_params params = marched;
+        params.shortcuts = refused[i];
+        assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_ERR_USAGE);
+        assert_non_null(
+            strstr(diag.message, refused[i].sun_growth > 0.0 ? "sun_growth" : "sun_cone"));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_through_voxels),
+        cmocka_unit_test(test_in_an_even_medium),
+        cmocka_unit_test(test_other_rays_are_refused),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
