@@ -191,21 +191,12 @@ vec4 filter_weights(float x)
     }
 }
 
-// A GPU has the history of a pixel at rest on its way while it makes the one above.
-bool is_ahead = false;
-vec4 fetched_ahead;
-
-vec4 history_at_rest(ivec2 pixel)
-{
-    return is_ahead ? fetched_ahead : fetch_picture(RT_TAA_BEFORE, pixel);
-}
-
 vec3 filtered_history(vec2 place_px)
 {
     precise vec2 corner = floor(place_px - 0.5);
     precise vec2 way = place_px - 0.5 - corner;
     if (is_at_rest)
-        return history_at_rest(ivec2(corner)).rgb;
+        return fetch_picture(RT_TAA_BEFORE, ivec2(corner)).rgb;
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
     ivec2 first = ivec2(first_tap(columns), first_tap(rows));
     ivec2 last = ivec2(last_tap(columns), last_tap(rows));
@@ -235,8 +226,7 @@ float age_at(vec2 place_px)
 {
     if (!is_set(RT_TAA_AGE_MAX))
         return 0.0;
-    ivec2 pixel = ivec2(floor(place_px));
-    float age = (is_at_rest ? history_at_rest(pixel) : fetch_picture(RT_TAA_BEFORE, pixel)).a;
+    float age = fetch_picture(RT_TAA_BEFORE, ivec2(floor(place_px))).a;
     return age >= 1.0 && age != float(RT_OF_MOVER) ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 

@@ -34,20 +34,14 @@
 
 #include "realtime_taa.glsl"
 
-bool fetches_ahead() { return ON_GPU && ALL_REST; }
-
-vec4 next_history; // of the pixel that comes next
-
 // The first pixel of this thread's column; false when there is none left.
 bool own_column(ivec2 size, out ivec2 pixel)
 {
     if (ON_GPU) {
         ivec2 block = own_block(size, BLOCK);
         int thread = int(gl_LocalInvocationID.x);
-        pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x * RT_TAA_COLUMN);
-        if (fetches_ahead())
-            next_history = fetch_picture(RT_TAA_BEFORE, pixel);
         fetch_area(block);
+        pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x * RT_TAA_COLUMN);
         return all(lessThan(pixel, size));
     }
     bool is_left = own_element(ivec2(size.x, (size.y - 1) / RT_TAA_COLUMN + 1), pixel);
@@ -67,11 +61,6 @@ void main()
     is_held = !is_steady();
     Window window = look_above(pixel);
     for (; pixel.y < end; pixel.y++) {
-        if (fetches_ahead()) {
-            is_ahead = true;
-            fetched_ahead = next_history;
-            next_history = fetch_picture(RT_TAA_BEFORE, pixel + ivec2(0, 1));
-        }
         look_down(pixel, window);
         vec4 made = resolved(pixel, pixel, film_in(window));
         put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
