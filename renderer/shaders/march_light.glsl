@@ -114,7 +114,7 @@ void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, in
         }
 }
 
-// Of an only medium that is a texture, along a stretch by steps of which each is `growth` times as
+// A texture that is the only medium, along a stretch by steps of which each is `growth` times as
 // long as the one before. A plain sum, which steps in clear air do not change.
 const uint RAY_TAPS_MAX = 6;
 uint ray_taps() { return SKIPS ? 1 : RAY_TAPS_MAX; }
@@ -382,7 +382,7 @@ vec3 kept_octave_scattering(vec3 optical_depth)
     return sum;
 }
 
-// The same where all channels have one sum, of which contributions are a part already.
+// As one sum for all channels, of which contributions are a part already.
 vec3 summed_octave_scattering(float optical_depth)
 {
     float sum = 0.0, attenuation = 1.0; // b^i
