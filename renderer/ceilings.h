@@ -19,8 +19,8 @@ struct neph_ceilings {
     double texture_samples_per_s[NEPH_TEXEL_FORMAT_COUNT]; /* of the same, by the texture unit; NaN:
                                                               not measured, or it does not filter
                                                               that format */
-    /* The same where each sample's place depends on the one before, one ray a lane: no look-up is on
-     * its way together with the next. */
+    /* Where each sample's place depends on the one before, one ray a lane: no look-up is on its way
+     * together with the next. */
     double buffer_chain_per_s, texture_chain_per_s[NEPH_TEXEL_FORMAT_COUNT];
     double multiply_adds_per_s, exponentials_per_s; /* of float32, of all lanes */
     int grid_side; /* nodes of the grid that it samples, which caches may hold */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/compute.h"
 
+#include "renderer/device_memory.h"
 #include "renderer/pipeline_cache.h"
 #include "renderer/specialize.h"
 
@@ -64,6 +65,8 @@ static VkResult allocate_memory(const struct neph_vulkan *vulkan, enum neph_buff
     };
     VkResult result = vulkan->api.vkAllocateMemory(vulkan->device, &info, NULL, &buffer->memory);
     if (result == VK_SUCCESS)
+        neph_device_memory_take(buffer->size_bytes);
+    if (result == VK_SUCCESS)
         result = vulkan->api.vkBindBufferMemory(vulkan->device, buffer->handle, buffer->memory, 0);
     if (result == VK_SUCCESS && (needed & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT))
         result = vulkan->api.vkMapMemory(vulkan->device, buffer->memory, 0, VK_WHOLE_SIZE, 0,
@@ -107,6 +110,8 @@ void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *b
         forget_buffer(vulkan, buffer->handle);
     vulkan->api.vkDestroyBuffer(vulkan->device, buffer->handle, NULL);
     vulkan->api.vkFreeMemory(vulkan->device, buffer->memory, NULL); /* unmaps it too */
+    if (buffer->memory)
+        neph_device_memory_give(buffer->size_bytes);
     *buffer = (struct neph_buffer){0};
 }
 

@@ -73,6 +73,7 @@ void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *b
 struct neph_texture {
     VkImage image;
     VkDeviceMemory memory;
+    uint64_t memory_bytes;
     VkImageView view;
     VkSampler sampler;
 };

@@ -55,7 +55,7 @@ static void fit_similar(struct neph_gpu_medium *medium)
     medium->octave_eccentricity = (float)octaves.eccentricity;
 }
 
-/* Of a row of so many lengths, each so many times the one before. */
+/* What part of a row of lengths the first is, if each is so many times the one before. */
 static double first_part(double growth, uint32_t count)
 {
     return growth > 1.0 ? (growth - 1.0) / (pow(growth, count) - 1.0) : 1.0 / fmax(1.0, count);

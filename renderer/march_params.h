@@ -81,9 +81,9 @@ struct neph_shortcuts {
     /* Each view step is so many times as long as the one before; 0 and 1: all are equal. Else at
      * least NEPH_STEP_GROWTH_LEAST: nearer to 1 the shader's geometric sums cancel. */
     double step_growth;
-    /* Each step of a marched sun ray is so many times as long as the one before, from the sample on;
-     * 0 and 1: all are equal. And they lie within a cone around it: the tangent of its half angle;
-     * 0: on the ray. */
+    /* Each step of a marched sun ray is so many times as long as the one before, from the sample
+     * on; 0 and 1: all are equal. And they lie within a cone around it: the tangent of its half
+     * angle; 0: on the ray. */
     double sun_growth, sun_cone;
     /* Sums over steps sample voxel grids by the texture unit: its weights have few bits. Closed
      * forms and traced paths read the voxels themselves. */

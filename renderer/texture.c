@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/texture.h"
 
+#include "renderer/device_memory.h"
 #include "renderer/realtime/view.h"
 #include "renderer/shortcuts.h"
 
@@ -82,6 +83,8 @@ static VkResult create_image(const struct neph_vulkan *vulkan,
     if (memory.memoryTypeIndex == UINT32_MAX)
         return VK_ERROR_FEATURE_NOT_PRESENT;
     result = vulkan->api.vkAllocateMemory(vulkan->device, &memory, NULL, &texture->memory);
+    if (result == VK_SUCCESS)
+        neph_device_memory_take(texture->memory_bytes = requirements.size);
     return result == VK_SUCCESS
                ? vulkan->api.vkBindImageMemory(vulkan->device, texture->image, texture->memory, 0)
                : result;
@@ -228,5 +231,6 @@ void neph_texture_destroy(const struct neph_vulkan *vulkan, struct neph_texture 
     vulkan->api.vkDestroyImageView(vulkan->device, texture->view, NULL);
     vulkan->api.vkDestroyImage(vulkan->device, texture->image, NULL);
     vulkan->api.vkFreeMemory(vulkan->device, texture->memory, NULL);
+    neph_device_memory_give(texture->memory_bytes);
     *texture = (struct neph_texture){.image = VK_NULL_HANDLE};
 }

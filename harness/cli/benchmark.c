@@ -321,7 +321,8 @@ static void print_flight(const struct neph_benchmark_frames *benchmark,
     printf("\n");
     for (int p = 0; p < engine->pass_count; p++)
         print_pass(benchmark, engine, &engine->passes[p]);
-    printf("  first picture after %.3g s; %s\n", engine->first_s, settings ? settings : "");
+    printf("  first picture after %.3g s; %.4g MB of the device's memory; %s\n", engine->first_s,
+           1e-6 * (double)engine->device_bytes, settings ? settings : "");
     free(settings);
 }
 

@@ -8,6 +8,7 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
 #include "metrics/statistics.h"
+#include "renderer/device_memory.h"
 #include "renderer/shortcuts.h"
 #include "scenes/motion.h"
 
@@ -226,10 +227,13 @@ static enum neph_status run_engine(struct neph_benchmark_frames_engine *engine, 
                                    struct neph_diag *diag)
 {
     long picture = 1;
+    const uint64_t others_bytes = neph_device_memory();
+    neph_device_memory_watch();
     engine->reference = reference_of(&engine->job);
     enum neph_status status = first_picture(engine, diag);
     if (!status)
         status = time_frames(engine, &picture, frame_count, diag);
+    engine->device_bytes = neph_device_memory_most() - others_bytes;
     if (!status)
         status = look(engine, picture, diag);
     neph_job_close(&engine->job);
@@ -394,14 +398,14 @@ static json_t *engine_json(const struct neph_benchmark_frames *benchmark,
 {
     const struct neph_job *job = &engine->job;
     char *settings = neph_settings_text(job->engine, &job->shot.settings);
-    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:f, s:i, s:f, s:o, s:o, s:o, s:o, s:s, s:o}",
-                             "engine", job->engine->name, "version", job->info->version, "device",
-                             job->info->device, "settings", settings ? settings : "", "first_s",
-                             engine->first_s, "frames", engine->frame_count, "mean_s",
-                             engine->mean_s, "frame_s", spread_json(engine->frame_s), "gpu_s",
-                             spread_json(engine->gpu_s), "cpu_s", spread_json(engine->cpu_s),
-                             "passes", passes_json(benchmark, engine), "reference",
-                             engine->reference->name, "error", neph_json_number(engine->error));
+    json_t *json = json_pack(
+        "{s:s, s:s, s:s, s:s, s:f, s:I, s:i, s:f, s:o, s:o, s:o, s:o, s:s, s:o}", "engine",
+        job->engine->name, "version", job->info->version, "device", job->info->device, "settings",
+        settings ? settings : "", "first_s", engine->first_s, "device_bytes",
+        (json_int_t)engine->device_bytes, "frames", engine->frame_count, "mean_s", engine->mean_s,
+        "frame_s", spread_json(engine->frame_s), "gpu_s", spread_json(engine->gpu_s), "cpu_s",
+        spread_json(engine->cpu_s), "passes", passes_json(benchmark, engine), "reference",
+        engine->reference->name, "error", neph_json_number(engine->error));
     free(settings);
     return json;
 }

@@ -25,6 +25,7 @@ struct neph_benchmark_pass {
 struct neph_benchmark_frames_engine {
     struct neph_job job; /* its engine, settings and shot */
     double first_s;      /* from nothing to the first picture on the CPU */
+    uint64_t device_bytes; /* the most memory of the device that it had until these were timed */
     int frame_count;     /* timed */
     double mean_s;       /* from the first's departure to the last at home, by their number */
     struct neph_spread frame_s; /* of the wall clock, from one picture to the next */

@@ -51,7 +51,8 @@ float density_at(Grid grid, vec3 point_m)
 void main()
 {
     CeilingLine line = lines[gl_GlobalInvocationID.x];
-    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), 1.0, uvec3(run.side), 0.0, vec3(1.0) / float(run.side));
+    vec3 texel = vec3(1.0) / float(run.side);
+    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), 1.0, uvec3(run.side), 0.0, texel);
     float sum = 0.0;
     vec3 place = line.start;
     for (uint i = 0; i < run.sample_count; i++) {

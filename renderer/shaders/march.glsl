@@ -126,22 +126,23 @@ void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uin
     }
 }
 
-vec4 ahead; // densities of the four steps around the one where a ray is
+vec4 ahead[2]; // densities of the eight steps around the one where a ray is
 
-// The same in a texture, with four steps on their way together: a GPU would wait for each.
+// The same in a texture, with eight steps on their way together: a GPU would wait for each.
 void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     TextureRay way = texture_ray(ray.origin_m, ray.direction);
     uint start = i;
     while (i < end) {
-        uint turn = (i - own(run.first_step)) % 4u;
+        uint turn = (i - own(run.first_step)) % 8u;
         if (turn == 0u)
-            [[unroll]] for (uint k = 0; k < 4; k++)
-                ahead[k] = texture_ray_density(way, step_point_m(steps, i + k, place));
-        met_per_m = way.full_per_m * ahead[turn];
+            [[unroll]] for (uint k = 0; k < 8; k++)
+                ahead[k / 4][k % 4] = texture_ray_density(way, step_point_m(steps, i + k, place));
+        vec4 four = turn < 4u ? ahead[0] : ahead[1];
+        met_per_m = way.full_per_m * four[turn % 4u];
         if (met_per_m > 0.0)
             break;
-        i += turn == 0u && ahead == vec4(0.0) ? 4u : 1u;
+        i += turn % 4u == 0u && four == vec4(0.0) ? 4u : 1u;
     }
     i = min(i, end);
     uint looked_up = i - start + (i < end ? 1u : 0u);

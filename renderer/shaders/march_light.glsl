@@ -114,24 +114,32 @@ void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, in
         }
 }
 
-// Of an only medium that is a texture. A plain sum, which steps in clear air do not change.
-float texture_optical_depth(vec3 origin_m, vec3 direction, Steps steps)
+// A texture that is the only medium, along a stretch by steps of which each is `growth` times as
+// long as the one before. A plain sum, which steps in clear air do not change.
+const uint RAY_TAPS_MAX = 6;
+uint ray_taps() { return SKIPS ? 1 : RAY_TAPS_MAX; }
+
+float texture_optical_depth(vec3 origin_m, vec3 direction, Stretch stretch, uint count,
+                            float first_m, float growth)
 {
     TextureRay ray = texture_ray(origin_m, direction);
-    float sum = 0.0;
-    for (uint i = 0; i < steps.count; i += taps()) {
-        if (SKIPS)
-            pass_empty_steps(steps, 0.5, origin_m, direction, steps.count, i);
-        float densities[TAPS_MAX];
-        [[unroll]] for (uint k = 0; k < taps(); k++)
-            densities[k] = texture_ray_density(ray, step_point_m(steps, i + k, 0.5));
-        [[unroll]] for (uint k = 0; k < taps(); k++)
-            if (i + k < steps.count) {
-                sum += densities[k];
-                density_evaluations++;
-            }
+    float sum = 0.0, next_m = stretch.t0_m, length_m = first_m;
+    for (uint i = 0; i < count; i += ray_taps()) {
+        float densities[RAY_TAPS_MAX], lengths_m[RAY_TAPS_MAX];
+        [[unroll]] for (uint k = 0; k < ray_taps(); k++) {
+            float t_m = next_m + 0.5 * length_m;
+            bool counts = i + k < count && !(SKIPS && shapes_are_empty(origin_m + t_m * direction));
+            densities[k] = SKIPS && !counts ? 0.0 : texture_ray_density(ray, t_m);
+            lengths_m[k] = counts ? length_m : 0.0;
+            next_m += length_m;
+            length_m *= growth;
+        }
+        [[unroll]] for (uint k = 0; k < ray_taps(); k++) {
+            sum += lengths_m[k] * densities[k];
+            density_evaluations += lengths_m[k] > 0.0 ? 1u : 0u;
+        }
     }
-    return ray.full_per_m * steps.step_m * sum;
+    return ray.full_per_m * sum;
 }
 
 // Where empty steps were passed nothing is added once: a sum that carries its error may then still
@@ -145,7 +153,7 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
     Steps steps = equal_steps(stretch, step_count);
     if (has_only_texture())
         return grey(frame.media[0].extinction_color) *
-               texture_optical_depth(origin_m, direction, steps);
+               texture_optical_depth(origin_m, direction, stretch, step_count, steps.step_m, 1.0);
     Sum sum = sum_zero();
     for (uint i = 0; i < step_count; i += taps()) {
         if (SKIPS && (kinds & FOG_KINDS) == 0u) {
@@ -181,17 +189,6 @@ vec3 sun_tap_m(vec3 point_m, float t_m, uint i)
     return tap_m + width_m * (cos(angle) * right + sin(angle) * up);
 }
 
-vec3 sun_tap_extinction_per_m(uint kinds, vec3 point_m, TextureRay ray, float t_m, uint i)
-{
-    if (SKIPS && (kinds & FOG_KINDS) == 0u && shapes_are_empty(sun_tap_m(point_m, t_m, i)))
-        return vec3(0.0);
-    density_evaluations += i < own(frame.sun_steps) ? 1u : 0u;
-    if (has_only_texture() && !CONES_SUN_RAYS)
-        return grey(frame.media[0].extinction_color) * ray.full_per_m *
-               texture_ray_density(ray, t_m);
-    return sampled_extinctions_per_m(kinds, sun_tap_m(point_m, t_m, i));
-}
-
 // Towards the sun by few steps that grow: what is near decides most, and what is far little (A.
 // Schneider, "The Real-time Volumetric Cloudscapes of Horizon: Zero Dawn", SIGGRAPH 2015, has six,
 // in a cone).
@@ -200,25 +197,21 @@ vec3 grown_sun_depth(uint kinds, vec3 point_m)
     Stretch stretch = scene_stretch(kinds, point_m, to_sun(), FAR_M);
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
-    TextureRay ray;
-    if (has_only_texture())
-        ray = texture_ray(point_m, to_sun());
     uint count = own(frame.sun_steps);
     float next_m = stretch.t0_m, length_m = frame.sun_first_part * (stretch.t1_m - stretch.t0_m);
+    if (has_only_texture() && !CONES_SUN_RAYS)
+        return grey(frame.media[0].extinction_color) *
+               texture_optical_depth(point_m, to_sun(), stretch, count, length_m,
+                                     frame.sun_growth);
     Sum sum = sum_zero();
-    for (uint i = 0; i < count; i += taps()) {
-        float lengths_m[TAPS_MAX];
-        vec3 extinction_per_m[TAPS_MAX];
-        [[unroll]] for (uint k = 0; k < taps(); k++) {
-            lengths_m[k] = length_m;
-            extinction_per_m[k] = sun_tap_extinction_per_m(kinds, point_m, ray,
-                                                           next_m + 0.5 * length_m, i + k);
-            next_m += length_m;
-            length_m *= frame.sun_growth;
+    for (uint i = 0; i < count; i++) {
+        vec3 tap_m = sun_tap_m(point_m, next_m + 0.5 * length_m, i);
+        if (!SKIPS || (kinds & FOG_KINDS) != 0u || !shapes_are_empty(tap_m)) {
+            sum_add(sum, vec4(sampled_extinctions_per_m(kinds, tap_m) * length_m, 0.0));
+            density_evaluations++;
         }
-        [[unroll]] for (uint k = 0; k < taps(); k++)
-            if (i + k < count)
-                sum_add(sum, vec4(extinction_per_m[k] * lengths_m[k], 0.0));
+        next_m += length_m;
+        length_m *= frame.sun_growth;
     }
     return grey(sum.value.xyz);
 }
@@ -389,7 +382,7 @@ vec3 kept_octave_scattering(vec3 optical_depth)
     return sum;
 }
 
-// The same where all channels have one sum, of which contributions are a part already.
+// As one sum for all channels, of which contributions are a part already.
 vec3 summed_octave_scattering(float optical_depth)
 {
     float sum = 0.0, attenuation = 1.0; // b^i

@@ -173,6 +173,8 @@ class Benchmark(unittest.TestCase):
         counts = [[p["density_evaluations"] for p in e["passes"] if p["pass"] == "march"][0]
                   for e in (march, realtime)]
         self.assertLess(counts[1], counts[0] / 8)
+        for engine in (march, realtime):
+            self.assertGreater(engine["device_bytes"], 32 * 18 * 64)  # a result of each pixel
 
     @night.of_the_night
     def test_evaluations_of_several_passes_are_no_share_of_one(self):

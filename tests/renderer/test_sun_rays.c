@@ -29,7 +29,7 @@ static struct neph_vec3 ahead(struct neph_vec3 from_m, struct neph_vec3 directio
     return neph_vec3_add(from_m, neph_vec3_scale(direction, way_m));
 }
 
-/* Of `medium` from a point towards the sun, `to_sun` not steep. */
+/* Optical depth of a medium from a point towards the sun, which does not stand straight above. */
 static double depth_of(const struct neph_medium *medium, struct neph_vec3 from_m,
                        struct neph_vec3 to_sun, const struct neph_march_params *params)
 {

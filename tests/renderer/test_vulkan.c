@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "renderer/compute.h"
+#include "renderer/device_memory.h"
 
 #include <dirent.h>
 #include <stdlib.h>
@@ -174,6 +175,30 @@ static void test_validation_hears_a_leak(void **state)
     assert_true(neph_vulkan_destroy(vulkan) > 0);
 }
 
+static void test_memory_is_counted_as_long_as_it_is_had(void **state)
+{
+    (void)state;
+    struct neph_diag diag = {0};
+    struct neph_vulkan *vulkan = test_vulkan_open();
+    struct neph_buffer buffers[2] = {{0}, {0}};
+    const uint64_t before = neph_device_memory();
+    const size_t sizes_bytes[2] = {3 << 20, 5 << 20};
+    neph_device_memory_watch();
+    for (int i = 0; i < 2; i++) {
+        neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, sizes_bytes[i], "counted",
+                                          &buffers[i], &diag),
+                       &diag);
+        assert_true(neph_device_memory() == before + sizes_bytes[i]);
+        neph_buffer_destroy(vulkan, &buffers[i]);
+        neph_buffer_destroy(vulkan, &buffers[i]); /* nothing is given back twice */
+    }
+    assert_true(neph_device_memory() == before);
+    assert_true(neph_device_memory_most() == before + sizes_bytes[1]);
+    neph_device_memory_watch();
+    assert_true(neph_device_memory_most() == before);
+    neph_vulkan_destroy(vulkan);
+}
+
 static void test_too_large_a_buffer_is_refused(void **state)
 {
     (void)state;
@@ -272,6 +297,7 @@ int main(void)
         cmocka_unit_test(test_device_is_found_by_part_of_its_name),
         cmocka_unit_test(test_validation_hears_a_mistake),
         cmocka_unit_test(test_validation_hears_a_leak),
+        cmocka_unit_test(test_memory_is_counted_as_long_as_it_is_had),
         cmocka_unit_test(test_too_large_a_buffer_is_refused),
         cmocka_unit_test(test_a_broken_cache_is_renewed),
         cmocka_unit_test(test_no_room_for_the_cache_is_no_error),
