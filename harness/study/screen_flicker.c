@@ -8,7 +8,9 @@
 void neph_screen_frames(const struct neph_scene *scene, int asked,
                         struct neph_screen_truths *truths)
 {
-    const bool moves = neph_scene_moves(scene) || scene->camera_key_count > 1;
+    /* A solid that is turned once, and stays so, has a motion, too. */
+    const bool moves = scene->frame_count > 1 &&
+                       (neph_scene_moves(scene) || scene->camera_key_count > 1);
     truths->count = moves && asked > scene->frame_count ? scene->frame_count : asked;
     truths->frame_count = moves ? truths->count : 1;
 }

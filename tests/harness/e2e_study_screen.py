@@ -72,6 +72,14 @@ class StudyScreen(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("| surface_ground | screen+gi=off | 32 |", (self.folder / "a.md").read_text())
 
+    def test_a_scene_of_one_frame_has_one_truth_for_all(self):
+        done = self.run_neph("surface_room", "--size", "8x5", "--samples", "2", "--models",
+                             "screen+gi=off", "--frames", "16", "--quiet", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        over = json.loads(done.stdout)["scenes"]["surface_room"]["over_frames"]
+        self.assertEqual(over["frames"], 16)
+        self.assertGreater(over["models"]["screen+gi=off"]["error"], 0.0)
+
     @night.of_the_night
     def test_cycles_is_a_witness(self):
         """Another program says the same, of the truth and so of a screen: within 4.5 standard
