@@ -496,6 +496,8 @@ char *neph_sweep_chart_caption(const struct neph_sweep *sweep, const struct neph
     if (chart->x == NEPH_SWEEP_AXIS_TIME)
         fprintf(out, "Medians, 10 and 90 %% of %d rounds that take turns. ",
                 sweep->plan->round_count);
+    if (chart->y != NEPH_SWEEP_ERROR && sweep->plan->seed_count > 1)
+        fprintf(out, "Means over %d seeds. ", sweep->plan->seed_count);
     int hidden = 0;
     for (int i = 0; i < sweep->point_count; i++)
         hidden += !sweep->points[i].missing[0] &&

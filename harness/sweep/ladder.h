@@ -31,6 +31,7 @@ extern const char *const neph_ladder_narrow[];
 enum neph_ladder_motion {
     NEPH_LADDER_CAMERA, /* or a solid, or the size of the picture */
     NEPH_LADDER_WIND,
+    NEPH_LADDER_ANY, /* of both */
 };
 bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion what);
 

@@ -196,15 +196,15 @@ json_t *neph_sweep_json(const struct neph_sweep *sweep)
     for (int i = 0; i < sweep->point_count; i++)
         neph_json_add(&points, point_json(sweep, &sweep->points[i]));
     return json_pack(
-        "{s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:s, s:o, s:s, s:s, s:i, s:s, s:o, s:i, "
+        "{s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:i, s:s, s:o, s:s, s:s, s:i, s:s, s:o, s:i, "
         "s:i, s:o, s:o}",
         "format", "neph-sweep-1", "title", plan->title, "scene", sweep->scene->name, "scene_hash",
         sweep->scene->hash, "width_px", plan->width_px, "height_px", plan->height_px, "frames",
-        sweep->frame_count, "warm_up", plan->warm_up, "truth", sweep->truth, "truth_noise",
-        neph_json_number(sweep->floor), "error_mask", sweep->clear_of, "flicker_mask", sweep->mask,
-        "frame", sweep->frame, "device", neph_sweep_device(sweep), "load",
-        neph_json_number(sweep->load), "measured", neph_sweep_measured_count(sweep), "expected",
-        sweep->point_count, "points", points, "equal", neph_sweep_equals_json(sweep));
+        sweep->frame_count, "warm_up", plan->warm_up, "seeds", plan->seed_count, "truth",
+        sweep->truth, "truth_noise", neph_json_number(sweep->floor), "error_mask", sweep->clear_of,
+        "flicker_mask", sweep->mask, "frame", sweep->frame, "device", neph_sweep_device(sweep),
+        "load", neph_json_number(sweep->load), "measured", neph_sweep_measured_count(sweep),
+        "expected", sweep->point_count, "points", points, "equal", neph_sweep_equals_json(sweep));
 }
 
 /* --- CSV ------------------------------------------------------------------------------------ */

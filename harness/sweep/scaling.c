@@ -338,8 +338,10 @@ static enum neph_status make_plan(struct work *work, struct neph_diag *diag)
 {
     const struct neph_scaling_params *params = work->params;
     struct neph_sweep_plan *plan = &work->plan;
-    *plan = (struct neph_sweep_plan){
-        .title = strdup("scaling"), .light = strdup("octaves"), .round_count = ROUNDS};
+    *plan = (struct neph_sweep_plan){.title = strdup("scaling"),
+                                     .light = strdup("octaves"),
+                                     .round_count = ROUNDS,
+                                     .seed_count = 1};
     enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_ladder_add(plan, "march", "march", NULL, NULL, NULL, -1, false, diag);

@@ -56,6 +56,7 @@ class Sweep(unittest.TestCase):
         document = json.loads(done.stdout)
         self.assertEqual(document["format"], "neph-sweep-1")
         self.assertEqual((document["measured"], document["expected"]), (4, 5))
+        self.assertEqual(document["seeds"], 2)
         coarse, fine, ours, ours_fine, fitted = document["points"]
         self.assertIn("single scattering", fitted["missing"])
         # More steps cost more work, and the march gets nearer to the truth.

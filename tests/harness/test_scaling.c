@@ -138,7 +138,7 @@ static void test_parts_for_motion(void **state)
         const char *scene, *without;
     } cases[] = {
         {"gaussian_blob", "wind=off cut_reset=off reject_depth=0 taa_motion=centre"},
-        {"wind_cloud", "cut_reset=off reject_depth=0 taa_motion=centre"},
+        {"wind_cloud", "cut_reset=off reject_depth=0"},
         {"camera_pan", "wind=off"},
         {"box_crosses", "wind=off"},
     };
