@@ -6,7 +6,7 @@ struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices)
     return (struct neph_march_sky){
         .is_on = choices.is_on,
         .has_shadows = choices.has_shadows,
-        .tables = {.steps = 24,
+        .tables = {.steps = 48,
                    .sun_altitudes = 64,
                    .sun_cosines = 256,
                    .field = {.altitudes = 24,
@@ -17,7 +17,7 @@ struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices)
                              .below = 4,
                              .around = 6,
                              .steps = 16},
-                   .view = {.is_table = true, .elevations = 32, .azimuths = 32},
+                   .view = {.is_table = true, .elevations = 48, .azimuths = 48},
                    .aerial = {choices.columns, choices.rows, choices.slices, choices.far_m},
                    .refill = (enum neph_sky_refill)choices.refill},
     };
