@@ -98,8 +98,8 @@ static void show_end(struct work *work)
 
 /* ---- letters --------------------------------------------------------------------------------- */
 
-/* Tell of a trial that is over, `before` and `frame_count` being as they were before it. Pictures of
- * a reference are told of once. */
+/* Tell of a trial that is over, `before` and `frame_count` being as they were before it. Pictures
+ * of a reference are told of once. */
 static enum neph_status tell(const struct neph_failure_bench *bench, const struct neph_share *share,
                              const struct neph_failure_point *point,
                              const struct neph_failure_piece *piece,
