@@ -31,13 +31,24 @@ Stretch stretch_of(SkyRay ray, float t0_m, float t1_m)
                    clamp((rise_m + t_m) / here_m, -1.0, 1.0), clamp(sun_cosine, -1.0, 1.0));
 }
 
-// What shadows take of the light of a stretch whose sun is seen to a part: of light scattered once.
-vec3 shade_of(SkyRay ray, Stretch stretch, vec3 sunlit, vec3 through)
+// Light of a stretch that is scattered once, its sun being seen.
+vec3 light_once(SkyRay ray, Stretch stretch, vec3 through)
 {
     SkyLight once = SkyLight(vec3(0.0), vec3(0.0), through, FAR_M);
     sky_step(ray, stretch.altitude_m, stretch.cosine, stretch.sun_cosine, stretch.length_m,
              eye.scatters != 0u, false, once);
-    return (1.0 - sunlit) * once.volume;
+    return once.volume;
+}
+
+// What shadows take of all light up to a slice. Tables know the higher orders of clear air alone.
+// Under clouds one half of the directions that these come from is of air in the same shade, and
+// loses the same part as light scattered once; the other is of clouds and what is above them, which
+// is taken to stay as it is, for clouds are white.
+vec3 shade_of_all(vec3 light, vec3 once, vec3 shade_of_once)
+{
+    const float IN_SHADE = 0.5; // of the directions
+    vec3 part = clamp(shade_of_once / max(once, vec3(1e-30)), 0.0, 1.0);
+    return min(shade_of_once + IN_SHADE * part * max(light - once, vec3(0.0)), light);
 }
 
 void main()
@@ -48,7 +59,7 @@ void main()
     uint column = index % eye.aerial_columns, row = index / eye.aerial_columns;
     SkyRay ray = sky_ray_along(eye.places[0], sky_aerial_direction(column, row));
     SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), FAR_M);
-    vec3 shade = vec3(0.0);
+    vec3 once = vec3(0.0), shade_of_once = vec3(0.0);
     for (uint slice = 1u; slice <= eye.aerial_slices; slice++) {
         float near_m = sky_slice_m(slice - 1u), far_m = sky_slice_m(slice);
         uint node = sky_aerial_node(column, row, slice);
@@ -59,12 +70,17 @@ void main()
                                              float(k + 1u) / float(STEPS_OF_SLICE)));
             if (stretch.altitude_m >= air.top_m)
                 continue;
+            vec3 of_stretch = vec3(0.0);
             if (eye.is_shaded != 0u)
-                shade += shade_of(ray, stretch, sunlit, light.transmittance);
+                of_stretch = light_once(ray, stretch, light.transmittance);
+            once += of_stretch;
+            shade_of_once += (1.0 - sunlit) * of_stretch;
             sky_step(ray, stretch.altitude_m, stretch.cosine, stretch.sun_cosine, stretch.length_m,
                      eye.scatters != 0u, eye.has_field != 0u, light);
         }
-        sky_nodes[node + VEIL_LIGHT] = vec4(max(light.volume - shade, vec3(0.0)), 0.0);
+        vec3 all = max(light.volume, vec3(0.0));
+        vec3 shade = shade_of_all(all, once, shade_of_once);
+        sky_nodes[node + VEIL_LIGHT] = vec4(all - shade, 0.0);
         sky_nodes[node + VEIL_THROUGH] = vec4(light.transmittance, 0.0);
         sky_nodes[node + VEIL_SHADE] = vec4(shade, 0.0);
     }
