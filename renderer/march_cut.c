@@ -55,6 +55,12 @@ static void fit_similar(struct neph_gpu_medium *medium)
     medium->octave_eccentricity = (float)octaves.eccentricity;
 }
 
+/* Of a row of so many lengths, each so many times the one before. */
+static double first_part(double growth, uint32_t count)
+{
+    return growth > 1.0 ? (growth - 1.0) / (pow(growth, count) - 1.0) : 1.0 / fmax(1.0, count);
+}
+
 void neph_march_set_frame(const struct neph_scene *scene, const struct neph_march_params *params,
                           struct neph_gpu_frame *frame)
 {
@@ -64,6 +70,7 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
     frame->steps = (uint32_t)params->steps;
     frame->sun_steps = (uint32_t)neph_march_sun_steps(scene, params);
     frame->early_out = (float)params->shortcuts.early_out;
+    frame->sun_first_part = (float)first_part(params->shortcuts.sun_growth, frame->sun_steps);
     frame->sun_growth = (float)fmax(1.0, params->shortcuts.sun_growth);
     frame->sun_cone = (float)params->shortcuts.sun_cone;
     frame->light_texel_px = (uint32_t)params->light.texel_px;
@@ -133,9 +140,10 @@ static uint32_t shortcut_bits(const struct neph_march_params *params)
     const struct neph_shortcuts *shortcuts = &params->shortcuts;
     return (shortcuts->sun_cache ? 1u : 0u) | (shortcuts->skip ? 2u : 0u) |
            (shortcuts->sun_growth > 1.0 || shortcuts->sun_cone > 0.0 ? 256u : 0u) |
-           (shortcuts->early_out > 0.0 ? 4u : 0u) | (shortcuts->step_growth > 1.0 ? 8u : 0u) |
-           (shortcuts->grid_texture ? 16u : 0u) | (shortcuts->cloud_shadow ? 32u : 0u) |
-           (params->sky.is_on ? 64u : 0u) | (neph_march_sky_lights(params) ? 128u : 0u);
+           (shortcuts->sun_cone > 0.0 ? 512u : 0u) | (shortcuts->early_out > 0.0 ? 4u : 0u) |
+           (shortcuts->step_growth > 1.0 ? 8u : 0u) | (shortcuts->grid_texture ? 16u : 0u) |
+           (shortcuts->cloud_shadow ? 32u : 0u) | (params->sky.is_on ? 64u : 0u) |
+           (neph_march_sky_lights(params) ? 128u : 0u);
 }
 
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,

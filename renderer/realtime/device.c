@@ -198,6 +198,21 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
     return status;
 }
 
+enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
+                                        const struct neph_rt_pass *pass, struct neph_diag *diag)
+{
+    struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
+    struct neph_dispatch dispatch = {.group_count = 0};
+    const struct neph_kernel *kernel;
+    enum neph_status status = NEPH_OK;
+    neph_rt_device_bind(device, pass, 0, &params, &dispatch);
+    for (uint32_t rests = 0; rests < 2 && !status; rests++) {
+        params.constants[RT_RESTS_CONSTANT] = rests;
+        status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
+    }
+    return status;
+}
+
 enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                                     struct neph_rt_submission *submission, struct neph_diag *diag)
 {

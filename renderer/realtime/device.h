@@ -62,6 +62,11 @@ void neph_rt_device_show(struct neph_rt_device *device);
 void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch);
 
+/* Compile a pass without rays for pictures at rest and for others, so that none waits for that when
+ * the camera starts or stops. */
+enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
+                                        const struct neph_rt_pass *pass, struct neph_diag *diag);
+
 /* Add a pass without rays to what is on its way. */
 enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                                     struct neph_rt_submission *submission, struct neph_diag *diag);

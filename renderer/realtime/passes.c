@@ -154,6 +154,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_march", march_spirv, sizeof(march_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_QUARTER,
+        .block = {RT_MARCH_BLOCK, RT_MARCH_BLOCK},
         .rays = NEPH_RT_RAYS_THROUGH_MEDIA,
         .reads = BIT(RT_TILE) | BIT(RT_HALF_DEPTH),
         .writes = BIT(RT_RAY) | BIT(RT_RAY_DISTANCE),
@@ -441,7 +442,7 @@ uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct nep
     const bool in_blocks = takes_turns(view, pass) || !pass->in_colours;
     if (pass->in_quads)
         return (width / 2 + 1) * (height / 2 + 1);
-    if (on_gpu && in_blocks && pass->block[0] > 0)
+    if ((on_gpu || pass->rays) && in_blocks && pass->block[0] > 0)
         return GROUP_THREADS * quotient_up(width, (uint64_t)pass->block[0]) *
                quotient_up(height, (uint64_t)pass->block[1]);
     return width * quotient_up(height, column);

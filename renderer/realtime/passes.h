@@ -54,8 +54,8 @@ struct neph_rt_pass {
     int resolution;                                /* RT_FULL, ..: of the texels that it makes */
     int column;    /* texels, one below the other, that a thread makes; 0: one */
     bool in_quads; /* a thread makes 2x2, the first of which may be one before the view */
-    /* Texels that a group makes together on a GPU, where there is in_colours if that holds; {0}:
-     * they are by themselves. */
+    /* Texels that a group makes together on a GPU, with rays elsewhere, too, where there is
+     * in_colours if that holds; {0}: they are by themselves. */
     int block[2];
     enum neph_rt_rays rays;
     /* Where this holds colours of 2x2 texels take turns, each of which sees what those before it

@@ -254,6 +254,7 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
+    const bool on_gpu = !realtime->vulkan->description.is_cpu;
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i].name && !status; i++) {
@@ -264,8 +265,8 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         if (pass->rays != NEPH_RT_RAYS_THROUGH_MEDIA)
             march.steps = 1;
         status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene.gpu, &march,
-                                     neph_rt_texel_count(view, pass->resolution),
-                                     &realtime->cuts[i], diag);
+                                     neph_rt_thread_count(view, pass, on_gpu), &realtime->cuts[i],
+                                     diag);
         if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays_max > most_rays)
             most_rays = realtime->cuts[i].rays_max;
     }
@@ -298,6 +299,18 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
         view->settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
 }
 
+/* On a GPU, where that takes no seconds. */
+static enum neph_status prepare_passes(struct neph_realtime *realtime, struct neph_diag *diag)
+{
+    const struct neph_gpu_view *view = realtime->device.view;
+    enum neph_status status = NEPH_OK;
+    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++)
+        if (!pass->rays && neph_rt_holds(view, pass->condition) &&
+            !neph_rt_is_done_by_other(view, pass) && realtime->device.on_gpu)
+            status = neph_rt_device_prepare(&realtime->device, pass, diag);
+    return status;
+}
+
 /* Everything that depends on the size. */
 static enum neph_status create_sized(struct neph_realtime *realtime, const struct neph_scene *scene,
                                      struct neph_diag *diag)
@@ -318,6 +331,8 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
                                        realtime->noise_ranks, &realtime->device, diag);
     realtime->device.specialises = true;
+    if (!status)
+        status = prepare_passes(realtime, diag);
     if (!status && (buffer_px[0] > size_px[0] || buffer_px[1] > size_px[1]))
         status = neph_rt_inject_around(&realtime->device, around->value, &realtime->injected_values,
                                        diag);

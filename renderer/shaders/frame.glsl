@@ -74,6 +74,7 @@ layout(std140, binding = 0) uniform Frame {
     vec2 jitter_px; // of this frame's view rays, for renderers of sequences
     float early_out; // transmittance at which a view ray ends
     float step_growth; // each view step is so many times as long as the one before
+    float sun_first_part; // of a sun ray that its first step is long
     float sun_growth; // each step of a sun ray is so many times as long as the one before
     float sun_cone; // tangent of the half angle of the cone that these steps lie in
     uint light_texel_px; // pixels along a side of a texel of traced light (traced_light.glsl)

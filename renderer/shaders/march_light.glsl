@@ -167,42 +167,65 @@ void frame_across(vec3 direction, out vec3 right, out vec3 up)
     up = cross(right, direction);
 }
 
-// Towards the sun by steps that grow, at points within a cone around the ray (A. Schneider, "The
-// Real-time Volumetric Cloudscapes of Horizon: Zero Dawn", SIGGRAPH 2015, has six of them): what is
-// near counts in detail, and what is far as a mean over the cone's width, which one straight ray of
-// few steps would take from single voxels. On a sunflower's places, for they are even over a disc
-// whatever their number is.
-vec3 cone_optical_depth(uint kinds, vec3 point_m)
+// The place of a step towards the sun, a way off: on the ray, or within a cone around it, where a
+// sunflower has its seeds, even over a disc whatever their number is.
+vec3 sun_tap_m(vec3 point_m, float t_m, uint i)
+{
+    vec3 tap_m = point_m + t_m * to_sun();
+    if (!CONES_SUN_RAYS)
+        return tap_m;
+    vec3 right, up;
+    frame_across(to_sun(), right, up);
+    float angle = 2.39996323 * float(i);
+    float width_m = t_m * frame.sun_cone * sqrt((float(i) + 0.5) / float(own(frame.sun_steps)));
+    return tap_m + width_m * (cos(angle) * right + sin(angle) * up);
+}
+
+vec3 sun_tap_extinction_per_m(uint kinds, vec3 point_m, TextureRay ray, float t_m, uint i)
+{
+    if (SKIPS && (kinds & FOG_KINDS) == 0u && shapes_are_empty(sun_tap_m(point_m, t_m, i)))
+        return vec3(0.0);
+    density_evaluations += i < own(frame.sun_steps) ? 1u : 0u;
+    if (has_only_texture() && !CONES_SUN_RAYS)
+        return grey(frame.media[0].extinction_color) * ray.full_per_m *
+               texture_ray_density(ray, t_m);
+    return sampled_extinctions_per_m(kinds, sun_tap_m(point_m, t_m, i));
+}
+
+// Towards the sun by few steps that grow: what is near decides most, and what is far little (A.
+// Schneider, "The Real-time Volumetric Cloudscapes of Horizon: Zero Dawn", SIGGRAPH 2015, has six,
+// in a cone).
+vec3 grown_sun_depth(uint kinds, vec3 point_m)
 {
     Stretch stretch = scene_stretch(kinds, point_m, to_sun(), FAR_M);
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
+    TextureRay ray;
+    if (has_only_texture())
+        ray = texture_ray(point_m, to_sun());
     uint count = own(frame.sun_steps);
-    Steps steps = equal_steps(stretch, count);
-    vec3 right, up;
-    frame_across(to_sun(), right, up);
-    float length_m = steps.step_m, start_m = stretch.t0_m;
-    if (own(frame.sun_growth > 1.0))
-        length_m *= float(count) * (frame.sun_growth - 1.0) /
-                    (pow(frame.sun_growth, float(count)) - 1.0);
+    float next_m = stretch.t0_m, length_m = frame.sun_first_part * (stretch.t1_m - stretch.t0_m);
     Sum sum = sum_zero();
-    for (uint i = 0; i < count; i++) {
-        float t_m = start_m + 0.5 * length_m, angle = 2.39996323 * float(i);
-        float width_m = t_m * frame.sun_cone * sqrt((float(i) + 0.5) / float(count));
-        vec3 tap_m = point_m + t_m * to_sun() + width_m * (cos(angle) * right + sin(angle) * up);
-        if (!SKIPS || (kinds & FOG_KINDS) != 0u || !shapes_are_empty(tap_m)) {
-            sum_add(sum, vec4(sampled_extinctions_per_m(kinds, tap_m) * length_m, 0.0));
-            density_evaluations++;
+    for (uint i = 0; i < count; i += taps()) {
+        float lengths_m[TAPS_MAX];
+        vec3 extinction_per_m[TAPS_MAX];
+        [[unroll]] for (uint k = 0; k < taps(); k++) {
+            lengths_m[k] = length_m;
+            extinction_per_m[k] = sun_tap_extinction_per_m(kinds, point_m, ray,
+                                                           next_m + 0.5 * length_m, i + k);
+            next_m += length_m;
+            length_m *= frame.sun_growth;
         }
-        start_m += length_m;
-        length_m *= frame.sun_growth;
+        [[unroll]] for (uint k = 0; k < taps(); k++)
+            if (i + k < count)
+                sum_add(sum, vec4(extinction_per_m[k] * lengths_m[k], 0.0));
     }
     return grey(sum.value.xyz);
 }
 
 vec3 marched_sun_depth(uint kinds, vec3 point_m)
 {
-    return SHAPES_SUN_RAYS ? cone_optical_depth(kinds, point_m)
+    return GROWS_SUN_RAYS ? grown_sun_depth(kinds, point_m)
                            : marched_optical_depth(kinds, point_m, to_sun(), FAR_M,
                                                    own(frame.sun_steps));
 }

@@ -216,6 +216,9 @@
 #define RT_TAA_BLOCK_WIDTH 32
 #define RT_TAA_BLOCK_HEIGHT 8
 
+// Tiles along the side of the block that a work group of 64 marches.
+#define RT_MARCH_BLOCK 8
+
 // Texels of the block that a work group of 64 takes through the reconstruction on a GPU.
 #define RT_TEXEL_BLOCK_WIDTH 16
 #define RT_TEXEL_BLOCK_HEIGHT 4

@@ -109,10 +109,11 @@ bool rests()
 
 bool is_at_rest; // for all of a column; on lavapipe where that is known before (ALL_REST) alone
 
-// Of which is_held follows: nothing moves and, by the gradient, nothing changes.
+// Nothing moves and, by the gradient, nothing changes: what is_held goes by.
 bool is_steady()
 {
-    return ON_GPU && is_at_rest && asks_for_change() && beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
+    return ON_GPU && is_at_rest && asks_for_change() &&
+           beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
 }
 
 // How far what is `depth_m` deep has come in the picture since the frame before, when it stood

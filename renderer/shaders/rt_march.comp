@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The march: one ray a tile, through the half-resolution texel that the tile index chose, as far as
-// its depth; the code is that of march.comp. A dithered start (blue noise on the tiles) turns the
+// its depth; the code is that of march.comp. A work group has a square of tiles, whose rays meet the
+// same voxels and part late; what of a square is beyond the view is idle. A dithered start (blue noise on the tiles) turns the
 // bands that few steps leave into noise for the filters behind.
 //
 // The distance that goes with a ray is the mean of what it sees of the medium. A ray that sees none
@@ -36,6 +37,21 @@ float number_of(ivec2 tile, ivec2 half_pixel)
                : dither(choice(RT_RAY_DITHER), half_pixel, turn_of(tile) >> 1, 0u);
 }
 
+// The tile of a ray, square by square and row by row within one.
+ivec2 tile_of(int ray)
+{
+    const int side = RT_MARCH_BLOCK;
+    ivec2 square = element_at(ray / (side * side), (tile_count().x - 1) / side + 1);
+    return side * square + ivec2(ray % side, ray / side % side);
+}
+
+// How many rays a square has, by its first tile.
+uint rays_of_square(ivec2 tile)
+{
+    ivec2 rest = min(tile_count() - tile, ivec2(RT_MARCH_BLOCK));
+    return uint(rest.x * rest.y);
+}
+
 Ray ray_of(ivec2 tile)
 {
     ivec2 half_pixel = 2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x));
@@ -65,9 +81,9 @@ vec3 optical_depth_behind(Ray ray, Sums sums)
 void main()
 {
     uint thread = gl_GlobalInvocationID.x;
-    if (thread >= run.ray_count)
+    ivec2 tile = tile_of(int(run.first_ray + thread));
+    if (thread >= run.ray_count || any(greaterThanEqual(tile, tile_count())))
         return;
-    ivec2 tile = element_at(int(run.first_ray + thread), tile_count().x);
     Ray ray = ray_of(tile);
     if (choice(RT_FROXEL_VOLUME) != 0)
         march_from_m = setting(RT_FROXEL_END_M) / dot(ray.view.direction, camera.forward);
@@ -85,6 +101,6 @@ void main()
     float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);
     put_tile(RT_RAY_DISTANCE, tile, vec4(min(view_distance_m(sums), end_m)));
     if (!UNCOUNTED && gl_LocalInvocationIndex == 0u)
-        atomicAdd(counters.rays, min(gl_WorkGroupSize.x, run.ray_count - thread));
+        atomicAdd(counters.rays, rays_of_square(tile));
     count_cost();
 }

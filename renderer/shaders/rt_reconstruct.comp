@@ -372,8 +372,8 @@ float box_share(float motion_px, ivec2 tile, int nearest)
     return share;
 }
 
-// Where a GPU knows before that no share of it applies there is no box. Elsewhere it is made anyhow,
-// and the change asked for where the box has moved something alone.
+// Where a GPU knows before that no share of it applies there is no box. Elsewhere it is made
+// anyhow, and the change asked for where the box has moved something alone.
 bool may_be_boxed(float motion_px, ivec2 tile, int nearest)
 {
     return !ON_GPU || choice(RT_GRADIENT) == 0 || box_share(motion_px, tile, nearest) > 0.0;

@@ -59,7 +59,7 @@ float half_depth_m(ivec2 half_pixel, ivec2 origin_px)
     return fetch(RT_HALF_DEPTH, min(origin_px / 2 + half_pixel, last)).x;
 }
 
-// Of a half-resolution texel in the area.
+// The place of a half-resolution texel in the area.
 int area_index(ivec2 at) { return at.x + 2 * AREA * at.y; }
 
 // Eye depth of one slot of a tile [m].
@@ -104,11 +104,11 @@ bool covers(float ray_m, float depth_m)
     return is_finite(ray_m) && is_finite(depth_m) && difference_m < allowed_m;
 }
 
-// Of the block and the tiles next to it, as whole numbers, which depths are ordered like.
+// Depths of the block and the tiles next to it, as whole numbers, which are ordered like them.
 shared uint least_depth, largest_depth;
 
-// Whether all of these depths stand for each other, so that no tile of the block overrides, whatever
-// those around choose; their own halo does not matter then. They are fetched.
+// Whether all of these stand for each other, so that no tile of the block overrides, whatever those
+// around choose; their own halo does not matter then. They are fetched.
 bool is_smooth()
 {
     const int side = 2 * (RT_COLOUR_BLOCK + 2), count = side * side;

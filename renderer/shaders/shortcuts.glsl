@@ -14,7 +14,8 @@ const bool CACHES_SUN = (SHORTCUTS & 1u) != 0u && SHAPE_KINDS != 0u;
 const bool SKIPS = (SHORTCUTS & 2u) != 0u && SHAPE_KINDS != 0u;
 const bool ENDS_EARLY = (SHORTCUTS & 4u) != 0u;
 const bool GROWS = (SHORTCUTS & 8u) != 0u;
-const bool SHAPES_SUN_RAYS = (SHORTCUTS & 256u) != 0u; // steps that grow, in a cone
+const bool GROWS_SUN_RAYS = (SHORTCUTS & 256u) != 0u; // or has them in a cone
+const bool CONES_SUN_RAYS = (SHORTCUTS & 512u) != 0u;
 const bool MAPS_SHADOW = (SHORTCUTS & 32u) != 0u && SHAPE_KINDS != 0u;
 
 // --- steps of a stretch -----------------------------------------------------------------------

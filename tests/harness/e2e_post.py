@@ -15,6 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
 
 NEPH = os.environ["NEPH"]
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 WIDTH, HEIGHT = 8, 4
 
 
@@ -280,6 +281,17 @@ volumes:
         scene.write_text(self.WALK + "display: {chain: none.yaml}\n")
         done = neph("render", scene, "-o", self.root / "out", code=66)
         self.assertIn(str(self.root / "none.yaml"), done.stderr)
+
+    def test_the_scene_of_the_manual(self):
+        scene = ROOT / "scenes" / "studies" / "display" / "walk_out.yaml"
+        done = neph("render", scene, "-s", "steps=2", "--size", "25x15", "--frame", "60", "--json",
+                    "-o", self.root / "out")
+        [result] = json.loads(done.stdout)
+        self.assertEqual(result["size_px"], [17, 11])
+        self.assertEqual(frames.read_exr(pathlib.Path(result["shown"]))[:2], (25, 15))
+        stages = [name for name in result["stats"] if name.startswith("shown_")]
+        self.assertEqual(stages[0], "shown_light_meter_gpu_ms")
+        self.assertEqual(stages[-2:], ["shown_upscale_gpu_ms", "shown_sharpening_gpu_ms"])
 
     def test_engines_with_passes_say_what_comes_behind_them(self):
         [listed] = json.loads(neph("engines", "realtime", "--json").stdout)

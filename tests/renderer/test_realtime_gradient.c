@@ -109,7 +109,7 @@ static void test_the_passes_equal_their_twins(void **state)
     }
 }
 
-/* Of targets, from the device into the twin's memory. */
+/* What the device made of four targets, for the twin. */
 static void take(struct test_passes *test, const int targets[4])
 {
     for (int t = 0; t < 4; t++) {

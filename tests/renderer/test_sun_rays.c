@@ -109,9 +109,14 @@ static void add_ground(struct test_scene *test)
  * and at six steps of a metre. */
 static void test_through_voxels(void **state)
 {
-    static const struct {
-        double growth, cone;
-    } rays[] = {{1.0, 0.25}, {1.6, 0.0}, {1.6, 0.25}};
+    static const struct neph_shortcuts rays[] = {
+        {.sun_growth = 1.0, .sun_cone = 0.25},
+        {.sun_growth = 1.6},
+        {.sun_growth = 1.6, .sun_cone = 0.25},
+        {.sun_growth = 1.6, .sun_cone = 0.25, .skip = true},
+        {.sun_growth = 1.6, .grid_texture = true, .grid_format = NEPH_TEXEL_R32F},
+        {.sun_growth = 1.6, .grid_texture = true, .grid_format = NEPH_TEXEL_R32F, .skip = true},
+    };
     uint64_t random = 7;
     struct test_scene test;
     test_scene_init(&test);
@@ -120,17 +125,16 @@ static void test_through_voxels(void **state)
                                             (struct neph_vec3){-3.0, 1.0, -15.0},
                                             (struct neph_vec3){0.6, 0.5, 0.7}, 0.0, &random);
     test_add(&test, make_voxels(0.9, grid));
-    for (int skips = 0; skips < 2; skips++)
-        for (int i = 0; i < 3; i++) {
-            struct neph_march_params params = marched;
-            int shaded;
-            params.shortcuts = (struct neph_shortcuts){
-                .sun_growth = rays[i].growth, .sun_cone = rays[i].cone, .skip = skips == 1};
-            const double worst = worst_difference(*state, &test, &params, &shaded);
-            print_message("growth %g, cone %g, skip %d: off by %.1e in %d pixels\n", rays[i].growth,
-                          rays[i].cone, skips, worst, shaded);
-            assert_true(shaded > 20 && worst < 2e-5);
-        }
+    for (size_t i = 0; i < sizeof(rays) / sizeof(rays[0]); i++) {
+        struct neph_march_params params = marched;
+        int shaded;
+        params.shortcuts = rays[i];
+        const double worst = worst_difference(*state, &test, &params, &shaded);
+        print_message("growth %g, cone %g, skip %d, texture %d: off by %.1e in %d pixels\n",
+                      rays[i].sun_growth, rays[i].sun_cone, rays[i].skip, rays[i].grid_texture,
+                      worst, shaded);
+        assert_true(shaded > 20 && worst < 2e-5);
+    }
     neph_grid_destroy(grid);
 }
 
