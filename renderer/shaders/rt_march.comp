@@ -1,10 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The march: one ray a tile, through the half-resolution texel that the tile index chose, as far as
-// its depth; the code is that of march.comp. A work group has a square of tiles, whose rays meet the
-// same voxels and part late; what of a square is beyond the view is idle. A dithered start (blue noise on the tiles) turns the
-// bands that few steps leave into noise for the filters behind.
+// The march: one ray a tile, through the half-resolution texel that the tile index chose, as far
+// as its depth; the code is that of march.comp. A work group has a square of tiles, whose rays
+// meet the same voxels and part late; what of a square is beyond the view is idle. A dithered start
+// (blue noise on the tiles) turns the bands that few steps leave into noise for the filters behind.
 //
 // The distance that goes with a ray is the mean of what it sees of the medium. A ray that sees none
 // takes its end, or the sky's depth where that is the sky: a number to reproject with, and at most
