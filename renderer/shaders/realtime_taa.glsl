@@ -109,10 +109,11 @@ bool rests()
 
 bool is_at_rest; // for all of a column; on lavapipe where that is known before (ALL_REST) alone
 
-// Nothing moves and, by the gradient, nothing changes: what is_held goes by.
+// Nothing moves and, by the gradient, nothing changes: what is_held goes by. With taa_rest_px=0
+// nothing is at rest.
 bool is_steady()
 {
-    return ON_GPU && is_at_rest && asks_for_change() &&
+    return ON_GPU && is_at_rest && asks_for_change() && setting(RT_TAA_REST_PX) > 0.0 &&
            beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
 }
 
