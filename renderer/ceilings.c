@@ -37,14 +37,15 @@ enum { grid_side = 128 };
 
 /* --- the fastest of many runs ------------------------------------------------------------- */
 
-static enum neph_status find_least(const struct neph_vulkan *vulkan,
-                                   const struct neph_kernel *kernel,
+static enum neph_status find_least(struct neph_vulkan *vulkan,
+                                   const struct neph_kernel_params *params,
                                    const struct neph_dispatch *dispatch, double seconds,
                                    double *least_s, struct neph_diag *diag)
 {
+    const struct neph_kernel *kernel;
+    enum neph_status status = neph_kernel_get(vulkan, params, &kernel, diag);
     const double start_s = neph_wall_s();
-    enum neph_status status = NEPH_OK;
-    *least_s = INFINITY;
+    *least_s = status ? NAN : INFINITY;
     while (!status && neph_wall_s() - start_s < 2.0 * seconds) {
         double gpu_s;
         status = neph_kernel_run(vulkan, kernel, dispatch, &gpu_s, diag);
@@ -72,9 +73,7 @@ static enum neph_status run_copies(struct neph_vulkan *vulkan,
         .buffers = {&buffers[0], &buffers[1]},
         .group_count = (uint32_t)(buffers[0].size_bytes / (word_bytes * local_size)),
     };
-    const struct neph_kernel *kernel;
-    const enum neph_status status = neph_kernel_get(vulkan, &params, &kernel, diag);
-    return status ? status : find_least(vulkan, kernel, &dispatch, seconds, least_s, diag);
+    return find_least(vulkan, &params, &dispatch, seconds, least_s, diag);
 }
 
 /* As much as one dispatch of groups along x may copy, too. */
@@ -128,11 +127,8 @@ static enum neph_status run_arithmetic(struct neph_vulkan *vulkan, const struct 
         .push = &run,
         .group_count = sizes->thread_count / local_size,
     };
-    const struct neph_kernel *kernel;
-    double least_s = NAN;
-    enum neph_status status = neph_kernel_get(vulkan, &params, &kernel, diag);
-    if (!status)
-        status = find_least(vulkan, kernel, &dispatch, seconds, &least_s, diag);
+    double least_s;
+    const enum neph_status status = find_least(vulkan, &params, &dispatch, seconds, &least_s, diag);
     *per_s = (double)sizes->thread_count * sizes->turns * arithmetic_rows / least_s;
     return status;
 }
@@ -252,11 +248,8 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
         .push = &run,
         .group_count = sizes->line_count / local_size,
     };
-    const struct neph_kernel *kernel;
-    double least_s = NAN;
-    enum neph_status status = neph_kernel_get(vulkan, &params, &kernel, diag);
-    if (!status)
-        status = find_least(vulkan, kernel, &dispatch, seconds, &least_s, diag);
+    double least_s;
+    const enum neph_status status = find_least(vulkan, &params, &dispatch, seconds, &least_s, diag);
     *samples_per_s = (double)sizes->line_count * sizes->sample_count / least_s;
     return status;
 }
