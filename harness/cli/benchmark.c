@@ -38,10 +38,10 @@ static const struct neph_cli_option options[] = {
     {"engines", 'e', "A,B",
      "Engines; of those with noise the first is the one that the others are measured by",
      NEPH_CLI_WORD, .at = offsetof(struct request, engines), .otherwise = "tracer,cycles"},
-    {"frames", 0, "N", "How many pictures of march* and realtime are timed, in 10 s at most",
+    {"frames", 0, "N", "How many pictures of march*, realtime and screen are timed, in 10 s at most",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "200",
      .minimum = 1, .maximum = NEPH_BENCHMARK_FRAMES_MAX},
-    {"preset", 'p', "NAME", "Engine realtime: a set of settings by name, before any --set",
+    {"preset", 'p', "NAME", "Engines realtime and screen: a set of settings by name, before any --set",
      NEPH_CLI_WORD, .at = offsetof(struct request, preset)},
     {.name = "size", .otherwise = "96x54"},
     {"seconds", 0, "S", "About how long the last of four rungs takes, each half the one above it",
@@ -75,7 +75,8 @@ static const struct neph_cli_syntax syntax = {
         "no time removes. The time to a stated error, bias included, is interpolated between "
         "rungs; "
         "where it lies off the ladder, that is said.\n\n"
-        "Engines march* and realtime: pictures in flight one after the other, nothing read "
+        "Engines march*, realtime and screen: pictures in flight one after the other (screen waits "
+        "for each), nothing read "
         "back, after a second of warm-up: median, 10 % and 90 % of the time of a picture and of "
         "its passes on the device. Beside them the error (rel_rmse against the march of "
         "the same lighting at its defaults), and what part the pass gets of what the device can "
@@ -91,7 +92,8 @@ static const struct neph_cli_syntax syntax = {
         "  neph benchmark voxel_grid -e tracer,oracle --json\n"
         "  neph benchmark height_fog_up --set cycles:step=0.1\n"
         "  neph benchmark cloud_below -e march_octaves,realtime -p ours "
-        "-s realtime:lighting=octaves --size 1920x1080",
+        "-s realtime:lighting=octaves --size 1920x1080\n"
+        "  neph benchmark surface_rough -e screen -p fast --size 1920x1080",
 };
 
 /* --- the scene ---------------------------------------------------------------------------- */
