@@ -71,9 +71,10 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
                                 "metal that a ray meets reflects sun and lamps into the ray, or "
                                 "what it reflects to the camera"),
     [SCREEN_RAY_NOISE] = CHOICE("ray_noise", 1, switches, "each ray has a first step of its own"),
-    [SCREEN_RAY_PIXEL] = CHOICE("ray_pixel", SCREEN_PIXEL_TURNING, pixels,
+    [SCREEN_RAY_PIXEL] = CHOICE("ray_pixel", SCREEN_PIXEL_FIRST, pixels,
                                 "at half resolution, which of 2x2 pixels has the rays: the first, "
-                                "or one after the other where there is a history"),
+                                "or one after the other where there is a history, which is then "
+                                "between pixels in each frame, and blurred by that"),
 
     [SCREEN_GI] = CHOICE("gi", 1, switches,
                          "indirect light of diffuse surfaces by rays, the sky's included; off: the "

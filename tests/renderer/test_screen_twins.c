@@ -226,7 +226,7 @@ static void test_rays(void **state)
         "ssr_roughest=0.5 ao_resolution=half",
         "gi_resolution=half gi_smooth=1",
         "ssr_resolution=half targets=float16",
-        "gi_resolution=half ssr_resolution=half ray_pixel=first ao=off",
+        "gi_resolution=half ssr_resolution=half ray_pixel=turning ao=off",
     };
     check_rays(*state, "", PLAIN, 2);
     if (!neph_test_is_night())
@@ -274,13 +274,13 @@ static void check_half(struct neph_vulkan *vulkan, const char *settings, enum ki
 /* In the fourth frame rays are at the last of the four pixels. */
 static void test_half_resolution(void **state)
 {
-    check_half(*state, "gi_rays=1 ssr_rays=1", PLAIN, 4);
+    check_half(*state, "gi_rays=1 ssr_rays=1 ray_pixel=turning", PLAIN, 4);
     if (!neph_test_is_night())
         return;
     for (int frames = 1; frames <= 3; frames++)
-        check_half(*state, "", PLAIN, frames);
-    check_half(*state, "gi_rays=1 ssr_rays=1 targets=float16", FLAT, 2);
-    check_half(*state, "ray_pixel=first ssr_roughest=0.3", MIRROR, 3);
+        check_half(*state, "ray_pixel=turning", PLAIN, frames);
+    check_half(*state, "gi_rays=1 ssr_rays=1 targets=float16 ray_pixel=turning", FLAT, 2);
+    check_half(*state, "ssr_roughest=0.3", MIRROR, 3);
 }
 
 /* ---- a mirror's rays ------------------------------------------------------------------------- */
