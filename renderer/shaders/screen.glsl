@@ -93,7 +93,8 @@ bool is_inside(ivec2 pixel)
 
 // --- cells ------------------------------------------------------------------------------------
 
-ivec2 cells() { return (size_px() + int(run.cell_px) - 1) / int(run.cell_px); }
+int halvings() { return int(run.cell_px) - 1; } // of a side of 1 or 2
+ivec2 cells() { return (size_px() + halvings()) >> halvings(); }
 bool own_cell(out ivec2 cell) { return own_place(cells(), cell); }
 
 bool is_cell(ivec2 cell)
@@ -105,10 +106,10 @@ ivec2 own_px() { return ivec2(run.own_px[0], run.own_px[1]); }
 ivec2 before_px() { return ivec2(run.before_px[0], run.before_px[1]); }
 
 // The pixel that a cell stands for, now and in the frame before.
-ivec2 pixel_in(ivec2 cell) { return min(cell * int(run.cell_px) + own_px(), size_px() - 1); }
+ivec2 pixel_in(ivec2 cell) { return min((cell << halvings()) + own_px(), size_px() - 1); }
 ivec2 pixel_before_in(ivec2 cell)
 {
-    return min(cell * int(run.cell_px) + before_px(), size_px() - 1);
+    return min((cell << halvings()) + before_px(), size_px() - 1);
 }
 
 // --- targets ----------------------------------------------------------------------------------
