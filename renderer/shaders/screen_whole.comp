@@ -16,15 +16,16 @@ bool has_signal(ivec2 pixel)
     return !is_sky(depth_at_m(pixel)) && (run.turn == OF_GI ? metalness < 1.0 : metalness > 0.0);
 }
 
-// 1 on the plane of a surface, nearly 0 off it: something is left where all four are.
+// 1 on the plane of a surface; of others that face the same way a little, where there is none on it.
 float likeness(vec3 point_m, vec3 normal, ivec2 at)
 {
     const float NORMALS = 8.0, LEAST = 1e-4;
     float facing = clamp(dot(normal_at(at), normal), 0.0, 1.0);
-    return max(LEAST, same_surface(point_m, normal, at) * pow(facing, NORMALS));
+    return max(LEAST, same_surface(point_m, normal, at)) * pow(facing, NORMALS);
 }
 
-// Where no cell around has the signal: nothing stands near, and no rays were cast.
+// Where no cell around has the signal or faces that way: nothing stands near, and no rays were
+// cast.
 vec4 unknown(ivec2 pixel)
 {
     float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;

@@ -25,7 +25,7 @@ static double likeness(const struct twin_screen *twin, int x, int y, struct twin
     const double distance_m = neph_vec3_length(way_m);
     const double slope = distance_m > 0.0 ? fabs(neph_vec3_dot(way_m, normal)) / distance_m : 0.0;
     const double facing = neph_vec3_dot(twin_screen_normal(twin, at.x, at.y), normal);
-    return fmax(1e-4, fmax(0.0, 1.0 - slope / 0.1) * pow(fmax(0.0, fmin(1.0, facing)), 8.0));
+    return fmax(1e-4, 1.0 - slope / 0.1) * pow(fmax(0.0, fmin(1.0, facing)), 8.0);
 }
 
 static struct texel unknown(const struct twin_screen *twin, int resolution, int x, int y)
