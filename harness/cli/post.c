@@ -281,8 +281,8 @@ static void note(struct work *work, const char *frame, const struct neph_image *
     }
     print_time(work, frame, "all stages", &times->all);
     json_t *result = json_pack("{s:s, s:i, s:i, s:o, s:o}", "frame", frame, "width_px",
-                               picture->width_px, "height_px", picture->height_px, "stages",
-                               stages, "all", time_json("all stages", &times->all));
+                               picture->width_px, "height_px", picture->height_px, "stages", stages,
+                               "all", time_json("all stages", &times->all));
     if (isfinite(stats->adapted_ev)) {
         neph_json_set(&result, "metered_ev", neph_json_number(stats->metered_ev));
         neph_json_set(&result, "adapted_ev", neph_json_number(stats->adapted_ev));

@@ -76,7 +76,7 @@ struct neph_post_study_params {
 struct neph_post_study {
     const struct neph_post_study_params *params; /* borrowed */
     char device[128];
-    char *names[NEPH_POST_SCENES_MAX]; /* of the scenes; owned */
+    char *names[NEPH_POST_SCENES_MAX];                 /* of the scenes; owned */
     struct neph_post_row rows[NEPH_POST_ROWS_MAX + 1]; /* that were chosen; ends with a NULL name */
     struct neph_post_numbers numbers[NEPH_POST_SCENES_MAX][NEPH_POST_ROWS_MAX];
 };

@@ -75,12 +75,14 @@ static void print_study(const void *what, FILE *out)
     const struct neph_post_study *study = what;
     const struct neph_post_study_params *params = study->params;
     fprintf(out,
-            "neph %s, realtime %s, %d steps, seed %d, on %s: %d frames after %d at %g Hz, %dx%d, behind the "
+            "neph %s, realtime %s, %d steps, seed %d, on %s: %d frames after %d at %g Hz, %dx%d, "
+            "behind the "
             "same chain as the march averaged over 16 rays a pixel.\nError and change of light "
             "before the curve are rms over the reference's mean; flicker seen is in thresholds; "
             "the change of luma is of its error, from frame to frame; ms of the device.\n",
             NEPH_VERSION, params->preset, params->steps, params->seed, study->device,
-            params->frame_count, params->warm_up, params->frame_rate_hz, params->width_px, params->height_px);
+            params->frame_count, params->warm_up, params->frame_rate_hz, params->width_px,
+            params->height_px);
     for (int i = 0; i < params->scene_count; i++) {
         fprintf(out, "\n%s\n", study->names[i]);
         print_table(study, i, false, out);

@@ -110,8 +110,8 @@ static void draw_panel(const struct neph_post_study *study, int panel, int top, 
     const struct axis axis = fit(study, panel);
     draw_grid(&axis, panels[panel].title, top, top + LINE * row_count(study) - LINE / 2, out);
     for (int r = 0; study->rows[r].name; r++)
-        draw_row(study, panel, &axis, r,
-                 top + LINE * (r + study->rows[r].is_of_whole) + LINE / 2, out);
+        draw_row(study, panel, &axis, r, top + LINE * (r + study->rows[r].is_of_whole) + LINE / 2,
+                 out);
 }
 
 /* Two scenes a line. */

@@ -319,11 +319,9 @@ static void fill_surfaces(struct neph_screening *screen, const struct neph_scene
 /* Whether another pixel of each cell has the rays in each frame. */
 static bool takes_turns(const double *values, int resolution)
 {
-    const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY
-                                                           : SCREEN_SSR_HISTORY;
-    return resolution && resolution != SCREEN_AO_RESOLUTION &&
-           values[resolution] == SCREEN_HALF && values[SCREEN_RAY_PIXEL] == SCREEN_PIXEL_TURNING &&
-           values[history] > 0.0;
+    const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY;
+    return resolution && resolution != SCREEN_AO_RESOLUTION && values[resolution] == SCREEN_HALF &&
+           values[SCREEN_RAY_PIXEL] == SCREEN_PIXEL_TURNING && values[history] > 0.0;
 }
 
 /* Which pixel of its cells a pass looks at in a frame. */

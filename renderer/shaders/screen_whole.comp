@@ -16,7 +16,7 @@ bool has_signal(ivec2 pixel)
     return !is_sky(depth_at_m(pixel)) && (run.turn == OF_GI ? metalness < 1.0 : metalness > 0.0);
 }
 
-// 1 on the plane of a surface; of others that face the same way a little, where there is none on it.
+// 1 on the plane of a surface; off it, facing the same way, a little, for where nothing is on it.
 float likeness(vec3 point_m, vec3 normal, ivec2 at)
 {
     const float NORMALS = 8.0, LEAST = 1e-4;

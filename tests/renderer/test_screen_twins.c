@@ -115,8 +115,8 @@ static bool is_cell(int x, int y, int cell_px)
     return cell_px * x < WIDTH && cell_px * y < HEIGHT;
 }
 
-/* Pixels, or cells, off by more than float32 (or a half) leaves: where a step falls onto an edge of depth or
- * between two pixels, its last digit decides which surface is seen. */
+/* Pixels, or cells, off by more than float32 (or a half) leaves: where a step falls onto an edge of
+ * depth or between two pixels, its last digit decides which surface is seen. */
 static int count_off(const struct both *both, int target, int cell_px, twin_of *twin, int channels,
                      double *largest)
 {

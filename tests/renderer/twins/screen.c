@@ -49,8 +49,7 @@ int twin_screen_cell_px(const struct twin_screen *twin, int resolution)
 struct twin_pixel twin_screen_pixel_in(const struct twin_screen *twin, int resolution, int x, int y)
 {
     const int side = twin_screen_cell_px(twin, resolution);
-    const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY
-                                                           : SCREEN_SSR_HISTORY;
+    const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY;
     const bool turns = side > 1 && resolution != SCREEN_AO_RESOLUTION &&
                        twin->values[SCREEN_RAY_PIXEL] == SCREEN_PIXEL_TURNING &&
                        twin->values[history] > 0.0;

@@ -81,7 +81,7 @@ bool twin_screen_mirror(const struct twin_screen *twin, int x, int y, struct nep
 /* SCREEN_GI_MEAN, SCREEN_SSR_MEAN of a cell (twins/screen_mean.c). */
 struct texel twin_screen_mean(const struct twin_screen *twin, int resolution, int x, int y);
 
-/* What a pixel has of the cells around it, which are in the target `from` (twins/screen_whole.c). */
+/* What a pixel has of the cells around it, in the target `from` (twins/screen_whole.c). */
 struct texel twin_screen_whole(const struct twin_screen *twin, int resolution, int from, int x,
                                int y);
 

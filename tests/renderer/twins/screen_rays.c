@@ -244,7 +244,7 @@ static bool seen_before(const struct twin_screen *twin, const struct meeting *me
            fabs(neph_vec3_dot(normal, neph_vec3_sub(seen_m, met->point_m))) < 0.02 * met->point_m.z;
 }
 
-/* Of the cell in which a pixel lies. */
+/* What the cell of a pixel has. */
 static struct neph_vec3 with_sky(const struct twin_screen *twin, int target, int resolution, int x,
                                  int y)
 {
@@ -262,13 +262,11 @@ static struct neph_vec3 indirect_before(const struct twin_screen *twin, const st
     if (!seen_before(twin, met, &x, &y))
         return neph_vec3_scale(sky_reflected(twin, met->x, met->y), with_diffuse ? 1.0 : base.v[3]);
     if (with_diffuse && twin_screen_gi_at(twin) >= 0)
-        light = neph_vec3_along(light,
-                                with_sky(twin, SCREEN_GI_BEFORE, SCREEN_GI_RESOLUTION, x, y),
+        light = neph_vec3_along(light, with_sky(twin, SCREEN_GI_BEFORE, SCREEN_GI_RESOLUTION, x, y),
                                 1.0 - base.v[3]);
     if (base.v[3] > 0.0 && twin_screen_ssr_at(twin) >= 0)
-        light = neph_vec3_along(light,
-                                with_sky(twin, SCREEN_SSR_BEFORE, SCREEN_SSR_RESOLUTION, x, y),
-                                base.v[3]);
+        light = neph_vec3_along(
+            light, with_sky(twin, SCREEN_SSR_BEFORE, SCREEN_SSR_RESOLUTION, x, y), base.v[3]);
     return times(rgb_of(base), light);
 }
 

@@ -16,7 +16,7 @@ static bool has_signal(const struct twin_screen *twin, int resolution, int x, in
     return resolution == SCREEN_GI_RESOLUTION ? metalness < 1.0 : metalness > 0.0;
 }
 
-/* Of two pixels: 1 on one plane. */
+/* How much two pixels are one surface: 1 on one plane. */
 static double likeness(const struct twin_screen *twin, int x, int y, struct twin_pixel at)
 {
     const struct neph_vec3 normal = twin_screen_normal(twin, x, y);
