@@ -180,9 +180,11 @@ class Benchmark(unittest.TestCase):
     def test_a_screen_has_a_line_for_each_pass(self):
         """What it is off by is against its own defaults."""
         done, _ = benchmark("surface_rough", "-e", "screen", "-p", "fast", "--size", "32x18",
-                            "--frames", "4", "--json")
+                            "--frames", "4", "--no-ceilings", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
-        engine, = json.loads(done.stdout)["engines"]
+        found = json.loads(done.stdout)
+        engine, = found["engines"]
+        self.assertIsNone(found["ceilings"]["copy_bytes_per_s"])
         passes = {p["pass"]: p["gpu_s"] for p in engine["passes"]}
         self.assertIn("reflections of all", passes)
         self.assertEqual((engine["frames"], engine["reference"]), (4, "screen"))
