@@ -19,9 +19,10 @@ bool has_signal(ivec2 pixel)
 // 1 on the plane of a surface; off it, facing the same way, a little, for where nothing is on it.
 float likeness(vec3 point_m, vec3 normal, ivec2 at)
 {
-    const float NORMALS = 8.0, LEAST = 1e-4;
+    const float LEAST = 1e-4;
     float facing = clamp(dot(normal_at(at), normal), 0.0, 1.0);
-    return max(LEAST, same_surface(point_m, normal, at)) * pow(facing, NORMALS);
+    float squared = facing * facing, fourth = squared * squared;
+    return max(LEAST, same_surface(point_m, normal, at)) * fourth * fourth;
 }
 
 // Where no cell around has the signal or faces that way: nothing stands near, and no rays were
