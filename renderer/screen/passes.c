@@ -92,7 +92,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI},
         .resolution = SCREEN_GI_RESOLUTION,
-        .reads = SURFACES | BEFORE | BIT(SCREEN_MARKS) | BIT(SCREEN_GI_RAW) |
+        .reads = SURFACES | BEFORE | BIT(SCREEN_BASE) | BIT(SCREEN_MARKS) | BIT(SCREEN_GI_RAW) |
                  BIT(SCREEN_GI_BEFORE) | BIT(SCREEN_GI_COUNT_BEFORE),
         .writes = BIT(SCREEN_GI_MEAN) | BIT(SCREEN_GI_COUNT),
         .from = SCREEN_GI_RAW,
@@ -145,7 +145,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
         .resolution = SCREEN_SSR_RESOLUTION,
-        .reads = SURFACES | BEFORE | BIT(SCREEN_MARKS) | BIT(SCREEN_SSR_RAW) |
+        .reads = SURFACES | BEFORE | BIT(SCREEN_BASE) | BIT(SCREEN_MARKS) | BIT(SCREEN_SSR_RAW) |
                  BIT(SCREEN_SSR_BEFORE) | BIT(SCREEN_SSR_COUNT_BEFORE),
         .writes = BIT(SCREEN_SSR_MEAN) | BIT(SCREEN_SSR_COUNT),
         .from = SCREEN_SSR_RAW,

@@ -154,6 +154,19 @@ float depth_at_m(ivec2 pixel) { return load_one(SCREEN_DEPTH, pixel); }
 float depth_before_m(ivec2 pixel) { return load_one(SCREEN_DEPTH_BEFORE, pixel); }
 vec3 normal_at(ivec2 pixel) { return normalize(load(SCREEN_NORMAL, pixel).xyz); }
 
+// Metal has no diffuse part, and other things reflect nothing.
+bool has_light(ivec2 pixel, bool of_metal)
+{
+    float metalness = load(SCREEN_BASE, pixel).w;
+    return !is_sky(depth_at_m(pixel)) && (of_metal ? metalness > 0.0 : metalness < 1.0);
+}
+
+// At half resolution cells without the light are left out: no pixel looks at them.
+bool is_left_out(ivec2 pixel, bool of_metal)
+{
+    return run.cell_px > 1u && !has_light(pixel, of_metal);
+}
+
 // --- places -----------------------------------------------------------------------------------
 
 vec2 centre_of(ivec2 pixel) { return vec2(pixel) + 0.5; }

@@ -49,7 +49,7 @@ void main()
     ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel), count = 0.0;
     vec4 mean = vec4(0.0);
-    if (!is_sky(depth_m)) {
+    if (!is_sky(depth_m) && !is_left_out(pixel, !is_gi())) {
         mean = history(solid_at(pixel), place_m(centre_of(pixel), depth_m), normal_at(pixel),
                        count);
         count = min(count, setting(is_gi() ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY)) + 1.0;

@@ -33,7 +33,8 @@ void main()
     vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normalize(own_normal.xyz);
     vec4 sum = vec4(0.0);
     float weights = 0.0;
-    for (int i = 0; i < 25 && !is_sky(depth_m); i++) {
+    bool is_off = is_sky(depth_m) || is_left_out(pixel, !is_gi());
+    for (int i = 0; i < 25 && !is_off; i++) {
         ivec2 offset = ivec2(i % 5, i / 5) - 2;
         ivec2 other = cell + (offset << int(run.turn)), at = pixel_in(other);
         if (!is_cell(other) || is_sky(depth_at_m(at)))

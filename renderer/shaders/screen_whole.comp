@@ -9,11 +9,9 @@
 
 const uint OF_AO = 0u, OF_GI = 1u, OF_SSR = 2u; // turns
 
-// Whether a pixel has the signal at all: metal has no diffuse part, and other things no reflection.
 bool has_signal(ivec2 pixel)
 {
-    float metalness = run.turn == OF_AO ? 0.5 : load(SCREEN_BASE, pixel).w;
-    return !is_sky(depth_at_m(pixel)) && (run.turn == OF_GI ? metalness < 1.0 : metalness > 0.0);
+    return run.turn == OF_AO ? !is_sky(depth_at_m(pixel)) : has_light(pixel, run.turn == OF_SSR);
 }
 
 // 1 on the plane of a surface; off it, facing the same way, a little, for where nothing is on it.

@@ -103,6 +103,16 @@ int twin_screen_ssr_at(const struct twin_screen *twin)
                          SCREEN_SSR_MEAN, SCREEN_SSR_A);
 }
 
+bool twin_screen_has_light(const struct twin_screen *twin, int resolution, int x, int y)
+{
+    if (twin_screen_is_sky(twin, x, y))
+        return false;
+    if (resolution == SCREEN_AO_RESOLUTION)
+        return true;
+    const double metalness = twin_screen_load(twin, SCREEN_BASE, x, y).v[3];
+    return resolution == SCREEN_GI_RESOLUTION ? metalness < 1.0 : metalness > 0.0;
+}
+
 struct neph_vec3 twin_screen_sky_light(const struct twin_screen *twin)
 {
     const struct neph_rgb sky = twin->scene->background_w_per_m2_sr;

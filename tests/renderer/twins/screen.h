@@ -63,6 +63,8 @@ int twin_screen_gi_at(const struct twin_screen *twin);
 int twin_screen_ssr_at(const struct twin_screen *twin);
 /* What is open over a pixel; 1 where nobody looks. */
 double twin_screen_open(const struct twin_screen *twin, int x, int y);
+/* Whether a pixel has the light of a resolution at all (of occlusion: whether it is a surface). */
+bool twin_screen_has_light(const struct twin_screen *twin, int resolution, int x, int y);
 /* The sky, where it lights solids. */
 struct neph_vec3 twin_screen_sky_light(const struct twin_screen *twin);
 

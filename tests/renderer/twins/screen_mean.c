@@ -70,7 +70,9 @@ struct texel twin_screen_mean(const struct twin_screen *twin, int resolution, in
     const struct mean mean = mean_of(resolution);
     const struct twin_pixel at = twin_screen_pixel_in(twin, resolution, x, y);
     struct texel sum = {{0.0}};
-    if (twin_screen_is_sky(twin, at.x, at.y))
+    const bool is_half = twin_screen_cell_px(twin, resolution) > 1;
+    if (twin_screen_is_sky(twin, at.x, at.y) ||
+        (is_half && !twin_screen_has_light(twin, resolution, at.x, at.y)))
         return sum;
     const double known = twin->frame > 0 ? history(twin, resolution, at, &sum) : 0.0;
     const double count = fmin(known, twin->values[mean.history]) + 1.0;

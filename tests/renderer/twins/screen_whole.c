@@ -6,16 +6,6 @@
 
 #include <math.h>
 
-static bool has_signal(const struct twin_screen *twin, int resolution, int x, int y)
-{
-    if (twin_screen_is_sky(twin, x, y))
-        return false;
-    if (resolution == SCREEN_AO_RESOLUTION)
-        return true;
-    const double metalness = twin_screen_load(twin, SCREEN_BASE, x, y).v[3];
-    return resolution == SCREEN_GI_RESOLUTION ? metalness < 1.0 : metalness > 0.0;
-}
-
 /* How much two pixels are one surface: 1 on one plane. */
 static double likeness(const struct twin_screen *twin, int x, int y, struct twin_pixel at)
 {
@@ -50,7 +40,7 @@ static struct texel between_cells(const struct twin_screen *twin, int resolution
             continue;
         const struct twin_pixel at = twin_screen_pixel_in(twin, resolution, column, row);
         const double share = (1.0 - fabs(across - column)) * (1.0 - fabs(down - row));
-        if (!has_signal(twin, resolution, at.x, at.y))
+        if (!twin_screen_has_light(twin, resolution, at.x, at.y))
             continue;
         const double weight = share * likeness(twin, x, y, at);
         const struct texel texel = twin_screen_load(twin, from, column, row);
@@ -67,6 +57,7 @@ struct texel twin_screen_whole(const struct twin_screen *twin, int resolution, i
                                int y)
 {
     const double none = resolution == SCREEN_AO_RESOLUTION ? 1.0 : 0.0;
-    return has_signal(twin, resolution, x, y) ? between_cells(twin, resolution, from, x, y)
-                                              : (struct texel){{none, none, none, none}};
+    return twin_screen_has_light(twin, resolution, x, y)
+               ? between_cells(twin, resolution, from, x, y)
+               : (struct texel){{none, none, none, none}};
 }
