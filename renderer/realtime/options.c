@@ -495,5 +495,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "by itself. Same bits"),
     [RT_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH,
     [RT_SUN_CONE] = NEPH_OPTION_SUN_CONE,
+    [RT_FOG] = NEPH_OPTION_FOG,
     {.name = NULL},
 };

@@ -191,7 +191,9 @@
 // Steps towards the sun.
 #define RT_SUN_GROWTH 151
 #define RT_SUN_CONE 152
-#define RT_SETTING_COUNT 153
+// The height fog as game engines draw it.
+#define RT_FOG 153
+#define RT_SETTING_COUNT 154
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
