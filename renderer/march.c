@@ -142,8 +142,7 @@ bool neph_march_rest(const struct neph_scene *scene, struct neph_march_veils vei
     struct neph_sky_split split;
     if (veils.sky && !neph_sky_split(scene, &split, reason, reason_size))
         return false;
-    if (veils.fog.is_look &&
-        !neph_fog_look_is_among(scene, veils.fog.model, reason, reason_size))
+    if (veils.fog.is_look && !neph_fog_look_is_among(scene, veils.fog.model, reason, reason_size))
         return false;
     *rest = *scene;
     rest->borrows = true;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// What lies between the camera and all that is marched, and is no medium of the march: the look of a
-// height fog in closed form (fog_look.glsl), and the air of a planet from tables (march_sky.glsl).
+// What lies between the camera and all that is marched, and is no medium of the march: the look of
+// a height fog in closed form (fog_look.glsl), and the air of a planet by tables (march_sky.glsl).
 // What is found at a distance t is seen through the veil before it: it loses what that takes, and
 // the veil adds its own light, as far as the place hides what is behind it. As
 //
 //   L = sum_i T_i (1 - e^-dtau_i) (A(t_i) + T_veil(t_i) J_i) + T (A(D) + T_veil(D) L_behind)
 //
 // this is the transport equation of veil and media together, with A(t) = integral of T_veil j_veil
-// up to t: by parts, the integral of T dA is T(D) A(D) less that of A dT. So no order of layers needs
-// to be known, and where a medium is cut in two, nothing changes. Air before fog is left as it is,
-// fog is put before air: fog lies near the ground, where the camera is. What it leaves out: media
-// cast no shadow on a look, and scatter no light to a veil.
+// up to t: by parts, the integral of T dA is T(D) A(D) less that of A dT. So no order of layers
+// needs to be known, and where a medium is cut in two, nothing changes. Fog is put before air: it
+// lies near the ground, where the camera is. What it leaves out: media cast no shadow on a look,
+// and scatter no light to a veil.
 #ifndef NEPH_MARCH_VEIL_GLSL
 #define NEPH_MARCH_VEIL_GLSL
 

@@ -79,8 +79,8 @@ layout(std430, binding = SKY_BINDING + 1) readonly buffer SkyNodes {
     vec4 sky_nodes[];
 };
 
-// Kernels of tables are made for so many layers and moments: their loops have no turns to count, and
-// what these fill lies in registers. Others read them.
+// Kernels of tables are made for so many layers and moments: their loops have no turns to count,
+// and what these fill lies in registers. Others read how many there are.
 #ifdef SKY_IS_KNOWN
 #define SKY_UNROLL [[unroll]]
 layout(constant_id = 0) const uint SKY_LAYERS = 1u;
@@ -183,13 +183,13 @@ struct SkyRay {
     float phases[NEPH_GPU_MEDIA_MAX]; // of the layers, at that angle
 };
 
-// The part of a ray that is in the air: down to its lowest place and up from there, seen from there.
+// The part of a ray that is in the air: down to its lowest place and up from there, as seen there.
 struct SkyPath {
-    float low_m, low_t_m;   // altitude of that place, and where on the ray it is
-    float rise_m;           // radius times |cosine| there
-    float fall_m, climb_m;  // how far it comes down to there, and goes up from there
-    uint falls, climbs;     // in so many steps
-    float length_m;         // to the ground; FAR_M: there is none
+    float low_m, low_t_m;  // altitude of that place, and where on the ray it is
+    float rise_m;          // radius times |cosine| there
+    float fall_m, climb_m; // how far it comes down to there, and goes up from there
+    uint falls, climbs;    // in so many steps
+    float length_m;        // to the ground; FAR_M: there is none
 };
 
 // Distance from the lowest place to where the path has climbed.

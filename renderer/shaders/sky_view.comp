@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The tables of views: each node is a ray, and of each ray what every layer scatters by itself, and
-// all that is not of one layer. Eight threads share one of these, for there are fewer of them than a
-// GPU has room for: each walks its part of the steps as if it began there, and the first puts the
+// all that is not of one layer. Eight threads share one of these, for there are fewer of them than
+// a GPU has room for: each walks its part of the steps as if it began there, and the first puts the
 // parts one behind the other.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -31,10 +31,11 @@ bool neph_sky_device_can(const struct neph_scene *scene, const struct neph_sky_p
     struct neph_sky_air air;
     if (!neph_sky_air_of(scene, &air, reason, reason_size))
         return false;
-    const char *obstacle = scene->solid_count > 1
-                               ? "solids beside the ground, on a device: engine march has them with "
-                                 "sky=tables, this one with on=cpu"
-                               : neph_sky_tables_obstacle(scene, &air, params);
+    const char *obstacle =
+        scene->solid_count > 1
+            ? "solids beside the ground, on a device: engine march has them with "
+              "sky=tables, this one with on=cpu"
+            : neph_sky_tables_obstacle(scene, &air, params);
     if (obstacle)
         snprintf(reason, reason_size, "%s", obstacle);
     return !obstacle;

@@ -435,9 +435,9 @@ enum neph_status neph_sky_tables_veil(struct neph_sky_tables *tables, struct nep
 {
     if (tables->has_aerial)
         return NEPH_OK;
-    const enum neph_status status = fill(tables, AERIAL,
-                                         column_count(&tables->params) * NEPH_GPU_SKY_SLICES_AT_ONCE,
-                                         &times->aerial_s, diag);
+    const enum neph_status status = fill(
+        tables, AERIAL, column_count(&tables->params) * NEPH_GPU_SKY_SLICES_AT_ONCE,
+        &times->aerial_s, diag);
     tables->has_aerial = !status;
     return status;
 }

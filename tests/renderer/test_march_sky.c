@@ -445,8 +445,7 @@ static void test_says_what_it_cannot(void **state)
     (void)state;
     char reason[256];
     struct neph_scene *scene = load_with_cloud(1.0, NEPH_SCATTERING_MULTIPLE);
-    assert_true(
-        neph_march_can_render_under(scene, sky, NEPH_MARCH_TRACED, reason, sizeof(reason)));
+    assert_true(neph_march_can_render_under(scene, sky, NEPH_MARCH_TRACED, reason, sizeof(reason)));
     assert_false(neph_march_can_render(scene, NEPH_MARCH_TRACED, reason,
                                        sizeof(reason))); /* air has colour */
     refuses(scene, NEPH_MARCH_SINGLE, "multiple scattering");
