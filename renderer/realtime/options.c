@@ -501,5 +501,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "auto: where nothing that is looked at has changed for so long that gradient=on sees no "
         "change, it does not look, and what it would decide is left out; unasked: it looks. Same "
         "bits, but for what a GPU rounds freely"),
+    [RT_FOG] = NEPH_OPTION_FOG,
     {.name = NULL},
 };

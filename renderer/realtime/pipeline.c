@@ -152,21 +152,22 @@ static bool can_upsample(const struct neph_scene *scene, const struct neph_setti
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {
-    const bool has_sky = settings->values[RT_SKY] != 0.0;
-    struct neph_sky_split split;
-    if ((has_sky && !neph_sky_split(scene, &split, reason, reason_size)) ||
+    const struct neph_march_veils veils = {settings->values[RT_SKY] != 0.0,
+                                           neph_fog_for_march((int)settings->values[RT_FOG])};
+    struct neph_scene rest;
+    if (!neph_march_rest(scene, veils, &rest, reason, reason_size) ||
         (is_upsampled(settings) && !can_upsample(scene, settings, reason, reason_size)))
         return false;
-    for (int i = 0; i < scene->medium_count; i++) {
-        if ((has_sky && split.is_air[i]) || !neph_medium_is_coloured(&scene->media[i]))
+    for (int i = 0; i < rest.medium_count; i++) {
+        if (!neph_medium_is_coloured(&rest.media[i]))
             continue;
         snprintf(reason, reason_size,
                  "extinction that differs between the channels: rays and histories have one "
                  "transmittance%s",
-                 has_sky ? "" : " (sky=tables: that of a planet's air may)");
+                 veils.sky ? "" : " (sky=tables: that of a planet's air may)");
         return false;
     }
-    if (neph_scene_emits(scene)) {
+    if (neph_scene_emits(&rest)) {
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
     }
@@ -183,7 +184,7 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  "this lighting in froxels, which know single and octaves: froxels=off");
         return false;
     }
-    return neph_march_can_render_under(scene, has_sky, lighting, reason, reason_size);
+    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size);
 }
 
 /* --- making -------------------------------------------------------------------------------- */
@@ -236,6 +237,7 @@ static struct neph_march_params march_params(const struct neph_realtime_params *
                                             .slices = (int)values[RT_SKY_SLICES],
                                             .far_m = values[RT_SKY_FAR_M],
                                             .refill = (int)values[RT_SKY_REFILL]}),
+        .fog = neph_fog_for_march((int)values[RT_FOG]),
     };
 }
 

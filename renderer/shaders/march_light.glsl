@@ -22,7 +22,7 @@
 
 #include "cloud_shadow.glsl"
 #include "grid_texture.glsl"
-#include "march_sky.glsl"
+#include "march_veil.glsl"
 #include "sun_cache.glsl"
 #include "traced_light.glsl"
 

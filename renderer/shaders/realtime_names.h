@@ -193,7 +193,9 @@
 #define RT_SUN_CONE 152
 // And whether the gradient is asked where it is known that it sees nothing.
 #define RT_STEADY 153
-#define RT_SETTING_COUNT 154
+// The height fog as game engines draw it.
+#define RT_FOG 154
+#define RT_SETTING_COUNT 155
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

@@ -76,7 +76,7 @@ void main()
     bool is_sky = picture.hit.solid == NO_SOLID;
     put_full(RT_DEPTH, pixel, vec4(hit_eye_depth_m(picture.hit, picture.ray)));
     put_full(RT_BEHIND, pixel,
-             vec4(is_sky && !HAS_SKY ? background : radiance_behind(picture.hit, picture.ray),
+             vec4(is_sky && !HAS_VEIL ? background : radiance_behind(picture.hit, picture.ray),
                   0.0));
     put_full(RT_STEADY_DEPTH, pixel, vec4(hit_eye_depth_m(steady.hit, steady.ray)));
     count_cost();
