@@ -54,10 +54,8 @@ static struct neph_gpu_fog_look_layer layer_from(const struct neph_fog_layer *la
 static void put_layers(const struct neph_scene *scene, double observer_y_m,
                        struct neph_gpu_fog_look *gpu)
 {
-    if (scene->medium_count == 0)
-        return;
     const struct neph_medium *fog = neph_fog_look_medium(scene);
-    for (int l = 0; l < fog->layer_count; l++)
+    for (int l = 0; fog && l < fog->layer_count; l++)
         if (fog->layers[l].extinction_per_m > 0.0)
             gpu->layers[gpu->layer_count++] = layer_from(&fog->layers[l], observer_y_m);
 }

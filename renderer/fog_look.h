@@ -20,7 +20,7 @@ struct neph_fog_look_params {
     bool sun_is_clear; /* solids are lit as if there were no fog before the sun */
 };
 
-/* The look as the shader has it, of a scene that neph_fog_look_is_of() is content with, or one
+/* The look as the shader has it, of a scene that neph_fog_look_is_among() is content with, or one
  * that has lost its media. */
 struct neph_gpu_fog_look neph_gpu_fog_look_from(const struct neph_scene *scene,
                                                 const struct neph_fog_look *look,

@@ -9,6 +9,7 @@
 #include "renderer/shortcuts.h"
 #include "renderer/sky/split.h"
 #include "scenes/emission.h"
+#include "scenes/fog_translation.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
 #include "scenes/surfaces.h"
@@ -123,32 +124,49 @@ bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_light
     return false;
 }
 
-static const char *find_obstacle_to_sky(const struct neph_scene *scene,
-                                        enum neph_march_lighting lighting)
+static const char *find_obstacle_to_veils(const struct neph_scene *scene,
+                                          struct neph_march_veils veils,
+                                          enum neph_march_lighting lighting)
 {
-    if (scene->orthographic_height_m > 0.0)
+    if (veils.sky && scene->orthographic_height_m > 0.0)
         return "an orthographic camera under sky=tables";
     if (lighting == NEPH_MARCH_HORIZON)
-        return "the light of Horizon's clouds, which has no unit, under sky=tables";
+        return veils.sky ? "the light of Horizon's clouds, which has no unit, under sky=tables"
+                         : "the light of Horizon's clouds, which has no unit, in the look of a fog";
     return NULL;
 }
 
-bool neph_march_can_render_under(const struct neph_scene *scene, bool sky,
+bool neph_march_rest(const struct neph_scene *scene, struct neph_march_veils veils,
+                     struct neph_scene *rest, char *reason, size_t reason_size)
+{
+    struct neph_sky_split split;
+    if (veils.sky && !neph_sky_split(scene, &split, reason, reason_size))
+        return false;
+    if (veils.fog.is_look && !neph_fog_look_is_among(scene, veils.fog.model, reason, reason_size))
+        return false;
+    *rest = *scene;
+    rest->borrows = true;
+    if (veils.sky)
+        *rest = neph_sky_rest(rest, &split);
+    if (veils.fog.is_look)
+        *rest = neph_fog_look_rest(rest);
+    return true;
+}
+
+bool neph_march_can_render_under(const struct neph_scene *scene, struct neph_march_veils veils,
                                  enum neph_march_lighting lighting, char *reason,
                                  size_t reason_size)
 {
-    struct neph_sky_split split;
-    if (!sky)
+    struct neph_scene rest;
+    if (!veils.sky && !veils.fog.is_look)
         return neph_march_can_render(scene, lighting, reason, reason_size);
-    if (!neph_sky_split(scene, &split, reason, reason_size))
+    if (!neph_march_rest(scene, veils, &rest, reason, reason_size))
         return false;
-    const char *obstacle = find_obstacle_to_sky(scene, lighting);
-    if (obstacle) {
-        snprintf(reason, reason_size, "%s", obstacle);
-        return false;
-    }
-    const struct neph_scene rest = neph_sky_rest(scene, &split);
-    return neph_march_can_render(&rest, lighting, reason, reason_size);
+    const char *obstacle = find_obstacle_to_veils(scene, veils, lighting);
+    if (!obstacle)
+        return neph_march_can_render(&rest, lighting, reason, reason_size);
+    snprintf(reason, reason_size, "%s", obstacle);
+    return false;
 }
 
 static enum neph_status check_range(const char *name, int value, int maximum,
@@ -221,8 +239,8 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     if (status)
         return status;
     char reason[256];
-    if (!neph_march_can_render_under(scene, params->sky.is_on, params->lighting, reason,
-                                     sizeof(reason)))
+    const struct neph_march_veils veils = {params->sky.is_on, params->fog};
+    if (!neph_march_can_render_under(scene, veils, params->lighting, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: cannot: %s", reason);
     return NEPH_OK;
 }

@@ -51,9 +51,16 @@ struct neph_march_stats {
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
                            char *reason, size_t reason_size);
 
-/* As before where `sky` says that the air of a planet is tables (struct neph_march_sky): also when
- * there is no such air, or more behind it or around than tables know. */
-bool neph_march_can_render_under(const struct neph_scene *scene, bool sky,
+/* What is left of a scene without its veils, in `rest`, which borrows all that the scene owns.
+ * False, with the reason in words, when it has no such air (renderer/sky/split.h) or no such look
+ * (scenes/fog_translation.h). */
+bool neph_march_rest(const struct neph_scene *scene, struct neph_march_veils veils,
+                     struct neph_scene *rest, char *reason, size_t reason_size);
+
+/* As before where the air of a planet is tables (struct neph_march_sky), or the height fog a look:
+ * also when there is no such air, or more behind it or around than tables know, and when there is
+ * no such look. */
+bool neph_march_can_render_under(const struct neph_scene *scene, struct neph_march_veils veils,
                                  enum neph_march_lighting lighting, char *reason,
                                  size_t reason_size);
 

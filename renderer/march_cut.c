@@ -130,11 +130,13 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
     sunlight *= 1 + NEPH_GPU_LAMP_PARTS * (uint64_t)scene->light_count;
     if (params->sky.is_on)
         sunlight += 2 * neph_sky_look_turns(scene->medium_count, params->sky.tables.field.degree);
+    if (params->fog.is_look)
+        sunlight += 2 * NEPH_GPU_LAYERS_MAX; /* to the eye and to the sun */
     *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight + 1;
 }
 
-/* `SHORTCUTS` of shaders/shortcuts.glsl, and the sky. */
+/* `SHORTCUTS` of shaders/shortcuts.glsl, and veils. */
 static uint32_t shortcut_bits(const struct neph_march_params *params)
 {
     const struct neph_shortcuts *shortcuts = &params->shortcuts;
@@ -143,7 +145,7 @@ static uint32_t shortcut_bits(const struct neph_march_params *params)
            (shortcuts->sun_cone > 0.0 ? 512u : 0u) | (shortcuts->early_out > 0.0 ? 4u : 0u) |
            (shortcuts->step_growth > 1.0 ? 8u : 0u) | (shortcuts->grid_texture ? 16u : 0u) |
            (shortcuts->cloud_shadow ? 32u : 0u) | (params->sky.is_on ? 64u : 0u) |
-           (neph_march_sky_lights(params) ? 128u : 0u);
+           (neph_march_sky_lights(params) ? 128u : 0u) | (params->fog.is_look ? 1024u : 0u);
 }
 
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,

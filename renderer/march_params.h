@@ -8,6 +8,7 @@
 #include "base/vec3.h"
 #include "renderer/shaders/constants.h"
 #include "renderer/sky/sky.h"
+#include "scenes/fog_look.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -155,6 +156,22 @@ struct neph_march_sky_choices {
 /* All tables but that before the camera are as engine `sky` has them by default. */
 struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices);
 
+/* The height fog as a game engine draws it by the scene's `fog_look`, before, between and behind
+ * all else (shaders/march_veil.glsl). Zero: it is a medium like all others. */
+struct neph_march_fog {
+    bool is_look;
+    enum neph_fog_model model;
+};
+
+/* By the index of the option's word. */
+struct neph_march_fog neph_fog_for_march(int choice);
+
+/* Which of a scene's media are none of the march's. */
+struct neph_march_veils {
+    bool sky; /* the air of a planet */
+    struct neph_march_fog fog;
+};
+
 struct neph_march_params {
     int width_px, height_px;            /* 1..NEPH_MARCH_SIDE_MAX_PX */
     int picture_px[2];                  /* whose shape the frame has; 0: square pixels */
@@ -168,6 +185,7 @@ struct neph_march_params {
     struct neph_light_paths light;
     struct neph_light_diffusion diffusion;
     struct neph_march_sky sky;
+    struct neph_march_fog fog;
 };
 
 /* A picture among others. Zero: through the centres of pixels, a picture by itself. */

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/march_scene.h"
 
+#include "renderer/fog_look.h"
 #include "renderer/grid_textures.h"
 #include "renderer/march_cut.h"
+#include "scenes/fog_translation.h"
 #include "scenes/motion.h"
 
 static enum neph_status create_turns(const struct neph_vulkan *vulkan,
@@ -15,13 +17,19 @@ static enum neph_status create_turns(const struct neph_vulkan *vulkan,
                                       &scene->solid_turns, diag);
 }
 
-/* What is marched, of a scene of which the air may be tables; `rest` is room for it. */
+/* What is marched, of a scene of which the air may be tables and the fog a look; `rest` is room for
+ * it. */
 static const struct neph_scene *marched(const struct neph_march_scene *scene,
                                         const struct neph_scene *from, struct neph_scene *rest)
 {
-    if (!scene->has_sky)
+    if (!scene->has_sky && !scene->has_fog_look)
         return from;
-    *rest = neph_sky_rest(from, &scene->split);
+    *rest = *from;
+    rest->borrows = true;
+    if (scene->has_sky)
+        *rest = neph_sky_rest(from, &scene->split);
+    if (scene->has_fog_look)
+        *rest = neph_fog_look_rest(rest);
     return rest;
 }
 
@@ -31,6 +39,7 @@ static enum neph_status create_sky(struct neph_vulkan *vulkan, const struct neph
 {
     char reason[256];
     scene->has_sky = params->sky.is_on;
+    scene->has_fog_look = params->fog.is_look;
     if (!scene->has_sky)
         return neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, 4 * sizeof(float), "no sky",
                                   &scene->no_sky, diag);
@@ -110,6 +119,16 @@ static void show_scene(const struct neph_scene *from, const struct neph_march_pa
     neph_march_set_frame(from, params, scene->gpu.frame);
 }
 
+/* The look of the fog that is not among what is marched. */
+static void show_fog_look(const struct neph_scene *from, const struct neph_march_params *params,
+                          double frame, struct neph_march_scene *scene)
+{
+    const struct neph_vec3 camera_m = neph_scene_camera(from, frame).position_m;
+    if (scene->has_fog_look)
+        scene->gpu.frame->fog_look = neph_gpu_fog_look_from(from, &from->fog_look,
+                                                            params->fog.model, camera_m);
+}
+
 static bool diffuses(const struct neph_march_scene *scene)
 {
     return scene->diffused_light.level_count > 0;
@@ -186,7 +205,7 @@ static enum neph_status find_light(const struct neph_scene *from, double frame,
                                             moment->continues, gpu_s, diag);
 }
 
-static enum neph_status show_marched(const struct neph_scene *from,
+static enum neph_status show_marched(const struct neph_scene *from, const struct neph_scene *whole,
                                      const struct neph_march_params *params, double frame,
                                      const struct neph_march_moment *moment,
                                      struct neph_march_scene *scene,
@@ -194,6 +213,7 @@ static enum neph_status show_marched(const struct neph_scene *from,
 {
     *cost->fill = (struct neph_sun_fill_cost){.dispatches = 0};
     show_scene(from, params, frame, scene);
+    show_fog_look(whole, params, frame, scene);
     enum neph_status status = neph_skip_cells_place(&scene->skip_cells, from, frame,
                                                     scene->gpu.frame, diag);
     if (!status)
@@ -227,7 +247,7 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
     const struct neph_scene *shown = marched(scene, from, &rest);
     enum neph_status status = look_at_sky(from, shown, params, frame, scene, cost->sky, diag);
     if (!status)
-        status = show_marched(shown, params, frame, moment, scene, cost, diag);
+        status = show_marched(shown, from, params, frame, moment, scene, cost, diag);
     return status || !scene->has_sky ? status : veil(shown, scene, cost, diag);
 }
 

@@ -27,7 +27,7 @@ struct neph_march_scene {
     struct neph_traced_light traced_light;
     struct neph_diffused_light diffused_light;
     struct neph_slab_light slab_light;
-    bool has_sky;
+    bool has_sky, has_fog_look;
     struct neph_sky_split split; /* of the air, where there is one */
     struct neph_sky_tables sky;
     struct neph_sky_shade sky_shade;

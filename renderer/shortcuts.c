@@ -12,6 +12,7 @@ const char *const neph_texel_formats[] = {"r32f", "r16f", "r8", NULL};
 const char *const neph_cloud_shadows[] = {"off", "map", NULL};
 const char *const neph_switches[] = {"off", "on", NULL};
 const char *const neph_sky_refills[] = {"stale", "views", "all", NULL};
+const char *const neph_march_fogs[] = {"medium", "unreal", "filament", NULL};
 const char *const neph_skies[] = {"off", "tables", NULL};
 const char *const neph_shadow_planes[] = {"level", "sun", NULL};
 

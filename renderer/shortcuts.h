@@ -15,7 +15,7 @@ extern const char *const neph_sun_caches[], *const neph_skips[], *const neph_gri
                                                                      *const neph_texel_formats[];
 extern const char *const neph_lights_ahead[], *const neph_cloud_shadows[];
 extern const char *const neph_shadow_planes[], *const neph_skies[], *const neph_switches[];
-extern const char *const neph_sky_refills[];
+extern const char *const neph_sky_refills[], *const neph_march_fogs[];
 
 #define NEPH_OPTION_SUN_CACHE                                                                      \
     {                                                                                              \
@@ -150,6 +150,15 @@ extern const char *const neph_sky_refills[];
         "sky_refill", NEPH_OPTION_CHOICE, 0, 0, 0, neph_sky_refills,                               \
             "sky=tables: what is filled for each picture: what is stale, or, to measure it, also " \
             "what is of a camera and a sun, or all tables"                                         \
+    }
+
+/* Nor is the look of a fog. */
+#define NEPH_OPTION_FOG                                                                            \
+    {                                                                                              \
+        "fog", NEPH_OPTION_CHOICE, 0, 0, 0, neph_march_fogs,                                       \
+            "unreal, filament: the height fog of a scene with fog_look is drawn by that engine's " \
+            "formula and these controls, before, between and behind all else: a look; medium: it " \
+            "is marched"                                                                           \
     }
 
 /* Traced light is no shortcut, but its rows are shared as well. */

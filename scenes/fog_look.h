@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * The look of height fog in game engines: what Unreal Engine and Filament let an artist set beside
- * the layers of the fog themselves. None of it is physics, and of all engines `fog_look` alone
- * looks at it; the layers are those of the scene's height fog. What physics has for it is in
- * scenes/fog_translation.h, the formulas are in truth/fog_look.h.
+ * the layers of the fog themselves, which are those of the scene's height fog. None of it is
+ * physics, and those look at it that are told to: engine `fog_look`, and marches with fog=unreal or
+ * fog=filament. What physics has for it is in scenes/fog_translation.h, the formulas are in
+ * truth/fog_look.h.
  */
 #ifndef NEPH_SCENES_FOG_LOOK_H
 #define NEPH_SCENES_FOG_LOOK_H

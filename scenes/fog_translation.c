@@ -66,23 +66,49 @@ static const char *find_obstacle_in_fog(const struct neph_medium *fog, enum neph
 /* NULL when there is none. In some pictures all media may be away. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_fog_model model)
 {
+    const struct neph_medium *fog = neph_fog_look_medium(scene);
     if (!scene->fog_look.present)
         return "a scene without a look of its fog: fog_look says what it is";
-    if (scene->medium_count > 1)
-        return "media beside the fog: the look of a height fog is all that it has";
     if (scene->light_count > 0)
         return "lights: a look knows the sun alone";
     if (scene->orthographic_height_m > 0.0)
         return "an orthographic camera: a look has one observer, whom all distances are from";
-    return scene->medium_count > 0 ? find_obstacle_in_fog(&scene->media[0], model) : NULL;
+    return fog ? find_obstacle_in_fog(fog, model) : NULL;
+}
+
+static bool says(const char *obstacle, char *reason, size_t reason_size)
+{
+    if (obstacle)
+        snprintf(reason, reason_size, "%s", obstacle);
+    return obstacle;
+}
+
+bool neph_fog_look_is_among(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
+                            size_t reason_size)
+{
+    return !says(find_obstacle(scene, model), reason, reason_size);
 }
 
 bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
                          size_t reason_size)
 {
-    const char *obstacle = find_obstacle(scene, model);
-    if (!obstacle)
-        return true;
-    snprintf(reason, reason_size, "%s", obstacle);
-    return false;
+    const char *beside = scene->fog_look.present && scene->medium_count > 1
+                             ? "media beside the fog, which this engine has no eyes for: march and "
+                               "realtime show them with fog=unreal or fog=filament"
+                             : NULL;
+    return !says(beside, reason, reason_size) &&
+           neph_fog_look_is_among(scene, model, reason, reason_size);
+}
+
+struct neph_scene neph_fog_look_rest(const struct neph_scene *scene)
+{
+    struct neph_scene rest = *scene;
+    rest.borrows = true;
+    rest.medium_count = 0;
+    for (int m = 0; m < scene->medium_count; m++)
+        if (scene->media[m].kind != NEPH_MEDIUM_HEIGHT_FOG)
+            rest.media[rest.medium_count++] = scene->media[m];
+    if (rest.medium_count == 0)
+        rest.scattering = NEPH_SCATTERING_NONE;
+    return rest;
 }

@@ -14,6 +14,14 @@
 bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
                          size_t reason_size);
 
+/* As before, but that there may be other media beside the fog, which somebody else renders. */
+bool neph_fog_look_is_among(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
+                            size_t reason_size);
+
+/* What is left of a scene for somebody else: all but its height fog. It borrows all that the scene
+ * owns; without another medium nothing is left to scatter light. */
+struct neph_scene neph_fog_look_rest(const struct neph_scene *scene);
+
 /* What of physics has a place in a look, of a height fog under a scene's sun: the radiance of its
  * thin parts, emission and sunlight scattered once and lost nowhere else. Where the mean cosine g
  * is above 1/2 that sunlight is a lobe cos^e with the same, e = (2 g - 1) / (1 - g), and with the

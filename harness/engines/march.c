@@ -50,6 +50,7 @@ enum {
     OPTION_SKY_FAR,
     OPTION_SKY_SHADOWS,
     OPTION_SKY_REFILL,
+    OPTION_FOG,
     OPTION_LIGHT_TEXEL, /* from here on of march_traced alone */
     OPTION_LIGHT_PATHS,
     OPTION_LIGHT_ROUNDS,
@@ -108,7 +109,8 @@ enum {
     [OPTION_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE, [OPTION_SKY] = NEPH_OPTION_SKY,  \
     [OPTION_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS, [OPTION_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,      \
     [OPTION_SKY_SLICES] = NEPH_OPTION_SKY_SLICES, [OPTION_SKY_FAR] = NEPH_OPTION_SKY_FAR,          \
-    [OPTION_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS, [OPTION_SKY_REFILL] = NEPH_OPTION_SKY_REFILL
+    [OPTION_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS, [OPTION_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,  \
+    [OPTION_FOG] = NEPH_OPTION_FOG
 
 static const struct neph_option options[] = {OPTIONS_OF_ALL, {.name = NULL}};
 
@@ -230,6 +232,7 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                                         .slices = (int)values[OPTION_SKY_SLICES],
                                         .far_m = values[OPTION_SKY_FAR],
                                         .refill = (int)values[OPTION_SKY_REFILL]});
+    params.fog = neph_fog_for_march((int)values[OPTION_FOG]);
     if (sequence->lighting == NEPH_MARCH_TRACED) {
         params.light = light_of(shot);
         params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_AHEAD_CELLS],
@@ -341,14 +344,22 @@ static enum neph_status render(enum neph_march_lighting lighting, const struct n
 
 /* ---- the engines ----------------------------------------------------------------------------- */
 
+static struct neph_march_veils veils_of(const struct neph_settings *settings)
+{
+    return (struct neph_march_veils){settings->values[OPTION_SKY] != 0.0,
+                                     neph_fog_for_march((int)settings->values[OPTION_FOG])};
+}
+
 /* What an engine is for its lighting: the functions of its table. */
 #define FUNCTIONS_OF(name_, lighting_)                                                             \
     static bool can_render_##name_(const struct neph_scene *scene,                                 \
                                    const struct neph_settings *settings, char *reason,             \
                                    size_t reason_size)                                             \
     {                                                                                              \
-        const bool sky = settings && settings->values[OPTION_SKY] != 0.0;                          \
-        return neph_march_can_render_under(scene, sky, lighting_, reason, reason_size);            \
+        struct neph_march_veils veils = {.sky = false};                                            \
+        if (settings)                                                                              \
+            veils = veils_of(settings);                                                            \
+        return neph_march_can_render_under(scene, veils, lighting_, reason, reason_size);          \
     }                                                                                              \
     static enum neph_status render_##name_(const struct neph_shot *shot,                           \
                                            struct neph_image **frame, struct neph_cost *cost,      \

@@ -2,7 +2,7 @@
 #include "harness/report/step_depth.h"
 
 #include "base/files.h"
-#include "renderer/sky/split.h"
+#include "renderer/march.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
@@ -136,18 +136,22 @@ static double most_of_moment(const struct neph_shot *shot, bool shared, int step
     return most;
 }
 
-/* Whether the engine takes the scene's air from tables (sky=tables): that is not marched. */
-static bool is_without_air(const struct neph_shot *shot, const struct neph_engine *engine,
-                           struct neph_scene *rest)
+/* 0, the first, where an engine has no such choice. */
+static int choice(const struct neph_shot *shot, const struct neph_engine *engine, const char *name)
 {
-    struct neph_sky_split split;
+    const int option = neph_option_find(engine->options, name);
+    return option < 0 ? 0 : (int)shot->settings.values[option];
+}
+
+/* What of a scene is marched: air from tables (sky=tables) and the look of a fog are not. */
+static bool is_veiled(const struct neph_shot *shot, const struct neph_engine *engine,
+                      struct neph_scene *rest)
+{
+    const struct neph_march_veils veils = {choice(shot, engine, "sky") != 0,
+                                           neph_fog_for_march(choice(shot, engine, "fog"))};
     char reason[256];
-    const int sky = neph_option_find(engine->options, "sky");
-    if (sky < 0 || shot->settings.values[sky] == 0.0 ||
-        !neph_sky_split(shot->scene, &split, reason, sizeof(reason)))
-        return false;
-    *rest = neph_sky_rest(shot->scene, &split);
-    return true;
+    return (veils.sky || veils.fog.is_look) &&
+           neph_march_rest(shot->scene, veils, rest, reason, sizeof(reason));
 }
 
 static double most_of_shot(const struct neph_shot *shot, const struct neph_engine *engine,
@@ -156,7 +160,7 @@ static double most_of_shot(const struct neph_shot *shot, const struct neph_engin
     const int steps = (int)neph_setting(engine, &shot->settings, engine->step.option);
     struct neph_scene rest;
     struct neph_shot marched = *shot;
-    if (is_without_air(shot, engine, &rest))
+    if (is_veiled(shot, engine, &rest))
         marched.scene = &rest;
     return most_of_moment(&marched, shared, steps);
 }

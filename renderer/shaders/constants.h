@@ -67,6 +67,8 @@
 #define NEPH_GPU_SKY_MOMENTS_MAX 45
 #define NEPH_GPU_SKY_PLACES 2 // with a table of views
 #define NEPH_GPU_SKY_SUN_SAMPLES 4 // of a froxel of air
+#define NEPH_GPU_SKY_WALKERS 8 // threads that share a ray of a table of views
+#define NEPH_GPU_SKY_SLICES_AT_ONCE 32 // of a column of air, a thread each
 
 // Maps of the shadow of clouds, one within the other (cloud_shadow.glsl).
 #define NEPH_GPU_SHADOW_LEVELS_MAX 4

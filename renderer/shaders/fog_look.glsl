@@ -73,9 +73,9 @@ float mean_of_decay(float exponent, uint model)
 // Where the density grows along the way it is taken at its other end, and the mean from there: the
 // exponential is the largest that occurs. But the series is of the near end, as the engines have
 // it.
-float fog_look_depth_of(FogLookLayer layer, float from_m, float k_y, float length_m, uint model)
+float fog_look_depth_of(FogLookLayer layer, float rise_m, float k_y, float length_m, uint model)
 {
-    float before = layer.falloff_per_m * (from_m * k_y);
+    float before = layer.falloff_per_m * rise_m;
     float along = layer.falloff_per_m * (length_m * k_y);
     float log_density = layer.log_density - before;
     if (model == FOG_UNREAL) {
@@ -93,11 +93,12 @@ float fog_look_depth_of(FogLookLayer layer, float from_m, float k_y, float lengt
     return layer.mantissa * exp2(min(log_density, LOG_DENSITY_MAX)) * (LN2 * mean * length_m);
 }
 
-float fog_look_depth(FogLook look, float from_m, float k_y, float length_m)
+// From a place so far above the observer.
+float fog_look_depth(FogLook look, float rise_m, float k_y, float length_m)
 {
     float depth = 0.0;
     for (uint l = 0; l < look.layer_count; l++)
-        depth += fog_look_depth_of(look.layers[l], from_m, k_y, length_m, look.model);
+        depth += fog_look_depth_of(look.layers[l], rise_m, k_y, length_m, look.model);
     return depth;
 }
 
@@ -135,7 +136,7 @@ FogLookLight fog_look_along(FogLook look, vec3 direction, float length_m, vec3 l
         return FogLookLight(1.0, vec3(0.0));
     float cosine = dot(direction, light_direction);
     if (look.model == FOG_UNREAL) {
-        float depth = fog_look_depth(look, look.start_m, direction.y, seen_m);
+        float depth = fog_look_depth(look, look.start_m * direction.y, direction.y, seen_m);
         return fog_look_light(look, cosine, depth,
                               max(0.0, 1.0 - look.directional_start_m / seen_m));
     }

@@ -6,6 +6,8 @@
 #ifndef NEPH_FRAME_GLSL
 #define NEPH_FRAME_GLSL
 
+#include "fog_look.glsl"
+
 const uint MEDIA_MAX = NEPH_GPU_MEDIA_MAX;
 const uint NO_SOLID = 0xffffffffu;
 
@@ -84,8 +86,10 @@ layout(std140, binding = 0) uniform Frame {
     ShadowMap shadow;
     Medium media[MEDIA_MAX];
     uint lamp_count;
+    uint solids_shade; // 0 or 1: some solid may stand between a medium and the sun
     uint scatters_lamps; // 0 or 1: some medium scatters light of lamps that the scene wants to see
     Lamp lamps[NEPH_GPU_LAMPS_MAX];
+    FogLook fog_look; // of a march that leaves the height fog to it (march_veil.glsl)
 } frame;
 
 // Upper bounds of the extinction (of extinction_color 1) per cell, x fastest [1/m].

@@ -35,10 +35,10 @@ MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
     pixel.transmittance = fraction_through(optical_depth);
     precise vec3 radiance = pixel.volume + pixel.transmittance * behind; // as rt_compose.comp does
     pixel.radiance = radiance;
-    if (HAS_SKY) { // the air is a medium
-        Behind air = sky_behind(hit, ray);
-        pixel.volume += pixel.transmittance * air.air;
-        pixel.transmittance *= air.through;
+    if (HAS_VEIL) { // of which the air is a medium, and fog as well
+        Behind all = veiled_behind(hit, ray);
+        pixel.volume += pixel.transmittance * all.veil;
+        pixel.transmittance *= all.through;
     }
     pixel.eye_depth_m = hit_eye_depth_m(hit, ray);
     pixel.volume_distance_m = view_distance_m(sums);
@@ -69,7 +69,7 @@ void main()
 
     Sums sums = sums_at_start(thread);
     // With a closed-form transmittance and no light of the media there is nothing to march for.
-    if (!IS_SOLVED || HAS_SKY || own(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
+    if (!IS_SOLVED || HAS_VEIL || own(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
         march(ray, hit.t_m, 0.5, sums);
 
     if (run.end_step < own(frame.steps))

@@ -222,9 +222,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
                          through;
         if (own(frame.emits) != 0)
             scattered += mixture.glow * fraction_lost(step_depth) * through;
-        if (HAS_SKY && step_depth != vec3(0.0))
-            scattered = behind_air(ray.direction, point_distance_m, scattered,
-                                   through * fraction_lost(step_depth));
+        if (HAS_VEIL && step_depth != vec3(0.0))
+            scattered = behind_veil(ray.direction, point_distance_m, scattered,
+                                    through * fraction_lost(step_depth));
         sums_add(sums, scattered, step_depth);
     }
 }
@@ -284,8 +284,8 @@ vec3 view_scattered(Sums sums, vec3 optical_depth, ViewRay ray, vec2 place_px)
         scattered *= fraction_lost(optical_depth);
     if (LIGHTING == TRACED) {
         vec3 higher = fraction_lost(optical_depth) * higher_light(place_px);
-        if (HAS_SKY)
-            higher = behind_air(ray.direction, view_distance_m(sums), higher, vec3(0.0));
+        if (HAS_VEIL)
+            higher = behind_veil(ray.direction, view_distance_m(sums), higher, vec3(0.0));
         scattered += higher;
     }
     return scattered;
@@ -311,10 +311,10 @@ vec3 surface_radiance(Hit hit, vec3 point_m)
     return radiance;
 }
 
-// What lies behind all media under a sky: all of it, what the air adds to it, and what comes
-// through the air.
+// What lies behind all media and is veiled: all of it, what the veil adds to it, and what comes
+// through the veil.
 struct Behind {
-    vec3 radiance, air, through;
+    vec3 radiance, veil, through;
 };
 
 // From the sky and the ground around, to a solid: the first of them is the ground, whose own is
@@ -352,13 +352,31 @@ Behind sky_behind(Hit hit, ViewRay ray)
     return Behind(added + all.transmittance * radiance, added, all.transmittance);
 }
 
+vec3 clear_radiance_behind(Hit hit, ViewRay ray)
+{
+    return hit.solid == NO_SOLID ? frame.background
+                                 : surface_radiance(hit, view_point_m(ray, hit.t_m));
+}
+
+Behind veiled_behind(Hit hit, ViewRay ray)
+{
+    Behind all = Behind(vec3(0.0), vec3(0.0), vec3(1.0));
+    if (HAS_SKY)
+        all = sky_behind(hit, ray);
+    else
+        all.radiance = clear_radiance_behind(hit, ray);
+    if (HAS_FOG_LOOK) {
+        Veil fog = fog_veil(ray.direction, hit.t_m);
+        Veil veil = veil_before(fog, Veil(all.veil, all.through));
+        all = Behind(fog.light + fog.through * all.radiance, veil.light, veil.through);
+    }
+    return all;
+}
+
 // What lies behind all media.
 vec3 radiance_behind(Hit hit, ViewRay ray)
 {
-    if (HAS_SKY)
-        return sky_behind(hit, ray).radiance;
-    return hit.solid == NO_SOLID ? frame.background
-                                 : surface_radiance(hit, view_point_m(ray, hit.t_m));
+    return HAS_VEIL ? veiled_behind(hit, ray).radiance : clear_radiance_behind(hit, ray);
 }
 
 // Rays begin on the plane through the camera.

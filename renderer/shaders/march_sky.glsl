@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // A march under the sky of a planet (renderer/sky/tables.h): the air is no medium of the march, and
-// comes from tables. What the march finds at a distance is seen through the air before it: it loses
-// what that takes, and the air adds its own light, as far as the place hides what is behind it. As
-//
-//   L = sum_i T_i (1 - e^-dtau_i) (A(t_i) + T_air(t_i) J_i) + T (A(D) + T_air(D) L_behind)
-//
-// this is the transport equation of air and media together, with A(t) = integral of T_air j_air up
-// to t: by parts, the integral of T dA is T(D) A(D) less that of A dT. So no order of layers needs
-// to be known, and where a medium is cut in two, nothing changes. What it leaves out: media cast no
-// shadow on the air, and scatter no light to it.
+// comes from tables. What lies between the camera and a place is among what veils it
+// (march_veil.glsl).
 #ifndef NEPH_MARCH_SKY_GLSL
 #define NEPH_MARCH_SKY_GLSL
 
@@ -36,24 +29,6 @@ SkySpot sky_spot(vec3 point_m)
     vec3 vertical = normalize(camera.vertical * r_m + point_m);
     return SkySpot(vertical, max(0.0, globe_altitude_m(globe, point_m)),
                    dot(vertical, to_sun()));
-}
-
-// Sunlight that comes to a place through the air alone [W/m^2].
-vec3 sun_at(vec3 point_m)
-{
-    vec3 irradiance = frame.sun_irradiance;
-    if (HAS_SKY) {
-        SkySpot spot = sky_spot(point_m);
-        irradiance *= sky_sun_transmittance(spot.altitude_m, spot.sun_cosine);
-    }
-    return irradiance;
-}
-
-// Radiance seen through the air before it.
-vec3 behind_air(vec3 direction, float distance_m, vec3 radiance, vec3 opacity)
-{
-    SkyVeil veil = sky_veil(direction, distance_m);
-    return veil.through * radiance + frame.sun_irradiance * veil.light * opacity;
 }
 
 // Irradiance of a surface by the sky and the ground around it: moments of the field by the cosine's

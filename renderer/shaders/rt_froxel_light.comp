@@ -98,8 +98,8 @@ vec4 light_of(ivec3 froxel)
     Mixture mixture = mixture_at(point_m);
     float extinction_per_m = mean_extinction_per_m(mixture, ray, reach);
     vec3 light = scattered_per_m(mixture, ray, point_m, reach, extinction_per_m);
-    if (HAS_SKY) // as in a step of the march
-        light = behind_air(ray.direction, distance_m, light, vec3(extinction_per_m));
+    if (HAS_VEIL) // as in a step of the march
+        light = behind_veil(ray.direction, distance_m, light, vec3(extinction_per_m));
     return vec4(light, extinction_per_m);
 }
 

@@ -60,7 +60,10 @@ void meet_solids(inout SightLine picture, inout SightLine steady)
 void main()
 {
     uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
-    ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
+    int ray = int(run.first_ray + thread);
+    if (KNOWN_SOLIDS != 0u)
+        ray = spread(ray, view_size().x * view_size().y);
+    ivec2 pixel = element_at(ray, view_size().x);
     Camera camera = frame_camera();
     vec3 background = frame.background;
     SightLine picture = sight_line(camera, vec2(pixel) + 0.5 + jitter_px);
@@ -73,7 +76,7 @@ void main()
     bool is_sky = picture.hit.solid == NO_SOLID;
     put_full(RT_DEPTH, pixel, vec4(hit_eye_depth_m(picture.hit, picture.ray)));
     put_full(RT_BEHIND, pixel,
-             vec4(is_sky && !HAS_SKY ? background : radiance_behind(picture.hit, picture.ray),
+             vec4(is_sky && !HAS_VEIL ? background : radiance_behind(picture.hit, picture.ray),
                   0.0));
     put_full(RT_STEADY_DEPTH, pixel, vec4(hit_eye_depth_m(steady.hit, steady.ray)));
     count_cost();

@@ -79,6 +79,20 @@ layout(std430, binding = SKY_BINDING + 1) readonly buffer SkyNodes {
     vec4 sky_nodes[];
 };
 
+// Kernels of tables are made for so many layers and moments: their loops have no turns to count,
+// and what these fill lies in registers. Others read how many there are.
+#ifdef SKY_IS_KNOWN
+#define SKY_UNROLL [[unroll]]
+layout(constant_id = 0) const uint SKY_LAYERS = 1u;
+layout(constant_id = 1) const uint SKY_DEGREE = 0u;
+uint sky_layers() { return SKY_LAYERS; }
+uint sky_degree() { return SKY_DEGREE; }
+#else
+#define SKY_UNROLL
+uint sky_layers() { return air.layer_count; }
+uint sky_degree() { return air.degree; }
+#endif
+
 vec3 sky_sun_node(uint index) { return sky_nodes[index].rgb; }
 vec3 sky_field_node(uint index) { return sky_nodes[air.field_first + index].rgb; }
 
@@ -142,7 +156,7 @@ vec3 sky_sun_transmittance(float altitude_m, float sun_cosine)
                mix(sky_sun_node(high), sky_sun_node(high + 1u), x), y);
 }
 
-uint sky_moments() { return (air.degree + 1u) * (air.degree + 2u) / 2u; }
+uint sky_moments() { return (sky_degree() + 1u) * (sky_degree() + 2u) / 2u; }
 
 float sky_among_suns(float sun_cosine, out uint low)
 {
@@ -169,21 +183,46 @@ struct SkyRay {
     float phases[NEPH_GPU_MEDIA_MAX]; // of the layers, at that angle
 };
 
-// A part of a ray on which it rises or falls all the way, seen from its lower end.
-struct SkyLeg {
-    bool falls;
-    float low_m, climb_m; // altitude of the lower end, and how much higher the other one is
-    float rise_m;         // radius times |cosine| at the lower end
-    float low_t_m;        // where on the ray that is
+// The part of a ray that is in the air: down to its lowest place and up from there, as seen there.
+struct SkyPath {
+    float low_m, low_t_m;  // altitude of that place, and where on the ray it is
+    float rise_m;          // radius times |cosine| there
+    float fall_m, climb_m; // how far it comes down to there, and goes up from there
+    uint falls, climbs;    // in so many steps
+    float length_m;        // to the ground; FAR_M: there is none
 };
 
-// Distance from the lower end of a leg to where it has climbed.
-float sky_distance_m(SkyLeg leg, float climb_m)
+// Distance from the lowest place to where the path has climbed.
+float sky_distance_m(SkyPath path, float climb_m)
 {
-    float growth_m2 = climb_m * (2.0 * (air.radius_m + leg.low_m) + climb_m);
+    float growth_m2 = climb_m * (2.0 * (air.radius_m + path.low_m) + climb_m);
     return growth_m2 > 0.0
-               ? growth_m2 / (leg.rise_m + sqrt(leg.rise_m * leg.rise_m + growth_m2))
+               ? growth_m2 / (path.rise_m + sqrt(path.rise_m * path.rise_m + growth_m2))
                : 0.0;
+}
+
+// To the ground; FAR_M: the ray meets none.
+float sky_length_m(SkyRay ray)
+{
+    float rise_m = (air.radius_m + ray.altitude_m) * ray.cosine;
+    float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
+    return rise_m < 0.0 && slant_m2 >= 0.0 ? above_m2 / (sqrt(slant_m2) - rise_m) : FAR_M;
+}
+
+SkyPath sky_path(SkyRay ray, uint steps)
+{
+    float r_m = air.radius_m + ray.altitude_m, rise_m = r_m * ray.cosine;
+    float slant_m2 = rise_m * rise_m - sky_growth_m2(ray.altitude_m);
+    float high_m = min(ray.altitude_m, air.top_m), length_m = sky_length_m(ray);
+    if (length_m < FAR_M)
+        return SkyPath(0.0, length_m, sqrt(slant_m2), high_m, 0.0, steps, 0u, length_m);
+    bool turns = rise_m < 0.0;
+    float low_m = ray.altitude_m;
+    if (turns)
+        low_m -= rise_m * rise_m / (r_m + sqrt((r_m - rise_m) * (r_m + rise_m)));
+    uint of_leg = low_m >= air.top_m ? 0u : turns ? (steps + 1u) / 2u : steps;
+    return SkyPath(low_m, turns ? -rise_m : 0.0, turns ? 0.0 : rise_m, high_m - low_m,
+                   air.top_m - low_m, turns ? of_leg : 0u, of_leg, FAR_M);
 }
 
 // --- what is scattered --------------------------------------------------------------------------
@@ -205,9 +244,9 @@ vec3 sky_scatter_field(float altitude_m, float sun_cosine, float x, float z,
     uint low = (j * air.suns + i) * count, high = low + air.suns * count;
     float across2 = max(0.0, 1.0 - z * z), wave = 1.0, before = 0.0, start = 1.0;
     vec3 source = vec3(0.0);
-    for (uint m = 0u; m <= air.degree; m++) {
+    SKY_UNROLL for (uint m = 0u; m <= sky_degree(); m++) {
         float legendre = start, lower = 0.0;
-        for (uint l = m; l <= air.degree; l++) {
+        SKY_UNROLL for (uint l = m; l <= sky_degree(); l++) {
             uint k = l * (l + 1u) / 2u + m;
             vec3 moment = mix(mix(sky_field_node(low + k), sky_field_node(low + count + k), along),
                               mix(sky_field_node(high + k), sky_field_node(high + count + k),
@@ -243,12 +282,12 @@ void sky_step(SkyRay ray, float altitude_m, float cosine, float sun_cosine, floa
     vec3 by_degree[NEPH_GPU_SKY_DEGREE_MAX + 1];
     for (uint l = 0u; l <= NEPH_GPU_SKY_DEGREE_MAX; l++)
         by_degree[l] = vec3(0.0);
-    for (uint n = 0u; n < air.layer_count; n++) {
+    SKY_UNROLL for (uint n = 0u; n < sky_layers(); n++) {
         float density = sky_density(air.layers[n], altitude_m);
         vec3 scattering_per_m = density * air.layers[n].scattering_per_m;
         extinction_per_m += density * air.layers[n].extinction_per_m;
         source += ray.phases[n] * scattering_per_m;
-        for (uint l = 0u; l <= air.degree; l++)
+        SKY_UNROLL for (uint l = 0u; l <= sky_degree(); l++)
             by_degree[l] += air.layers[n].legendre[l] * scattering_per_m;
     }
     source *= scatters ? sky_sun_transmittance(altitude_m, sun_cosine) : vec3(0.0);
@@ -264,21 +303,25 @@ void sky_step(SkyRay ray, float altitude_m, float cosine, float sun_cosine, floa
     light.transmittance *= transmittance(depth);
 }
 
-void sky_walk_leg(SkyRay ray, SkyLeg leg, uint steps, bool scatters, bool has_field,
-                  inout SkyLight light)
+// Steps of a path, from one to before another.
+void sky_walk_steps(SkyRay ray, SkyPath path, uint first, uint end, bool scatters, bool has_field,
+                    inout SkyLight light)
 {
     float sun_m = (air.radius_m + ray.altitude_m) * ray.sun_cosine;
-    for (uint i = 0u; i < steps; i++) {
-        uint k = leg.falls ? steps - 1u - i : i;
+    for (uint i = first; i < end; i++) {
+        bool falls = i < path.falls;
+        uint steps = falls ? path.falls : path.climbs;
+        uint k = falls ? steps - 1u - i : i - path.falls;
+        float whole_m = falls ? path.fall_m : path.climb_m;
         float x0 = float(k) / float(steps), x1 = float(k + 1u) / float(steps);
-        float x = 0.5 * (x0 + x1), climb_m = leg.climb_m * x * x;
-        float length_m = sky_distance_m(leg, leg.climb_m * x1 * x1) -
-                         sky_distance_m(leg, leg.climb_m * x0 * x0);
-        float from_low_m = sky_distance_m(leg, climb_m);
-        float r_m = air.radius_m + leg.low_m + climb_m;
-        float t_m = leg.low_t_m + (leg.falls ? -from_low_m : from_low_m);
-        float cosine = (leg.rise_m + from_low_m) / r_m;
-        sky_step(ray, leg.low_m + climb_m, leg.falls ? -cosine : cosine,
+        float x = 0.5 * (x0 + x1), climb_m = whole_m * x * x;
+        float length_m = sky_distance_m(path, whole_m * x1 * x1) -
+                         sky_distance_m(path, whole_m * x0 * x0);
+        float from_low_m = sky_distance_m(path, climb_m);
+        float r_m = air.radius_m + path.low_m + climb_m;
+        float t_m = path.low_t_m + (falls ? -from_low_m : from_low_m);
+        float cosine = (path.rise_m + from_low_m) / r_m;
+        sky_step(ray, path.low_m + climb_m, falls ? -cosine : cosine,
                  (sun_m + t_m * ray.toward_sun) / r_m, length_m, scatters, has_field, light);
     }
 }
@@ -293,43 +336,15 @@ void sky_add_ground(SkyRay ray, bool has_field, inout SkyLight light)
     light.radiance += light.transmittance * air.ground_albedo / PI * irradiance;
 }
 
-// To the ground; FAR_M: the ray meets none.
-float sky_length_m(SkyRay ray)
-{
-    float rise_m = (air.radius_m + ray.altitude_m) * ray.cosine;
-    float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
-    return rise_m < 0.0 && slant_m2 >= 0.0 ? above_m2 / (sqrt(slant_m2) - rise_m) : FAR_M;
-}
-
 // Light of a sun of irradiance 1. `scatters`: media scatter its light; `has_field`: and all that
 // was scattered before.
 SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
 {
-    SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), FAR_M);
-    float r_m = air.radius_m + ray.altitude_m, rise_m = r_m * ray.cosine;
-    float above_m2 = sky_growth_m2(ray.altitude_m), slant_m2 = rise_m * rise_m - above_m2;
-    float high_m = min(ray.altitude_m, air.top_m), low_m = ray.altitude_m;
-    light.length_m = sky_length_m(ray);
-    bool grounded = light.length_m < FAR_M, turns = rise_m < 0.0 && !grounded;
-    SkyLeg leg = SkyLeg(false, low_m, 0.0, rise_m, 0.0);
-    if (grounded) {
-        leg = SkyLeg(true, 0.0, high_m, sqrt(slant_m2), light.length_m);
-    } else if (turns) {
-        low_m -= rise_m * rise_m / (r_m + sqrt((r_m - rise_m) * (r_m + rise_m)));
-        leg = SkyLeg(true, low_m, high_m - low_m, 0.0, -rise_m);
-    }
-    uint steps_of_leg = turns ? (steps + 1u) / 2u : steps;
-    if (low_m < air.top_m || grounded) {
-        if (leg.falls)
-            sky_walk_leg(ray, leg, steps_of_leg, scatters, has_field, light);
-        if (!grounded) {
-            leg.falls = false;
-            leg.climb_m = air.top_m - low_m;
-            sky_walk_leg(ray, leg, steps_of_leg, scatters, has_field, light);
-        }
-    }
+    SkyPath path = sky_path(ray, steps);
+    SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), path.length_m);
+    sky_walk_steps(ray, path, 0u, path.falls + path.climbs, scatters, has_field, light);
     light.radiance = light.volume;
-    if (grounded)
+    if (path.length_m < FAR_M)
         sky_add_ground(ray, has_field, light);
     return light;
 }
@@ -337,7 +352,7 @@ SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
 // Phases of all layers between two unit vectors.
 void sky_find_phases(inout SkyRay ray, vec3 view, vec3 sun)
 {
-    for (uint n = 0u; n < air.layer_count; n++)
+    SKY_UNROLL for (uint n = 0u; n < sky_layers(); n++)
         ray.phases[n] = phase_per_sr(air.layers[n].phase_kind, air.layers[n].g, view, sun);
 }
 

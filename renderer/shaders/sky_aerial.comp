@@ -1,20 +1,31 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Fills the air before the camera (sky_aerial.glsl): a thread is a column of froxels, which it
-// walks from the camera on, in two steps a slice. Where something throws shadows on the air,
+// Fills the air before the camera (sky_aerial.glsl): a thread is a slice of a column of froxels,
+// which it walks in two steps as if it began there; 32 slices of a column are done at once, put one
+// behind the other, and followed by the next 32. Where something throws shadows on the air,
 // sky_sunlit.comp has left in place of the shade how much of the sun each slice sees. Columns that
 // meet the ground go on below it, in air as it is at the ground, so that there is something to
 // interpolate to.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
+#define SKY_IS_KNOWN
 #define SKY_IS_FILLED
 #include "sky_aerial.glsl"
 #include "sky_view.glsl"
 
 layout(local_size_x = 64) in;
 
-const uint STEPS_OF_SLICE = 2;
+const uint STEPS_OF_SLICE = 2, AT_ONCE = NEPH_GPU_SKY_SLICES_AT_ONCE;
+
+// What a part of a column adds: all light, that of it which is scattered once, what shadows take of
+// the latter; and what comes through.
+struct Part {
+    vec3 light, once, shade_of_once, through;
+};
+
+shared Part parts[gl_WorkGroupSize.x];
 
 // A stretch of the column, seen from its middle.
 struct Stretch {
@@ -51,37 +62,59 @@ vec3 shade_of_all(vec3 light, vec3 once, vec3 shade_of_once)
     return min(shade_of_once + IN_SHADE * part * max(light - once, vec3(0.0)), light);
 }
 
+Part part_of(SkyRay ray, uint slice, vec3 sunlit)
+{
+    float near_m = sky_slice_m(slice - 1u), far_m = sky_slice_m(slice);
+    SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), FAR_M);
+    Part part = Part(vec3(0.0), vec3(0.0), vec3(0.0), vec3(1.0));
+    for (uint k = 0u; k < STEPS_OF_SLICE; k++) {
+        Stretch stretch = stretch_of(ray, mix(near_m, far_m, float(k) / float(STEPS_OF_SLICE)),
+                                     mix(near_m, far_m, float(k + 1u) / float(STEPS_OF_SLICE)));
+        if (stretch.altitude_m >= air.top_m)
+            continue;
+        if (eye.is_shaded != 0u)
+            part.once += light_once(ray, stretch, light.transmittance);
+        sky_step(ray, stretch.altitude_m, stretch.cosine, stretch.sun_cosine, stretch.length_m,
+                 eye.scatters != 0u, eye.has_field != 0u, light);
+    }
+    return Part(light.volume, part.once, (1.0 - sunlit) * part.once, light.transmittance);
+}
+
+Part before(Part near, Part far)
+{
+    return Part(near.light + near.through * far.light, near.once + near.through * far.once,
+                near.shade_of_once + near.through * far.shade_of_once,
+                near.through * far.through);
+}
+
+void keep(uint node, Part all)
+{
+    vec3 light = max(all.light, vec3(0.0));
+    vec3 shade = shade_of_all(light, all.once, all.shade_of_once);
+    sky_nodes[node + VEIL_LIGHT] = vec4(light - shade, 0.0);
+    sky_nodes[node + VEIL_THROUGH] = vec4(all.through, 0.0);
+    sky_nodes[node + VEIL_SHADE] = vec4(shade, 0.0);
+}
+
 void main()
 {
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= eye.aerial_columns * eye.aerial_rows)
-        return;
+    uint index = gl_GlobalInvocationID.x / AT_ONCE, own = gl_LocalInvocationIndex % AT_ONCE;
+    uint first = gl_LocalInvocationIndex - own; // of the column's threads
     uint column = index % eye.aerial_columns, row = index / eye.aerial_columns;
+    bool is_there = row < eye.aerial_rows;
     SkyRay ray = sky_ray_along(eye.places[0], sky_aerial_direction(column, row));
-    SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), FAR_M);
-    vec3 once = vec3(0.0), shade_of_once = vec3(0.0);
-    for (uint slice = 1u; slice <= eye.aerial_slices; slice++) {
-        float near_m = sky_slice_m(slice - 1u), far_m = sky_slice_m(slice);
-        uint node = sky_aerial_node(column, row, slice);
-        vec3 sunlit = eye.is_shaded != 0u ? sky_nodes[node + VEIL_SHADE].rgb : vec3(1.0);
-        for (uint k = 0u; k < STEPS_OF_SLICE; k++) {
-            Stretch stretch = stretch_of(ray, mix(near_m, far_m, float(k) / float(STEPS_OF_SLICE)),
-                                         mix(near_m, far_m,
-                                             float(k + 1u) / float(STEPS_OF_SLICE)));
-            if (stretch.altitude_m >= air.top_m)
-                continue;
-            vec3 of_stretch = vec3(0.0);
-            if (eye.is_shaded != 0u)
-                of_stretch = light_once(ray, stretch, light.transmittance);
-            once += of_stretch;
-            shade_of_once += (1.0 - sunlit) * of_stretch;
-            sky_step(ray, stretch.altitude_m, stretch.cosine, stretch.sun_cosine, stretch.length_m,
-                     eye.scatters != 0u, eye.has_field != 0u, light);
+    Part all = Part(vec3(0.0), vec3(0.0), vec3(0.0), vec3(1.0));
+    for (uint done = 0u; done < eye.aerial_slices; done += AT_ONCE) {
+        uint slice = done + own + 1u, node = sky_aerial_node(column, row, slice);
+        bool is_kept = is_there && slice <= eye.aerial_slices;
+        vec3 sunlit = is_kept && eye.is_shaded != 0u ? sky_nodes[node + VEIL_SHADE].rgb : vec3(1.0);
+        parts[gl_LocalInvocationIndex] = part_of(ray, slice, sunlit);
+        barrier();
+        for (uint k = 0u; k < AT_ONCE; k++) {
+            all = before(all, parts[first + k]);
+            if (k == own && is_kept)
+                keep(node, all);
         }
-        vec3 all = max(light.volume, vec3(0.0));
-        vec3 shade = shade_of_all(all, once, shade_of_once);
-        sky_nodes[node + VEIL_LIGHT] = vec4(all - shade, 0.0);
-        sky_nodes[node + VEIL_THROUGH] = vec4(light.transmittance, 0.0);
-        sky_nodes[node + VEIL_SHADE] = vec4(shade, 0.0);
+        barrier();
     }
 }

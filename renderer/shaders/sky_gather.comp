@@ -3,7 +3,9 @@
 //
 // A pass over the field, first half: a thread is the light that comes to a node from a direction.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
+#define SKY_IS_KNOWN
 #include "sky_gather.glsl"
 
 layout(local_size_x = 64) in;

@@ -4,7 +4,9 @@
 // What a camera sees of a planet and its sky: a thread is a pixel, which walks its ray or looks
 // into the table of views.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
+#define SKY_IS_KNOWN
 #include "sky_view.glsl"
 
 layout(local_size_x = 64) in;

@@ -4,7 +4,9 @@
 // A pass over the field, second half: a thread is a moment of a node, and behind those the
 // irradiance of the ground under a sun.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
+#define SKY_IS_KNOWN
 #define SKY_IS_FILLED
 #include "sky_gather.glsl"
 

@@ -3,7 +3,9 @@
 //
 // The table of transmittance to the sun: a thread is a node (renderer/sky/sun_table.h).
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
+#define SKY_IS_KNOWN
 #define SKY_IS_FILLED
 #include "sky.glsl"
 #include "shell.glsl"
@@ -38,7 +40,7 @@ void main()
     vec3 direction = vec3(sqrt(max(0.0, 1.0 - cosine * cosine)), cosine, 0.0);
     Globe globe = Globe(vec3(0.0, 1.0, 0.0), r_m, altitude_m, air.radius_m);
     vec3 depth = vec3(0.0);
-    for (uint n = 0u; n < air.layer_count; n++)
+    SKY_UNROLL for (uint n = 0u; n < sky_layers(); n++)
         depth += air.layers[n].extinction_per_m * column_m(air.layers[n], globe, direction);
     sky_nodes[index] = vec4(transmittance(depth), 0.0);
 }

@@ -12,7 +12,7 @@ const uint SLICE_HIGHER = 0, SLICE_GROUND = 1, SLICE_THROUGH = 2, SLICES = 3;
 
 const float HORIZON_GAP_RAD = 1e-5;
 
-uint sky_slice_count() { return air.layer_count + SLICES; }
+uint sky_slice_count() { return sky_layers() + SLICES; }
 
 float sky_horizon_rad(SkyPlace place)
 {
@@ -63,9 +63,9 @@ float sky_way_m(float length_m)
 
 void sky_add_view(SkyRay ray, uint first, float weight, inout SkyLight light)
 {
-    uint others = first + air.layer_count;
+    uint others = first + sky_layers();
     vec3 volume = sky_nodes[others + SLICE_HIGHER].rgb;
-    for (uint n = 0u; n < air.layer_count; n++)
+    SKY_UNROLL for (uint n = 0u; n < sky_layers(); n++)
         volume += ray.phases[n] * sky_nodes[first + n].rgb;
     volume *= sky_way_m(light.length_m);
     light.volume += weight * volume;

@@ -23,7 +23,8 @@ static const char *obstacle_of_medium(const struct neph_medium *medium,
 {
     const bool is_tent = medium->kind == NEPH_MEDIUM_TENT;
     if (!is_tent && medium->kind != NEPH_MEDIUM_SHELL)
-        return "a medium that is no layer around a ball";
+        return "a medium that is no layer around a ball: march and realtime put air from tables "
+               "around such media with sky=tables";
     const struct neph_vec3 center_m = is_tent ? medium->tent.center_m : medium->shell.center_m;
     const double radius_m = is_tent ? medium->tent.radius_m : medium->shell.radius_m;
     if (!same_point(center_m, ground->center_m) || radius_m != ground->radius_m)

@@ -31,8 +31,11 @@ bool neph_sky_device_can(const struct neph_scene *scene, const struct neph_sky_p
     struct neph_sky_air air;
     if (!neph_sky_air_of(scene, &air, reason, reason_size))
         return false;
-    const char *obstacle = scene->solid_count > 1 ? "solids beside the ground, on a device"
-                                                  : neph_sky_tables_obstacle(scene, &air, params);
+    const char *obstacle =
+        scene->solid_count > 1
+            ? "solids beside the ground, on a device: engine march has them with "
+              "sky=tables, this one with on=cpu"
+            : neph_sky_tables_obstacle(scene, &air, params);
     if (obstacle)
         snprintf(reason, reason_size, "%s", obstacle);
     return !obstacle;
@@ -85,11 +88,12 @@ static size_t part_pixels(const struct neph_sky_pictures *pictures)
 
 static enum neph_status prepare(struct neph_sky_pictures *pictures, struct neph_diag *diag)
 {
-    const struct neph_kernel_params params = {.name = "sky_picture",
-                                              .spirv = picture_spirv,
-                                              .spirv_size_bytes = sizeof(picture_spirv),
-                                              .buffer_count = BUFFERS,
-                                              .push_size_bytes = sizeof(struct neph_gpu_sky_part)};
+    struct neph_kernel_params params = {.name = "sky_picture",
+                                        .spirv = picture_spirv,
+                                        .spirv_size_bytes = sizeof(picture_spirv),
+                                        .buffer_count = BUFFERS,
+                                        .push_size_bytes = sizeof(struct neph_gpu_sky_part)};
+    neph_sky_constants(&pictures->tables, &params);
     const size_t bytes = part_pixels(pictures) * sizeof(struct neph_gpu_sky_pixel);
     enum neph_status status = neph_buffer_create(pictures->vulkan, NEPH_BUFFER_DEVICE, bytes,
                                                  "sky pixels", &pictures->pixels, diag);

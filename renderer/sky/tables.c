@@ -279,15 +279,23 @@ static enum neph_status create_buffers(struct neph_sky_tables *tables, struct ne
                   : neph_turns_create(tables->vulkan, &tables->told, "sky", &tables->turns, diag);
 }
 
+void neph_sky_constants(const struct neph_sky_tables *tables, struct neph_kernel_params *kernel)
+{
+    kernel->constant_count = 2;
+    kernel->constants[0] = (uint32_t)tables->air.layer_count;
+    kernel->constants[1] = (uint32_t)tables->params.field.degree;
+}
+
 static enum neph_status get_kernels(struct neph_sky_tables *tables, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < NEPH_SKY_KERNELS && !status; i++) {
-        const struct neph_kernel_params params = {.name = kernels[i].name,
-                                                  .spirv = kernels[i].spirv,
-                                                  .spirv_size_bytes = kernels[i].bytes,
-                                                  .buffer_count = kernels[i].buffers,
-                                                  .push_size_bytes = kernels[i].push_bytes};
+        struct neph_kernel_params params = {.name = kernels[i].name,
+                                            .spirv = kernels[i].spirv,
+                                            .spirv_size_bytes = kernels[i].bytes,
+                                            .buffer_count = kernels[i].buffers,
+                                            .push_size_bytes = kernels[i].push_bytes};
+        neph_sky_constants(tables, &params);
         status = neph_kernel_get(tables->vulkan, &params, &tables->kernels[i], diag);
     }
     return status;
@@ -415,7 +423,8 @@ enum neph_status neph_sky_tables_look(struct neph_sky_tables *tables,
     enum neph_status status = tables->has_air ? NEPH_OK : fill_air(tables, &times->air_s, diag);
     if (status || tables->has_views)
         return status;
-    status = fill(tables, VIEW, told.eye.place_count * view_count(&tables->params) * parts,
+    status = fill(tables, VIEW,
+                  told.eye.place_count * view_count(&tables->params) * parts * NEPH_GPU_SKY_WALKERS,
                   &times->view_s, diag);
     tables->has_views = !status;
     return status;
@@ -426,8 +435,9 @@ enum neph_status neph_sky_tables_veil(struct neph_sky_tables *tables, struct nep
 {
     if (tables->has_aerial)
         return NEPH_OK;
-    const enum neph_status status = fill(tables, AERIAL, column_count(&tables->params),
-                                         &times->aerial_s, diag);
+    const enum neph_status status = fill(
+        tables, AERIAL, column_count(&tables->params) * NEPH_GPU_SKY_SLICES_AT_ONCE,
+        &times->aerial_s, diag);
     tables->has_aerial = !status;
     return status;
 }

@@ -56,6 +56,9 @@ enum neph_status neph_sky_tables_create(struct neph_vulkan *vulkan, const struct
                                         const struct neph_sky_params *params,
                                         struct neph_sky_tables *tables, struct neph_diag *diag);
 
+/* What kernels of tables are made for (SKY_IS_KNOWN of shaders/sky.glsl). */
+void neph_sky_constants(const struct neph_sky_tables *tables, struct neph_kernel_params *kernel);
+
 /* A zero one is fine. */
 void neph_sky_tables_destroy(struct neph_sky_tables *tables);
 

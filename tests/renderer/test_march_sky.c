@@ -428,11 +428,13 @@ static void test_froxels_are_seen_through_the_air(void **state)
 
 /* --- refusals --------------------------------------------------------------------------------- */
 
+static const struct neph_march_veils sky = {.sky = true};
+
 static void refuses(const struct neph_scene *scene, enum neph_march_lighting lighting,
                     const char *words)
 {
     char reason[256] = "";
-    assert_false(neph_march_can_render_under(scene, true, lighting, reason, sizeof(reason)));
+    assert_false(neph_march_can_render_under(scene, sky, lighting, reason, sizeof(reason)));
     if (!strstr(reason, words))
         print_error("no '%s' in '%s'\n", words, reason);
     assert_non_null(strstr(reason, words));
@@ -443,10 +445,9 @@ static void test_says_what_it_cannot(void **state)
     (void)state;
     char reason[256];
     struct neph_scene *scene = load_with_cloud(1.0, NEPH_SCATTERING_MULTIPLE);
-    assert_true(
-        neph_march_can_render_under(scene, true, NEPH_MARCH_TRACED, reason, sizeof(reason)));
-    assert_false(neph_march_can_render_under(scene, false, NEPH_MARCH_TRACED, reason,
-                                             sizeof(reason))); /* air has colour */
+    assert_true(neph_march_can_render_under(scene, sky, NEPH_MARCH_TRACED, reason, sizeof(reason)));
+    assert_false(neph_march_can_render(scene, NEPH_MARCH_TRACED, reason,
+                                       sizeof(reason))); /* air has colour */
     refuses(scene, NEPH_MARCH_SINGLE, "multiple scattering");
     refuses(scene, NEPH_MARCH_HORIZON, "Horizon");
     struct neph_scene other = *scene;

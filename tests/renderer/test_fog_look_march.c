@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The look of a height fog before, between and behind what is marched: against the exact light of a
+ * fog that only glows, whose look is physics, against the engine that draws nothing but looks, and
+ * pictures that must be the same.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/fog_look.h"
+#include "renderer/march.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
+#include "scenes/fog_translation.h"
+#include "truth/transport.h"
+
+enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
+
+/* Over ground, with a box far off; a thick blob ahead within the fog, a thin one above it. */
+static void set_stage(struct test_scene *test)
+{
+    test_scene_init(test);
+    test->key.position_m = (struct neph_vec3){3.0, 5.0, 20.0};
+    test->key.look_at_m = (struct neph_vec3){0.0, 12.0, -40.0};
+    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
+    test_add_box(test, (struct neph_vec3){10.0, 0.0, -220.0},
+                 (struct neph_vec3){60.0, 70.0, -200.0});
+    struct neph_medium *fog = test_add_medium(test, 0.01, 0.05, 0.0);
+    test_add_layer(fog, 0.02, 0.4, 0.0);
+    fog->albedo = make_grey(0.0);
+    fog->emission_w_per_m2_sr = (struct neph_rgb){0.5, 0.75, 1.0};
+    test_add(test, make_blob(0.08, (struct neph_vec3){-20.0, 20.0, -90.0}, 12.0));
+    test_add(test, make_blob(0.02, (struct neph_vec3){15.0, 45.0, -110.0}, 15.0));
+    test->scene.fog_look = neph_fog_look_of_physics(&test->scene, fog);
+}
+
+static struct neph_march_params params_of(int fog)
+{
+    return (struct neph_march_params){.width_px = WIDTH,
+                                      .height_px = HEIGHT,
+                                      .steps = 256,
+                                      .lighting = NEPH_MARCH_SINGLE,
+                                      .fog = neph_fog_for_march(fog)};
+}
+
+static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                 const struct neph_march_params *params)
+{
+    struct neph_march *march = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_march_create(vulkan, scene, params, &march, &diag), &diag);
+    neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &image, NULL, &diag), &diag);
+    neph_march_destroy(march);
+    return image;
+}
+
+/* Mean over pixels of |a - b| over that of b. */
+static double distance(const float *a, const float *b)
+{
+    double off = 0.0, sum = 0.0;
+    for (int i = 0; i < PIXELS; i++) {
+        off += fabs((double)a[i] - (double)b[i]);
+        sum += (double)b[i];
+    }
+    return off / sum;
+}
+
+static double channel_distance(const struct neph_image *a, const struct neph_image *b,
+                               const char *channel)
+{
+    return distance(neph_image_channel(a, channel), neph_image_channel(b, channel));
+}
+
+/* A fog that takes light and gives its own, and clouds in it and over it that scatter what it
+ * leaves of the sun: with its look the march is `exact`, as it is with the fog as a medium. */
+static void test_a_glowing_fog_and_clouds_are_exact(void **state)
+{
+    struct test_scene test;
+    set_stage(&test);
+    const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
+    float radiance[PIXELS], through[PIXELS];
+    for (int i = 0; i < PIXELS; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                          i / WIDTH);
+        const struct neph_ray_light light = neph_transport_ray(&test.scene, ray.origin_m,
+                                                               ray.direction);
+        radiance[i] = (float)light.radiance.g;
+        through[i] = (float)light.transmittance.g;
+    }
+    for (int fog = 0; fog < 2; fog++) {
+        const struct neph_march_params params = params_of(fog);
+        struct neph_image *image = render(*state, &test.scene, &params);
+        const double off = distance(neph_image_channel(image, "G"), radiance);
+        print_message("fog as a %s: off by %.2g\n", fog ? "look" : "medium", off);
+        assert_true(off < (fog ? 1e-5 : 5e-3)); /* the fog's own steps are longer than clouds' */
+        assert_true(distance(neph_image_channel(image, "transmittance.G"), through) < 1e-5);
+        neph_image_destroy(image);
+    }
+}
+
+/* A medium cut in two of half the extinction each. */
+static void cut_in_two(struct neph_scene *scene, int medium)
+{
+    scene->media[medium].extinction_per_m *= 0.5;
+    scene->media[scene->medium_count++] = scene->media[medium];
+}
+
+static void swap(struct neph_medium *a, struct neph_medium *b)
+{
+    const struct neph_medium c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* Clouds cut in two, media the other way round, the fog's layers the other way round, every control
+ * but those of places off: the same picture, to the roundings of sums in another order. */
+static void test_any_order_of_layers_is_the_same(void **state)
+{
+    struct test_scene test;
+    set_stage(&test);
+    test.scene.fog_look.max_opacity = 0.8;
+    test.scene.fog_look.directional_w_per_m2_sr = make_grey(0.5);
+    const struct neph_march_params params = params_of(1);
+    struct neph_image *whole = render(*state, &test.scene, &params);
+    struct neph_medium *media = test.scene.media;
+    cut_in_two(&test.scene, 1);
+    cut_in_two(&test.scene, 2);
+    swap(&media[0], &media[4]);
+    swap(&media[1], &media[2]);
+    const struct neph_fog_layer layer = media[4].layers[0];
+    media[4].layers[0] = media[4].layers[1];
+    media[4].layers[1] = layer;
+    struct neph_image *cut = render(*state, &test.scene, &params);
+    const double off = channel_distance(cut, whole, "G");
+    print_message("cut and turned round: off by %.2g\n", off);
+    assert_true(off < 3e-6);
+    neph_image_destroy(cut);
+    neph_image_destroy(whole);
+}
+
+static struct neph_scene *load(const char *name)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    char path[512];
+    snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/catalog/%s.yaml", name);
+    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
+    return scene;
+}
+
+static struct neph_image *look_at(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                  enum neph_fog_model model)
+{
+    const struct neph_fog_look_params params = {
+        .width_px = WIDTH, .height_px = HEIGHT, .look = scene->fog_look, .model = model};
+    struct neph_fog_looks *looks = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    double gpu_s;
+    neph_assert_ok(neph_fog_looks_create(vulkan, scene, &params, &looks, &diag), &diag);
+    neph_assert_ok(neph_fog_looks_frame(looks, scene, 0.0, &image, &gpu_s, &diag), &diag);
+    neph_fog_looks_destroy(looks);
+    return image;
+}
+
+/* Without clouds it is engine fog_look's picture, with every control that the scenes have. */
+static void test_without_clouds_it_is_the_look(void **state)
+{
+    static const struct {
+        const char *scene;
+        enum neph_fog_model model;
+    } looks[] = {{"fog_look_evening", NEPH_FOG_UNREAL},
+                 {"fog_look_ridge", NEPH_FOG_UNREAL},
+                 {"fog_look_ridge", NEPH_FOG_FILAMENT}};
+    for (size_t n = 0; n < sizeof(looks) / sizeof(looks[0]); n++) {
+        struct neph_scene *scene = load(looks[n].scene);
+        const struct neph_march_params params = params_of(1 + (int)looks[n].model);
+        struct neph_image *marched = render(*state, scene, &params),
+                          *look = look_at(*state, scene, looks[n].model);
+        assert_true(channel_distance(marched, look, "R") < 1e-5);
+        assert_true(channel_distance(marched, look, "volume.B") < 1e-5);
+        assert_true(channel_distance(marched, look, "transmittance.G") < 1e-5);
+        neph_image_destroy(look);
+        neph_image_destroy(marched);
+        neph_scene_destroy(scene);
+    }
+}
+
+/* ---- in real time ---------------------------------------------------------------------------- */
+
+static struct neph_image *render_realtime(struct neph_vulkan *vulkan,
+                                          const struct neph_scene *scene, const char *const *words)
+{
+    struct neph_settings settings;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, "off", &settings, &diag),
+        &diag);
+    for (; *words; words++)
+        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", *words, &settings, &diag),
+                       &diag);
+    const struct neph_realtime_params params = {
+        .width_px = WIDTH, .height_px = HEIGHT, .settings = &settings, .seed = 7};
+    const struct neph_realtime_frame picture = {scene, 0, NULL};
+    struct neph_realtime *realtime = NULL;
+    struct neph_image *image = NULL;
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+    neph_realtime_destroy(realtime);
+    return image;
+}
+
+/* Without a split it is the march; of a ray for sixteen pixels what clouds send is as coarse, and
+ * what is behind them is not. Clouds all in froxels are seen through the fog, too. */
+static void test_realtime_has_the_same_fog(void **state)
+{
+    static const char *const whole[] = {"split=none", "fog=unreal", "steps=256", NULL};
+    static const char *const split[] = {"split=four", "ray_dither=none", "upscale_dither=none",
+                                        "fog=unreal", "steps=64",        NULL};
+    static const char *const froxels[] = {"split=four",
+                                          "ray_dither=none",
+                                          "upscale_dither=none",
+                                          "fog=unreal",
+                                          "steps=16",
+                                          "froxels=on",
+                                          "froxel_px=1",
+                                          "froxel_near_m=100",
+                                          "froxel_slices=128",
+                                          "froxel_end_m=400",
+                                          "froxel_history=0",
+                                          "froxel_jitter=off",
+                                          NULL};
+    const struct {
+        const char *const *words;
+        bool has_clouds;
+        double most;
+    } cases[] = {{froxels, true, 1e-3}, {whole, true, 1e-6}, {split, false, 1e-3}};
+    for (int n = 0; n < neph_test_by_day(1, 3); n++) {
+        struct test_scene test;
+        set_stage(&test);
+        if (!cases[n].has_clouds)
+            test.scene.medium_count = 1;
+        const struct neph_march_params params = params_of(1);
+        struct neph_image *marched = render(*state, &test.scene, &params),
+                          *image = render_realtime(*state, &test.scene, cases[n].words);
+        const double off = channel_distance(image, marched, "G");
+        print_message("fog in real time, %s: off by %.2g\n", cases[n].words[0], off);
+        assert_true(off < cases[n].most);
+        neph_image_destroy(image);
+        neph_image_destroy(marched);
+    }
+}
+
+/* ---- with the air of a planet ---------------------------------------------------------------- */
+
+/* Black fog over the Earth's ground takes its part of what the sky's picture is without it; fog
+ * that glows adds its own, which no air dims. */
+static void test_fog_before_the_sky(void **state)
+{
+    struct neph_scene *scene = load("sky_earth");
+    struct neph_march_params params = params_of(0);
+    params.steps = 8;
+    params.sky = neph_sky_for_march((struct neph_march_sky_choices){true, false, 8, 8, 8, 6e4, 0});
+    params.sky.tables.field.altitudes = 6;
+    params.sky.tables.field.suns = 16;
+    params.sky.tables.field.orders = 1;
+    scene->scattering = NEPH_SCATTERING_SINGLE;
+    struct neph_image *clear = render(*state, scene, &params);
+    scene->media[scene->medium_count++] = make_height_fog(1e-4, 0.01);
+    scene->fog_look = neph_fog_look_only(&(struct neph_fog_look){.present = true}, 0);
+    scene->fog_look.inscattering_w_per_m2_sr.g = 0.5;
+    params.fog = neph_fog_for_march(1);
+    struct neph_image *fogged = render(*state, scene, &params);
+    const float *clear_r = neph_image_channel(clear, "R"),
+                *clear_g = neph_image_channel(clear, "G"), *r = neph_image_channel(fogged, "R"),
+                *g = neph_image_channel(fogged, "G");
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    int skies = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                          i / WIDTH);
+        if (isfinite(neph_image_channel(fogged, "Z")[i]))
+            continue; /* the ground's sun has come through the fog */
+        const double above = ray.direction.y,
+                     depth = 1e-4 * exp(-0.01 * camera.position_m.y) / (0.01 * above);
+        neph_assert_close(r[i], clear_r[i] * exp(-depth), 1e-4, 0.0);
+        neph_assert_close(g[i], clear_g[i] * exp(-depth) - 0.5 * expm1(-depth), 1e-4, 0.0);
+        skies++;
+    }
+    assert_true(skies > 100);
+    neph_image_destroy(fogged);
+    neph_image_destroy(clear);
+    neph_scene_destroy(scene);
+}
+
+/* ---- refusals -------------------------------------------------------------------------------- */
+
+static void refuses(const struct neph_scene *scene, int fog, enum neph_march_lighting lighting,
+                    const char *words)
+{
+    const struct neph_march_veils veils = {.fog = neph_fog_for_march(fog)};
+    char reason[256] = "";
+    assert_false(neph_march_can_render_under(scene, veils, lighting, reason, sizeof(reason)));
+    if (!strstr(reason, words))
+        print_error("no '%s' in '%s'\n", words, reason);
+    assert_non_null(strstr(reason, words));
+}
+
+static void test_says_what_it_cannot(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    set_stage(&test);
+    refuses(&test.scene, 2, NEPH_MARCH_SINGLE, "Filament has one");
+    refuses(&test.scene, 1, NEPH_MARCH_HORIZON, "Horizon");
+    struct neph_scene other = test.scene;
+    other.fog_look.present = false;
+    refuses(&other, 1, NEPH_MARCH_SINGLE, "without a look");
+    other = test.scene;
+    other.orthographic_height_m = 100.0;
+    refuses(&other, 1, NEPH_MARCH_SINGLE, "orthographic");
+    other = test.scene;
+    other.media[0].extinction_color.g = 0.5;
+    refuses(&other, 1, NEPH_MARCH_SINGLE, "one opacity");
+    other = test.scene;
+    other.scattering = NEPH_SCATTERING_MULTIPLE; /* of clouds */
+    refuses(&other, 1, NEPH_MARCH_SINGLE, "multiple scattering");
+    other.medium_count = 1; /* of nothing that is left */
+    char reason[256];
+    const struct neph_march_veils look = {.fog = neph_fog_for_march(1)};
+    assert_true(
+        neph_march_can_render_under(&other, look, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_glowing_fog_and_clouds_are_exact),
+        cmocka_unit_test(test_any_order_of_layers_is_the_same),
+        cmocka_unit_test(test_without_clouds_it_is_the_look),
+        cmocka_unit_test(test_realtime_has_the_same_fog),
+        cmocka_unit_test(test_fog_before_the_sky),
+        cmocka_unit_test(test_says_what_it_cannot),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
