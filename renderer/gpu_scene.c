@@ -409,6 +409,47 @@ static void fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_
     }
 }
 
+/* Behind everything there is `depth_m` of room along an axis, of which float32 may have lost some
+ * beside a face that far from the camera. */
+static bool is_room(double depth_m, double face_m)
+{
+    return depth_m > 1e-6 * fabs(face_m);
+}
+
+/* Whether a solid lies on the far side of a box from the sun, along one axis at least. */
+static bool lies_behind(const struct neph_bounds *solid, const struct neph_bounds *box,
+                        struct neph_vec3 to_sun, struct neph_vec3 camera_m)
+{
+    const double low_m[3] = {solid->min_m.x, solid->min_m.y, solid->min_m.z};
+    const double high_m[3] = {solid->max_m.x, solid->max_m.y, solid->max_m.z};
+    const double box_low_m[3] = {box->min_m.x, box->min_m.y, box->min_m.z};
+    const double box_high_m[3] = {box->max_m.x, box->max_m.y, box->max_m.z};
+    const double sun[3] = {to_sun.x, to_sun.y, to_sun.z};
+    const double eye_m[3] = {camera_m.x, camera_m.y, camera_m.z};
+    for (int axis = 0; axis < 3; axis++)
+        if ((sun[axis] >= 0.0 &&
+             is_room(box_low_m[axis] - high_m[axis], high_m[axis] - eye_m[axis])) ||
+            (sun[axis] <= 0.0 &&
+             is_room(low_m[axis] - box_high_m[axis], low_m[axis] - eye_m[axis])))
+            return true;
+    return false;
+}
+
+/* Whether some solid may shade some medium. */
+static bool solids_shade(const struct neph_scene *scene, struct neph_vec3 camera_m)
+{
+    struct neph_bounds box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int i = 0; i < scene->medium_count; i++)
+        if (is_there(&scene->media[i]))
+            box = neph_bounds_hull(box, neph_medium_support(&scene->media[i]));
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_bounds solid = neph_solid_bounds(&scene->solids[i]);
+        if (!lies_behind(&solid, &box, scene->sun.direction, camera_m))
+            return true;
+    }
+    return false;
+}
+
 static void place_majorants(struct neph_gpu_scene *gpu)
 {
     for (uint32_t m = 0; m < gpu->frame->medium_count; m++) {
@@ -433,6 +474,7 @@ static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, dou
     for (int i = 0; i < scene->solid_count; i++)
         gpu->constants[1] |= neph_is_turned(&scene->solids[i].turn) ? NEPH_GPU_TURNED : 0u;
     fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
+    gpu->frame->solids_shade = solids_shade(scene, camera.position_m);
     place_majorants(gpu);
 }
 

@@ -243,7 +243,10 @@ static enum neph_status create_device(struct neph_vulkan *vulkan, uint32_t *time
         .pQueuePriorities = &priority,
     };
     /* Every desktop device and lavapipe have it; where it is missing the driver says so. */
-    const VkPhysicalDeviceFeatures features = {.shaderStorageBufferArrayDynamicIndexing = VK_TRUE};
+    const VkPhysicalDeviceFeatures features = {
+        .shaderStorageBufferArrayDynamicIndexing = VK_TRUE,
+        .shaderInt64 = VK_TRUE,
+    };
     /* Arrays of numbers in uniform buffers lie as in C; clocks are set back by the CPU. */
     const VkPhysicalDeviceVulkan12Features features_12 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,

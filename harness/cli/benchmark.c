@@ -24,6 +24,7 @@ struct request {
     const char *engines, *preset;
     double rung_s;
     int frame_count, voxels;
+    bool without_ceilings;
 };
 
 /* Engines with noise, and those whose pictures can be in flight. */
@@ -38,11 +39,13 @@ static const struct neph_cli_option options[] = {
     {"engines", 'e', "A,B",
      "Engines; of those with noise the first is the one that the others are measured by",
      NEPH_CLI_WORD, .at = offsetof(struct request, engines), .otherwise = "tracer,cycles"},
-    {"frames", 0, "N", "How many pictures of march* and realtime are timed, in 10 s at most",
+    {"frames", 0, "N",
+     "How many pictures of march*, realtime and screen are timed, in 10 s at most",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "200",
      .minimum = 1, .maximum = NEPH_BENCHMARK_FRAMES_MAX},
-    {"preset", 'p', "NAME", "Engine realtime: a set of settings by name, before any --set",
-     NEPH_CLI_WORD, .at = offsetof(struct request, preset)},
+    {"preset", 'p', "NAME",
+     "Engines realtime and screen: a set of settings by name, before any --set", NEPH_CLI_WORD,
+     .at = offsetof(struct request, preset)},
     {.name = "size", .otherwise = "96x54"},
     {"seconds", 0, "S", "About how long the last of four rungs takes, each half the one above it",
      NEPH_CLI_REAL, .at = offsetof(struct request, rung_s), .otherwise = "4", .minimum = 0.01,
@@ -55,6 +58,9 @@ static const struct neph_cli_option options[] = {
      "all engines render the same one",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, voxels), .minimum = NEPH_BAKE_RESOLUTION_MIN,
      .maximum = NEPH_GRID_SIDE_MAX},
+    {"no-ceilings", 0, NULL,
+     "Do not measure what the device can do at most, which takes a GPU 15 s: no shares of it",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, without_ceilings)},
     {.name = "output", .help = "Folder for scratch files", .otherwise = "out"},
     {.name = "json"},
     {.name = "quiet"},
@@ -75,7 +81,8 @@ static const struct neph_cli_syntax syntax = {
         "no time removes. The time to a stated error, bias included, is interpolated between "
         "rungs; "
         "where it lies off the ladder, that is said.\n\n"
-        "Engines march* and realtime: pictures in flight one after the other, nothing read "
+        "Engines march*, realtime and screen: pictures in flight one after the other (screen waits "
+        "for each), nothing read "
         "back, after a second of warm-up: median, 10 % and 90 % of the time of a picture and of "
         "its passes on the device. Beside them the error (rel_rmse against the march of "
         "the same lighting at its defaults), and what part the pass gets of what the device can "
@@ -91,7 +98,8 @@ static const struct neph_cli_syntax syntax = {
         "  neph benchmark voxel_grid -e tracer,oracle --json\n"
         "  neph benchmark height_fog_up --set cycles:step=0.1\n"
         "  neph benchmark cloud_below -e march_octaves,realtime -p ours "
-        "-s realtime:lighting=octaves --size 1920x1080",
+        "-s realtime:lighting=octaves --size 1920x1080\n"
+        "  neph benchmark surface_rough -e screen -p fast --size 1920x1080",
 };
 
 /* --- the scene ---------------------------------------------------------------------------- */
@@ -326,18 +334,8 @@ static void print_flight(const struct neph_benchmark_frames *benchmark,
     free(settings);
 }
 
-static void print_frames(const struct neph_benchmark_frames *benchmark)
+static void print_ceilings(const struct neph_ceilings *ceilings)
 {
-    const struct neph_job *job = &benchmark->engines[0].job;
-    const struct neph_ceilings *ceilings = &benchmark->ceilings;
-    printf("%s, %d x %d; %s; %s; ", job->shot.scene->name, job->shot.width_px, job->shot.height_px,
-           job->info->device, job->info->version);
-    if (benchmark->thread_count > 0)
-        printf("%d threads; ", benchmark->thread_count);
-    if (isfinite(benchmark->cpu_clock_hz))
-        printf("clock %.3g GHz\n", 1e-9 * benchmark->cpu_clock_hz);
-    else
-        printf("clock not known\n");
     printf("ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s, waiting for each "
            "other %.4g (grid of %d^3)",
            1e-9 * ceilings->copy_bytes_per_s, ceilings->copy_bytes >> 20,
@@ -350,6 +348,21 @@ static void print_frames(const struct neph_benchmark_frames *benchmark)
                    1e-9 * ceilings->texture_chain_per_s[f]);
     printf(", multiply-adds %.4g G/s, exponentials %.4g G/s\n",
            1e-9 * ceilings->multiply_adds_per_s, 1e-9 * ceilings->exponentials_per_s);
+}
+
+static void print_frames(const struct neph_benchmark_frames *benchmark)
+{
+    const struct neph_job *job = &benchmark->engines[0].job;
+    printf("%s, %d x %d; %s; %s; ", job->shot.scene->name, job->shot.width_px, job->shot.height_px,
+           job->info->device, job->info->version);
+    if (benchmark->thread_count > 0)
+        printf("%d threads; ", benchmark->thread_count);
+    if (isfinite(benchmark->cpu_clock_hz))
+        printf("clock %.3g GHz\n", 1e-9 * benchmark->cpu_clock_hz);
+    else
+        printf("clock not known\n");
+    if (!benchmark->without_ceilings)
+        print_ceilings(&benchmark->ceilings);
     for (int e = 0; e < benchmark->engine_count; e++)
         print_flight(benchmark, &benchmark->engines[e]);
 }
@@ -382,6 +395,7 @@ static enum neph_status measure(const struct request *request, struct both *both
 {
     const bool quiet = request->shared.quiet || request->shared.json;
     enum neph_status status = NEPH_OK;
+    both->frames.without_ceilings = request->without_ceilings;
     if (both->frames.engine_count > 0)
         status = neph_benchmark_frames_run(&both->frames, request->frame_count, quiet, diag);
     if (!status && both->noise.engine_count > 0)

@@ -13,6 +13,7 @@
 #include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
+#include "harness/run/flight.h"
 #include "harness/run/showing.h"
 #include "metrics/statistics.h"
 #include "renderer/post/display.h"
@@ -60,9 +61,8 @@ static const struct neph_cli_option options[] = {
     {"stats", 0, NULL, "The device's time of each stage, and what the eye is adapted to",
      NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
     {"repeat", 0, "N",
-     "Times that each frame goes through the chain; --stats has medians and least, after a second "
-     "of "
-     "warm-up",
+     "Times that each frame goes through the chain; --stats has median, 10 and 90 % and least of "
+     "them, after a second of warm-up",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .otherwise = "1", .minimum = 1,
      .maximum = REPEAT_MAX},
     {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
@@ -234,21 +234,36 @@ static enum neph_status write(const struct work *work, const char *frame,
     return status;
 }
 
-/* The device's seconds of a stage over the repeats. */
-struct times {
-    double median_s[NEPH_POST_STAGES_MAX], least_s[NEPH_POST_STAGES_MAX];
+/* The device's seconds over the repeats. */
+struct time {
+    double least_s;
+    struct neph_spread spread_s;
 };
 
-static void note_stage(const struct work *work, const char *frame,
-                       const struct neph_post_stage *stage, const struct times *times,
-                       json_t **stages)
+struct times {
+    struct time stages[NEPH_POST_STAGES_MAX], all;
+};
+
+static void print_time(const struct work *work, const char *frame, const char *name,
+                       const struct time *time)
 {
-    const double ms = 1e3 * times->median_s[stage - neph_post_stages];
-    const double least_ms = 1e3 * times->least_s[stage - neph_post_stages];
-    if (work->request->stats && !work->request->shared.json)
-        printf("%s: %-17s %8.3f ms, at least %.3f\n", frame, stage->name, ms, least_ms);
-    neph_json_add(stages, json_pack("{s:s, s:o, s:o}", "name", stage->name, "ms",
-                                    neph_json_number(ms), "least_ms", neph_json_number(least_ms)));
+    const struct neph_spread *s = &time->spread_s;
+    if (!work->request->stats || work->request->shared.json)
+        return;
+    printf("%s: %-17s %8.3f ms", frame, name, 1e3 * s->median);
+    if (work->request->repeat > 1)
+        printf(", 10 to 90 %% %.3f to %.3f, least %.3f", 1e3 * s->low, 1e3 * s->high,
+               1e3 * time->least_s);
+    printf("\n");
+}
+
+static json_t *time_json(const char *name, const struct time *time)
+{
+    const struct neph_spread *s = &time->spread_s;
+    return json_pack("{s:s, s:o, s:o, s:o, s:o}", "name", name, "ms",
+                     neph_json_number(1e3 * s->median), "low_ms", neph_json_number(1e3 * s->low),
+                     "high_ms", neph_json_number(1e3 * s->high), "least_ms",
+                     neph_json_number(1e3 * time->least_s));
 }
 
 /* One line of the list that --json prints. */
@@ -259,11 +274,15 @@ static void note(struct work *work, const char *frame, const struct neph_image *
     const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
     const struct neph_post_params *params = &work->showing.params;
     const int count = neph_post_sequence(params->order, &params->settings, sequence);
-    for (int i = 0; i < count; i++)
-        note_stage(work, frame, sequence[i], times, &stages);
-    json_t *result = json_pack("{s:s, s:i, s:i, s:o}", "frame", frame, "width_px",
-                               picture->width_px, "height_px", picture->height_px, "stages",
-                               stages);
+    for (int i = 0; i < count; i++) {
+        const struct time *time = &times->stages[sequence[i] - neph_post_stages];
+        print_time(work, frame, sequence[i]->name, time);
+        neph_json_add(&stages, time_json(sequence[i]->name, time));
+    }
+    print_time(work, frame, "all stages", &times->all);
+    json_t *result = json_pack("{s:s, s:i, s:i, s:o, s:o}", "frame", frame, "width_px",
+                               picture->width_px, "height_px", picture->height_px, "stages", stages,
+                               "all", time_json("all stages", &times->all));
     if (isfinite(stats->adapted_ev)) {
         neph_json_set(&result, "metered_ev", neph_json_number(stats->metered_ev));
         neph_json_set(&result, "adapted_ev", neph_json_number(stats->adapted_ev));
@@ -292,13 +311,23 @@ static enum neph_status warm_up(const struct work *work, const struct neph_image
     return status;
 }
 
+/* Reorders them. */
+static struct time time_of(double *seconds, int count)
+{
+    const bool has_clock = !isnan(seconds[0]);
+    return (struct time){
+        .least_s = has_clock ? neph_percentile(seconds, (size_t)count, 0.0) : NAN,
+        .spread_s = neph_spread_of(seconds, count),
+    };
+}
+
 /* Each time as if it were the only one: the eye goes on from the frame before. */
 static enum neph_status run(struct work *work, const struct neph_image *frame,
                             struct neph_image **picture, struct neph_post_stats *stats,
                             struct times *times, struct neph_diag *diag)
 {
     const int count = work->request->repeat;
-    double(*seconds)[REPEAT_MAX] = calloc(NEPH_POST_STAGES_MAX, sizeof(*seconds));
+    double(*seconds)[REPEAT_MAX] = calloc(NEPH_POST_STAGES_MAX + 1, sizeof(*seconds));
     struct neph_showing *showing = &work->showing;
     struct neph_post_eye eye = showing->eye;
     enum neph_status status = seconds ? NEPH_OK : neph_fail_memory(diag);
@@ -308,14 +337,15 @@ static enum neph_status run(struct work *work, const struct neph_image *frame,
         neph_image_destroy(*picture);
         *picture = NULL;
         status = neph_post_run(work->vulkan, &showing->params, frame, picture, stats, diag);
-        for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
+        for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++) {
             seconds[s][i] = stats->gpu_s[s];
+            seconds[NEPH_POST_STAGES_MAX][i] += stats->gpu_s[s];
+        }
     }
-    for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++) {
-        const bool has_clock = !isnan(stats->gpu_s[s]);
-        times->median_s[s] = has_clock ? neph_percentile(seconds[s], (size_t)count, 0.5) : NAN;
-        times->least_s[s] = has_clock ? neph_percentile(seconds[s], (size_t)count, 0.0) : NAN;
-    }
+    for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
+        times->stages[s] = time_of(seconds[s], count);
+    if (!status)
+        times->all = time_of(seconds[NEPH_POST_STAGES_MAX], count);
     showing->params.eye = NULL;
     showing->eye = eye;
     free(seconds);

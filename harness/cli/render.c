@@ -85,7 +85,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, .at = offsetof(struct request, depth)},
     {"stats", 0, NULL,
      "What each frame has cost: density evaluations, rays, steps, bytes, device time per pass "
-     "(engines that count them)",
+     "(engines that count them). A GPU that has rested makes its first pictures two to four times "
+     "slower: neph benchmark warms it first",
      NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
     {"chain", 0, "FILE",
      "Show the frames by this picture chain, in place of the scene's; off: by none", NEPH_CLI_WORD,

@@ -14,8 +14,8 @@
 
 struct request {
     struct neph_cli_shared shared; /* operands: the scenes */
-    const char *preset, *csv, *markdown;
-    int frames, warm_up, steps;
+    const char *preset, *chains, *csv, *markdown;
+    int frames, warm_up, steps, seed;
     double rate_hz;
 };
 
@@ -31,6 +31,10 @@ static const struct neph_cli_option options[] = {
     {.name = "size", .otherwise = "96x54"},
     {"steps", 0, "N", "Of every view ray", NEPH_CLI_INTEGER, .at = offsetof(struct request, steps),
      .otherwise = "32", .minimum = 1, .maximum = 4096},
+    {"seed", 0, "N", "Of the noise of frames and grain", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, seed), .otherwise = "1", .minimum = 1, .maximum = 1 << 20},
+    {"chains", 0, "A,B", "Those with A or B in their names, and the curve alone (default: all)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, chains)},
     {.name = "output", .help = "Folder of the store and of post.svg", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
     {"csv", 0, "FILE", "A line for each chain and scene", NEPH_CLI_FILE,
@@ -68,7 +72,8 @@ static const struct neph_cli_syntax syntax = {
         "DIR/post.svg is the chart.\n\n"
         "Examples:\n"
         "  neph study post fence_backlit voxel_grid --markdown post.md\n"
-        "  neph study post ridge_far --preset seed --frames 64 --csv post.csv",
+        "  neph study post ridge_far --preset seed --frames 64 --csv post.csv\n"
+        "  neph study post railings --chains whole,fxaa,sharpening --seed 2 --size 192x108",
 };
 
 static enum neph_status write_file(const char *path, const struct neph_post_study *study,
@@ -111,21 +116,30 @@ enum neph_status neph_cli_study_post(int argc, char **argv, struct neph_diag *di
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
     const struct neph_cli_shared *shared = &request.shared;
-    const struct neph_post_study_params params = {.scenes = shared->operands,
-                                                  .scene_count = shared->operand_count,
-                                                  .preset = request.preset,
-                                                  .frame_count = request.frames,
-                                                  .warm_up = request.warm_up,
-                                                  .width_px = shared->size.width_px,
-                                                  .height_px = shared->size.height_px,
-                                                  .steps = request.steps,
-                                                  .frame_rate_hz = request.rate_hz,
-                                                  .quiet = shared->quiet};
+    const char *chains[NEPH_POST_ROWS_MAX];
+    struct neph_post_study_params params = {.scenes = shared->operands,
+                                            .scene_count = shared->operand_count,
+                                            .preset = request.preset,
+                                            .frame_count = request.frames,
+                                            .warm_up = request.warm_up,
+                                            .width_px = shared->size.width_px,
+                                            .height_px = shared->size.height_px,
+                                            .steps = request.steps,
+                                            .seed = request.seed,
+                                            .frame_rate_hz = request.rate_hz,
+                                            .chains = chains,
+                                            .quiet = shared->quiet};
     struct neph_store *store = NULL;
     struct neph_post_study *study = calloc(1, sizeof(*study));
     char *folder = neph_path_join(shared->output, "store");
-    enum neph_status status = folder && study ? neph_store_open(folder, &store, diag)
-                                              : neph_fail_memory(diag);
+    char *words = request.chains ? strdup(request.chains) : NULL;
+    const bool has_memory = folder && study && (words || !request.chains);
+    enum neph_status status = has_memory ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && words)
+        status = neph_cli_split(words, "chains", NEPH_POST_ROWS_MAX, chains, &params.chain_count,
+                                diag);
+    if (!status)
+        status = neph_store_open(folder, &store, diag);
     if (!status)
         status = neph_post_study_run(&params, store, study, diag);
     if (!status)
@@ -134,6 +148,7 @@ enum neph_status neph_cli_study_post(int argc, char **argv, struct neph_diag *di
         neph_post_study_finish(study);
     neph_store_close(store);
     free(study);
+    free(words);
     free(folder);
     return status;
 }

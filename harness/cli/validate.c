@@ -51,8 +51,8 @@ static const struct neph_cli_option options[] = {
      "beside them)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, presets)},
     {"on-device", 0, NULL,
-     "Of the failure suite: only count bad values, in all images of every frame, on the device; "
-     "nothing is kept",
+     "Of the failure suite: only count bad values, in all images of every frame, on the device "
+     "(preset off, which has none: in its pictures); nothing is kept",
      NEPH_CLI_FLAG, .at = offsetof(struct request, on_device)},
     {"jobs", 0, "N", "Of the failure suite: processes that render at the same time (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, jobs), .minimum = 1,

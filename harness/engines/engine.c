@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/engines/engine.h"
 
-#include "base/hash.h"
+#include "base/build_id.h"
 #include "base/text.h"
 #include "renderer/sky/split.h"
 
@@ -26,12 +26,12 @@ const char *neph_rung_name(enum neph_rung rung)
  * another frame, although nobody has raised the engine's version. */
 static void name_own_build(struct neph_engine_info *info)
 {
-    char digest[NEPH_HASH_HEX_SIZE];
+    char id[NEPH_BUILD_ID_SIZE];
     struct neph_diag diag = {0};
     if (info->build[0] || !info->available)
         return;
-    if (neph_hash_file("/proc/self/exe", digest, &diag) == NEPH_OK) {
-        snprintf(info->build, sizeof(info->build), "%.16s", digest);
+    if (neph_build_id(id, &diag) == NEPH_OK) {
+        snprintf(info->build, sizeof(info->build), "%s", id);
         return;
     }
     info->available = false;

@@ -6,6 +6,7 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 
+#include "base/clock.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/own_cost.h"
 #include "renderer/reach.h"
@@ -43,7 +44,9 @@ static bool describe_pass(int index, struct neph_engine_pass *words)
     if (!pass->name)
         return false;
     *words = (struct neph_engine_pass){
-        .name = pass->name, .note = pass->note, .resolution = "full"};
+        .name = pass->name,
+        .note = pass->note,
+        .resolution = pass->resolution && !pass->makes_whole ? "full or half" : "full"};
     if (pass->settings[0] >= 0)
         snprintf(words->condition, sizeof(words->condition), "%s",
                  neph_screen_options[pass->settings[1]].name);
@@ -76,6 +79,8 @@ struct sequence {
     struct neph_vulkan *vulkan;
     struct neph_screening *screen; /* of pictures of this size */
     int width_px, height_px;
+    struct neph_flight_cost costs[NEPH_FLIGHT_PICTURES_MAX]; /* of pictures sent, by number */
+    int sent, home;
 };
 
 static void close_sequence(void *opened)
@@ -131,21 +136,29 @@ static enum neph_status open_sequence(const struct neph_shot *shot, void **opene
     return status;
 }
 
+/* `image`: NULL is fine. */
+static enum neph_status make(struct sequence *sequence, const struct neph_shot *shot,
+                             struct neph_image **image, struct neph_screen_stats *stats,
+                             struct neph_diag *diag)
+{
+    const bool fits = shot->width_px == sequence->width_px &&
+                      shot->height_px == sequence->height_px && sequence->screen;
+    const enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
+    return status ? status
+                  : neph_screening_frame(sequence->screen, shot->scene, shot->frame, image, stats,
+                                         diag);
+}
+
 static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
                                      struct neph_image **frame, struct neph_cost *cost,
                                      struct neph_diag *diag)
 {
     struct sequence *sequence = opened;
     const struct neph_stopwatch start = neph_stopwatch_start();
-    const bool fits = shot->width_px == sequence->width_px &&
-                      shot->height_px == sequence->height_px && sequence->screen;
     struct neph_screen_stats stats;
     struct neph_image *image = NULL;
     double gpu_s = NAN;
-    enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
-    if (!status)
-        status = neph_screening_frame(sequence->screen, shot->scene, shot->frame, &image, &stats,
-                                      diag);
+    enum neph_status status = make(sequence, shot, &image, &stats, diag);
     if (!status)
         status = label(image, &stats, &gpu_s, diag);
     if (status) {
@@ -157,9 +170,41 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
     return NEPH_OK;
 }
 
+/* A picture is waited for before the next one goes: what its passes take is the same, what lies
+ * between two pictures more than in flight. */
+static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
+{
+    struct sequence *sequence = opened;
+    const double start_s = neph_wall_s();
+    struct neph_screen_stats stats;
+    const enum neph_status status = make(sequence, shot, NULL, &stats, diag);
+    if (status)
+        return status;
+    struct neph_flight_cost *cost = &sequence->costs[sequence->sent++ % NEPH_FLIGHT_PICTURES_MAX];
+    *cost = (struct neph_flight_cost){.cpu_s = neph_wall_s() - start_s};
+    for (int i = 0; neph_screen_passes[i].name; i++) {
+        cost->passes[i].name = neph_screen_passes[i].name;
+        cost->passes[i].gpu_s = stats.gpu_s[i];
+        cost->passes[i].traffic_bytes = NAN;
+        cost->gpu_s += stats.gpu_s[i];
+        cost->pass_count = i + 1;
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
+{
+    (void)diag;
+    struct sequence *sequence = opened;
+    *cost = sequence->costs[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX];
+    return NEPH_OK;
+}
+
 static const struct neph_engine_sequence sequence_of = {
     .open = open_sequence,
     .next = next_picture,
+    .send = send,
+    .home = home,
     .close = close_sequence,
 };
 

@@ -380,7 +380,7 @@ static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
     return run_take(trial, &take, diag);
 }
 
-/* Every frame, of which only the count of its bad values comes home. */
+/* Every frame, of which only the count of its bad values is kept. */
 static enum neph_status watch(struct trial *trial, struct neph_diag *diag)
 {
     uint64_t bad = 0;
@@ -388,7 +388,8 @@ static enum neph_status watch(struct trial *trial, struct neph_diag *diag)
                                                         diag);
     for (int r = 0; r < trial->point->row_count && !status; r++)
         fill_cell(trial, row_of(trial, r), (double)bad, "");
-    trial->bench->suite->frame_count += trial->frames.count;
+    if (!status)
+        trial->bench->suite->frame_count += trial->frames.count;
     return status;
 }
 

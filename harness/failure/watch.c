@@ -3,20 +3,30 @@
 
 #include "base/interrupt.h"
 
+static enum neph_status count_in_picture(struct neph_job *job, const struct neph_shot *shot,
+                                         uint64_t *bad, struct neph_diag *diag)
+{
+    struct neph_image *image = NULL;
+    struct neph_cost cost;
+    const enum neph_status status = job->engine->sequence->next(job->sequence, shot, &image, &cost,
+                                                                diag);
+    if (!status)
+        *bad = neph_job_count_bad(image);
+    neph_image_destroy(image);
+    return status;
+}
+
 /* A picture with another one before it cannot be in flight (inject.mirror, inject.sizes): it comes
  * home, and is thrown away. */
-static enum neph_status render(struct neph_job *job, const struct neph_shot *shot,
-                               struct neph_diag *diag)
+static enum neph_status count_on_device(struct neph_job *job, const struct neph_shot *shot,
+                                        uint64_t *bad, struct neph_diag *diag)
 {
     const struct neph_injections *injections = &shot->scene->injections;
     const struct neph_engine_sequence *sequence = job->engine->sequence;
-    if (injections->mirror.count == 0 && injections->size_count == 0)
-        return sequence->send(job->sequence, shot, diag);
-    struct neph_image *image = NULL;
-    struct neph_cost cost;
-    const enum neph_status status = sequence->next(job->sequence, shot, &image, &cost, diag);
-    neph_image_destroy(image);
-    return status;
+    const bool flies = injections->mirror.count == 0 && injections->size_count == 0;
+    const enum neph_status status = flies ? sequence->send(job->sequence, shot, diag)
+                                          : count_in_picture(job, shot, bad, diag);
+    return status ? status : sequence->watch(job->sequence, bad, diag);
 }
 
 /* The pictures before the first come home when an engine warms up by itself; here they need not. */
@@ -38,15 +48,18 @@ enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s does not count bad values on the device",
                          job->engine->name);
     const int warm_up = take_warm_up(job);
+    bool has_images = true;
     uint64_t found = 0;
     enum neph_status status = neph_job_open(job, diag);
     for (int frame = -warm_up; frame < frame_count && !status; frame++) {
         struct neph_shot shot = job->shot;
         uint64_t of_frame = 0;
         shot.frame = frame;
-        status = render(job, &shot, diag);
-        if (!status)
-            status = sequence->watch(job->sequence, &of_frame, diag);
+        if (has_images)
+            status = count_on_device(job, &shot, &of_frame, diag);
+        has_images = has_images && status != NEPH_ERR_UNSUPPORTED;
+        if (!has_images)
+            status = count_in_picture(job, &shot, &of_frame, diag);
         if (!status && neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted at frame %d", frame);
         found += of_frame;

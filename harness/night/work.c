@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/night/work.h"
 
+#include "base/build_id.h"
 #include "base/files.h"
-#include "base/hash.h"
 #include "base/lock.h"
 #include "harness/host.h"
 
@@ -179,19 +179,19 @@ enum neph_status neph_night_lock(const struct neph_night_work *work, bool waits,
 
 static enum neph_status identify(struct neph_night_work *work, struct neph_diag *diag)
 {
-    char host[NEPH_HOST_CLASS_SIZE], digest[NEPH_HASH_HEX_SIZE], path[4096];
+    char host[NEPH_HOST_CLASS_SIZE], build[NEPH_BUILD_ID_SIZE], path[4096];
     struct neph_night *night = work->night;
     const ssize_t length = readlink("/proc/self/exe", path, sizeof(path) - 1);
     if (length <= 0)
         return neph_fail(diag, NEPH_ERR_IO, "cannot tell where neph itself lies: %s",
                          strerror(errno));
     path[length] = '\0';
-    const enum neph_status status = neph_hash_file("/proc/self/exe", digest, diag);
+    const enum neph_status status = neph_build_id(build, diag);
     if (status)
         return status;
     neph_host_class(host);
     work->place.program_path = neph_arena_text(&night->arena, path);
-    night->program = neph_arena_format(&night->arena, "%.16s", digest);
+    night->program = neph_arena_text(&night->arena, build);
     night->host = work->place.host = neph_arena_text(&night->arena, host);
     night->revision = neph_arena_text(&night->arena, work->params->revision);
     return neph_arena_check(&night->arena, diag);

@@ -283,6 +283,18 @@ static unsigned texel_formats(const struct neph_benchmark_frames *benchmark)
     return formats ? formats : 1u << NEPH_TEXEL_R16F;
 }
 
+static struct neph_ceilings no_ceilings(void)
+{
+    struct neph_ceilings none = {.copy_bytes_per_s = NAN,
+                                 .buffer_samples_per_s = NAN,
+                                 .buffer_chain_per_s = NAN,
+                                 .multiply_adds_per_s = NAN,
+                                 .exponentials_per_s = NAN};
+    for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++)
+        none.texture_samples_per_s[f] = none.texture_chain_per_s[f] = NAN;
+    return none;
+}
+
 static enum neph_status measure_device(struct neph_benchmark_frames *benchmark,
                                        struct neph_diag *diag)
 {
@@ -291,8 +303,10 @@ static enum neph_status measure_device(struct neph_benchmark_frames *benchmark,
     if (status)
         return status;
     const bool is_cpu = neph_vulkan_describe(vulkan).is_cpu;
-    status = neph_ceilings_measure(vulkan, is_cpu ? cpu_ceiling_s : gpu_ceiling_s,
-                                   texel_formats(benchmark), &benchmark->ceilings, diag);
+    benchmark->ceilings = no_ceilings();
+    if (!benchmark->without_ceilings)
+        status = neph_ceilings_measure(vulkan, is_cpu ? cpu_ceiling_s : gpu_ceiling_s,
+                                       texel_formats(benchmark), &benchmark->ceilings, diag);
     benchmark->thread_count = is_cpu ? threads_of_cpu() : 0;
     benchmark->cpu_clock_hz = is_cpu ? clock_of_cpu() : NAN;
     neph_vulkan_destroy(vulkan);

@@ -23,11 +23,11 @@ struct neph_benchmark_pass {
 };
 
 struct neph_benchmark_frames_engine {
-    struct neph_job job; /* its engine, settings and shot */
-    double first_s;      /* from nothing to the first picture on the CPU */
+    struct neph_job job;   /* its engine, settings and shot */
+    double first_s;        /* from nothing to the first picture on the CPU */
     uint64_t device_bytes; /* the most memory of the device that it had until these were timed */
-    int frame_count;     /* timed */
-    double mean_s;       /* from the first's departure to the last at home, by their number */
+    int frame_count;       /* timed */
+    double mean_s;         /* from the first's departure to the last at home, by their number */
     struct neph_spread frame_s; /* of the wall clock, from one picture to the next */
     struct neph_spread gpu_s;   /* of all passes; NaN: the device has no clock */
     struct neph_spread cpu_s;   /* until one is sent, with waiting where it is cut into pieces */
@@ -40,6 +40,7 @@ struct neph_benchmark_frames_engine {
 struct neph_benchmark_frames {
     int engine_count;
     struct neph_benchmark_frames_engine engines[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
+    bool without_ceilings; /* nobody asks what the device can do: all of them are NaN */
     struct neph_ceilings ceilings;
     bool samples_grids;  /* density evaluations of the scene are samples of voxel grids */
     int thread_count;    /* of a CPU device; 0: it is none */

@@ -21,7 +21,7 @@
 
 const struct neph_post_row neph_post_rows[] = {
     {"no curve, cut off at 1", "tone_map=none", false},
-    {"Unreal's curve", "tone_map=unreal", false},
+    {NEPH_POST_BASE, "tone_map=unreal", false},
     {"Unreal's curve, HP", "film_slope=0.65 film_toe=0.63 film_shoulder=0.45 film_white_clip=0",
      false},
     {"narkowicz", "tone_map=narkowicz", false},
@@ -108,19 +108,19 @@ static enum neph_status measure_rows(struct work *work, const struct neph_post_f
     enum neph_status status = neph_post_meter(work->vulkan, film->references[0], &exposure_ev,
                                               diag);
     work->progress.kind = KIND_CHAIN;
-    for (int r = 0; neph_post_rows[r].name && !status; r++) {
+    const struct neph_post_row *rows = work->study->rows;
+    for (int r = 0; rows[r].name && !status; r++) {
         struct neph_settings settings;
         const double start_s = neph_wall_s();
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
-        neph_progress_begin(&work->progress, neph_post_rows[r].name);
-        status = settings_of(&neph_post_rows[r], exposure_ev, &settings, diag);
+        neph_progress_begin(&work->progress, rows[r].name);
+        status = settings_of(&rows[r], exposure_ev, &settings, diag);
         if (!status)
             status = neph_post_measure(work->vulkan, film, &settings,
                                        &work->study->numbers[work->scene][r], diag);
         if (!status)
-            neph_progress_step(&work->progress, neph_post_rows[r].name, "measured",
-                               neph_wall_s() - start_s);
+            neph_progress_step(&work->progress, rows[r].name, "measured", neph_wall_s() - start_s);
     }
     return status;
 }
@@ -185,7 +185,7 @@ static enum neph_status make_job(struct work *work, const struct neph_scene *sce
                                       .width_px = params->width_px,
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .seed = neph_seed_of(scene, 1)}};
+                                      .seed = neph_seed_of(scene, params->seed)}};
     enum neph_status status = neph_engine_words(params->preset, steps, &job->engine,
                                                 &job->shot.settings, diag);
     if (!status && !job->engine->can_render(scene, &job->shot.settings, why, sizeof(why)))
@@ -217,12 +217,38 @@ static enum neph_status run_scene(struct work *work, const struct neph_scene *sc
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-static int row_count(void)
+static bool is_chosen(const struct neph_post_study_params *params, const char *name)
 {
-    int count = 0;
-    while (neph_post_rows[count].name)
-        count++;
-    return count;
+    bool has_word = params->chain_count == 0 || strcmp(name, NEPH_POST_BASE) == 0;
+    for (int i = 0; i < params->chain_count; i++)
+        has_word |= strstr(name, params->chains[i]) != NULL;
+    return has_word;
+}
+
+static bool is_known(const char *word)
+{
+    for (int r = 0; neph_post_rows[r].name; r++)
+        if (strstr(neph_post_rows[r].name, word))
+            return true;
+    return false;
+}
+
+static enum neph_status choose_rows(struct neph_post_study *study, int *count,
+                                    struct neph_diag *diag)
+{
+    const struct neph_post_study_params *params = study->params;
+    for (int i = 0; i < params->chain_count; i++)
+        if (!is_known(params->chains[i])) {
+            neph_fail(diag, NEPH_ERR_USAGE, "no chain has '%s' in its name", params->chains[i]);
+            neph_hint(diag, "`neph study post SCENE` without --chains has all of them");
+            return NEPH_ERR_USAGE;
+        }
+    *count = 0;
+    for (int r = 0; neph_post_rows[r].name; r++)
+        if (is_chosen(params, neph_post_rows[r].name))
+            study->rows[(*count)++] = neph_post_rows[r];
+    study->rows[*count].name = NULL;
+    return NEPH_OK;
 }
 
 static enum neph_status run_scenes(struct work *work, struct neph_diag *diag)
@@ -250,14 +276,18 @@ enum neph_status neph_post_study_run(const struct neph_post_study_params *params
                         .study = study,
                         .store = store,
                         .progress = neph_progress_start(params->quiet, 0)};
+    int row_count;
     study->params = params;
+    enum neph_status status = choose_rows(study, &row_count, diag);
+    if (status)
+        return status;
     neph_progress_expect(&work.progress, KIND_REFERENCE, params->scene_count, 0.0);
-    neph_progress_expect(&work.progress, KIND_CHAIN, params->scene_count * row_count(), 0.0);
+    neph_progress_expect(&work.progress, KIND_CHAIN, params->scene_count * row_count, 0.0);
     engine->probe(&work.info);
     if (!work.info.available)
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "realtime: %s", work.info.missing);
     snprintf(study->device, sizeof(study->device), "%s", work.info.device);
-    enum neph_status status = neph_vulkan_open(&work.vulkan, diag);
+    status = neph_vulkan_open(&work.vulkan, diag);
     if (!status)
         status = run_scenes(&work, diag);
     neph_progress_end(&work.progress);

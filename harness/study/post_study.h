@@ -56,6 +56,9 @@ struct neph_post_row {
 };
 extern const struct neph_post_row neph_post_rows[];
 
+/* The row that others are over. */
+#define NEPH_POST_BASE "Unreal's curve"
+
 struct neph_post_study_params {
     const char *const *scenes; /* names or paths */
     int scene_count;           /* 1 .. NEPH_POST_SCENES_MAX */
@@ -63,18 +66,23 @@ struct neph_post_study_params {
     int frame_count;           /* that are measured, a multiple of 4 */
     int warm_up;               /* before them, too */
     int width_px, height_px, steps;
+    int seed; /* 1 .. */
     double frame_rate_hz;
+    const char *const *chains; /* those with one of these words in their names, and the curve */
+    int chain_count;           /* 0: all */
     bool quiet;
 };
 
 struct neph_post_study {
     const struct neph_post_study_params *params; /* borrowed */
     char device[128];
-    char *names[NEPH_POST_SCENES_MAX]; /* of the scenes; owned */
+    char *names[NEPH_POST_SCENES_MAX];                 /* of the scenes; owned */
+    struct neph_post_row rows[NEPH_POST_ROWS_MAX + 1]; /* that were chosen; ends with a NULL name */
     struct neph_post_numbers numbers[NEPH_POST_SCENES_MAX][NEPH_POST_ROWS_MAX];
 };
 
-/* For _finish in any case. Errors: of loading and rendering; NEPH_ERR_INTERRUPTED. */
+/* For _finish in any case. Errors: of loading and rendering; NEPH_ERR_INTERRUPTED; NEPH_ERR_USAGE:
+ * no chain has such a word. */
 enum neph_status neph_post_study_run(const struct neph_post_study_params *params,
                                      struct neph_store *store, struct neph_post_study *study,
                                      struct neph_diag *diag);

@@ -37,12 +37,13 @@ static void print_value(double value, const char *format, FILE *out)
         fprintf(out, format, value);
 }
 
-static void print_rows(const struct neph_post_numbers *numbers, bool of_whole, FILE *out)
+static void print_rows(const struct neph_post_study *study, int scene, bool of_whole, FILE *out)
 {
-    for (int r = 0; neph_post_rows[r].name; r++) {
-        if (neph_post_rows[r].is_of_whole != of_whole)
+    const struct neph_post_numbers *numbers = study->numbers[scene];
+    for (int r = 0; study->rows[r].name; r++) {
+        if (study->rows[r].is_of_whole != of_whole)
             continue;
-        fprintf(out, "| %s |", neph_post_rows[r].name);
+        fprintf(out, "| %s |", study->rows[r].name);
         for (int c = 0; c < COLUMNS; c++) {
             fputc(' ', out);
             print_value(value_of(&numbers[r], c), columns[c].format, out);
@@ -52,8 +53,13 @@ static void print_rows(const struct neph_post_numbers *numbers, bool of_whole, F
     }
 }
 
-static void print_table(const struct neph_post_numbers *numbers, bool of_whole, FILE *out)
+static void print_table(const struct neph_post_study *study, int scene, bool of_whole, FILE *out)
 {
+    bool any = false;
+    for (int r = 0; study->rows[r].name; r++)
+        any |= study->rows[r].is_of_whole == of_whole;
+    if (!any)
+        return;
     fprintf(out, "\n| %s |", of_whole ? "out of the whole" : "alone, on the curve");
     for (int c = 0; c < COLUMNS; c++)
         fprintf(out, " %s |", columns[c].title);
@@ -61,7 +67,7 @@ static void print_table(const struct neph_post_numbers *numbers, bool of_whole, 
     for (int c = 0; c < COLUMNS; c++)
         fputs(" ---: |", out);
     fputc('\n', out);
-    print_rows(numbers, of_whole, out);
+    print_rows(study, scene, of_whole, out);
 }
 
 static void print_study(const void *what, FILE *out)
@@ -69,16 +75,18 @@ static void print_study(const void *what, FILE *out)
     const struct neph_post_study *study = what;
     const struct neph_post_study_params *params = study->params;
     fprintf(out,
-            "neph %s, realtime %s, %d steps, on %s: %d frames after %d at %g Hz, %dx%d, behind the "
+            "neph %s, realtime %s, %d steps, seed %d, on %s: %d frames after %d at %g Hz, %dx%d, "
+            "behind the "
             "same chain as the march averaged over 16 rays a pixel.\nError and change of light "
             "before the curve are rms over the reference's mean; flicker seen is in thresholds; "
             "the change of luma is of its error, from frame to frame; ms of the device.\n",
-            NEPH_VERSION, params->preset, params->steps, study->device, params->frame_count,
-            params->warm_up, params->frame_rate_hz, params->width_px, params->height_px);
+            NEPH_VERSION, params->preset, params->steps, params->seed, study->device,
+            params->frame_count, params->warm_up, params->frame_rate_hz, params->width_px,
+            params->height_px);
     for (int i = 0; i < params->scene_count; i++) {
         fprintf(out, "\n%s\n", study->names[i]);
-        print_table(study->numbers[i], false, out);
-        print_table(study->numbers[i], true, out);
+        print_table(study, i, false, out);
+        print_table(study, i, true, out);
     }
 }
 
@@ -90,8 +98,8 @@ static void print_csv(const void *what, FILE *out)
         fprintf(out, ",%s", columns[c].name);
     fputc('\n', out);
     for (int i = 0; i < study->params->scene_count; i++)
-        for (int r = 0; neph_post_rows[r].name; r++) {
-            fprintf(out, "%s,\"%s\"", study->names[i], neph_post_rows[r].name);
+        for (int r = 0; study->rows[r].name; r++) {
+            fprintf(out, "%s,\"%s\"", study->names[i], study->rows[r].name);
             for (int c = 0; c < COLUMNS; c++) {
                 const double value = value_of(&study->numbers[i][r], c);
                 fprintf(out, isnan(value) ? "," : ",%.9g", value);
@@ -117,10 +125,10 @@ json_t *neph_post_study_json(const struct neph_post_study *study)
     json_t *scenes = json_array();
     for (int i = 0; i < study->params->scene_count; i++) {
         json_t *chains = json_array();
-        for (int r = 0; neph_post_rows[r].name; r++) {
-            json_t *chain = json_pack("{s:s, s:s, s:b}", "name", neph_post_rows[r].name, "settings",
-                                      neph_post_rows[r].settings, "of_whole",
-                                      neph_post_rows[r].is_of_whole);
+        for (int r = 0; study->rows[r].name; r++) {
+            json_t *chain = json_pack("{s:s, s:s, s:b}", "name", study->rows[r].name, "settings",
+                                      study->rows[r].settings, "of_whole",
+                                      study->rows[r].is_of_whole);
             for (int c = 0; c < COLUMNS; c++)
                 neph_json_set(&chain, columns[c].name,
                               neph_json_number(value_of(&study->numbers[i][r], c)));
@@ -128,6 +136,6 @@ json_t *neph_post_study_json(const struct neph_post_study *study)
         }
         neph_json_add(&scenes, json_pack("{s:s, s:o}", "scene", study->names[i], "chains", chains));
     }
-    return json_pack("{s:s, s:s, s:o}", "device", study->device, "preset", study->params->preset,
-                     "scenes", scenes);
+    return json_pack("{s:s, s:s, s:i, s:o}", "device", study->device, "preset",
+                     study->params->preset, "seed", study->params->seed, "scenes", scenes);
 }

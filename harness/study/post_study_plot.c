@@ -17,9 +17,6 @@
 /* Two panels, one under the other, so narrow that letters are read on a telephone. */
 enum { WIDTH = 430, LEFT = 192, PANEL = 222, TOP = 50, LINE = 20, GAP = 24, LEGEND = 18 };
 
-/* What marks are over: the curve alone. */
-static const char base_name[] = "Unreal's curve";
-
 static const struct panel {
     const char *title;
     size_t at;
@@ -27,10 +24,10 @@ static const struct panel {
               {"flicker seen, over the curve alone", offsetof(struct neph_post_numbers, seen)}};
 enum { PANELS = sizeof(panels) / sizeof(panels[0]) };
 
-static int base_row(void)
+static int base_row(const struct neph_post_study *study)
 {
     int row = 0;
-    while (strcmp(neph_post_rows[row].name, base_name) != 0)
+    while (strcmp(study->rows[row].name, NEPH_POST_BASE) != 0)
         row++;
     return row;
 }
@@ -40,7 +37,7 @@ static double ratio(const struct neph_post_study *study, const struct panel *pan
                     int row)
 {
     const char *own = (const char *)&study->numbers[scene][row];
-    const char *base = (const char *)&study->numbers[scene][base_row()];
+    const char *base = (const char *)&study->numbers[scene][base_row(study)];
     return log2(*(const double *)(own + panel->at) / *(const double *)(base + panel->at));
 }
 
@@ -57,7 +54,7 @@ static struct axis fit(const struct neph_post_study *study, int panel)
 {
     struct axis axis = {-0.5, 0.5};
     for (int s = 0; s < study->params->scene_count; s++)
-        for (int r = 0; neph_post_rows[r].name; r++) {
+        for (int r = 0; study->rows[r].name; r++) {
             const double place = ratio(study, &panels[panel], s, r);
             if (!isfinite(place))
                 continue;
@@ -90,7 +87,7 @@ static void draw_row(const struct neph_post_study *study, int panel, const struc
                      int row, int y, FILE *out)
 {
     fprintf(out, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">", LEFT - 8, y + 4);
-    neph_svg_print_escaped(neph_post_rows[row].name, out);
+    neph_svg_print_escaped(study->rows[row].name, out);
     fprintf(out, "</text><path d=\"M%d %d H%d\" stroke=\"#eee\"/>\n", LEFT, y, WIDTH - 10);
     for (int s = 0; s < study->params->scene_count; s++) {
         const double place = ratio(study, &panels[panel], s, row);
@@ -100,10 +97,10 @@ static void draw_row(const struct neph_post_study *study, int panel, const struc
 }
 
 /* A line is left between what is alone and what is out of the whole. */
-static int row_count(void)
+static int row_count(const struct neph_post_study *study)
 {
     int rows = 0;
-    while (neph_post_rows[rows].name)
+    while (study->rows[rows].name)
         rows++;
     return rows + 1;
 }
@@ -111,10 +108,10 @@ static int row_count(void)
 static void draw_panel(const struct neph_post_study *study, int panel, int top, FILE *out)
 {
     const struct axis axis = fit(study, panel);
-    draw_grid(&axis, panels[panel].title, top, top + LINE * row_count() - LINE / 2, out);
-    for (int r = 0; neph_post_rows[r].name; r++)
-        draw_row(study, panel, &axis, r,
-                 top + LINE * (r + neph_post_rows[r].is_of_whole) + LINE / 2, out);
+    draw_grid(&axis, panels[panel].title, top, top + LINE * row_count(study) - LINE / 2, out);
+    for (int r = 0; study->rows[r].name; r++)
+        draw_row(study, panel, &axis, r, top + LINE * (r + study->rows[r].is_of_whole) + LINE / 2,
+                 out);
 }
 
 /* Two scenes a line. */
@@ -132,7 +129,7 @@ static void draw_legend(const struct neph_post_study *study, int top, FILE *out)
 static void draw(const void *what, FILE *out)
 {
     const struct neph_post_study *study = what;
-    const int panel_height = TOP + LINE * row_count();
+    const int panel_height = TOP + LINE * row_count(study);
     const int legend = GAP + LEGEND * ((study->params->scene_count + 1) / 2);
     const int height = legend + PANELS * panel_height;
     fprintf(out,

@@ -143,17 +143,20 @@ static uint32_t digit_of(int setting, float value)
     return value != 0.0f;
 }
 
-/* Specialization constants of shaders/realtime_choices.glsl. */
-static void set_choices(const struct neph_rt_device *device, struct neph_kernel_params *params)
+/* Specialization constants of shaders/realtime_choices.glsl. To passes with rays it is all one
+ * whether anything moves: they, which take longest to compile, have one kernel. */
+static void set_choices(const struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                        struct neph_kernel_params *params)
 {
+    const float *values = device->view->settings;
     params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_HALVES_CONSTANT] = device->native_halves;
     params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
-    params->constants[RT_RESTS_CONSTANT] = neph_rt_view_rests(device->view);
+    params->constants[RT_RESTS_CONSTANT] = !pass->rays && neph_rt_view_rests(device->view);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++)
-        params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit_of(s, device->view->settings[s])
-                                                         << 4 * (s % 8);
+        if (s != RT_STEADY || !pass->rays)
+            params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit_of(s, values[s]) << 4 * (s % 8);
 }
 
 void neph_rt_device_show(struct neph_rt_device *device)
@@ -171,7 +174,7 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     if (first == 0)
         params->uniform_count = 1; /* the view, where no scene is before it */
     params->array_count = pass->rays ? RT_RAY_TARGET_COUNT : RT_TARGET_COUNT;
-    set_choices(device, params);
+    set_choices(device, pass, params);
     dispatch->buffers[first] = &device->view_buffer;
     dispatch->buffers[first + 1] = &device->noise;
     const uint32_t touched = neph_rt_targets_touched(device->view, pass);
@@ -198,18 +201,26 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
     return status;
 }
 
+/* Pictures that have kernels of their own. */
+enum { MOVING, AT_REST, STEADY, KINDS };
+
 enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
                                         const struct neph_rt_pass *pass, struct neph_diag *diag)
 {
-    struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
-    struct neph_dispatch dispatch = {.group_count = 0};
     const struct neph_kernel *kernel;
     enum neph_status status = NEPH_OK;
-    neph_rt_device_bind(device, pass, 0, &params, &dispatch);
-    for (uint32_t rests = 0; rests < 2 && !status; rests++) {
-        params.constants[RT_RESTS_CONSTANT] = rests;
+    const float steady = device->view->settings[RT_STEADY];
+    for (int kind = 0; kind < KINDS && !status; kind++) {
+        device->view->settings[RT_STEADY] = kind == STEADY ? RT_STEADY_KNOWN : steady;
+        if (kind == STEADY && neph_rt_is_done_by_other(device->view, pass))
+            continue;
+        struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
+        struct neph_dispatch dispatch = {.group_count = 0};
+        neph_rt_device_bind(device, pass, 0, &params, &dispatch);
+        params.constants[RT_RESTS_CONSTANT] = kind != MOVING;
         status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
     }
+    device->view->settings[RT_STEADY] = steady;
     return status;
 }
 

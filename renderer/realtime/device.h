@@ -62,8 +62,8 @@ void neph_rt_device_show(struct neph_rt_device *device);
 void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch);
 
-/* Compile a pass without rays for pictures at rest and for others, so that none waits for that when
- * the camera starts or stops. */
+/* Compile a pass without rays for pictures at rest, for those that are known to be steady and for
+ * others, so that none waits for that when the camera starts or stops. */
 enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
                                         const struct neph_rt_pass *pass, struct neph_diag *diag);
 

@@ -49,6 +49,7 @@ static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
 static const char *const depth_map_passes[] = {"auto", "own", NULL};
 static const char *const change_passes[] = {"auto", "own", NULL};
+static const char *const steadies[] = {"auto", "unasked", NULL};
 static const char *const compositions[] = {"auto", "pass", "taa", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
@@ -495,6 +496,11 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "by itself. Same bits"),
     [RT_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH,
     [RT_SUN_CONE] = NEPH_OPTION_SUN_CONE,
+    [RT_STEADY] = CHOICE(
+        "steady", RT_STEADY_AUTO, steadies,
+        "auto: where nothing that is looked at has changed for so long that gradient=on sees no "
+        "change, it does not look, and what it would decide is left out; unasked: it looks. Same "
+        "bits, but for what a GPU rounds freely"),
     [RT_FOG] = NEPH_OPTION_FOG,
     {.name = NULL},
 };

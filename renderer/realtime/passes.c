@@ -110,8 +110,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "one of 2x2 depths",
         .shader = {"rt_min_max", min_max_spirv, sizeof(min_max_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
-        .done_by_other = &(const struct neph_rt_condition){RT_DEPTH_MAP_PASS,
-                                                           RT_DEPTH_MAP_PASS_TILE_INDEX},
+        .done_by_other = {{RT_DEPTH_MAP_PASS, RT_DEPTH_MAP_PASS_TILE_INDEX}},
         .resolution = RT_HALF,
         .reads = BIT(RT_STEADY_DEPTH),
         .writes = BIT(RT_HALF_DEPTH),
@@ -164,6 +163,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "what the same rays see that were marched before",
         .shader = {"rt_gradient", gradient_spirv, sizeof(gradient_spirv)},
         .condition = {RT_GRADIENT, 1},
+        .done_by_other = {{RT_STEADY, RT_STEADY_KNOWN}},
         .resolution = RT_QUARTER,
         .reads = BIT(RT_RAY) | BIT(RT_BEHIND) | BIT(RT_KEPT_RAY) | BIT(RT_KEPT_BEHIND) |
                  BIT(RT_HALF_DEPTH) | BIT(RT_HALF_DEPTH_BEFORE),
@@ -175,8 +175,8 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "what has changed around a tile",
         .shader = {"rt_change", change_spirv, sizeof(change_spirv)},
         .condition = {RT_GRADIENT, 1},
-        .done_by_other = &(const struct neph_rt_condition){RT_CHANGE_PASS,
-                                                           RT_CHANGE_PASS_RECONSTRUCTION},
+        .done_by_other = {{RT_CHANGE_PASS, RT_CHANGE_PASS_RECONSTRUCTION},
+                          {RT_STEADY, RT_STEADY_KNOWN}},
         .resolution = RT_QUARTER,
         .reads = CHANGE_READS | BIT(RT_CHANGE),
         .writes = BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND),
@@ -192,8 +192,10 @@ const struct neph_rt_pass neph_rt_passes[] = {
                  BIT(RT_HALF_DEPTH_BEFORE) | BIT(RT_HISTORY_BEFORE) | BIT(RT_HISTORY_STATE_BEFORE) |
                  BIT(RT_CHANGE) | CHANGE_READS,
         .spared = {{{{RT_GRADIENT, 1}}, BIT(RT_CHANGE)},
-                   {{{RT_CHANGE_PASS, RT_CHANGE_PASS_RECONSTRUCTION}}, CHANGE_READS}},
-        .writes = BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND),
+                   {{{RT_CHANGE_PASS, RT_CHANGE_PASS_RECONSTRUCTION}}, CHANGE_READS},
+                   {{{RT_STEADY, RT_STEADY_KNOWN}}, BIT(RT_KEPT_RAY)}},
+        .writes = BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) |
+                  BIT(RT_KEPT_RAY),
         .histories = {{RT_HISTORY, RT_HISTORY_BEFORE}, {RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE}},
     },
     {
@@ -259,7 +261,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "the volume over what is behind it",
         .shader = {"rt_compose", compose_spirv, sizeof(compose_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
-        .done_by_other = &(const struct neph_rt_condition){RT_COMPOSITION, RT_COMPOSITION_TAA},
+        .done_by_other = {{RT_COMPOSITION, RT_COMPOSITION_TAA}},
         .resolution = RT_FULL,
         .reads = BIT(RT_VOLUME) | BIT(RT_BEHIND),
         .writes = BIT(RT_COLOR),
@@ -397,7 +399,10 @@ uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct 
 
 bool neph_rt_is_done_by_other(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
 {
-    return pass->done_by_other && neph_rt_holds(view, *pass->done_by_other);
+    bool is_done = false;
+    for (int i = 0; i < NEPH_RT_OTHERS_MAX; i++)
+        is_done |= neph_rt_holds(view, pass->done_by_other[i]);
+    return is_done;
 }
 
 uint32_t neph_rt_targets_used(const struct neph_gpu_view *view)
@@ -440,6 +445,8 @@ uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct nep
                                       : quotient_up(view->size_px[0], (uint64_t)pass->resolution);
     const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
     const bool in_blocks = takes_turns(view, pass) || !pass->in_colours;
+    if (!on_gpu && takes_turns(view, pass)) /* a dispatch for each colour */
+        return quotient_up(width, 2) * quotient_up(height, 2);
     if (pass->in_quads)
         return (width / 2 + 1) * (height / 2 + 1);
     if ((on_gpu || pass->rays) && in_blocks && pass->block[0] > 0)

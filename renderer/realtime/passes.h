@@ -20,6 +20,8 @@ struct neph_rt_condition {
     int setting, choice;
 };
 
+enum { NEPH_RT_OTHERS_MAX = 2 };
+
 /* A target of this frame that is another one's name in the next. */
 struct neph_rt_history {
     int now, before;
@@ -49,11 +51,12 @@ struct neph_rt_pass {
     const char *name; /* "tile index" */
     const char *note; /* what it makes, in a few words */
     struct neph_rt_shader shader;
-    struct neph_rt_condition condition;            /* of being in the frame */
-    const struct neph_rt_condition *done_by_other; /* where this holds; or NULL */
-    int resolution;                                /* RT_FULL, ..: of the texels that it makes */
-    int column;    /* texels, one below the other, that a thread makes; 0: one */
-    bool in_quads; /* a thread makes 2x2, the first of which may be one before the view */
+    struct neph_rt_condition condition; /* of being in the frame */
+    /* Where one of these holds; ends early with {0}, which never does (above). */
+    struct neph_rt_condition done_by_other[NEPH_RT_OTHERS_MAX];
+    int resolution; /* RT_FULL, ..: of the texels that it makes */
+    int column;     /* texels, one below the other, that a thread makes; 0: one */
+    bool in_quads;  /* a thread makes 2x2, the first of which may be one before the view */
     /* Texels that a group makes together on a GPU, with rays elsewhere, too, where there is
      * in_colours if that holds; {0}: they are by themselves. */
     int block[2];
@@ -78,7 +81,7 @@ const char *neph_rt_target_name(int target);
 
 bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition condition);
 
-/* Whether what a pass makes is made elsewhere. */
+/* Whether what a pass makes is made elsewhere, or known. */
 bool neph_rt_is_done_by_other(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
 
 /* What a pass reads and writes with the settings of a view: all that it is bound to. */

@@ -9,6 +9,7 @@
 #include "renderer/realtime/injection.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
+#include "renderer/realtime/stillness.h"
 #include "renderer/realtime/suns.h"
 #include "renderer/realtime/watch.h"
 #include "renderer/shortcuts.h"
@@ -42,6 +43,7 @@ struct neph_realtime {
     bool has_past;
     struct neph_rt_moment past;
     struct neph_rt_suns suns;
+    struct neph_rt_stillness stillness;
     bool has_mirrored_past; /* of the camera that is mirrored (inject.mirror) */
     struct neph_rt_moment mirrored_past;
     uint64_t injected_values;  /* since the last picture */
@@ -419,6 +421,7 @@ void neph_realtime_destroy(struct neph_realtime *realtime)
     if (!realtime)
         return;
     destroy_sized(realtime);
+    neph_rt_stillness_destroy(&realtime->stillness);
     neph_buffer_destroy(realtime->vulkan, &realtime->counters);
     neph_march_scene_destroy(realtime->vulkan, &realtime->scene);
     free(realtime->noise_ranks);
@@ -770,6 +773,39 @@ static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_
     view->resting |= number / 4 % 2 == 1 && neph_rt_suns_jumped(&realtime->suns, awake);
 }
 
+/* Whether rays see nothing but what is kept of the scene: no paths that find light from picture to
+ * picture, no table that is filled over some of them, and nobody who puts something in between. */
+static bool sees_scene_alone(const struct neph_realtime *realtime,
+                             const struct neph_realtime_frame *frame)
+{
+    const struct neph_injections *in = &frame->scene->injections;
+    const enum neph_march_lighting lighting = realtime->march.lighting;
+    const struct neph_shortcuts *shortcuts = &realtime->march.shortcuts;
+    const int injected = in->history_count + in->ray_count + in->size_count + in->origin_count +
+                         in->exposure_count;
+    return lighting != NEPH_MARCH_TRACED && lighting != NEPH_MARCH_DIFFUSED &&
+           shortcuts->sun_cache_frames <= 1 && shortcuts->shadow.frames <= 1 && !frame->given &&
+           !realtime->observer && injected == 0;
+}
+
+/* Whether the gradient need not look (steady). */
+static enum neph_status set_steady(struct neph_realtime *realtime,
+                                   const struct neph_realtime_frame *frame, bool is_mirrored,
+                                   const struct neph_scene *still, struct neph_diag *diag)
+{
+    struct neph_gpu_view *view = realtime->device.view;
+    const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) &&
+                       !is_mirrored && sees_scene_alone(realtime, frame);
+    view->settings[RT_STEADY] = (float)choice_of(realtime, RT_STEADY);
+    if (view->settings[RT_GRADIENT] == 0.0f || choice_of(realtime, RT_STEADY) == RT_STEADY_UNASKED)
+        return NEPH_OK;
+    const enum neph_status status = neph_rt_stillness_keep(&realtime->stillness, still, rests,
+                                                           diag);
+    if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
+        view->settings[RT_STEADY] = RT_STEADY_KNOWN;
+    return status;
+}
+
 static enum neph_status render_picture(struct neph_realtime *realtime,
                                        const struct neph_realtime_frame *frame, bool is_mirrored,
                                        struct neph_image **image, struct neph_realtime_stats *stats,
@@ -797,11 +833,13 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
     set_suns(realtime, frame);
+    status = set_steady(realtime, frame, is_mirrored, still, diag);
     made.moment = march_moment(view, &now);
     neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
     neph_rt_device_show(&realtime->device);
-    status = (realtime->whole ? render_whole : render_split)(realtime, frame, still, image, &made,
-                                                             diag);
+    if (!status)
+        status = (realtime->whole ? render_whole : render_split)(realtime, frame, still, image,
+                                                                 &made, diag);
     if (!status)
         status = neph_vulkan_check(realtime->vulkan, diag);
     neph_scene_destroy(still);

@@ -11,6 +11,8 @@
 
 static const char *const switches[] = {"off", "on", NULL};
 static const char *const occlusions[] = {"off", "ssao", "unreal", "gtao", NULL};
+static const char *const resolutions[] = {"full", "half", NULL};
+static const char *const pixels[] = {"first", "turning", NULL};
 static const char *const slicings[] = {"ray", "axis", NULL};
 static const char *const places[] = {"pixel", "plane", NULL};
 static const char *const ways_to_sum[] = {"ratio", "mean", NULL};
@@ -22,6 +24,9 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     [SCREEN_AO] = CHOICE("ao", SCREEN_AO_GTAO, occlusions,
                          "ambient occlusion: points in a half ball, Unreal's pairs of angles, or "
                          "horizons of slices"),
+    [SCREEN_AO_RESOLUTION] = CHOICE("ao_resolution", SCREEN_FULL, resolutions,
+                                    "of occlusion and its blur; half: the first of 2x2 pixels, "
+                                    "then between them on the same surface"),
     [SCREEN_AO_RADIUS_M] = REAL("ao_radius_m", 1, 1e-3, 1e6,
                                 "how far away a surface may hide the sky [m]"),
     [SCREEN_AO_FALLOFF] = REAL("ao_falloff", 0, 0, 1,
@@ -66,10 +71,17 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
                                 "metal that a ray meets reflects sun and lamps into the ray, or "
                                 "what it reflects to the camera"),
     [SCREEN_RAY_NOISE] = CHOICE("ray_noise", 1, switches, "each ray has a first step of its own"),
+    [SCREEN_RAY_PIXEL] = CHOICE("ray_pixel", SCREEN_PIXEL_FIRST, pixels,
+                                "at half resolution, which of 2x2 pixels has the rays: the first, "
+                                "or one after the other where there is a history, which is then "
+                                "between pixels in each frame, and blurred by that"),
 
     [SCREEN_GI] = CHOICE("gi", 1, switches,
                          "indirect light of diffuse surfaces by rays, the sky's included; off: the "
                          "sky's by ambient occlusion"),
+    [SCREEN_GI_RESOLUTION] = CHOICE("gi_resolution", SCREEN_FULL, resolutions,
+                                    "of rays, mean and smoothing; half: one of 2x2 pixels, then "
+                                    "between them on the same surface"),
     [SCREEN_GI_RAYS] = WHOLE("gi_rays", 4, 1, 256, "a pixel and frame"),
     [SCREEN_GI_STEPS] = WHOLE("gi_steps", 24, 1, 1024, "of a ray, and no more than its pixels"),
     [SCREEN_GI_REACH_M] = REAL("gi_reach_m", 0, 0, 1e6, "of a ray [m]; 0: as far as the picture"),
@@ -81,8 +93,12 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
                                "turns of the smoothing, 5x5 pixels 2^k apart"),
 
     [SCREEN_SSR] = CHOICE("ssr", 1, switches, "reflections of metal by rays"),
+    [SCREEN_SSR_RESOLUTION] = CHOICE("ssr_resolution", SCREEN_FULL, resolutions,
+                                     "of rays, mean and smoothing, as gi_resolution"),
     [SCREEN_SSR_RAYS] = WHOLE("ssr_rays", 4, 1, 256, "a pixel and frame; of a mirror 1"),
     [SCREEN_SSR_STEPS] = WHOLE("ssr_steps", 64, 1, 4096, "of a ray, and no more than its pixels"),
+    [SCREEN_SSR_ROUGHEST] = REAL("ssr_roughest", 1, 0, 1,
+                                 "rougher metal gets no rays: the sky where it is open"),
     [SCREEN_SSR_HISTORY] = WHOLE("ssr_history", 16, 0, 1024,
                                  "frames before in the mean over frames"),
     [SCREEN_SSR_SMOOTH] = WHOLE("ssr_smooth", 2, 0, 6,
@@ -103,6 +119,10 @@ const struct neph_preset neph_screen_presets[] = {
     {"paper", "GTAO as its paper has it: one slice a pixel, 4x4 pixels together",
      "ao=gtao ao_directions=1 ao_steps=6 ao_falloff=0.6 ao_slices=axis ao_places=pixel "
      "ao_thickness=0.1 ao_sum=mean targets=float16"},
+    {"fast", "one ray for 2x2 pixels, a few steps each, in a long mean over frames",
+     "ao_resolution=half ao_directions=2 ao_steps=4 ao_blur_px=1 gi_resolution=half gi_rays=1 "
+     "gi_steps=16 gi_history=32 gi_smooth=1 ssr_resolution=half ssr_rays=1 ssr_steps=32 "
+     "ssr_history=32 ssr_smooth=1 targets=float16"},
     {"slices", "many slices and steps: what gtao tends to",
      "ao=gtao ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0"},
     {.name = NULL},

@@ -25,6 +25,9 @@ static const uint32_t mean_spirv[] = {
 static const uint32_t smooth_spirv[] = {
 #include "shaders/screen_smooth.comp.inc"
 };
+static const uint32_t whole_spirv[] = {
+#include "shaders/screen_whole.comp.inc"
+};
 static const uint32_t compose_spirv[] = {
 #include "shaders/screen_compose.comp.inc"
 };
@@ -34,7 +37,7 @@ static const uint32_t compose_spirv[] = {
 #define GBUFFER (SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_DIRECT) | BIT(SCREEN_MARKS))
 #define BEFORE (BIT(SCREEN_DEPTH_BEFORE) | BIT(SCREEN_NORMAL_BEFORE))
 #define LIGHT_BEFORE (BIT(SCREEN_GI_BEFORE) | BIT(SCREEN_SSR_BEFORE))
-#define OPEN (BIT(SCREEN_OPEN) | BIT(SCREEN_OPEN_SMOOTH))
+#define OPEN (BIT(SCREEN_OPEN) | BIT(SCREEN_OPEN_SMOOTH) | BIT(SCREEN_OPEN_WHOLE))
 #define GI_OUT (BIT(SCREEN_GI_MEAN) | BIT(SCREEN_GI_A) | BIT(SCREEN_GI_B))
 #define SSR_OUT (BIT(SCREEN_SSR_MEAN) | BIT(SCREEN_SSR_A) | BIT(SCREEN_SSR_B))
 
@@ -51,6 +54,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "what is open of the hemisphere over each surface",
         .shader = {"screen_ao", ao_spirv, sizeof(ao_spirv)},
         .settings = {SCREEN_AO, SCREEN_AO},
+        .resolution = SCREEN_AO_RESOLUTION,
         .reads = SURFACES,
         .writes = BIT(SCREEN_OPEN),
     },
@@ -59,14 +63,26 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over the pixels of the noise, within a plane",
         .shader = {"screen_ao_blur", ao_blur_spirv, sizeof(ao_blur_spirv)},
         .settings = {SCREEN_AO, SCREEN_AO_BLUR_PX},
+        .resolution = SCREEN_AO_RESOLUTION,
         .reads = SURFACES | BIT(SCREEN_OPEN),
         .writes = BIT(SCREEN_OPEN_SMOOTH),
+    },
+    {
+        .name = "occlusion of all",
+        .note = "between one of 2x2 pixels, on the same surface",
+        .shader = {"screen_whole", whole_spirv, sizeof(whole_spirv)},
+        .settings = {SCREEN_AO, SCREEN_AO_RESOLUTION},
+        .resolution = SCREEN_AO_RESOLUTION,
+        .makes_whole = true,
+        .reads = SURFACES | BIT(SCREEN_OPEN) | BIT(SCREEN_OPEN_SMOOTH),
+        .writes = BIT(SCREEN_OPEN_WHOLE),
     },
     {
         .name = "indirect light",
         .note = "of diffuse surfaces, by rays through the picture",
         .shader = {"screen_gi", gi_spirv, sizeof(gi_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI},
+        .resolution = SCREEN_GI_RESOLUTION,
         .reads = GBUFFER | BEFORE | LIGHT_BEFORE | OPEN,
         .writes = BIT(SCREEN_GI_RAW),
     },
@@ -75,7 +91,8 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over frames",
         .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI},
-        .reads = SURFACES | BEFORE | BIT(SCREEN_MARKS) | BIT(SCREEN_GI_RAW) |
+        .resolution = SCREEN_GI_RESOLUTION,
+        .reads = SURFACES | BEFORE | BIT(SCREEN_BASE) | BIT(SCREEN_MARKS) | BIT(SCREEN_GI_RAW) |
                  BIT(SCREEN_GI_BEFORE) | BIT(SCREEN_GI_COUNT_BEFORE),
         .writes = BIT(SCREEN_GI_MEAN) | BIT(SCREEN_GI_COUNT),
         .from = SCREEN_GI_RAW,
@@ -87,11 +104,23 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over pixels of the same plane, wider by turns",
         .shader = {"screen_smooth", smooth_spirv, sizeof(smooth_spirv)},
         .settings = {SCREEN_GI, SCREEN_GI_SMOOTH},
+        .resolution = SCREEN_GI_RESOLUTION,
         .reads = SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_GI_MEAN),
         .writes = BIT(SCREEN_GI_A) | BIT(SCREEN_GI_B),
         .from = SCREEN_GI_MEAN,
         .to = SCREEN_GI_A,
         .turns_setting = SCREEN_GI_SMOOTH,
+    },
+    {
+        .name = "indirect of all",
+        .note = "between one of 2x2 pixels, on the same surface",
+        .shader = {"screen_whole", whole_spirv, sizeof(whole_spirv)},
+        .settings = {SCREEN_GI, SCREEN_GI_RESOLUTION},
+        .resolution = SCREEN_GI_RESOLUTION,
+        .makes_whole = true,
+        .reads = SURFACES | BIT(SCREEN_BASE) | OPEN | GI_OUT,
+        .writes = BIT(SCREEN_GI_A) | BIT(SCREEN_GI_B),
+        .turn = 1,
     },
     {
         .name = "diffuse light",
@@ -106,6 +135,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "of metal, by rays through the picture",
         .shader = {"screen_ssr", ssr_spirv, sizeof(ssr_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
+        .resolution = SCREEN_SSR_RESOLUTION,
         .reads = GBUFFER | BEFORE | LIGHT_BEFORE | OPEN | BIT(SCREEN_LIT),
         .writes = BIT(SCREEN_SSR_RAW),
     },
@@ -114,7 +144,8 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over frames",
         .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
-        .reads = SURFACES | BEFORE | BIT(SCREEN_MARKS) | BIT(SCREEN_SSR_RAW) |
+        .resolution = SCREEN_SSR_RESOLUTION,
+        .reads = SURFACES | BEFORE | BIT(SCREEN_BASE) | BIT(SCREEN_MARKS) | BIT(SCREEN_SSR_RAW) |
                  BIT(SCREEN_SSR_BEFORE) | BIT(SCREEN_SSR_COUNT_BEFORE),
         .writes = BIT(SCREEN_SSR_MEAN) | BIT(SCREEN_SSR_COUNT),
         .from = SCREEN_SSR_RAW,
@@ -127,11 +158,23 @@ const struct neph_screen_pass neph_screen_passes[] = {
         .note = "over pixels of the same plane, as far as it is rough",
         .shader = {"screen_smooth", smooth_spirv, sizeof(smooth_spirv)},
         .settings = {SCREEN_SSR, SCREEN_SSR_SMOOTH},
+        .resolution = SCREEN_SSR_RESOLUTION,
         .reads = SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_SSR_MEAN),
         .writes = BIT(SCREEN_SSR_A) | BIT(SCREEN_SSR_B),
         .from = SCREEN_SSR_MEAN,
         .to = SCREEN_SSR_A,
         .turns_setting = SCREEN_SSR_SMOOTH,
+    },
+    {
+        .name = "reflections of all",
+        .note = "between one of 2x2 pixels, on the same surface",
+        .shader = {"screen_whole", whole_spirv, sizeof(whole_spirv)},
+        .settings = {SCREEN_SSR, SCREEN_SSR_RESOLUTION},
+        .resolution = SCREEN_SSR_RESOLUTION,
+        .makes_whole = true,
+        .reads = SURFACES | BIT(SCREEN_BASE) | OPEN | SSR_OUT,
+        .writes = BIT(SCREEN_SSR_A) | BIT(SCREEN_SSR_B),
+        .turn = 2,
     },
     {
         .name = "picture",
@@ -160,6 +203,7 @@ const char *const neph_screen_targets[SCREEN_TARGET_COUNT] = {
     [SCREEN_DIRECT] = "direct",
     [SCREEN_OPEN] = "open",
     [SCREEN_OPEN_SMOOTH] = "open smooth",
+    [SCREEN_OPEN_WHOLE] = "open of all",
     [SCREEN_GI_RAW] = "indirect",
     [SCREEN_GI_MEAN] = "indirect mean",
     [SCREEN_GI_A] = "indirect smooth",
@@ -180,4 +224,9 @@ bool neph_screen_is_on(const struct neph_screen_pass *pass, const struct neph_se
 {
     return pass->settings[0] < 0 || (settings->values[pass->settings[0]] != 0.0 &&
                                      settings->values[pass->settings[1]] != 0.0);
+}
+
+bool neph_screen_is_half(const struct neph_screen_pass *pass, const struct neph_settings *settings)
+{
+    return pass->resolution && settings->values[pass->resolution] == SCREEN_HALF;
 }

@@ -166,25 +166,54 @@ static uint32_t last_target(double turns, uint32_t none, uint32_t first)
     return turns == 0.0 ? none : first + ((uint32_t)turns + 1) % 2;
 }
 
+/* Where the passes of a resolution leave what they find, by the setting that it has. */
+static uint32_t found_target(const double *values, int resolution)
+{
+    switch (resolution) {
+    case SCREEN_AO_RESOLUTION:
+        return values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
+    case SCREEN_GI_RESOLUTION:
+        return last_target(values[SCREEN_GI_SMOOTH], SCREEN_GI_MEAN, SCREEN_GI_A);
+    default:
+        return last_target(values[SCREEN_SSR_SMOOTH], SCREEN_SSR_MEAN, SCREEN_SSR_A);
+    }
+}
+
+/* And where it is then for all pixels: of two that take turns the one that is free. */
+static uint32_t whole_target(const double *values, int resolution)
+{
+    const uint32_t found = found_target(values, resolution);
+    if (values[resolution] == SCREEN_FULL)
+        return found;
+    switch (resolution) {
+    case SCREEN_AO_RESOLUTION:
+        return SCREEN_OPEN_WHOLE;
+    case SCREEN_GI_RESOLUTION:
+        return found == SCREEN_GI_A ? SCREEN_GI_B : SCREEN_GI_A;
+    default:
+        return found == SCREEN_SSR_A ? SCREEN_SSR_B : SCREEN_SSR_A;
+    }
+}
+
 static uint32_t open_target(const double *values)
 {
-    if (values[SCREEN_AO] == SCREEN_AO_OFF)
-        return SCREEN_NONE;
-    return values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
+    return values[SCREEN_AO] == SCREEN_AO_OFF ? SCREEN_NONE
+                                              : whole_target(values, SCREEN_AO_RESOLUTION);
 }
 
 static uint32_t gi_target(const double *values)
 {
-    return values[SCREEN_GI] == 0.0
-               ? SCREEN_NONE
-               : last_target(values[SCREEN_GI_SMOOTH], SCREEN_GI_MEAN, SCREEN_GI_A);
+    return values[SCREEN_GI] == 0.0 ? SCREEN_NONE : whole_target(values, SCREEN_GI_RESOLUTION);
 }
 
 static uint32_t ssr_target(const double *values)
 {
-    return values[SCREEN_SSR] == 0.0
-               ? SCREEN_NONE
-               : last_target(values[SCREEN_SSR_SMOOTH], SCREEN_SSR_MEAN, SCREEN_SSR_A);
+    return values[SCREEN_SSR] == 0.0 ? SCREEN_NONE : whole_target(values, SCREEN_SSR_RESOLUTION);
+}
+
+static uint32_t cell_px(const double *values, int resolution)
+{
+    return resolution && values[resolution] == SCREEN_HALF ? 2 : 1;
 }
 
 static void fill_sky(const struct neph_scene *scene, float sky[3])
@@ -216,6 +245,8 @@ static void fill_view(struct neph_screening *screen, const struct neph_scene *sc
     view->open_at = open_target(values);
     view->gi_at = gi_target(values);
     view->ssr_at = ssr_target(values);
+    view->gi_cell_px = cell_px(values, SCREEN_GI_RESOLUTION);
+    view->ssr_cell_px = cell_px(values, SCREEN_SSR_RESOLUTION);
     view->frame = screen->frame;
 }
 
@@ -285,25 +316,59 @@ static void fill_surfaces(struct neph_screening *screen, const struct neph_scene
 
 /* --- passes ----------------------------------------------------------------------------------- */
 
-static struct neph_gpu_screen_run run_of(const struct neph_screen_pass *pass, unsigned turn)
+/* Whether another pixel of each cell has the rays in each frame. */
+static bool takes_turns(const double *values, int resolution)
 {
-    struct neph_gpu_screen_run run = {
-        .turn = pass->turn + turn, .from = pass->from, .to = pass->to, .before = pass->before};
+    const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY;
+    return resolution && resolution != SCREEN_AO_RESOLUTION && values[resolution] == SCREEN_HALF &&
+           values[SCREEN_RAY_PIXEL] == SCREEN_PIXEL_TURNING && values[history] > 0.0;
+}
+
+/* Which pixel of its cells a pass looks at in a frame. */
+static void find_pixel(const double *values, int resolution, uint32_t frame, uint32_t pixel[2])
+{
+    static const uint32_t order[4][2] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
+    const uint32_t *at = order[takes_turns(values, resolution) ? frame % 4 : 0];
+    pixel[0] = at[0];
+    pixel[1] = at[1];
+}
+
+static struct neph_gpu_screen_run run_of(const struct neph_screening *screen, int index,
+                                         unsigned turn)
+{
+    const struct neph_screen_pass *pass = &neph_screen_passes[index];
+    const double *values = screen->params.settings.values;
+    struct neph_gpu_screen_run run = {.turn = pass->turn + turn,
+                                      .from = pass->from,
+                                      .to = pass->to,
+                                      .before = pass->before,
+                                      .cell_px = cell_px(values, pass->resolution)};
+    find_pixel(values, pass->resolution, screen->frame - 1, run.own_px); /* it counts this one */
+    find_pixel(values, pass->resolution, screen->frame - 2, run.before_px);
     if (pass->turns_setting) {
         run.from = turn == 0 ? pass->from : pass->to + (turn - 1) % 2;
         run.to = pass->to + turn % 2;
     }
+    if (pass->makes_whole) {
+        run.from = found_target(values, pass->resolution);
+        run.to = whole_target(values, pass->resolution);
+    }
     return run;
+}
+
+static uint32_t group_count(const struct neph_screening *screen, int pass, uint32_t cell_px)
+{
+    const uint32_t tile_px = TILE_PX * (neph_screen_passes[pass].makes_whole ? 1 : cell_px);
+    return (((uint32_t)screen->params.width_px + tile_px - 1) / tile_px) *
+           (((uint32_t)screen->params.height_px + tile_px - 1) / tile_px);
 }
 
 static enum neph_status add_turn(struct neph_screening *screen, int pass, unsigned turn,
                                  struct neph_batch *batch, struct neph_diag *diag)
 {
-    const struct neph_screen_params *params = &screen->params;
     const uint32_t groups_max = screen->vulkan->limits.maxComputeWorkGroupCount[0];
-    const uint32_t groups = (uint32_t)((params->width_px + TILE_PX - 1) / TILE_PX) *
-                            (uint32_t)((params->height_px + TILE_PX - 1) / TILE_PX);
-    struct neph_gpu_screen_run run = run_of(&neph_screen_passes[pass], turn);
+    struct neph_gpu_screen_run run = run_of(screen, pass, turn);
+    const uint32_t groups = group_count(screen, pass, run.cell_px);
     struct neph_dispatch dispatch = {.push = &run};
     neph_gpu_scene_bind(&screen->gpu, &dispatch);
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &screen->view;

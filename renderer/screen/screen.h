@@ -25,6 +25,8 @@ struct neph_screen_pass {
         size_t spirv_size_bytes;
     } shader;
     int settings[2];        /* on where both are not 0; -1: always */
+    int resolution;         /* the setting of it; 0: all pixels */
+    bool makes_whole;       /* from half that resolution to all pixels */
     unsigned reads, writes; /* targets, a bit each */
     unsigned from, to, before;
     unsigned turn;     /* the number of the first */
@@ -37,6 +39,9 @@ extern const struct neph_screen_pass neph_screen_passes[];
 extern const char *const neph_screen_targets[];
 
 bool neph_screen_is_on(const struct neph_screen_pass *pass, const struct neph_settings *settings);
+
+/* Whether it looks at one of 2x2 pixels. */
+bool neph_screen_is_half(const struct neph_screen_pass *pass, const struct neph_settings *settings);
 
 /* False, with the reason in words: media, which the screen does not see. */
 bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason_size);
@@ -75,7 +80,7 @@ enum neph_status neph_screening_frame(struct neph_screening *screen, const struc
                                       struct neph_screen_stats *stats, struct neph_diag *diag);
 
 /* A target of the last picture, four numbers a pixel, row by row (of those that have one: four
- * times the same), for twins. */
+ * times the same), for twins. What passes at half resolution write lies in its upper left. */
 enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
                                      struct neph_diag *diag);
 

@@ -22,7 +22,7 @@ vec3 diffused_light(Mixture mixture, vec3 point_m, float seen_depth, float step_
     if (mixture.extinction_per_m.x <= 0.0)
         return vec3(0.0);
     Similar similar = similar_of(mixture);
-    bool is_lit = sees_sun(point_m, NO_SOLID);
+    bool is_lit = medium_sees_sun(point_m);
     float scale = similar_scale(similar), sun_depth = is_lit ? sample_sun_depth(point_m).x : 0.0;
     float through = transmittance(seen_depth) * phi(step_depth);
     float through_similar = transmittance(scale * seen_depth) * phi(scale * step_depth);

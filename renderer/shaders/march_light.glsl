@@ -420,7 +420,7 @@ vec3 octave_scattering(vec3 optical_depth)
 // The source function of sunlight, J = scattering / extinction * sunlight.
 vec3 source_function(Mixture mixture, vec3 point_m)
 {
-    if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
+    if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))
         return vec3(0.0);
     vec3 optical_depth = sample_sun_depth(point_m);
     vec3 scattered = LIGHTING == OCTAVES ? octave_scattering(optical_depth)
@@ -435,7 +435,7 @@ vec3 source_function(Mixture mixture, vec3 point_m)
 // places, as radiance does.
 vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_depth)
 {
-    if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
+    if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))
         return vec3(0.0);
     vec3 way = sample_sun_depth(point_m) + seen_depth;
     vec3 sum = vec3(0.0);
@@ -510,7 +510,7 @@ float similar_scale(Similar sum)
 // its way there, too. The octaves are the fitted ones, of that medium.
 vec3 similarity_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_depth)
 {
-    if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
+    if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))
         return vec3(0.0);
     vec3 way = sample_sun_depth(point_m) + seen_depth;
     vec3 once = fraction_through(way) *

@@ -11,6 +11,7 @@
 #define NEPH_REALTIME_GLSL
 
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
 #include "halves.glsl"
 #include "numbers.glsl"
@@ -97,11 +98,16 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer Targets {
     uint words[];
 } targets[KNOWN_TARGETS];
 
-// The same words by twos and by fours, for elements of as many: one access each. A target is seen
-// through one of the three alone.
+// The same words by twos and by fours, for elements of as many: one access each. lavapipe, which
+// makes one of each word and thread, has twos as one long number. A target is seen through one of
+// the four alone.
 layout(std430, binding = REALTIME_BINDING + 2) buffer TargetPairs {
     uvec2 words[];
 } target_pairs[KNOWN_TARGETS];
+
+layout(std430, binding = REALTIME_BINDING + 2) buffer TargetLongs {
+    uint64_t words[];
+} target_longs[KNOWN_TARGETS];
 
 layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
     uvec4 words[];
@@ -193,6 +199,21 @@ int width_of(int target)
     return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
 }
 
+uvec2 word_pair(int target, uint index)
+{
+    if (ON_GPU)
+        return target_pairs[target].words[index];
+    return unpackUint2x32(target_longs[target].words[index]);
+}
+
+void put_word_pair(int target, uint index, uvec2 pair)
+{
+    if (ON_GPU)
+        target_pairs[target].words[index] = pair;
+    else
+        target_longs[target].words[index] = packUint2x32(pair);
+}
+
 // Element (x, y) of a target, in texels of the whole target. The caller keeps inside.
 vec4 fetch(int target, ivec2 texel)
 {
@@ -205,9 +226,9 @@ vec4 fetch(int target, ivec2 texel)
     case RT_RG16F:
         return vec4(unpack(targets[target].words[index]), 0.0, 0.0);
     case RT_RG32F:
-        return vec4(uintBitsToFloat(target_pairs[target].words[index]), 0.0, 0.0);
+        return vec4(uintBitsToFloat(word_pair(target, index)), 0.0, 0.0);
     case RT_RGBA16F: {
-        uvec2 words = target_pairs[target].words[index];
+        uvec2 words = word_pair(target, index);
         return vec4(unpack(words.x), unpack(words.y));
     }
     default:
@@ -229,10 +250,10 @@ void put(int target, ivec2 texel, vec4 value)
         targets[target].words[index] = pack(value.xy);
         break;
     case RT_RG32F:
-        target_pairs[target].words[index] = floatBitsToUint(value.xy);
+        put_word_pair(target, index, floatBitsToUint(value.xy));
         break;
     case RT_RGBA16F:
-        target_pairs[target].words[index] = uvec2(pack(value.xy), pack(value.zw));
+        put_word_pair(target, index, uvec2(pack(value.xy), pack(value.zw)));
         break;
     default:
         target_fours[target].words[index] = floatBitsToUint(value);

@@ -94,8 +94,8 @@ struct Film {
 
 float box_scale = 1.0;
 
-// Whether history is held in the box. On a GPU there is none for what is at rest in the same light
-// (rt_taa.comp); elsewhere it is made anyhow.
+// Whether history is held in the box. There is none for what is at rest in the same light: on a
+// GPU, elsewhere where that is known before (is_steady()), or it would be made anyhow.
 bool is_held = true;
 
 // M. Salvi, "An Excursion in Temporal Supersampling", GDC 2016; the filtered colour is in it.
@@ -329,7 +329,8 @@ Film film_of(Surroundings around)
     film.own = around.colours[CENTRE];
     film.has_own = is_counted(around.counted, CENTRE);
     film.is_any = filter_frame(around, film.colour);
-    film.box = box_of(around, film.colour);
+    if (is_held)
+        film.box = box_of(around, film.colour);
     return film;
 }
 

@@ -19,6 +19,23 @@ vec3 gain_between(vec3 now, vec3 then)
     return gain;
 }
 
+// Not more than the largest half. A NaN becomes 0.
+vec4 limited(vec4 value)
+{
+    vec4 below = mix(vec4(HALF_MAX), value, lessThan(value, vec4(HALF_MAX)));
+    return mix(vec4(0.0), below, greaterThan(value, vec4(0.0)));
+}
+
+// What a half keeps of a value.
+vec4 kept(vec4 value)
+{
+    vec4 seen = limited(value);
+    return vec4(unpack(pack(seen.xy)), unpack(pack(seen.zw)));
+}
+
+// The place in its tile of the texel whose ray a tile keeps in a frame.
+ivec2 kept_place() { return ivec2(view_frame & 1u, view_frame >> 1 & 1u); }
+
 float largest(vec3 value)
 {
     float most = value.r > value.g ? value.r : value.g;

@@ -191,9 +191,11 @@
 // Steps towards the sun.
 #define RT_SUN_GROWTH 151
 #define RT_SUN_CONE 152
+// And whether the gradient is asked where it is known that it sees nothing.
+#define RT_STEADY 153
 // The height fog as game engines draw it.
-#define RT_FOG 153
-#define RT_SETTING_COUNT 154
+#define RT_FOG 154
+#define RT_SETTING_COUNT 155
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
@@ -211,10 +213,10 @@
 #define RT_RESTS_CONSTANT 31
 #define RT_CONSTANT_COUNT 32
 
-// Pixels below each other that a thread of the anti-aliasing takes: each row that it reads serves
-// three of them.
-#define RT_TAA_COLUMN 4
-// Pixels of the block that a work group of 64 takes through it on a GPU.
+// Pixels below each other that a thread of the anti-aliasing takes, whole tiles: each row that it
+// reads serves three of them.
+#define RT_TAA_COLUMN 16
+// Pixels of the block that a work group of 64 takes through it on a GPU, a tile's rows a thread.
 #define RT_TAA_BLOCK_WIDTH 32
 #define RT_TAA_BLOCK_HEIGHT 8
 
@@ -345,6 +347,10 @@
 #define RT_CHANGE_PASS_AUTO 0
 #define RT_CHANGE_PASS_OWN 1
 #define RT_CHANGE_PASS_RECONSTRUCTION 2 // of views alone
+
+#define RT_STEADY_AUTO 0
+#define RT_STEADY_UNASKED 1
+#define RT_STEADY_KNOWN 2 // of views alone
 
 #define RT_COMPOSITION_AUTO 0
 #define RT_COMPOSITION_PASS 1

@@ -110,11 +110,13 @@ bool rests()
 bool is_at_rest; // for all of a column; on lavapipe where that is known before (ALL_REST) alone
 
 // Nothing moves and, by the gradient, nothing changes: what is_held goes by. With taa_rest_px=0
-// nothing is at rest.
+// nothing is at rest; without guard the box may make something of what is no number.
 bool is_steady()
 {
-    return ON_GPU && is_at_rest && asks_for_change() && setting(RT_TAA_REST_PX) > 0.0 &&
-           beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
+    bool is_known = is_unchanged() && is_set(RT_TAA_REST_PX) && is_set(RT_TAA_CHANGE) && guarded();
+    bool is_seen = ON_GPU && setting(RT_TAA_REST_PX) > 0.0 &&
+                   beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
+    return is_at_rest && asks_for_change() && (is_known || is_seen);
 }
 
 // How far what is `depth_m` deep has come in the picture since the frame before, when it stood
@@ -192,12 +194,23 @@ vec4 filter_weights(float x)
     }
 }
 
+// That of a pixel at rest, which a GPU has had on its way since the pixel above (rt_taa.comp).
+bool is_ahead = false;
+vec4 history_ahead;
+
+vec4 history_at_rest(ivec2 pixel)
+{
+    if (is_ahead)
+        return history_ahead;
+    return fetch_picture(RT_TAA_BEFORE, pixel);
+}
+
 vec3 filtered_history(vec2 place_px)
 {
     precise vec2 corner = floor(place_px - 0.5);
     precise vec2 way = place_px - 0.5 - corner;
     if (is_at_rest)
-        return fetch_picture(RT_TAA_BEFORE, ivec2(corner)).rgb;
+        return history_at_rest(ivec2(corner)).rgb;
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
     ivec2 first = ivec2(first_tap(columns), first_tap(rows));
     ivec2 last = ivec2(last_tap(columns), last_tap(rows));
@@ -227,7 +240,8 @@ float age_at(vec2 place_px)
 {
     if (!is_set(RT_TAA_AGE_MAX))
         return 0.0;
-    float age = fetch_picture(RT_TAA_BEFORE, ivec2(floor(place_px))).a;
+    ivec2 pixel = ivec2(floor(place_px));
+    float age = (is_at_rest ? history_at_rest(pixel) : fetch_picture(RT_TAA_BEFORE, pixel)).a;
     return age >= 1.0 && age != float(RT_OF_MOVER) ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 

@@ -18,6 +18,9 @@
 // - What a solid has uncovered or hidden since the frame before all texels see at once, by their
 //   depth (reject_depth): it is not as it was, whatever light does.
 //
+// In a picture of which it is known that nothing has changed for long (steady) it does not run: what
+// was kept behind all media is what is there now, and the reconstruction keeps the rays.
+//
 // What is kept is of halves and compared as such. When the camera moves, no ray is the same one:
 // what comes out then is of no use, and the consumers go by motion before they ask.
 #extension GL_GOOGLE_include_directive : require
@@ -28,20 +31,6 @@
 #include "realtime_slots.glsl"
 
 const int TILE_PX = 16;
-
-// Not more than the largest half. A NaN becomes 0.
-vec4 limited(vec4 value)
-{
-    vec4 below = mix(vec4(HALF_MAX), value, lessThan(value, vec4(HALF_MAX)));
-    return mix(vec4(0.0), below, greaterThan(value, vec4(0.0)));
-}
-
-// What a half keeps of a value.
-vec4 kept(vec4 value)
-{
-    vec4 seen = limited(value);
-    return vec4(unpack(pack(seen.xy)), unpack(pack(seen.zw)));
-}
 
 // Whether the scene behind one of the tile's texels is another one than in the frame before.
 bool is_other_scene(ivec2 tile)
@@ -77,7 +66,7 @@ void forget(ivec2 tile)
 
 void look_at_medium(ivec2 tile)
 {
-    ivec2 half_pixel = 2 * tile + ivec2(view_frame & 1u, view_frame >> 1 & 1u);
+    ivec2 half_pixel = 2 * tile + kept_place();
     vec4 now = vec4(0.0), then = vec4(0.0);
     bool is_known = half_pixel.x < half_size().x && half_pixel.y < half_size().y;
     if (is_known) { // a cut tile has no room for all four

@@ -289,7 +289,10 @@ shared vec4 area_changes[BLOCK_TILE_COUNT];
 shared vec4 area_looks[4 * AREA.x * AREA.y];
 ivec2 area_corner; // its first tile
 
-bool finds_change() { return choice(RT_CHANGE_PASS) == RT_CHANGE_PASS_RECONSTRUCTION; }
+bool finds_change()
+{
+    return choice(RT_CHANGE_PASS) == RT_CHANGE_PASS_RECONSTRUCTION && !is_unchanged();
+}
 
 vec4 look_of(int target, ivec2 tile)
 {
@@ -372,10 +375,13 @@ float box_share(float motion_px, ivec2 tile, int nearest)
     return share;
 }
 
-// Where a GPU knows before that no share of it applies there is no box. Elsewhere it is made
-// anyhow, and the change asked for where the box has moved something alone.
+// Where no share of the box applies there is none, if that is known before: by a GPU from what has
+// changed, elsewhere where nothing has. Else it is made anyhow, and the change asked for where the
+// box has moved something alone.
 bool may_be_boxed(float motion_px, ivec2 tile, int nearest)
 {
+    if (is_at_rest && is_unchanged() && is_set(RT_BOX_MOTION_PX) && is_set(RT_BOX_CHANGE))
+        return false;
     return !ON_GPU || choice(RT_GRADIENT) == 0 || box_share(motion_px, tile, nearest) > 0.0;
 }
 
@@ -491,6 +497,8 @@ void main()
     is_at_rest = history_rests();
     if (!shares_rays())
         load_rays(tile);
+    if (is_unchanged() && half_pixel - 2 * tile == kept_place())
+        put_half(RT_KEPT_RAY, half_pixel, kept(ray_at(0).value));
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
     float own_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(depth_m)
                   : is_sky(depth_m)                 ? setting(RT_SKY_M)

@@ -60,7 +60,10 @@ void meet_solids(inout SightLine picture, inout SightLine steady)
 void main()
 {
     uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
-    ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
+    int ray = int(run.first_ray + thread);
+    if (KNOWN_SOLIDS != 0u)
+        ray = spread(ray, view_size().x * view_size().y);
+    ivec2 pixel = element_at(ray, view_size().x);
     Camera camera = frame_camera();
     vec3 background = frame.background;
     SightLine picture = sight_line(camera, vec2(pixel) + 0.5 + jitter_px);

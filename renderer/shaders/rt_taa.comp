@@ -34,19 +34,44 @@
 
 #include "realtime_taa.glsl"
 
+// A thread goes down a column of pixels, tile by tile: on a GPU a tile alone, its share of the
+// block; lavapipe, which has threads enough, reads the rows between two tiles once.
+const int TILE_PX = 4;
+const int COLUMN_PX = ON_GPU ? BLOCK.x * BLOCK.y / GROUP_THREADS : RT_TAA_COLUMN;
+
+// A GPU waits for a pixel's history while it makes the pixel above, where it knows its place.
+bool fetches_ahead() { return ON_GPU && ALL_REST; }
+
+vec4 next_history;
+
+void fetch_next(ivec2 pixel)
+{
+    if (fetches_ahead())
+        next_history = fetch_picture(RT_TAA_BEFORE, pixel);
+}
+
 // The first pixel of this thread's column; false when there is none left.
 bool own_column(ivec2 size, out ivec2 pixel)
 {
     if (ON_GPU) {
         ivec2 block = own_block(size, BLOCK);
         int thread = int(gl_LocalInvocationID.x);
+        pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x * COLUMN_PX);
+        fetch_next(pixel);
         fetch_area(block);
-        pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x * RT_TAA_COLUMN);
         return all(lessThan(pixel, size));
     }
-    bool is_left = own_element(ivec2(size.x, (size.y - 1) / RT_TAA_COLUMN + 1), pixel);
-    pixel.y *= RT_TAA_COLUMN;
+    bool is_left = own_element(ivec2(size.x, (size.y - 1) / COLUMN_PX + 1), pixel);
+    pixel.y *= COLUMN_PX;
     return is_left;
+}
+
+void look_at_tile(ivec2 tile)
+{
+    if (asks_for_change())
+        find_change(tile);
+    is_at_rest = rests();
+    is_held = !is_steady();
 }
 
 void main()
@@ -54,15 +79,20 @@ void main()
     ivec2 pixel, size = view_size();
     if (!own_column(size, pixel))
         return;
-    int end = min(pixel.y + RT_TAA_COLUMN, size.y);
-    if (asks_for_change())
-        find_change(pixel / 4);
-    is_at_rest = rests();
-    is_held = !is_steady();
+    int end = min(pixel.y + COLUMN_PX, size.y);
+    if (ON_GPU)
+        look_at_tile(pixel / TILE_PX);
     Window window = look_above(pixel);
-    for (; pixel.y < end; pixel.y++) {
-        look_down(pixel, window);
-        vec4 made = resolved(pixel, pixel, film_in(window));
-        put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
-    }
+    do {
+        if (!ON_GPU)
+            look_at_tile(pixel / TILE_PX);
+        for (int last = min(pixel.y + TILE_PX, end); pixel.y < last; pixel.y++) {
+            is_ahead = fetches_ahead();
+            history_ahead = next_history;
+            fetch_next(pixel + ivec2(0, 1));
+            look_down(pixel, window);
+            vec4 made = resolved(pixel, pixel, film_in(window));
+            put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
+        }
+    } while (!ON_GPU && pixel.y < end);
 }

@@ -253,6 +253,16 @@ void choose_block(bool may_override)
     put_chosen(tile, may_override ? known_slot(tile) : default_slot(tile), tile_depths(tile));
 }
 
+// Of a dispatch for each colour the tile of that in 2x2.
+bool own_tile(out ivec2 tile)
+{
+    if (!is_sequential())
+        return own_element(tile_count(), tile);
+    bool is_left = own_element((tile_count() + 1) / 2, tile);
+    tile = 2 * tile + ivec2(run.colour & 1u, run.colour >> 1);
+    return is_left && is_tile(tile);
+}
+
 void main()
 {
     bool may_override = choice(RT_OVERRIDE) != RT_OVERRIDE_NONE && view.resting == 0u;
@@ -261,11 +271,9 @@ void main()
         return;
     }
     ivec2 tile;
-    if (!own_element(tile_count(), tile))
+    if (!own_tile(tile))
         return;
     colour = run.colour;
-    if (may_override && is_sequential() && colour_of(tile) != colour)
-        return;
     Depths depths = tile_depths(tile);
     put_chosen(tile, may_override ? overridden_slot(tile, depths.of_slots_m) : default_slot(tile),
                depths);

@@ -72,6 +72,13 @@ bool sees_sun(vec3 point_m, uint except)
     return true;
 }
 
+// Whether a point of a medium does, which is not asked where no solid is in the way of any. lavapipe
+// would run both sides of that.
+bool medium_sees_sun(vec3 point_m)
+{
+    return (!ON_CPU && frame.solids_shade == 0u) || sees_sun(point_m, NO_SOLID);
+}
+
 // Whether a point that is in no solid sees as far.
 bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
 {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // What the passes of the screen share: its targets, its settings, and where a pixel lies in the
-// world. A pass is one thread a pixel, 64 of them in a square of 8x8; row 0 is on top.
+// world. A pass is one thread a pixel, 64 of them in a square of 8x8; row 0 is on top. At half
+// resolution it has a thread for each cell of 2x2 pixels, of which it looks at one.
 //
 // Places are in the camera's own axes, (right, up, forward) from the camera [m], so that z is the
 // eye depth.
@@ -18,6 +19,8 @@ layout(push_constant) uniform ScreenRun {
     uint turn;     // of a pass that runs several times
     uint from, to; // targets, of passes that work on several
     uint before;   // what `to` was in the frame before
+    uint cell_px;  // side of a cell
+    uint own_px[2], before_px[2]; // which pixel of its cells the pass looks at, now and before
 } run;
 
 layout(std430, binding = 5) readonly buffer ScreenView {
@@ -30,6 +33,7 @@ layout(std430, binding = 5) readonly buffer ScreenView {
     uint has_before; // 0: there was no frame before
     uint has_bounces; // 0: surfaces do not light each other
     uint open_at, gi_at, ssr_at; // targets in which these end up; SCREEN_NONE: there is none
+    uint gi_cell_px, ssr_cell_px;
 } view;
 
 // What a solid is made of (scenes/surface.h), by its number.
@@ -53,6 +57,14 @@ layout(std430, binding = 7) buffer ScreenTargets {
     uint words[];
 } targets[SCREEN_TARGET_COUNT];
 
+// The same targets by the texel, in one piece.
+layout(std430, binding = 7) buffer ScreenTexels32 {
+    uvec4 texels[];
+} texels_32[SCREEN_TARGET_COUNT];
+layout(std430, binding = 7) buffer ScreenTexels16 {
+    uvec2 texels[];
+} texels_16[SCREEN_TARGET_COUNT];
+
 const int TILE = 8; // pixels along a side of a group
 
 float setting(int index) { return view.settings[index]; }
@@ -63,34 +75,57 @@ bool is_orthographic() { return view.is_orthographic != 0u; }
 vec3 sky_light() { return vec3(view.sky_light[0], view.sky_light[1], view.sky_light[2]); }
 bool is_sky(float depth_m) { return depth_m >= FAR_M; }
 
-// The pixel of this thread; false when there is none.
-bool own_pixel(out ivec2 pixel)
+// The place of this thread among so many columns and rows; false when there is none.
+bool own_place(ivec2 size, out ivec2 place)
 {
-    int columns = (size_px().x + TILE - 1) / TILE;
+    int columns = (size.x + TILE - 1) / TILE;
     int group = int(run.first_group + gl_WorkGroupID.x), thread = int(gl_LocalInvocationIndex);
-    pixel = TILE * ivec2(group % columns, group / columns) + ivec2(thread % TILE, thread / TILE);
-    return pixel.x < size_px().x && pixel.y < size_px().y;
+    place = TILE * ivec2(group % columns, group / columns) + ivec2(thread % TILE, thread / TILE);
+    return place.x < size.x && place.y < size.y;
 }
+
+bool own_pixel(out ivec2 pixel) { return own_place(size_px(), pixel); }
 
 bool is_inside(ivec2 pixel)
 {
     return pixel.x >= 0 && pixel.y >= 0 && pixel.x < size_px().x && pixel.y < size_px().y;
 }
 
+// --- cells ------------------------------------------------------------------------------------
+
+int halvings() { return int(run.cell_px) - 1; } // of a side of 1 or 2
+ivec2 cells() { return (size_px() + halvings()) >> halvings(); }
+bool own_cell(out ivec2 cell) { return own_place(cells(), cell); }
+
+bool is_cell(ivec2 cell)
+{
+    return cell.x >= 0 && cell.y >= 0 && cell.x < cells().x && cell.y < cells().y;
+}
+
+ivec2 own_px() { return ivec2(run.own_px[0], run.own_px[1]); }
+ivec2 before_px() { return ivec2(run.before_px[0], run.before_px[1]); }
+
+// The pixel that a cell stands for, now and in the frame before.
+ivec2 pixel_in(ivec2 cell) { return min((cell << halvings()) + own_px(), size_px() - 1); }
+ivec2 pixel_before_in(ivec2 cell)
+{
+    return min((cell << halvings()) + before_px(), size_px() - 1);
+}
+
 // --- targets ----------------------------------------------------------------------------------
 
+// Cells lie in the upper left of their target, row by row as pixels do.
 int texel_of(ivec2 pixel) { return pixel.y * size_px().x + pixel.x; }
 bool is_half() { return choice(SCREEN_TARGETS) == SCREEN_FLOAT16; }
 
 vec4 load(int target, ivec2 pixel)
 {
     int at = texel_of(pixel);
-    if (is_half())
-        return vec4(unpackHalf2x16(targets[target].words[SCREEN_WORDS_16 * at]),
-                    unpackHalf2x16(targets[target].words[SCREEN_WORDS_16 * at + 1]));
-    int word = SCREEN_WORDS_32 * at;
-    return uintBitsToFloat(uvec4(targets[target].words[word], targets[target].words[word + 1],
-                                 targets[target].words[word + 2], targets[target].words[word + 3]));
+    if (is_half()) {
+        uvec2 halves = texels_16[target].texels[at];
+        return vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
+    }
+    return uintBitsToFloat(texels_32[target].texels[at]);
 }
 
 void store(int target, ivec2 pixel, vec4 texel)
@@ -99,15 +134,10 @@ void store(int target, ivec2 pixel, vec4 texel)
     if (is_half()) {
         const float HALF_MAX = 65504.0;
         vec4 held = clamp(texel, -HALF_MAX, HALF_MAX);
-        targets[target].words[SCREEN_WORDS_16 * at] = packHalf2x16(held.xy);
-        targets[target].words[SCREEN_WORDS_16 * at + 1] = packHalf2x16(held.zw);
+        texels_16[target].texels[at] = uvec2(packHalf2x16(held.xy), packHalf2x16(held.zw));
         return;
     }
-    int word = SCREEN_WORDS_32 * at;
-    targets[target].words[word] = floatBitsToUint(texel.x);
-    targets[target].words[word + 1] = floatBitsToUint(texel.y);
-    targets[target].words[word + 2] = floatBitsToUint(texel.z);
-    targets[target].words[word + 3] = floatBitsToUint(texel.w);
+    texels_32[target].texels[at] = floatBitsToUint(texel);
 }
 
 float load_one(int target, ivec2 pixel)
@@ -123,6 +153,19 @@ void store_one(int target, ivec2 pixel, float value)
 float depth_at_m(ivec2 pixel) { return load_one(SCREEN_DEPTH, pixel); }
 float depth_before_m(ivec2 pixel) { return load_one(SCREEN_DEPTH_BEFORE, pixel); }
 vec3 normal_at(ivec2 pixel) { return normalize(load(SCREEN_NORMAL, pixel).xyz); }
+
+// Metal has no diffuse part, and other things reflect nothing.
+bool has_light(ivec2 pixel, bool of_metal)
+{
+    float metalness = load(SCREEN_BASE, pixel).w;
+    return !is_sky(depth_at_m(pixel)) && (of_metal ? metalness > 0.0 : metalness < 1.0);
+}
+
+// At half resolution cells without the light are left out: no pixel looks at them.
+bool is_left_out(ivec2 pixel, bool of_metal)
+{
+    return run.cell_px > 1u && !has_light(pixel, of_metal);
+}
 
 // --- places -----------------------------------------------------------------------------------
 
@@ -150,6 +193,17 @@ bool plane_at(vec2 place_px, ivec2 pixel, out vec3 point_m)
     float along = dot(normal, near_m - own_m) / max(facing, EDGE);
     point_m = near_m + along * sight;
     return facing > EDGE && along > -NEARER * own_m.z && along < FARTHER * own_m.z;
+}
+
+// By how much a neighbour is off the plane of a surface, over its distance: 0 at a slope of 1:10.
+float same_surface(vec3 point_m, vec3 normal, ivec2 neighbour)
+{
+    const float STEEPEST = 0.1;
+    vec3 offset_m = surface_m(neighbour) - point_m;
+    float distance_m = length(offset_m);
+    if (!(distance_m > 0.0))
+        return 1.0;
+    return clamp(1.0 - abs(dot(offset_m, normal)) / (STEEPEST * distance_m), 0.0, 1.0);
 }
 
 // Where a place before the camera is seen.

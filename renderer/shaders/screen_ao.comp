@@ -256,17 +256,18 @@ float open_share(Site site)
 
 void main()
 {
-    ivec2 pixel;
-    if (!own_pixel(pixel))
+    ivec2 cell;
+    if (!own_cell(cell))
         return;
+    ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel), open = 1.0;
     if (!is_sky(depth_m)) {
         vec3 point_m = place_m(centre_of(pixel), depth_m);
-        vec2 noise = choice(SCREEN_AO_NOISE) != 0 ? tiled_noise(pixel) : vec2(0.5);
+        vec2 noise = choice(SCREEN_AO_NOISE) != 0 ? tiled_noise(cell) : vec2(0.5);
         Site site = Site(pixel, point_m, normal_at(pixel), to_camera(point_m),
                          setting(SCREEN_AO_RADIUS_M), noise);
         open = clamp(open_share(site), 0.0, 1.0);
     }
     float shaped = pow(open, setting(SCREEN_AO_POWER));
-    store(SCREEN_OPEN, pixel, vec4(1.0 - setting(SCREEN_AO_INTENSITY) * (1.0 - shaped)));
+    store(SCREEN_OPEN, cell, vec4(1.0 - setting(SCREEN_AO_INTENSITY) * (1.0 - shaped)));
 }

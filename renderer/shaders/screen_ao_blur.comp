@@ -7,17 +7,6 @@
 
 #include "screen.glsl"
 
-// By how much a neighbour is off the plane, over its distance: 0 at a slope of 1:10.
-float same_surface(vec3 point_m, vec3 normal, ivec2 neighbour)
-{
-    const float STEEPEST = 0.1;
-    vec3 offset_m = surface_m(neighbour) - point_m;
-    float distance_m = length(offset_m);
-    if (!(distance_m > 0.0))
-        return 1.0;
-    return clamp(1.0 - abs(dot(offset_m, normal)) / (STEEPEST * distance_m), 0.0, 1.0);
-}
-
 // Squares of an even side have all of the noise's 16 turns once; one of five has its rim by half.
 float window(ivec2 offset, int radius)
 {
@@ -27,23 +16,24 @@ float window(ivec2 offset, int radius)
 
 void main()
 {
-    ivec2 pixel;
-    if (!own_pixel(pixel))
+    ivec2 cell;
+    if (!own_cell(cell))
         return;
+    ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel);
-    vec2 sums = vec2(load(SCREEN_OPEN, pixel).x, 1.0);
+    vec2 sums = vec2(load(SCREEN_OPEN, cell).x, 1.0);
     int radius = choice(SCREEN_AO_BLUR_PX), side = 2 * radius + 1;
     if (!is_sky(depth_m)) {
         vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normal_at(pixel);
         sums = vec2(0.0);
         for (int i = 0; i < side * side; i++) {
             ivec2 offset = ivec2(i % side, i / side) - radius;
-            ivec2 neighbour = pixel + offset;
-            if (!is_inside(neighbour) || is_sky(depth_at_m(neighbour)))
+            ivec2 other = cell + offset, neighbour = pixel_in(other);
+            if (!is_cell(other) || is_sky(depth_at_m(neighbour)))
                 continue;
             float weight = window(offset, radius) * same_surface(point_m, normal, neighbour);
-            sums += weight * vec2(load(SCREEN_OPEN, neighbour).x, 1.0);
+            sums += weight * vec2(load(SCREEN_OPEN, other).x, 1.0);
         }
     }
-    store(SCREEN_OPEN_SMOOTH, pixel, vec4(sums.x / sums.y));
+    store(SCREEN_OPEN_SMOOTH, cell, vec4(sums.x / sums.y));
 }

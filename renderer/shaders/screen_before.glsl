@@ -7,9 +7,9 @@
 #include "screen_ray.glsl"
 
 // Where in its first step a ray begins.
-float ray_offset(ivec2 pixel, uint salt, uint index)
+float ray_offset(ivec2 cell, uint salt, uint index)
 {
-    return choice(SCREEN_RAY_NOISE) != 0 ? ray_noise(pixel, salt, index).x : 0.0;
+    return choice(SCREEN_RAY_NOISE) != 0 ? ray_noise(cell, salt, index).x : 0.0;
 }
 
 // Where a place of a solid was seen in the frame before; false: it was not.
@@ -44,11 +44,11 @@ vec3 indirect_before(ScreenHit hit, bool with_diffuse)
         return (with_diffuse ? 1.0 : base.w) * sky_reflected(hit.pixel);
     vec3 light = vec3(0.0);
     if (with_diffuse && view.gi_at != SCREEN_NONE) {
-        vec4 diffuse = load(SCREEN_GI_BEFORE, was);
+        vec4 diffuse = load(SCREEN_GI_BEFORE, was / int(view.gi_cell_px));
         light += (1.0 - base.w) * (diffuse.rgb + diffuse.w * sky_light());
     }
     if (base.w > 0.0 && view.ssr_at != SCREEN_NONE) {
-        vec4 glossy = load(SCREEN_SSR_BEFORE, was);
+        vec4 glossy = load(SCREEN_SSR_BEFORE, was / int(view.ssr_cell_px));
         light += base.w * (glossy.rgb + glossy.w * sky_light());
     }
     return base.rgb * light;

@@ -21,12 +21,13 @@ vec3 light_of(ScreenHit hit, vec3 direction)
 
 void main()
 {
-    ivec2 pixel;
-    if (!own_pixel(pixel))
+    ivec2 cell;
+    if (!own_cell(cell))
         return;
+    ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel);
     if (is_sky(depth_m) || load(SCREEN_BASE, pixel).w >= 1.0) { // metal has no diffuse part
-        store(SCREEN_GI_RAW, pixel, vec4(0.0));
+        store(SCREEN_GI_RAW, cell, vec4(0.0));
         return;
     }
     vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normal_at(pixel);
@@ -36,14 +37,14 @@ void main()
     float reach_m = setting(SCREEN_GI_REACH_M) > 0.0 ? setting(SCREEN_GI_REACH_M) : FAR_M;
     vec4 sum = vec4(0.0);
     for (uint i = 0; i < rays; i++) {
-        vec2 u = ray_noise(pixel, 1u, view.frame * rays + i);
+        vec2 u = ray_noise(cell, 1u, view.frame * rays + i);
         float side = sqrt(u.x), angle = 2.0 * PI * u.y;
         vec3 direction = normalize(side * cos(angle) * first + side * sin(angle) * second +
                                    sqrt(1.0 - u.x) * normal);
         ScreenRay ray = screen_ray(pixel, point_m, direction, reach_m);
         ScreenHit hit = screen_march(ray, choice(SCREEN_GI_STEPS),
-                                     ray_offset(pixel, 2u, view.frame + i));
+                                     ray_offset(cell, 2u, view.frame + i));
         sum += hit.is_found ? vec4(light_of(hit, direction), 0.0) : vec4(0.0, 0.0, 0.0, 1.0);
     }
-    store(SCREEN_GI_RAW, pixel, sum / float(rays));
+    store(SCREEN_GI_RAW, cell, sum / float(rays));
 }

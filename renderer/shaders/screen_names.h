@@ -9,43 +9,48 @@
 // --- settings: index in the table of options --------------------------------------------------
 
 #define SCREEN_AO 0
-#define SCREEN_AO_RADIUS_M 1
-#define SCREEN_AO_FALLOFF 2
-#define SCREEN_AO_DIRECTIONS 3
-#define SCREEN_AO_STEPS 4
-#define SCREEN_AO_STEP_POWER 5
-#define SCREEN_AO_THICKNESS 6
-#define SCREEN_AO_SLICES 7
-#define SCREEN_AO_NOISE 8
-#define SCREEN_AO_BIAS 9
-#define SCREEN_AO_BLUR_PX 10
-#define SCREEN_AO_POWER 11
-#define SCREEN_AO_INTENSITY 12
-#define SCREEN_AO_PLACES 13
-#define SCREEN_AO_SUM 14
+#define SCREEN_AO_RESOLUTION 1
+#define SCREEN_AO_RADIUS_M 2
+#define SCREEN_AO_FALLOFF 3
+#define SCREEN_AO_DIRECTIONS 4
+#define SCREEN_AO_STEPS 5
+#define SCREEN_AO_STEP_POWER 6
+#define SCREEN_AO_THICKNESS 7
+#define SCREEN_AO_SLICES 8
+#define SCREEN_AO_NOISE 9
+#define SCREEN_AO_BIAS 10
+#define SCREEN_AO_BLUR_PX 11
+#define SCREEN_AO_POWER 12
+#define SCREEN_AO_INTENSITY 13
+#define SCREEN_AO_PLACES 14
+#define SCREEN_AO_SUM 15
 // Rays of the two passes below.
-#define SCREEN_RAY_THICKNESS_M 15
-#define SCREEN_RAY_REFINE 16
-#define SCREEN_RAY_STEP_POWER 17
-#define SCREEN_RAY_METAL 18
-#define SCREEN_RAY_NOISE 19
+#define SCREEN_RAY_THICKNESS_M 16
+#define SCREEN_RAY_REFINE 17
+#define SCREEN_RAY_STEP_POWER 18
+#define SCREEN_RAY_METAL 19
+#define SCREEN_RAY_NOISE 20
+#define SCREEN_RAY_PIXEL 21
 // Indirect light of diffuse surfaces.
-#define SCREEN_GI 20
-#define SCREEN_GI_RAYS 21
-#define SCREEN_GI_STEPS 22
-#define SCREEN_GI_REACH_M 23
-#define SCREEN_GI_BOUNCES 24
-#define SCREEN_GI_HISTORY 25
-#define SCREEN_GI_SMOOTH 26
+#define SCREEN_GI 22
+#define SCREEN_GI_RESOLUTION 23
+#define SCREEN_GI_RAYS 24
+#define SCREEN_GI_STEPS 25
+#define SCREEN_GI_REACH_M 26
+#define SCREEN_GI_BOUNCES 27
+#define SCREEN_GI_HISTORY 28
+#define SCREEN_GI_SMOOTH 29
 // Reflections of metal.
-#define SCREEN_SSR 27
-#define SCREEN_SSR_RAYS 28
-#define SCREEN_SSR_STEPS 29
-#define SCREEN_SSR_HISTORY 30
-#define SCREEN_SSR_SMOOTH 31
-#define SCREEN_TARGETS 32
-#define SCREEN_WARM_UP 33
-#define SCREEN_SETTING_COUNT 34
+#define SCREEN_SSR 30
+#define SCREEN_SSR_RESOLUTION 31
+#define SCREEN_SSR_RAYS 32
+#define SCREEN_SSR_STEPS 33
+#define SCREEN_SSR_ROUGHEST 34
+#define SCREEN_SSR_HISTORY 35
+#define SCREEN_SSR_SMOOTH 36
+#define SCREEN_TARGETS 37
+#define SCREEN_WARM_UP 38
+#define SCREEN_SETTING_COUNT 39
 
 // --- choices ----------------------------------------------------------------------------------
 
@@ -53,6 +58,9 @@
 #define SCREEN_AO_SSAO 1
 #define SCREEN_AO_UNREAL 2
 #define SCREEN_AO_GTAO 3
+
+#define SCREEN_FULL 0
+#define SCREEN_HALF 1
 
 #define SCREEN_SLICES_RAY 0
 #define SCREEN_SLICES_AXIS 1
@@ -68,6 +76,9 @@
 
 #define SCREEN_METAL_RELIT 0
 #define SCREEN_METAL_CAMERA 1
+
+#define SCREEN_PIXEL_FIRST 0
+#define SCREEN_PIXEL_TURNING 1
 
 #define SCREEN_BOUNCES_ONE 0
 #define SCREEN_BOUNCES_ALL 1
@@ -89,23 +100,25 @@
 #define SCREEN_DIRECT 9 // RGB: radiance towards the camera without any indirect light
 #define SCREEN_OPEN 10 // x: share of the hemisphere that is open, by cosine
 #define SCREEN_OPEN_SMOOTH 11 // x: after the blur
-// RGB: what a white surface reflects of other surfaces; w: how much of a sky of radiance 1.
-#define SCREEN_GI_RAW 12
-#define SCREEN_GI_MEAN 13 // over frames
-#define SCREEN_GI_A 14 // after the first, third, .. smoothing
-#define SCREEN_GI_B 15 // after the second, fourth, ..
-#define SCREEN_LIT 16 // RGB: radiance with all light of diffuse surfaces
+#define SCREEN_OPEN_WHOLE 12 // x: of all pixels, where these are of one in 2x2
+// RGB: what a white surface reflects of other surfaces; w: how much of a sky of radiance 1. Of A
+// and B the one that the last smoothing has left has it for all pixels, where it is of one in 2x2.
+#define SCREEN_GI_RAW 13
+#define SCREEN_GI_MEAN 14 // over frames
+#define SCREEN_GI_A 15 // after the first, third, .. smoothing
+#define SCREEN_GI_B 16 // after the second, fourth, ..
+#define SCREEN_LIT 17 // RGB: radiance with all light of diffuse surfaces
 // RGB and w again, for a white metal.
-#define SCREEN_SSR_RAW 17
-#define SCREEN_SSR_MEAN 18
-#define SCREEN_SSR_A 19
-#define SCREEN_SSR_B 20
-#define SCREEN_PICTURE 21 // RGB: with everything
+#define SCREEN_SSR_RAW 18
+#define SCREEN_SSR_MEAN 19
+#define SCREEN_SSR_A 20
+#define SCREEN_SSR_B 21
+#define SCREEN_PICTURE 22 // RGB: with everything
 // Some of these in the frame before.
-#define SCREEN_NORMAL_BEFORE 22
-#define SCREEN_GI_BEFORE 23
-#define SCREEN_SSR_BEFORE 24
-#define SCREEN_TARGET_COUNT 25
+#define SCREEN_NORMAL_BEFORE 23
+#define SCREEN_GI_BEFORE 24
+#define SCREEN_SSR_BEFORE 25
+#define SCREEN_TARGET_COUNT 26
 #define SCREEN_FIRST_OF_FOUR SCREEN_NORMAL
 #define SCREEN_LIGHT_BITS 17
 #define SCREEN_NONE 0xffffffffu

@@ -22,20 +22,22 @@ void main()
 {
     const float B3[3] = float[3](0.375, 0.25, 0.0625);
     const float STEEPEST = 0.1, NORMALS = 32.0;
-    ivec2 pixel;
-    if (!own_pixel(pixel))
+    ivec2 cell;
+    if (!own_cell(cell))
         return;
-    vec4 own = load(int(run.from), pixel);
+    ivec2 pixel = pixel_in(cell);
+    vec4 own = load(int(run.from), cell);
     float depth_m = depth_at_m(pixel);
     vec4 own_normal = load(SCREEN_NORMAL, pixel);
     float reach_px = is_gi() ? 1e6 : spread_px(own_normal.w);
     vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normalize(own_normal.xyz);
     vec4 sum = vec4(0.0);
     float weights = 0.0;
-    for (int i = 0; i < 25 && !is_sky(depth_m); i++) {
+    bool is_off = is_sky(depth_m) || is_left_out(pixel, !is_gi());
+    for (int i = 0; i < 25 && !is_off; i++) {
         ivec2 offset = ivec2(i % 5, i / 5) - 2;
-        ivec2 at = pixel + (offset << int(run.turn));
-        if (!is_inside(at) || is_sky(depth_at_m(at)))
+        ivec2 other = cell + (offset << int(run.turn)), at = pixel_in(other);
+        if (!is_cell(other) || is_sky(depth_at_m(at)))
             continue;
         vec4 its_normal = load(SCREEN_NORMAL, at);
         vec3 way_m = surface_m(at) - point_m;
@@ -46,8 +48,8 @@ void main()
         float weight = B3[abs(offset.x)] * B3[abs(offset.y)] * plane * pow(facing, NORMALS);
         weight *= offset == ivec2(0) ? 1.0 : exp(-min(80.0, 0.5 * far * far));
         weight *= is_gi() || load(SCREEN_BASE, at).w > 0.0 ? 1.0 : 0.0;
-        sum += weight * load(int(run.from), at);
+        sum += weight * load(int(run.from), other);
         weights += weight;
     }
-    store(int(run.to), pixel, weights > 0.0 ? sum / weights : own);
+    store(int(run.to), cell, weights > 0.0 ? sum / weights : own);
 }

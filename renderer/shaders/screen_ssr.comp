@@ -42,16 +42,22 @@ vec4 reflected_along(ScreenRay ray, float offset)
 
 void main()
 {
-    ivec2 pixel;
-    if (!own_pixel(pixel))
+    ivec2 cell;
+    if (!own_cell(cell))
         return;
+    ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel), metalness = load(SCREEN_BASE, pixel).w;
     if (is_sky(depth_m) || !(metalness > 0.0)) {
-        store(SCREEN_SSR_RAW, pixel, vec4(0.0));
+        store(SCREEN_SSR_RAW, cell, vec4(0.0));
+        return;
+    }
+    float roughness = load(SCREEN_NORMAL, pixel).w, alpha = roughness * roughness;
+    if (roughness > setting(SCREEN_SSR_ROUGHEST)) {
+        float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;
+        store(SCREEN_SSR_RAW, cell, vec4(0.0, 0.0, 0.0, open));
         return;
     }
     vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normal_at(pixel);
-    float roughness = load(SCREEN_NORMAL, pixel).w, alpha = roughness * roughness;
     vec3 first, second, eye = to_camera(point_m);
     basis_across(normal, first, second);
     vec3 own_eye = vec3(dot(eye, first), dot(eye, second), max(1e-4, dot(eye, normal)));
@@ -59,7 +65,7 @@ void main()
     vec4 sum = vec4(0.0);
     for (uint i = 0; i < rays; i++) {
         vec3 facet = alpha > 0.0 ? visible_facet(alpha, own_eye,
-                                                 ray_noise(pixel, 3u, view.frame * rays + i))
+                                                 ray_noise(cell, 3u, view.frame * rays + i))
                                  : vec3(0.0, 0.0, 1.0);
         vec3 own = reflect(-own_eye, facet);
         if (!(own.z > 0.0))
@@ -67,7 +73,7 @@ void main()
         vec3 direction = normalize(own.x * first + own.y * second + own.z * normal);
         ScreenRay ray = screen_ray(pixel, point_m, direction, FAR_M);
         float weight = alpha > 0.0 ? masking(alpha, own.z) : 1.0;
-        sum += weight * reflected_along(ray, ray_offset(pixel, 4u, view.frame + i));
+        sum += weight * reflected_along(ray, ray_offset(cell, 4u, view.frame + i));
     }
-    store(SCREEN_SSR_RAW, pixel, sum / float(rays));
+    store(SCREEN_SSR_RAW, cell, sum / float(rays));
 }

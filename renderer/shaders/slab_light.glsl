@@ -56,7 +56,7 @@ vec3 slab_radiance(float above, float below)
 // What a step of optical depth `step_depth`, met after `seen_depth`, sends to the camera.
 vec3 slab_light(Mixture mixture, vec3 point_m, float seen_depth, float step_depth)
 {
-    if (mixture.scattering == vec3(0.0) || !sees_sun(point_m, NO_SOLID))
+    if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))
         return vec3(0.0);
     float scale = 1.0 - similar_of(mixture).onward_per_m / mixture.extinction_per_m.x;
     float sun_depth = sample_sun_depth(point_m).x, behind = depth_behind(point_m);

@@ -177,6 +177,24 @@ class Benchmark(unittest.TestCase):
             self.assertGreater(engine["device_bytes"], 32 * 18 * 64)  # a result of each pixel
 
     @night.of_the_night
+    def test_a_screen_has_a_line_for_each_pass(self):
+        """What it is off by is against its own defaults."""
+        done, _ = benchmark("surface_rough", "-e", "screen", "-p", "fast", "--size", "32x18",
+                            "--frames", "4", "--no-ceilings", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        engine, = found["engines"]
+        self.assertIsNone(found["ceilings"]["copy_bytes_per_s"])
+        passes = {p["pass"]: p["gpu_s"] for p in engine["passes"]}
+        self.assertIn("reflections of all", passes)
+        self.assertEqual((engine["frames"], engine["reference"]), (4, "screen"))
+        self.assertGreater(engine["error"], 0.0)
+        for times in (engine["gpu_s"], *passes.values()):
+            self.assertTrue(0.0 < times["low"] <= times["median"] <= times["high"])
+        self.assertAlmostEqual(sum(t["median"] for t in passes.values()) /
+                               engine["gpu_s"]["median"], 1.0, delta=0.5)
+
+    @night.of_the_night
     def test_evaluations_of_several_passes_are_no_share_of_one(self):
         ground = ("solids: [box: {min_m: [-9, -2, -9], max_m: [9, -1, 9], albedo: [1, 1, 1]}]\n"
                   "media:\n")

@@ -192,10 +192,12 @@ class Runs(unittest.TestCase):
     def test_bad_values_are_counted_on_the_device(self):
         before = self.entries()
         done = suite(self.folder, "--on-device", "--only", "ray_bad", "--preset", "fixed",
-                     "--preset", "fixed+validity=off", "--size", "32x18", "--json")
+                     "--preset", "fixed+validity=off", "--preset", "off", "--size", "32x18",
+                     "--json")
         self.assertEqual((done.returncode, self.entries()), (1, before), done.stderr)
         found = {r["column"]: r for r in json.loads(done.stdout)["results"]}
         self.assertEqual(found["fixed"]["value"], 0.0)
+        self.assertEqual(found["off"]["value"], 0.0)  # which has no images but its picture
         self.assertGreater(found["fixed+validity=off"]["value"], 0.0)
 
     def test_what_is_not_kept_is_rendered_once(self):

@@ -54,10 +54,27 @@ class StudyPost(unittest.TestCase):
         for name in chains:
             self.assertIn(f"| {name} |", text)
 
+    def test_a_few_chains_of_another_seed(self):
+        """The curve is always there; the frames are those of the seed."""
+        def curve_and_grain(seed):
+            done = self.run_neph("study", "post", "railings", *LITTLE, "--chains", "grain",
+                                 "--seed", seed, "-q", "--json", "-o", f"out{seed}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(done.stdout)
+            chains = found["scenes"][0]["chains"]
+            self.assertEqual([chain["name"] for chain in chains],
+                             ["Unreal's curve", "grain", "without grain"])
+            self.assertEqual(found["seed"], seed)
+            return chains[0]["scene_error"]
+        first, other = curve_and_grain(1), curve_and_grain(2)
+        self.assertNotEqual(first, other)
+        self.assertLess(abs(first - other), 0.3 * first)
+
     def test_what_makes_no_sense_is_refused(self):
         for words, code, said in (
                 ([], 64, "which scenes"),
                 (["railings", "--frames", "18"], 64, "multiples of 4"),
+                (["railings", "--chains", "grain,nonsense"], 64, "'nonsense'"),
                 (["railings", "--preset", "none_such", *LITTLE], 64, "none_such"),
                 (["no_such_scene", *LITTLE], 66, "no_such_scene")):
             done = self.run_neph("study", "post", *words)

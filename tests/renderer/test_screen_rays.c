@@ -101,6 +101,8 @@ static void test_a_plane_mirror(void **state)
     assert_true(gap.count > 1500 && gap.lost <= 0.01 * gap.count && gap.off < 0.02 * gap.sum);
     gap = mirror_gap(*state, "gi=off ssr_steps=16");
     assert_true(gap.lost <= 0.05 * gap.count && gap.off < 0.05 * gap.sum);
+    gap = mirror_gap(*state, "gi=off ssr_steps=16 ssr_resolution=half");
+    assert_true(gap.lost <= 0.05 * gap.count && gap.off < 0.05 * gap.sum);
     if (!neph_test_is_night())
         return;
     gap = mirror_gap(*state, "gi=off ssr_steps=512 ray_refine=8 ray_thickness_m=0");

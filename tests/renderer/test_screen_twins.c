@@ -109,9 +109,15 @@ static struct texel ao(const struct twin_screen *twin, int x, int y)
     return (struct texel){{open, open, open, open}};
 }
 
-/* Pixels off by more than float32 (or a half) leaves: where a step falls onto an edge of depth or
- * between two pixels, its last digit decides which surface is seen. */
-static int count_off(const struct both *both, int target, twin_of *twin, int channels,
+/* Whether a cell of so many pixels lies in the picture. */
+static bool is_cell(int x, int y, int cell_px)
+{
+    return cell_px * x < WIDTH && cell_px * y < HEIGHT;
+}
+
+/* Pixels, or cells, off by more than float32 (or a half) leaves: where a step falls onto an edge of
+ * depth or between two pixels, its last digit decides which surface is seen. */
+static int count_off(const struct both *both, int target, int cell_px, twin_of *twin, int channels,
                      double *largest)
 {
     const bool half = both->settings.values[SCREEN_TARGETS] == SCREEN_FLOAT16;
@@ -119,6 +125,8 @@ static int count_off(const struct both *both, int target, twin_of *twin, int cha
     int off = 0;
     *largest = 0.0;
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
+        if (!is_cell(p % WIDTH, p / WIDTH, cell_px))
+            continue;
         const struct texel own = twin(&both->twin, p % WIDTH, p / WIDTH);
         bool is_off = false;
         for (int c = 0; c < channels; c++) {
@@ -132,13 +140,22 @@ static int count_off(const struct both *both, int target, twin_of *twin, int cha
     return off;
 }
 
+/* What passes at a resolution have of their cells; 0: of all pixels. */
+static void check_cells(const struct both *both, int target, int resolution, twin_of *twin,
+                        int channels, int most, const char *what)
+{
+    double largest;
+    const int cell_px = resolution ? twin_screen_cell_px(&both->twin, resolution) : 1;
+    const int off = count_off(both, target, cell_px, twin, channels, &largest);
+    printf("%s: %d of %d pixels are others, by %.3g at most\n", what, off,
+           WIDTH * HEIGHT / cell_px / cell_px, largest);
+    assert_true(off <= most);
+}
+
 static void check(const struct both *both, int target, twin_of *twin, int channels, int most,
                   const char *what)
 {
-    double largest;
-    const int off = count_off(both, target, twin, channels, &largest);
-    printf("%s: %d of %d pixels are others, by %.3g at most\n", what, off, WIDTH * HEIGHT, largest);
-    assert_true(off <= most);
+    check_cells(both, target, 0, twin, channels, most, what);
 }
 
 /* ---- tests ----------------------------------------------------------------------------------- */
@@ -172,14 +189,28 @@ static void test_occlusion(void **state)
             check_occlusion(*state, by_night[i], (enum kind)kind);
 }
 
+static struct texel gi_mean(const struct twin_screen *twin, int x, int y)
+{
+    return twin_screen_mean(twin, SCREEN_GI_RESOLUTION, x, y);
+}
+
+static struct texel ssr_mean(const struct twin_screen *twin, int x, int y)
+{
+    return twin_screen_mean(twin, SCREEN_SSR_RESOLUTION, x, y);
+}
+
 /* The second frame, which knows what surfaces had in the first. */
 static void check_rays(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames)
 {
     struct both both;
     render(vulkan, settings, kind, frames, &both);
     printf("frame %d: %s\n", frames, settings);
-    check(&both, SCREEN_GI_RAW, twin_screen_gi, 4, WIDTH * HEIGHT / 200, "indirect light");
-    check(&both, SCREEN_SSR_RAW, twin_screen_ssr, 4, WIDTH * HEIGHT / 200, "reflections");
+    check_cells(&both, SCREEN_GI_RAW, SCREEN_GI_RESOLUTION, twin_screen_gi, 4, WIDTH * HEIGHT / 200,
+                "indirect light");
+    check_cells(&both, SCREEN_SSR_RAW, SCREEN_SSR_RESOLUTION, twin_screen_ssr, 4,
+                WIDTH * HEIGHT / 200, "reflections");
+    check_cells(&both, SCREEN_GI_MEAN, SCREEN_GI_RESOLUTION, gi_mean, 4, 0, "their means");
+    check_cells(&both, SCREEN_SSR_MEAN, SCREEN_SSR_RESOLUTION, ssr_mean, 4, 0, "over frames");
     check(&both, SCREEN_LIT, twin_screen_lit, 4, 0, "diffuse light");
     check(&both, SCREEN_PICTURE, twin_screen_final, 4, 0, "picture");
     drop(&both);
@@ -192,6 +223,10 @@ static void test_rays(void **state)
         "gi_bounces=one ray_metal=camera ray_noise=off ao=off",
         "ray_thickness_m=0 ray_refine=0 gi_reach_m=1.5 gi_rays=3",
         "ray_step_power=1.5 ssr_steps=20 gi_steps=9 ssr_rays=2 ao=ssao gi_smooth=0 ssr_smooth=1",
+        "ssr_roughest=0.5 ao_resolution=half",
+        "gi_resolution=half gi_smooth=1",
+        "ssr_resolution=half targets=float16",
+        "gi_resolution=half ssr_resolution=half ray_pixel=turning ao=off",
     };
     check_rays(*state, "", PLAIN, 2);
     if (!neph_test_is_night())
@@ -200,6 +235,52 @@ static void test_rays(void **state)
     check_rays(*state, "", FLAT, 2);
     for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]); i++)
         check_rays(*state, by_night[i], PLAIN, 3);
+}
+
+/* ---- at half resolution ---------------------------------------------------------------------- */
+
+static struct texel whole_ao(const struct twin_screen *twin, int x, int y)
+{
+    return twin_screen_whole(twin, SCREEN_AO_RESOLUTION, SCREEN_OPEN, x, y);
+}
+
+static struct texel whole_gi(const struct twin_screen *twin, int x, int y)
+{
+    return twin_screen_whole(twin, SCREEN_GI_RESOLUTION, SCREEN_GI_MEAN, x, y);
+}
+
+static struct texel whole_ssr(const struct twin_screen *twin, int x, int y)
+{
+    return twin_screen_whole(twin, SCREEN_SSR_RESOLUTION, SCREEN_SSR_MEAN, x, y);
+}
+
+static void check_half(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames)
+{
+    struct both both;
+    char all[200];
+    snprintf(all, sizeof(all),
+             "ao_resolution=half gi_resolution=half ssr_resolution=half ao_blur_px=0 gi_smooth=0 "
+             "ssr_smooth=0 %s",
+             settings);
+    check_rays(vulkan, all, kind, frames);
+    render(vulkan, all, kind, frames, &both);
+    check_cells(&both, SCREEN_OPEN, SCREEN_AO_RESOLUTION, ao, 1, 2, "occlusion");
+    check(&both, SCREEN_OPEN_WHOLE, whole_ao, 4, 0, "occlusion of all");
+    check(&both, SCREEN_GI_A, whole_gi, 4, 0, "indirect light of all");
+    check(&both, SCREEN_SSR_A, whole_ssr, 4, 0, "reflections of all");
+    drop(&both);
+}
+
+/* In the fourth frame rays are at the last of the four pixels. */
+static void test_half_resolution(void **state)
+{
+    check_half(*state, "gi_rays=1 ssr_rays=1 ray_pixel=turning", PLAIN, 4);
+    if (!neph_test_is_night())
+        return;
+    for (int frames = 1; frames <= 3; frames++)
+        check_half(*state, "ray_pixel=turning", PLAIN, frames);
+    check_half(*state, "gi_rays=1 ssr_rays=1 targets=float16 ray_pixel=turning", FLAT, 2);
+    check_half(*state, "ssr_roughest=0.3", MIRROR, 3);
 }
 
 /* ---- a mirror's rays ------------------------------------------------------------------------- */
@@ -283,6 +364,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_occlusion),
         cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_half_resolution),
         cmocka_unit_test(test_a_mirror_finds_what_is_shown),
         cmocka_unit_test(test_the_picture_without_rays),
     };

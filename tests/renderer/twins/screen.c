@@ -40,30 +40,77 @@ struct neph_vec3 twin_screen_normal(const struct twin_screen *twin, int x, int y
     return neph_vec3_normalize((struct neph_vec3){texel.v[0], texel.v[1], texel.v[2]});
 }
 
-static int last_of(double turns, int none, int first)
+int twin_screen_cell_px(const struct twin_screen *twin, int resolution)
 {
+    return twin->values[resolution] == SCREEN_HALF ? 2 : 1;
+}
+
+/* In frame 0 the first of four, then the one across, and the other two. */
+struct twin_pixel twin_screen_pixel_in(const struct twin_screen *twin, int resolution, int x, int y)
+{
+    const int side = twin_screen_cell_px(twin, resolution);
+    const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY;
+    const bool turns = side > 1 && resolution != SCREEN_AO_RESOLUTION &&
+                       twin->values[SCREEN_RAY_PIXEL] == SCREEN_PIXEL_TURNING &&
+                       twin->values[history] > 0.0;
+    const unsigned turn = turns ? twin->frame % 4 : 0;
+    const int right = side * x + (turn == 1 || turn == 2), down = side * y + turn % 2;
+    return (struct twin_pixel){right < twin->width_px ? right : twin->width_px - 1,
+                               down < twin->height_px ? down : twin->height_px - 1};
+}
+
+/* Two that take turns: after the last of them, or after one more, which makes it whole. */
+static int last_of(double turns, bool is_half, int none, int first)
+{
+    if (is_half)
+        return first + (int)turns % 2;
     return turns == 0.0 ? none : first + ((int)turns + 1) % 2;
+}
+
+static bool is_half(const struct twin_screen *twin, int resolution)
+{
+    return twin->values[resolution] == SCREEN_HALF;
 }
 
 int twin_screen_open_at(const struct twin_screen *twin)
 {
     if (twin->values[SCREEN_AO] == SCREEN_AO_OFF)
         return -1;
+    if (is_half(twin, SCREEN_AO_RESOLUTION))
+        return SCREEN_OPEN_WHOLE;
     return twin->values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
+}
+
+double twin_screen_open(const struct twin_screen *twin, int x, int y)
+{
+    const int open_at = twin_screen_open_at(twin);
+    return open_at >= 0 ? twin_screen_load(twin, open_at, x, y).v[0] : 1.0;
 }
 
 int twin_screen_gi_at(const struct twin_screen *twin)
 {
     return twin->values[SCREEN_GI] == 0.0
                ? -1
-               : last_of(twin->values[SCREEN_GI_SMOOTH], SCREEN_GI_MEAN, SCREEN_GI_A);
+               : last_of(twin->values[SCREEN_GI_SMOOTH], is_half(twin, SCREEN_GI_RESOLUTION),
+                         SCREEN_GI_MEAN, SCREEN_GI_A);
 }
 
 int twin_screen_ssr_at(const struct twin_screen *twin)
 {
     return twin->values[SCREEN_SSR] == 0.0
                ? -1
-               : last_of(twin->values[SCREEN_SSR_SMOOTH], SCREEN_SSR_MEAN, SCREEN_SSR_A);
+               : last_of(twin->values[SCREEN_SSR_SMOOTH], is_half(twin, SCREEN_SSR_RESOLUTION),
+                         SCREEN_SSR_MEAN, SCREEN_SSR_A);
+}
+
+bool twin_screen_has_light(const struct twin_screen *twin, int resolution, int x, int y)
+{
+    if (twin_screen_is_sky(twin, x, y))
+        return false;
+    if (resolution == SCREEN_AO_RESOLUTION)
+        return true;
+    const double metalness = twin_screen_load(twin, SCREEN_BASE, x, y).v[3];
+    return resolution == SCREEN_GI_RESOLUTION ? metalness < 1.0 : metalness > 0.0;
 }
 
 struct neph_vec3 twin_screen_sky_light(const struct twin_screen *twin)
@@ -174,10 +221,8 @@ struct vec2 twin_screen_ray_noise(int x, int y, uint32_t salt, uint32_t index)
 /* Light of other surfaces and of the sky off a white one; `target` below 0: of the sky alone. */
 static struct neph_vec3 indirect(const struct twin_screen *twin, int target, int x, int y)
 {
-    const int open_at = twin_screen_open_at(twin);
-    const double open = open_at >= 0 ? twin_screen_load(twin, open_at, x, y).v[0] : 1.0;
-    const struct texel light = target >= 0 ? twin_screen_load(twin, target, x, y)
-                                           : (struct texel){{0.0, 0.0, 0.0, open}};
+    const struct texel sky = {{0.0, 0.0, 0.0, twin_screen_open(twin, x, y)}};
+    const struct texel light = target >= 0 ? twin_screen_load(twin, target, x, y) : sky;
     return neph_vec3_along((struct neph_vec3){light.v[0], light.v[1], light.v[2]},
                            twin_screen_sky_light(twin), light.v[3]);
 }

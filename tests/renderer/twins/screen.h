@@ -49,24 +49,43 @@ struct neph_vec3 twin_screen_to_camera(const struct twin_screen *twin, struct ne
 void twin_basis_across(struct neph_vec3 axis, struct neph_vec3 *first, struct neph_vec3 *second);
 struct vec2 twin_screen_tiled_noise(const struct twin_screen *twin, int x, int y);
 struct vec2 twin_screen_ray_noise(int x, int y, uint32_t salt, uint32_t index);
-/* Which target the last of the turns of a pass writes; -1: the pass is off. */
+/* The pixel that a cell of the passes of a resolution (SCREEN_AO_RESOLUTION ..) looks at; without
+ * one, itself. */
+struct twin_pixel {
+    int x, y;
+};
+int twin_screen_cell_px(const struct twin_screen *twin, int resolution);
+struct twin_pixel twin_screen_pixel_in(const struct twin_screen *twin, int resolution, int x,
+                                       int y);
+/* Which target has what a pass has made of all pixels; -1: the pass is off. */
 int twin_screen_open_at(const struct twin_screen *twin);
 int twin_screen_gi_at(const struct twin_screen *twin);
 int twin_screen_ssr_at(const struct twin_screen *twin);
+/* What is open over a pixel; 1 where nobody looks. */
+double twin_screen_open(const struct twin_screen *twin, int x, int y);
+/* Whether a pixel has the light of a resolution at all (of occlusion: whether it is a surface). */
+bool twin_screen_has_light(const struct twin_screen *twin, int resolution, int x, int y);
 /* The sky, where it lights solids. */
 struct neph_vec3 twin_screen_sky_light(const struct twin_screen *twin);
 
 /* ---- passes ---- */
 
-/* SCREEN_OPEN (twins/screen_ao.c). */
+/* SCREEN_OPEN of a cell (twins/screen_ao.c). */
 double twin_screen_ao(const struct twin_screen *twin, int x, int y);
 
-/* SCREEN_GI_RAW, SCREEN_SSR_RAW (twins/screen_rays.c). */
+/* SCREEN_GI_RAW, SCREEN_SSR_RAW of a cell (twins/screen_rays.c). */
 struct texel twin_screen_gi(const struct twin_screen *twin, int x, int y);
 struct texel twin_screen_ssr(const struct twin_screen *twin, int x, int y);
 
 /* Where a mirror's first ray meets what is seen; false: nothing. In the camera's axes. */
 bool twin_screen_mirror(const struct twin_screen *twin, int x, int y, struct neph_vec3 *point_m);
+
+/* SCREEN_GI_MEAN, SCREEN_SSR_MEAN of a cell (twins/screen_mean.c). */
+struct texel twin_screen_mean(const struct twin_screen *twin, int resolution, int x, int y);
+
+/* What a pixel has of the cells around it, in the target `from` (twins/screen_whole.c). */
+struct texel twin_screen_whole(const struct twin_screen *twin, int resolution, int from, int x,
+                               int y);
 
 /* SCREEN_LIT, SCREEN_PICTURE (twins/screen.c). */
 struct texel twin_screen_lit(const struct twin_screen *twin, int x, int y);

@@ -278,15 +278,16 @@ static double open_share(const struct site *site)
 double twin_screen_ao(const struct twin_screen *twin, int x, int y)
 {
     double open = 1.0;
-    if (!twin_screen_is_sky(twin, x, y)) {
-        const struct neph_vec3 point_m = twin_screen_surface_m(twin, x, y);
+    const struct twin_pixel at = twin_screen_pixel_in(twin, SCREEN_AO_RESOLUTION, x, y);
+    if (!twin_screen_is_sky(twin, at.x, at.y)) {
+        const struct neph_vec3 point_m = twin_screen_surface_m(twin, at.x, at.y);
         const struct site site = {
             .twin = twin,
-            .centre_px = {x + 0.5, y + 0.5},
+            .centre_px = {at.x + 0.5, at.y + 0.5},
             .noise = twin->values[SCREEN_AO_NOISE] != 0.0 ? twin_screen_tiled_noise(twin, x, y)
                                                           : (struct vec2){0.5, 0.5},
             .point_m = point_m,
-            .normal = twin_screen_normal(twin, x, y),
+            .normal = twin_screen_normal(twin, at.x, at.y),
             .to_camera = twin_screen_to_camera(twin, point_m),
             .radius_m = twin->values[SCREEN_AO_RADIUS_M],
         };

@@ -221,11 +221,9 @@ static struct neph_vec3 direct_into(const struct twin_screen *twin, struct neph_
 
 static struct neph_vec3 sky_reflected(const struct twin_screen *twin, int x, int y)
 {
-    const int open_at = twin_screen_open_at(twin);
-    const double open = open_at >= 0 ? twin_screen_load(twin, open_at, x, y).v[0] : 1.0;
     return neph_vec3_scale(
         times(rgb_of(twin_screen_load(twin, SCREEN_BASE, x, y)), twin_screen_sky_light(twin)),
-        open);
+        twin_screen_open(twin, x, y));
 }
 
 /* Nothing has moved since the frame before: a place is where it was. */
@@ -246,9 +244,12 @@ static bool seen_before(const struct twin_screen *twin, const struct meeting *me
            fabs(neph_vec3_dot(normal, neph_vec3_sub(seen_m, met->point_m))) < 0.02 * met->point_m.z;
 }
 
-static struct neph_vec3 with_sky(const struct twin_screen *twin, int target, int x, int y)
+/* What the cell of a pixel has. */
+static struct neph_vec3 with_sky(const struct twin_screen *twin, int target, int resolution, int x,
+                                 int y)
 {
-    const struct texel texel = twin_screen_load(twin, target, x, y);
+    const int side = twin_screen_cell_px(twin, resolution);
+    const struct texel texel = twin_screen_load(twin, target, x / side, y / side);
     return neph_vec3_along(rgb_of(texel), twin_screen_sky_light(twin), texel.v[3]);
 }
 
@@ -261,9 +262,11 @@ static struct neph_vec3 indirect_before(const struct twin_screen *twin, const st
     if (!seen_before(twin, met, &x, &y))
         return neph_vec3_scale(sky_reflected(twin, met->x, met->y), with_diffuse ? 1.0 : base.v[3]);
     if (with_diffuse && twin_screen_gi_at(twin) >= 0)
-        light = neph_vec3_along(light, with_sky(twin, SCREEN_GI_BEFORE, x, y), 1.0 - base.v[3]);
+        light = neph_vec3_along(light, with_sky(twin, SCREEN_GI_BEFORE, SCREEN_GI_RESOLUTION, x, y),
+                                1.0 - base.v[3]);
     if (base.v[3] > 0.0 && twin_screen_ssr_at(twin) >= 0)
-        light = neph_vec3_along(light, with_sky(twin, SCREEN_SSR_BEFORE, x, y), base.v[3]);
+        light = neph_vec3_along(
+            light, with_sky(twin, SCREEN_SSR_BEFORE, SCREEN_SSR_RESOLUTION, x, y), base.v[3]);
     return times(rgb_of(base), light);
 }
 
@@ -311,14 +314,16 @@ struct texel twin_screen_gi(const struct twin_screen *twin, int x, int y)
     struct texel sum = {{0.0}};
     const int rays = twin_screen_choice(twin, SCREEN_GI_RAYS);
     const double reach_m = twin->values[SCREEN_GI_REACH_M];
-    if (twin_screen_is_sky(twin, x, y) || twin_screen_load(twin, SCREEN_BASE, x, y).v[3] >= 1.0)
+    const struct twin_pixel at = twin_screen_pixel_in(twin, SCREEN_GI_RESOLUTION, x, y);
+    if (twin_screen_is_sky(twin, at.x, at.y) ||
+        twin_screen_load(twin, SCREEN_BASE, at.x, at.y).v[3] >= 1.0)
         return sum;
     for (int i = 0; i < rays; i++) {
         const uint32_t index = twin->frame * (uint32_t)rays + (uint32_t)i;
-        const struct neph_vec3 direction = by_cosine(twin_screen_normal(twin, x, y),
+        const struct neph_vec3 direction = by_cosine(twin_screen_normal(twin, at.x, at.y),
                                                      twin_screen_ray_noise(x, y, 1, index));
-        const struct ray ray = ray_of(twin, x, y, twin_screen_surface_m(twin, x, y), direction,
-                                      reach_m > 0.0 ? reach_m : NEPH_GPU_FAR_M);
+        const struct ray ray = ray_of(twin, at.x, at.y, twin_screen_surface_m(twin, at.x, at.y),
+                                      direction, reach_m > 0.0 ? reach_m : NEPH_GPU_FAR_M);
         const struct meeting met = march(&ray, twin_screen_choice(twin, SCREEN_GI_STEPS),
                                          offset_of(twin, x, y, 2, twin->frame + (uint32_t)i));
         if (met.is_found)
@@ -386,11 +391,12 @@ static struct neph_vec3 glossy_light(const struct ray *ray, const struct meeting
                          indirect_before(twin, met, false));
 }
 
-static void add_reflection(const struct twin_screen *twin, int x, int y, struct neph_vec3 direction,
-                           double offset, double weight, struct texel *sum)
+static void add_reflection(const struct twin_screen *twin, struct twin_pixel at,
+                           struct neph_vec3 direction, double offset, double weight,
+                           struct texel *sum)
 {
-    const struct ray ray = ray_of(twin, x, y, twin_screen_surface_m(twin, x, y), direction,
-                                  NEPH_GPU_FAR_M);
+    const struct ray ray = ray_of(twin, at.x, at.y, twin_screen_surface_m(twin, at.x, at.y),
+                                  direction, NEPH_GPU_FAR_M);
     const struct meeting met = march(&ray, twin_screen_choice(twin, SCREEN_SSR_STEPS), offset);
     if (!met.is_found || is_met_from_behind(&ray, &met))
         add(sum, (struct neph_vec3){0.0, 0.0, 0.0}, 1.0, weight);
@@ -415,11 +421,19 @@ bool twin_screen_mirror(const struct twin_screen *twin, int x, int y, struct nep
 struct texel twin_screen_ssr(const struct twin_screen *twin, int x, int y)
 {
     struct texel sum = {{0.0}};
-    if (twin_screen_is_sky(twin, x, y) || !(twin_screen_load(twin, SCREEN_BASE, x, y).v[3] > 0.0))
+    const struct twin_pixel at = twin_screen_pixel_in(twin, SCREEN_SSR_RESOLUTION, x, y);
+    if (twin_screen_is_sky(twin, at.x, at.y) ||
+        !(twin_screen_load(twin, SCREEN_BASE, at.x, at.y).v[3] > 0.0))
         return sum;
-    const struct neph_vec3 normal = twin_screen_normal(twin, x, y);
-    const struct neph_vec3 eye = twin_screen_to_camera(twin, twin_screen_surface_m(twin, x, y));
-    const double alpha = pow(twin_screen_load(twin, SCREEN_NORMAL, x, y).v[3], 2.0);
+    const struct neph_vec3 normal = twin_screen_normal(twin, at.x, at.y);
+    const struct neph_vec3 eye = twin_screen_to_camera(twin,
+                                                       twin_screen_surface_m(twin, at.x, at.y));
+    const double roughness = twin_screen_load(twin, SCREEN_NORMAL, at.x, at.y).v[3];
+    const double alpha = roughness * roughness;
+    if (roughness > twin->values[SCREEN_SSR_ROUGHEST]) {
+        sum.v[3] = twin_screen_open(twin, at.x, at.y);
+        return sum;
+    }
     const int rays = alpha > 0.0 ? twin_screen_choice(twin, SCREEN_SSR_RAYS) : 1;
     struct neph_vec3 first, second;
     twin_basis_across(normal, &first, &second);
@@ -436,7 +450,7 @@ struct texel twin_screen_ssr(const struct twin_screen *twin, int x, int y)
             continue;
         struct neph_vec3 direction = neph_vec3_scale(normal, own.z);
         direction = neph_vec3_along(neph_vec3_along(direction, first, own.x), second, own.y);
-        add_reflection(twin, x, y, neph_vec3_normalize(direction),
+        add_reflection(twin, at, neph_vec3_normalize(direction),
                        offset_of(twin, x, y, 4, twin->frame + (uint32_t)i),
                        (alpha > 0.0 ? masking(alpha, own.z) : 1.0) / rays, &sum);
     }

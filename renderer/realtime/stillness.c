@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/stillness.h"
+
+#include "renderer/realtime/layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void take_content(const struct neph_scene *still, struct neph_rt_content *content)
+{
+    memset(content, 0, sizeof(*content)); /* with what lies between its members */
+    content->sun.present = still->sun.present;
+    content->sun.direction = still->sun.direction;
+    content->sun.irradiance_w_per_m2 = still->sun.irradiance_w_per_m2;
+    content->background_w_per_m2_sr = still->background_w_per_m2_sr;
+    memcpy(content->lights, still->lights, (size_t)still->light_count * sizeof(still->lights[0]));
+    neph_gpu_scene_media(still, content->media);
+}
+
+static bool has_same_solids(const struct neph_rt_stillness *stillness,
+                            const struct neph_scene *still)
+{
+    return stillness->solid_count == still->solid_count &&
+           (still->solid_count == 0 ||
+            memcmp(stillness->solids, still->solids,
+                   (size_t)still->solid_count * sizeof(*still->solids)) == 0);
+}
+
+static enum neph_status keep_solids(struct neph_rt_stillness *stillness,
+                                    const struct neph_scene *still, struct neph_diag *diag)
+{
+    const size_t bytes = (size_t)still->solid_count * sizeof(*still->solids);
+    struct neph_solid *solids = bytes > 0 ? malloc(bytes) : NULL;
+    if (bytes > 0 && !solids)
+        return neph_fail_memory(diag);
+    if (bytes > 0)
+        memcpy(solids, still->solids, bytes);
+    free(stillness->solids);
+    stillness->solids = solids;
+    stillness->solid_count = still->solid_count;
+    return NEPH_OK;
+}
+
+enum neph_status neph_rt_stillness_keep(struct neph_rt_stillness *stillness,
+                                        const struct neph_scene *still, bool rests,
+                                        struct neph_diag *diag)
+{
+    struct neph_rt_content content;
+    take_content(still, &content);
+    const bool has_same = memcmp(&content, &stillness->content, sizeof(content)) == 0 &&
+                          has_same_solids(stillness, still);
+    stillness->pictures = rests && has_same ? stillness->pictures + 1 : 0;
+    stillness->content = content;
+    return has_same ? NEPH_OK : keep_solids(stillness, still, diag);
+}
+
+void neph_rt_stillness_destroy(struct neph_rt_stillness *stillness)
+{
+    free(stillness->solids);
+    *stillness = (struct neph_rt_stillness){.pictures = 0};
+}
+
+/* Pictures until a change of 1 is forgotten (CHANGE_LEAST of
+ * shaders/realtime_change_around.glsl). */
+static double forgetting_pictures(double hold)
+{
+    return hold > 0.0 ? ceil(log(0x1p-14) / log(hold)) + 1.0 : 0.0;
+}
+
+/* Pictures until both looks of all rays were at what is there now, through the same texels. */
+static double looking_pictures(const struct neph_gpu_view *view)
+{
+    return fmax(fmax(4.0, (double)view->settings[RT_TAA_JITTER_LENGTH]),
+                (double)view->settings[RT_OVERRIDE_WAKE] + 8.0);
+}
+
+/* A tile that is cut has no room for all of its rays; one beside it stands in for it. */
+static bool have_looks(const struct neph_gpu_view *view)
+{
+    const bool is_cut_twice = 2 * view->tile_count[0] > view->half_size_px[0] &&
+                              2 * view->tile_count[1] > view->half_size_px[1];
+    return !is_cut_twice && view->tile_count[0] > 1 && view->tile_count[1] > 1;
+}
+
+bool neph_rt_stillness_is_known(const struct neph_rt_stillness *stillness,
+                                const struct neph_gpu_view *view)
+{
+    const double needed = looking_pictures(view) +
+                          forgetting_pictures((double)view->settings[RT_CHANGE_HOLD]);
+    return view->settings[RT_OVERRIDE_REST] == 0.0f && have_looks(view) &&
+           (double)stillness->pictures >= needed;
+}

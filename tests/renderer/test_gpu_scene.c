@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the device is told of a scene as a whole: whether some solid may shade some medium.
+ */
+#include "tests/renderer/march_test.h"
+
+#include "renderer/gpu_scene.h"
+#include "scenes/media.h"
+#include "scenes/solids.h"
+
+static bool may_be_shaded(struct neph_vulkan *vulkan, const struct neph_scene *scene)
+{
+    struct neph_gpu_scene gpu = {.frame = NULL};
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_gpu_scene_create(vulkan, scene, 0.0, 8, 8, false, &gpu, &diag), &diag);
+    const bool may_be = gpu.frame->solids_shade;
+    neph_gpu_scene_destroy(vulkan, &gpu);
+    return may_be;
+}
+
+static struct neph_vec3 point_in(const struct neph_bounds *box, uint64_t *seed)
+{
+    return (struct neph_vec3){neph_test_uniform(seed, box->min_m.x, box->max_m.x),
+                              neph_test_uniform(seed, box->min_m.y, box->max_m.y),
+                              neph_test_uniform(seed, box->min_m.z, box->max_m.z)};
+}
+
+/* Boxes and a sphere around a cloud, under suns from anywhere: where none may shade it, each of its
+ * places sees the sun. Some are found to be out of the way, and some are not. */
+static void test_where_nothing_is_in_the_way_all_is_lit(void **state)
+{
+    uint64_t seed = 11;
+    int free_count = 0, shaded_count = 0;
+    for (int round = 0; round < 60; round++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        test_add(&test, make_homogeneous(0.1, (struct neph_bounds){{-2, 3, -9}, {4, 5, -6}}));
+        test.scene.sun.direction = random_direction(&seed);
+        for (int i = 0; i < round % 3; i++) {
+            const struct neph_vec3 low_m = random_point(&seed, 6.0);
+            const struct neph_vec3 size_m = {3.0, 1.0, 2.0};
+            test_add_box(&test, low_m, neph_vec3_add(low_m, size_m));
+        }
+        if (round % 4 == 0)
+            test_add_sphere(&test, random_point(&seed, 6.0), 1.5);
+        const struct neph_bounds box = neph_medium_support(&test.scene.media[0]);
+        const bool may_be = may_be_shaded(*state, &test.scene);
+        bool is_shaded = false;
+        for (int i = 0; i < 200; i++)
+            is_shaded |= !neph_scene_sees_sun(&test.scene, point_in(&box, &seed));
+        assert_false(is_shaded && !may_be);
+        free_count += !may_be && test.scene.solid_count > 0;
+        shaded_count += is_shaded;
+    }
+    print_message("%d scenes with solids out of the way, %d with shaded places\n", free_count,
+                  shaded_count);
+    assert_true(free_count > 10 && shaded_count > 3);
+}
+
+/* The ground below clouds and below the sun; what stands on it, beside them and below the sun; and
+ * a sun that has set. Fog goes down into the ground. */
+static void test_the_ground_shades_no_cloud(void **state)
+{
+    const struct neph_bounds layer = {{-3000.0, 500.0, -9000.0}, {9000.0, 1900.0, 0.0}};
+    struct test_scene test;
+    test_scene_init(&test);
+    test_add(&test, make_homogeneous(0.01, layer));
+    test_add_box(&test, (struct neph_vec3){-2e4, -10.0, -2e4}, (struct neph_vec3){2e4, 0.0, 2e4});
+    test_add_box(&test, (struct neph_vec3){10.0, 0.0, -50.0},
+                 (struct neph_vec3){20.0, 99.0, -40.0});
+    test.scene.sun.direction = (struct neph_vec3){-0.8, 0.6, 0.0};
+    assert_false(may_be_shaded(*state, &test.scene));
+    test.scene.sun.direction.y = -0.6;
+    assert_true(may_be_shaded(*state, &test.scene));
+    test.scene.sun.direction.y = 0.6;
+    test_add_medium(&test, 0.01, 0.05, 0.0);
+    assert_true(may_be_shaded(*state, &test.scene));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_where_nothing_is_in_the_way_all_is_lit),
+        cmocka_unit_test(test_the_ground_shades_no_cloud),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

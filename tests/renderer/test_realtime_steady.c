@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Pictures of which it is known that nothing has changed for long (renderer/realtime/stillness.h):
+ * the gradient does not look at them, and no bit of them or of what follows is another one.
+ */
+#include "tests/renderer/march_test.h"
+#include "tests/renderer/taa_test.h"
+
+#include "base/files.h"
+#include "renderer/realtime/pipeline.h"
+#include "renderer/realtime/stillness.h"
+
+/* --- pictures -------------------------------------------------------------------------------- */
+
+static char cache_folder[] = "/tmp/neph-test-steady-XXXXXX";
+
+static int setup(void **state)
+{
+    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
+}
+
+static int teardown(void **state)
+{
+    neph_dir_remove(cache_folder, NULL);
+    return test_vulkan_teardown(state);
+}
+
+/* A fence before a cloud that ends within the picture: edges, sky, thin and thick media. */
+static void fence_scene(struct test_scene *test)
+{
+    test_scene_init(test);
+    test_add(test, make_blob(3.0, (struct neph_vec3){0.5, 2.0, -12.0}, 1.0));
+    for (int i = 0; i < 5; i++)
+        test_add_box(test, (struct neph_vec3){-3.0 + 1.4 * i, 0.0, -8.0},
+                     (struct neph_vec3){-2.6 + 1.4 * i, 4.0, -7.8});
+    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
+}
+
+/* `ours`, which is steady after few pictures: what has changed is soon forgotten, and all places of
+ * the jitter soon seen. */
+static struct neph_settings settings_of(const char *steady)
+{
+    static const char *const words[] = {"steps=4", "taa_jitter_length=4", "override_wake=0",
+                                        "change_hold=0.1"};
+    struct neph_settings settings;
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, "ours", &settings, &diag),
+        &diag);
+    for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i++)
+        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", words[i], &settings, &diag),
+                       &diag);
+    neph_assert_ok(neph_options_set(neph_rt_options, "realtime", steady, &settings, &diag), &diag);
+    return settings;
+}
+
+static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
+                                           const struct neph_scene *scene, const char *steady)
+{
+    const struct neph_settings settings = settings_of(steady);
+    const struct neph_realtime_params params = {.width_px = 36,
+                                                .height_px = 20,
+                                                .settings = &settings,
+                                                .seed = 7,
+                                                .cache_folder = cache_folder};
+    struct neph_realtime *realtime = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
+    return realtime;
+}
+
+/* Whether the gradient has looked. */
+static bool looks(struct neph_realtime *realtime, const struct neph_scene *scene, int frame,
+                  struct neph_image **image)
+{
+    struct neph_realtime_stats stats;
+    struct neph_diag diag = {0};
+    const struct neph_realtime_frame picture = {scene, frame, NULL};
+    neph_assert_ok(neph_realtime_render(realtime, &picture, image, &stats, &diag), &diag);
+    return stats.pass_traffic_bytes[neph_rt_pass_named("gradient") - neph_rt_passes] > 0;
+}
+
+static void assert_same_bits(const struct neph_image *a, const struct neph_image *b, int frame)
+{
+    for (int c = 0; c < a->channel_count; c++)
+        if (memcmp(a->channels[c].samples, b->channels[c].samples,
+                   neph_image_pixel_count(a) * sizeof(float)) != 0)
+            fail_msg("picture %d: another %s", frame, a->channels[c].name);
+}
+
+/* After 8 looks and 6 pictures of forgetting it is known; then the sun moves, a cloud, a solid and
+ * the camera, each of which is seen at once. */
+static void test_no_bit_is_another(void **state)
+{
+    enum { PICTURES = 74, KNOWN_AFTER = 14 };
+    struct test_scene test;
+    int changed = 0, spared = 0;
+    fence_scene(&test);
+    struct neph_realtime *asked = open_realtime(*state, &test.scene, "steady=unasked");
+    struct neph_realtime *known = open_realtime(*state, &test.scene, "steady=auto");
+    for (int frame = 0; frame < PICTURES; frame++) {
+        struct neph_image *a = NULL, *b = NULL;
+        if (frame == 20)
+            test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
+        if (frame == 38)
+            test.scene.media[0].gaussian.center_m.x += 0.5;
+        if (frame == 54)
+            test.scene.solids[1].box.max_m.y -= 0.5;
+        if (frame == 70)
+            test.key.look_at_m.x += 0.1;
+        if (frame == 20 || frame == 38 || frame == 54 || frame == 70)
+            changed = frame;
+        assert_true(looks(asked, &test.scene, frame, &a));
+        const bool has_looked = looks(known, &test.scene, frame, &b);
+        assert_int_equal(has_looked, frame - changed < KNOWN_AFTER);
+        spared += !has_looked;
+        assert_same_bits(a, b, frame);
+        neph_image_destroy(b);
+        neph_image_destroy(a);
+    }
+    assert_true(spared >= 14);
+    neph_realtime_destroy(known);
+    neph_realtime_destroy(asked);
+}
+
+/* --- passes ---------------------------------------------------------------------------------- */
+
+static void fill(struct test_passes *test, int target, double most, double w, uint64_t *seed)
+{
+    for (size_t i = 0; i < test_elements(test, target); i++) {
+        float value[4];
+        for (int c = 0; c < 3; c++)
+            value[c] = (float)between(seed, 0.0, most);
+        value[3] = (float)between(seed, 0.0, w);
+        test_set(test, target, i, value);
+    }
+}
+
+/* Of a picture at rest that a gradient has looked at, which saw no change. */
+static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passes *test)
+{
+    static const int sizes_px[][2] = {{64, 36}, {35, 18}};
+    const struct neph_settings settings = settings_of("steady=unasked");
+    uint64_t seed = (uint64_t)round + 1;
+    test_passes_open(vulkan, &settings, sizes_px[round % 2], (int[2]){round % 3 * 4, 0}, seed,
+                     test);
+    test->device.specialises = true;
+    test->view.settings[RT_SOLID_MOTION] = 0.0f;
+    test->view.settings[RT_COMPOSITION] = RT_COMPOSITION_PASS;
+    test->view.has_history = 1;
+    test->view.frame = (uint32_t)test_random(&seed);
+    test->view.exposure = test->view.exposure_before = 1.0f;
+    for (int target = 0; target < RT_TARGET_COUNT; target++)
+        fill(test, target, 2.0, 1.0, &seed);
+    for (size_t i = 0; i < test_elements(test, RT_HALF_DEPTH); i++) {
+        const float depth_m = i % 5 ? 10.0f + (float)(i % 7) : NEPH_GPU_FAR_M;
+        test_set(test, RT_HALF_DEPTH, i, (float[4]){depth_m});
+        test_set(test, RT_HALF_DEPTH_BEFORE, i, (float[4]){depth_m});
+        test_set(test, RT_HISTORY_STATE_BEFORE, i, (float[4]){(float)(i % 9), 12.0f});
+    }
+    for (size_t i = 0; i < test_elements(test, RT_CHANGE); i++) {
+        test_set(test, RT_CHANGE, i, (float[4]){1.0f, 1.0f, 1.0f, 0.0f});
+        test_set(test, RT_CHANGE_BEHIND, i, (float[4]){1.0f, 1.0f, 1.0f, 0.0f});
+    }
+    test_set(test, RT_RAY, 1, (float[4]){NAN, 0.0f, 0.0f, 1.0f});
+    twin_tile_index(&test->twin);
+}
+
+/* Of lavapipe and of a GPU: the odd rounds' kernels. And the ray that a tile keeps is what the
+ * gradient would keep. */
+static void test_passes_that_know_do_as_those_that_look(void **state)
+{
+    static const struct {
+        const char *pass;
+        int targets[2], count;
+    } rows[] = {{"reconstruction", {RT_HISTORY, RT_HISTORY_STATE}, 2},
+                {"anti-aliasing", {RT_TAA_OUT}, 1}};
+    for (int round = 0; round < 4; round++) {
+        struct test_passes test;
+        open_steady(*state, round, &test);
+        test_passes_run(&test, "gradient");
+        uint32_t *kept = test_download(&test, RT_KEPT_RAY);
+        for (size_t r = 0; r < sizeof(rows) / sizeof(rows[0]); r++) {
+            test.view.settings[RT_STEADY] = RT_STEADY_UNASKED;
+            test_passes_run(&test, rows[r].pass);
+            uint32_t *made[2] = {NULL};
+            for (int t = 0; t < rows[r].count; t++)
+                made[t] = test_download(&test, rows[r].targets[t]);
+            test.view.settings[RT_STEADY] = RT_STEADY_KNOWN;
+            test_passes_run(&test, rows[r].pass);
+            for (int t = 0; t < rows[r].count; t++) {
+                free(test.twin.targets[rows[r].targets[t]]);
+                test.twin.targets[rows[r].targets[t]] = made[t];
+                test_same_words(&test, rows[r].targets[t], (uint64_t)round);
+            }
+            if (r == 0) {
+                free(test.twin.targets[RT_KEPT_RAY]);
+                test.twin.targets[RT_KEPT_RAY] = kept;
+                test_same_words(&test, RT_KEPT_RAY, (uint64_t)round);
+            }
+        }
+        test_passes_close(&test);
+    }
+}
+
+/* --- what is not known ----------------------------------------------------------------------- */
+
+static bool is_known(const int size_px[2], const char *words, uint32_t pictures)
+{
+    const struct neph_settings settings = test_settings(words);
+    const struct neph_rt_stillness stillness = {.pictures = pictures};
+    struct neph_gpu_view view;
+    neph_rt_view_init(&view, &settings, size_px, (int[2]){0, 0}, size_px);
+    return neph_rt_stillness_is_known(&stillness, &view);
+}
+
+static void test_what_is_not_known(void **state)
+{
+    static const int whole_px[2] = {64, 36}, cut_px[2] = {64, 38}, cut_twice_px[2] = {61, 38},
+                     row_px[2] = {64, 4};
+    const char *words = "gradient=on taa_jitter_length=16 change_hold=0.75";
+    (void)state;
+    assert_true(is_known(whole_px, words, 16 + 35)); /* .75^34 < 2^-14 */
+    assert_false(is_known(whole_px, words, 16 + 34));
+    assert_true(is_known(cut_px, words, 99));
+    assert_false(is_known(cut_twice_px, words, 9999));
+    assert_false(is_known(row_px, words, 9999));
+    assert_false(is_known(whole_px, "gradient=on override_rest=2", 9999));
+    assert_true(is_known(whole_px, "gradient=on taa_jitter_length=4", 8));
+    assert_false(is_known(whole_px, "gradient=on taa_jitter_length=4 override_wake=32", 39));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_no_bit_is_another),
+        cmocka_unit_test(test_passes_that_know_do_as_those_that_look),
+        cmocka_unit_test(test_what_is_not_known),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
