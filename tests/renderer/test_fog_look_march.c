@@ -295,15 +295,21 @@ static void test_fog_before_the_sky(void **state)
 
 /* ---- refusals -------------------------------------------------------------------------------- */
 
-static void refuses(const struct neph_scene *scene, int fog, enum neph_march_lighting lighting,
-                    const char *words)
+static void refuses_under(const struct neph_scene *scene, struct neph_march_veils veils,
+                          enum neph_march_lighting lighting, const char *words)
 {
-    const struct neph_march_veils veils = {.fog = neph_fog_for_march(fog)};
     char reason[256] = "";
     assert_false(neph_march_can_render_under(scene, veils, lighting, reason, sizeof(reason)));
     if (!strstr(reason, words))
         print_error("no '%s' in '%s'\n", words, reason);
     assert_non_null(strstr(reason, words));
+}
+
+static void refuses(const struct neph_scene *scene, int fog, enum neph_march_lighting lighting,
+                    const char *words)
+{
+    refuses_under(scene, (struct neph_march_veils){.fog = neph_fog_for_march(fog)}, lighting,
+                  words);
 }
 
 static void test_says_what_it_cannot(void **state)
@@ -325,6 +331,12 @@ static void test_says_what_it_cannot(void **state)
     other = test.scene;
     other.scattering = NEPH_SCATTERING_MULTIPLE; /* of clouds */
     refuses(&other, 1, NEPH_MARCH_SINGLE, "multiple scattering");
+    struct neph_scene *earth = load("sky_earth");
+    earth->media[earth->medium_count++] = make_height_fog(1e-4, 0.01);
+    earth->fog_look = (struct neph_fog_look){.present = true, .sky_light = white};
+    refuses_under(earth, (struct neph_march_veils){true, neph_fog_for_march(1)},
+                  NEPH_MARCH_OCTAVES, "sky_light under sky=tables");
+    neph_scene_destroy(earth);
     other.medium_count = 1; /* of nothing that is left */
     char reason[256];
     const struct neph_march_veils look = {.fog = neph_fog_for_march(1)};
