@@ -130,6 +130,10 @@ static const char *find_obstacle_to_veils(const struct neph_scene *scene,
 {
     if (veils.sky && scene->orthographic_height_m > 0.0)
         return "an orthographic camera under sky=tables";
+    if (veils.sky && veils.fog.is_look &&
+        neph_fog_control_is_on(&scene->fog_look, NEPH_FOG_SKY_LIGHT))
+        return "fog_look.sky_light under sky=tables: it is a part of the background, which a sky "
+               "has none of; put it into inscattering_w_per_m2_sr";
     if (lighting == NEPH_MARCH_HORIZON)
         return veils.sky ? "the light of Horizon's clouds, which has no unit, under sky=tables"
                          : "the light of Horizon's clouds, which has no unit, in the look of a fog";
