@@ -76,7 +76,7 @@ static void draw_line(const struct axis *axis, double place, int top, int bottom
 static void draw_grid(const struct axis *axis, const char *title, int top, int bottom, FILE *out)
 {
     const double range = axis->high - axis->low; /* powers of 2 */
-    const double step = range < 2.0 ? 0.5 : ceil(range / 6.0);
+    const double step = range < 4.0 ? 0.5 : ceil(range / 6.0);
     fprintf(out, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">%s</text>\n", WIDTH - 10, top - 30,
             title);
     for (double k = ceil(axis->low / step); k * step <= axis->high; k++)
@@ -89,11 +89,16 @@ static void draw_row(const struct neph_post_study *study, int panel, const struc
     fprintf(out, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">", LEFT - 8, y + 4);
     neph_svg_print_escaped(study->rows[row].name, out);
     fprintf(out, "</text><path d=\"M%d %d H%d\" stroke=\"#eee\"/>\n", LEFT, y, WIDTH - 10);
+    bool any = false;
     for (int s = 0; s < study->params->scene_count; s++) {
         const double place = ratio(study, &panels[panel], s, row);
+        any |= isfinite(place);
         if (isfinite(place))
             neph_svg_print_mark(s, at_px(axis, place), y, out);
     }
+    if (!any)
+        fprintf(out, "<text x=\"%.1f\" y=\"%d\" fill=\"#666\">none</text>\n",
+                at_px(axis, 0.0) + 6.0, y + 4);
 }
 
 /* A line is left between what is alone and what is out of the whole. */

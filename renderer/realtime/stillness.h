@@ -10,7 +10,7 @@
 
 #include "renderer/gpu_scene.h"
 
-/* Of a scene, what a picture shows of it. */
+/* What a picture shows of a scene. */
 struct neph_rt_content {
     struct neph_sun sun;
     struct neph_rgb background_w_per_m2_sr;

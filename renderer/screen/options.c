@@ -120,8 +120,8 @@ const struct neph_preset neph_screen_presets[] = {
      "ao=gtao ao_directions=1 ao_steps=6 ao_falloff=0.6 ao_slices=axis ao_places=pixel "
      "ao_thickness=0.1 ao_sum=mean targets=float16"},
     {"fast", "one ray for 2x2 pixels, a few steps each, in a long mean over frames",
-     "ao_resolution=half ao_directions=2 ao_steps=4 ao_blur_px=1 gi_resolution=half gi_rays=1 "
-     "gi_steps=16 gi_history=32 gi_smooth=1 ssr_resolution=half ssr_rays=1 ssr_steps=32 "
+     "ao_resolution=half ao_directions=2 ao_steps=3 ao_blur_px=1 gi_resolution=half gi_rays=1 "
+     "gi_steps=12 gi_history=32 gi_smooth=1 ssr_resolution=half ssr_rays=1 ssr_steps=24 "
      "ssr_history=32 ssr_smooth=1 targets=float16"},
     {"slices", "many slices and steps: what gtao tends to",
      "ao=gtao ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0"},

@@ -356,11 +356,12 @@ static struct neph_gpu_screen_run run_of(const struct neph_screening *screen, in
     return run;
 }
 
-static uint32_t group_count(const struct neph_screening *screen, int pass, uint32_t cell_px)
+/* Along an axis: a thread a cell, or between two of them and beyond the last. */
+static uint32_t tile_count(int size_px, const struct neph_gpu_screen_run *run, bool makes_whole,
+                           int axis)
 {
-    const uint32_t tile_px = TILE_PX * (neph_screen_passes[pass].makes_whole ? 1 : cell_px);
-    return (((uint32_t)screen->params.width_px + tile_px - 1) / tile_px) *
-           (((uint32_t)screen->params.height_px + tile_px - 1) / tile_px);
+    const uint32_t cells = ((uint32_t)size_px + run->cell_px - 1) / run->cell_px;
+    return (cells + (makes_whole ? run->own_px[axis] : 0) + TILE_PX - 1) / TILE_PX;
 }
 
 static enum neph_status add_turn(struct neph_screening *screen, int pass, unsigned turn,
@@ -368,7 +369,9 @@ static enum neph_status add_turn(struct neph_screening *screen, int pass, unsign
 {
     const uint32_t groups_max = screen->vulkan->limits.maxComputeWorkGroupCount[0];
     struct neph_gpu_screen_run run = run_of(screen, pass, turn);
-    const uint32_t groups = group_count(screen, pass, run.cell_px);
+    const bool makes_whole = neph_screen_passes[pass].makes_whole;
+    const uint32_t groups = tile_count(screen->params.width_px, &run, makes_whole, 0) *
+                            tile_count(screen->params.height_px, &run, makes_whole, 1);
     struct neph_dispatch dispatch = {.push = &run};
     neph_gpu_scene_bind(&screen->gpu, &dispatch);
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &screen->view;

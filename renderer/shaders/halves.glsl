@@ -7,39 +7,30 @@
 
 #include "constants.h"
 
-// Keep the upper bits, ties to even.
-uint round_shift(uint bits, uint shift)
-{
-    return (bits + (1u << (shift - 1u)) - 1u + ((bits >> shift) & 1u)) >> shift;
-}
+// All ways at once and then a choice: lavapipe, for which these are, would run both sides of
+// a branch.
 
-// The nearest half. packHalf2x16 would leave the rounding to the driver.
+// The nearest half, of two the even one. packHalf2x16 would leave the rounding to the driver.
 uint to_half(float value)
 {
-    uint bits = floatBitsToUint(value);
-    uint sign = (bits >> 16) & 0x8000u;
-    uint magnitude = bits & 0x7fffffffu;
-    if (magnitude > 0x7f800000u)
-        return sign | 0x7e00u; // NaN
-    if (magnitude >= 0x477ff000u)
-        return sign | 0x7c00u; // from 65520 on
-    if (magnitude >= 0x38800000u)
-        return sign | round_shift(magnitude - 0x38000000u, 13u);
-    if (magnitude >= 0x33000000u) // from 2^-25 on, below the normal halves
-        return sign | round_shift((magnitude & 0x7fffffu) | 0x800000u, 126u - (magnitude >> 23));
-    return sign;
+    uint bits = floatBitsToUint(value), magnitude = bits & 0x7fffffffu;
+    // Below 2^-14 halves are whole numbers of 2^-24, and so are floats from 1/2 to 1.
+    precise float from_a_half = uintBitsToFloat(magnitude) + 0.5;
+    uint below_normal = floatBitsToUint(from_a_half) - 0x3f000000u;
+    uint normal = (magnitude - 0x38000000u + 0xfffu + (magnitude >> 13 & 1u)) >> 13;
+    uint rounded = magnitude < 0x38800000u ? below_normal : normal;
+    uint infinite = magnitude > 0x7f800000u ? 0x7e00u : 0x7c00u; // NaN; from 65520 on
+    return (bits >> 16 & 0x8000u) | (magnitude >= 0x477ff000u ? infinite : rounded);
 }
 
 float from_half(uint bits)
 {
-    uint sign = (bits & 0x8000u) << 16;
-    uint exponent = (bits >> 10) & 31u;
-    uint fraction = bits & 0x3ffu;
-    if (exponent == 0u)
-        return uintBitsToFloat(floatBitsToUint(float(fraction) * exp2(-24.0)) | sign);
-    if (exponent == 31u)
-        return uintBitsToFloat(sign | 0x7f800000u | (fraction << 13));
-    return uintBitsToFloat(sign | ((exponent + 112u) << 23) | (fraction << 13));
+    uint magnitude = (bits & 0x7fffu) << 13;
+    bool is_below_normal = magnitude < 0x800000u, is_infinite = magnitude >= 0xf800000u; // or NaN
+    uint exponent = is_infinite ? 0x70000000u : is_below_normal ? 0x38800000u : 0x38000000u;
+    precise float below_normal = uintBitsToFloat(magnitude + exponent) - 6.103515625e-5; // 2^-14
+    uint found = is_below_normal ? floatBitsToUint(below_normal) : magnitude + exponent;
+    return uintBitsToFloat((bits & 0x8000u) << 16 | found);
 }
 
 #endif

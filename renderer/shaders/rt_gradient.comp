@@ -18,8 +18,8 @@
 // - What a solid has uncovered or hidden since the frame before all texels see at once, by their
 //   depth (reject_depth): it is not as it was, whatever light does.
 //
-// In a picture of which it is known that nothing has changed for long (steady) it does not run: what
-// was kept behind all media is what is there now, and the reconstruction keeps the rays.
+// Where it is known that nothing has changed for long (steady) it does not run: what was kept
+// behind all media is what is there now, and the reconstruction keeps the rays.
 //
 // What is kept is of halves and compared as such. When the camera moves, no ray is the same one:
 // what comes out then is of no use, and the consumers go by motion before they ask.

@@ -253,7 +253,7 @@ void choose_block(bool may_override)
     put_chosen(tile, may_override ? known_slot(tile) : default_slot(tile), tile_depths(tile));
 }
 
-// Of a dispatch for each colour the tile of that in 2x2.
+// Where each colour has a dispatch, a thread has the tile of that colour in its 2x2.
 bool own_tile(out ivec2 tile)
 {
     if (!is_sequential())

@@ -72,8 +72,8 @@ bool sees_sun(vec3 point_m, uint except)
     return true;
 }
 
-// Whether a point of a medium does, which is not asked where no solid is in the way of any. lavapipe
-// would run both sides of that.
+// Whether a point of a medium does, which is not asked where no solid is in the way of any medium.
+// lavapipe would run both sides of that.
 bool medium_sees_sun(vec3 point_m)
 {
     return (!ON_CPU && frame.solids_shade == 0u) || sees_sun(point_m, NO_SOLID);

@@ -195,15 +195,20 @@ bool plane_at(vec2 place_px, ivec2 pixel, out vec3 point_m)
     return facing > EDGE && along > -NEARER * own_m.z && along < FARTHER * own_m.z;
 }
 
-// By how much a neighbour is off the plane of a surface, over its distance: 0 at a slope of 1:10.
-float same_surface(vec3 point_m, vec3 normal, ivec2 neighbour)
+// By how much a place is off the plane of a surface, over its distance: 0 at a slope of 1:10.
+float in_plane(vec3 point_m, vec3 normal, vec3 place_m)
 {
     const float STEEPEST = 0.1;
-    vec3 offset_m = surface_m(neighbour) - point_m;
+    vec3 offset_m = place_m - point_m;
     float distance_m = length(offset_m);
     if (!(distance_m > 0.0))
         return 1.0;
     return clamp(1.0 - abs(dot(offset_m, normal)) / (STEEPEST * distance_m), 0.0, 1.0);
+}
+
+float same_surface(vec3 point_m, vec3 normal, ivec2 neighbour)
+{
+    return in_plane(point_m, normal, surface_m(neighbour));
 }
 
 // Where a place before the camera is seen.

@@ -31,31 +31,62 @@ vec4 unknown(ivec2 pixel)
     return run.turn == OF_AO ? vec4(1.0) : vec4(0.0, 0.0, 0.0, open);
 }
 
-vec4 whole(ivec2 pixel)
+// What a cell knows, and of which surface.
+struct Cell {
+    bool has_signal;
+    vec3 point_m, normal;
+    vec4 value;
+};
+
+Cell cell_at(ivec2 cell)
+{
+    ivec2 pixel = pixel_in(cell);
+    if (!is_cell(cell) || !has_signal(pixel))
+        return Cell(false, vec3(0.0), vec3(0.0), vec4(0.0));
+    return Cell(true, surface_m(pixel), normal_at(pixel), load(int(run.from), cell));
+}
+
+// 1 on the plane of a surface; off it, facing the same way, a little, for where nothing is on it.
+float likeness(vec3 point_m, vec3 normal, Cell cell)
+{
+    const float LEAST = 1e-4;
+    float facing = clamp(dot(cell.normal, normal), 0.0, 1.0);
+    float squared = facing * facing, fourth = squared * squared;
+    return max(LEAST, in_plane(point_m, normal, cell.point_m)) * fourth * fourth;
+}
+
+// `way`: from the first of four cells to the last, along both axes.
+vec4 whole(ivec2 pixel, vec2 way, Cell around[4])
 {
     vec3 point_m = surface_m(pixel), normal = normal_at(pixel);
-    vec2 place = vec2(pixel - own_px()) / float(run.cell_px);
-    ivec2 corner = ivec2(floor(place));
-    vec2 way = place - vec2(corner);
     vec4 sum = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < 4; i++) {
-        ivec2 side = ivec2(i & 1, i >> 1), cell = corner + side, at = pixel_in(cell);
-        vec2 share = mix(1.0 - way, way, equal(side, ivec2(1)));
-        if (!is_cell(cell) || !has_signal(at))
-            continue;
-        float weight = share.x * share.y * likeness(point_m, normal, at);
-        sum += weight * load(int(run.from), cell);
+        vec2 share = mix(1.0 - way, way, equal(ivec2(i & 1, i >> 1), ivec2(1)));
+        float weight = share.x * share.y * likeness(point_m, normal, around[i]);
+        weight = around[i].has_signal ? weight : 0.0;
+        sum += weight * around[i].value;
         weights += weight;
     }
     return weights > 0.0 ? sum / weights : unknown(pixel);
 }
 
+// A thread has four cells, and the pixels from that of the first to before those of the others.
 void main()
 {
-    ivec2 pixel;
-    if (!own_pixel(pixel))
+    ivec2 place;
+    if (!own_place(cells() + own_px(), place))
         return;
-    vec4 none = vec4(run.turn == OF_AO ? 1.0 : 0.0);
-    store(int(run.to), pixel, has_signal(pixel) ? whole(pixel) : none);
+    ivec2 corner = place - own_px();
+    Cell around[4];
+    for (int i = 0; i < 4; i++)
+        around[i] = cell_at(corner + ivec2(i & 1, i >> 1));
+    for (int i = 0; i < 4; i++) {
+        ivec2 step_px = ivec2(i & 1, i >> 1), pixel = (corner << 1) + own_px() + step_px;
+        if (!is_inside(pixel))
+            continue;
+        vec4 none = vec4(run.turn == OF_AO ? 1.0 : 0.0);
+        vec2 way = vec2(step_px) / float(run.cell_px);
+        store(int(run.to), pixel, has_signal(pixel) ? whole(pixel, way, around) : none);
+    }
 }

@@ -136,7 +136,7 @@ static void fill(struct test_passes *test, int target, double most, double w, ui
     }
 }
 
-/* Of a picture at rest that a gradient has looked at, which saw no change. */
+/* A picture at rest that a gradient has looked at, which saw no change. */
 static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passes *test)
 {
     static const int sizes_px[][2] = {{64, 36}, {35, 18}};
@@ -166,7 +166,7 @@ static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passe
     twin_tile_index(&test->twin);
 }
 
-/* Of lavapipe and of a GPU: the odd rounds' kernels. And the ray that a tile keeps is what the
+/* By the kernels of lavapipe and, in odd rounds, of a GPU. The ray that a tile keeps is what the
  * gradient would keep. */
 static void test_passes_that_know_do_as_those_that_look(void **state)
 {
