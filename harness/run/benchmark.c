@@ -121,6 +121,7 @@ static enum neph_status render_reference(struct neph_benchmark *benchmark, int s
 struct ladder {
     int samples[NEPH_BENCHMARK_RUNGS];
     double start_s;
+    double least_s[NEPH_BENCHMARK_RUNGS];       /* that a whole render took */
     double means[NEPH_BENCHMARK_RUNGS * SEEDS]; /* relative to the reference's */
 };
 
@@ -171,11 +172,13 @@ static enum neph_status climb(const struct neph_job *job, int rung,
     struct frame frames[SEEDS] = {{.image = NULL}};
     enum neph_status status = NEPH_OK;
     *result = (struct neph_benchmark_rung){.samples = ladder->samples[rung]};
+    ladder->least_s[rung] = INFINITY;
     for (int s = 0; s < SEEDS && !status; s++) {
         status = render(job, result->samples, (uint64_t)(2 + rung * SEEDS + s), &frames[s], diag);
         if (status)
             break;
-        result->render_s += fmax(1e-6, frames[s].render_s - ladder->start_s) / SEEDS;
+        result->render_s += frames[s].render_s / SEEDS; /* less the start: leave_start_out() */
+        ladder->least_s[rung] = fmin(ladder->least_s[rung], frames[s].render_s);
         result->error2 += mean_product(&frames[s], &reference->frames[0], &reference->frames[1]) /
                           (reference->square * SEEDS);
         ladder->means[rung * SEEDS + s] = mean_radiance(&frames[s]) / reference->mean - 1.0;
@@ -229,10 +232,26 @@ static void find_rmse_times(struct neph_benchmark_engine *engine)
                                                   neph_benchmark_rmses[i]);
 }
 
+/* The start was timed when the machine may have been busy, and no render is shorter than its start
+ * and the share of its samples. */
+static void leave_start_out(struct ladder *ladder, struct neph_benchmark_rung *rungs)
+{
+    const struct neph_benchmark_rung *first = &rungs[0], *last = &rungs[NEPH_BENCHMARK_RUNGS - 1];
+    const double per_sample_s = fmax(1e-9, (last->render_s - first->render_s) /
+                                               (last->samples - first->samples));
+    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
+        ladder->start_s = fmin(ladder->start_s,
+                               fmax(0.0, ladder->least_s[k] - rungs[k].samples * per_sample_s));
+    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
+        rungs[k].render_s -= ladder->start_s;
+}
+
 /* Rungs pair up: what else the machine did at the time, it did to both. */
-static void conclude(struct neph_benchmark *benchmark, const struct ladder *ladders)
+static void conclude(struct neph_benchmark *benchmark, struct ladder *ladders)
 {
     const double student_95_of_seeds = 2.365; /* 2 * 4 - 1 degrees of freedom */
+    for (int e = 0; e < benchmark->engine_count; e++)
+        leave_start_out(&ladders[e], benchmark->engines[e].rungs);
     for (int e = 0; e < benchmark->engine_count; e++) {
         struct neph_benchmark_engine *engine = &benchmark->engines[e];
         double costs[NEPH_BENCHMARK_RUNGS], times[NEPH_BENCHMARK_RUNGS];
