@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The passes of the screen against their twins in double precision, pixel by pixel: occlusion by
- * all methods, indirect light, reflections, the picture; with targets of 32 and 16 bits and cameras
- * of both kinds, at an odd size.
+ * all methods and its blur, indirect light, reflections, their means and smoothing, the picture; at
+ * full and half resolution, with targets of 32 and 16 bits and cameras of both kinds, at an odd size.
  */
 #include "tests/renderer/screen_test.h"
 #include "tests/renderer/twins/screen.h"
@@ -53,8 +53,9 @@ static unsigned targets_used(const struct neph_settings *settings)
     return used;
 }
 
-/* By a perspective camera, by an orthographic one, with a floor that is a mirror. */
-enum kind { PLAIN, FLAT, MIRROR };
+/* By a perspective camera, by an orthographic one, with a floor that is a mirror; with one of rough
+ * metal in part and a flat hill of it, whose neighbours are nearly in a plane. */
+enum kind { PLAIN, FLAT, MIRROR, ROUGH, FLAT_ROUGH };
 
 /* After so many frames; what is left on the device is that of the last. */
 static void render(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames,
@@ -65,7 +66,14 @@ static void render(struct neph_vulkan *vulkan, const char *settings, enum kind k
     set_things(&both->test);
     if (kind == MIRROR)
         both->test.solids[0].surface.metalness = 1.0;
-    if (kind == FLAT) {
+    if (kind == ROUGH || kind == FLAT_ROUGH) {
+        test_add_sphere(&both->test, (struct neph_vec3){0.0, -2.4, 1.2}, 2.6);
+        for (int i = 0; i <= 4; i += 4) {
+            both->test.solids[i].surface.metalness = 0.5;
+            both->test.solids[i].surface.roughness = 0.6;
+        }
+    }
+    if (kind == FLAT || kind == FLAT_ROUGH) {
         both->test.scene.vertical_fov_rad = 0.0;
         both->test.scene.orthographic_height_m = 2.6;
     }
@@ -241,33 +249,38 @@ static void test_rays(void **state)
 
 static struct texel whole_ao(const struct twin_screen *twin, int x, int y)
 {
-    return twin_screen_whole(twin, SCREEN_AO_RESOLUTION, SCREEN_OPEN, x, y);
+    return twin_screen_whole(twin, SCREEN_AO_RESOLUTION, x, y);
 }
 
 static struct texel whole_gi(const struct twin_screen *twin, int x, int y)
 {
-    return twin_screen_whole(twin, SCREEN_GI_RESOLUTION, SCREEN_GI_MEAN, x, y);
+    return twin_screen_whole(twin, SCREEN_GI_RESOLUTION, x, y);
 }
 
 static struct texel whole_ssr(const struct twin_screen *twin, int x, int y)
 {
-    return twin_screen_whole(twin, SCREEN_SSR_RESOLUTION, SCREEN_SSR_MEAN, x, y);
+    return twin_screen_whole(twin, SCREEN_SSR_RESOLUTION, x, y);
 }
+
+/* All pixels, of what the cells have after all else. */
+static void check_whole(const struct both *both)
+{
+    check(both, SCREEN_OPEN_WHOLE, whole_ao, 4, 0, "occlusion of all");
+    check(both, twin_screen_gi_at(&both->twin), whole_gi, 4, 0, "indirect light of all");
+    check(both, twin_screen_ssr_at(&both->twin), whole_ssr, 4, 0, "reflections of all");
+}
+
+#define HALF "ao_resolution=half gi_resolution=half ssr_resolution=half "
 
 static void check_half(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames)
 {
     struct both both;
     char all[200];
-    snprintf(all, sizeof(all),
-             "ao_resolution=half gi_resolution=half ssr_resolution=half ao_blur_px=0 gi_smooth=0 "
-             "ssr_smooth=0 %s",
-             settings);
+    snprintf(all, sizeof(all), HALF "ao_blur_px=0 gi_smooth=0 ssr_smooth=0 %s", settings);
     check_rays(vulkan, all, kind, frames);
     render(vulkan, all, kind, frames, &both);
     check_cells(&both, SCREEN_OPEN, SCREEN_AO_RESOLUTION, ao, 1, 2, "occlusion");
-    check(&both, SCREEN_OPEN_WHOLE, whole_ao, 4, 0, "occlusion of all");
-    check(&both, SCREEN_GI_A, whole_gi, 4, 0, "indirect light of all");
-    check(&both, SCREEN_SSR_A, whole_ssr, 4, 0, "reflections of all");
+    check_whole(&both);
     drop(&both);
 }
 
@@ -281,6 +294,108 @@ static void test_half_resolution(void **state)
         check_half(*state, "ray_pixel=turning", PLAIN, frames);
     check_half(*state, "gi_rays=1 ssr_rays=1 targets=float16 ray_pixel=turning", FLAT, 2);
     check_half(*state, "ssr_roughest=0.3", MIRROR, 3);
+}
+
+/* ---- blur and smoothing ---------------------------------------------------------------------- */
+
+static struct texel blur(const struct twin_screen *twin, int x, int y)
+{
+    const double open = twin_screen_blur(twin, x, y);
+    return (struct texel){{open, open, open, open}};
+}
+
+static struct texel gi_turn_0(const struct twin_screen *twin, int x, int y)
+{
+    return twin_screen_smooth(twin, SCREEN_GI_RESOLUTION, 0, x, y);
+}
+
+static struct texel gi_turn_1(const struct twin_screen *twin, int x, int y)
+{
+    return twin_screen_smooth(twin, SCREEN_GI_RESOLUTION, 1, x, y);
+}
+
+/* At full resolution nobody looks at what is not metal, where weights are less than float32 has. */
+static struct texel ssr_turn(const struct twin_screen *twin, int turn, int x, int y)
+{
+    if (twin_screen_cell_px(twin, SCREEN_SSR_RESOLUTION) > 1 ||
+        twin_screen_has_light(twin, SCREEN_SSR_RESOLUTION, x, y))
+        return twin_screen_smooth(twin, SCREEN_SSR_RESOLUTION, turn, x, y);
+    return twin_screen_load(twin, twin_screen_turned_at(SCREEN_SSR_RESOLUTION, turn + 1), x, y);
+}
+
+static struct texel ssr_turn_0(const struct twin_screen *twin, int x, int y)
+{
+    return ssr_turn(twin, 0, x, y);
+}
+
+static struct texel ssr_turn_1(const struct twin_screen *twin, int x, int y)
+{
+    return ssr_turn(twin, 1, x, y);
+}
+
+/* The twin's own, in place of what a later pass has written over. */
+static void put(struct both *both, int target, int resolution, twin_of *twin)
+{
+    const int cell_px = twin_screen_cell_px(&both->twin, resolution);
+    for (int p = 0; p < WIDTH * HEIGHT; p++) {
+        if (!is_cell(p % WIDTH, p / WIDTH, cell_px))
+            continue;
+        const struct texel own = twin(&both->twin, p % WIDTH, p / WIDTH);
+        for (int c = 0; c < 4; c++)
+            both->texels[target][4 * p + c] = (float)own.v[c];
+    }
+}
+
+/* As many turns of a light as there are; one that is made whole has only its last left. */
+static void check_turns(struct both *both, int resolution, int turns, twin_of *const *twins,
+                        const char *what)
+{
+    for (int turn = 0; turn < turns; turn++) {
+        const int to = twin_screen_turned_at(resolution, turn + 1);
+        if (turn + 1 < turns && both->settings.values[resolution] == SCREEN_HALF)
+            put(both, to, resolution, twins[turn]);
+        else
+            check_cells(both, to, resolution, twins[turn], 4, 0, what);
+    }
+}
+
+/* Up to two turns. */
+static void check_smoothing(struct neph_vulkan *vulkan, const char *settings, enum kind kind)
+{
+    static twin_of *const gi[] = {gi_turn_0, gi_turn_1}, *const ssr[] = {ssr_turn_0, ssr_turn_1};
+    struct both both;
+    render(vulkan, settings, kind, 2, &both);
+    printf("%s\n", settings);
+    check_cells(&both, SCREEN_OPEN_SMOOTH, SCREEN_AO_RESOLUTION, blur, 4, 0, "blur");
+    if (both.settings.values[SCREEN_GI_RESOLUTION] == SCREEN_HALF)
+        check_whole(&both);
+    check_turns(&both, SCREEN_GI_RESOLUTION, (int)both.settings.values[SCREEN_GI_SMOOTH], gi,
+                "smoothing of indirect light");
+    check_turns(&both, SCREEN_SSR_RESOLUTION, (int)both.settings.values[SCREEN_SSR_SMOOTH], ssr,
+                "of reflections");
+    drop(&both);
+}
+
+/* Of a frame with history, by pixels and by cells. */
+static void test_blur_and_smoothing(void **state)
+{
+    static const char *const by_day[] = {
+        "gi_smooth=2 ssr_smooth=2 gi_rays=1",
+        HALF "gi_smooth=1 ssr_smooth=1 ao_blur_px=1 gi_rays=1 targets=float16",
+        HALF "gi_smooth=2 ssr_smooth=2 ao_blur_px=3 gi_rays=1 ray_pixel=turning",
+    };
+    static const char *const by_night[] = {
+        "gi_smooth=1 ssr_smooth=1 ao_blur_px=1 targets=float16",
+        "gi_smooth=2 ssr_smooth=2 ao_blur_px=3",
+        HALF "gi_smooth=1 ssr_smooth=1 ao_blur_px=1",
+        HALF "gi_smooth=2 ssr_smooth=2 ao_blur_px=3 targets=float16",
+    };
+    for (size_t i = 0; i < sizeof(by_day) / sizeof(by_day[0]); i++)
+        for (int kind = ROUGH; kind <= FLAT_ROUGH; kind++)
+            check_smoothing(*state, by_day[i], (enum kind)kind);
+    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]) && neph_test_is_night(); i++)
+        for (int kind = PLAIN; kind <= FLAT_ROUGH; kind++)
+            check_smoothing(*state, by_night[i], (enum kind)kind);
 }
 
 /* ---- a mirror's rays ------------------------------------------------------------------------- */
@@ -365,6 +480,7 @@ int main(void)
         cmocka_unit_test(test_occlusion),
         cmocka_unit_test(test_rays),
         cmocka_unit_test(test_half_resolution),
+        cmocka_unit_test(test_blur_and_smoothing),
         cmocka_unit_test(test_a_mirror_finds_what_is_shown),
         cmocka_unit_test(test_the_picture_without_rays),
     };

@@ -59,26 +59,35 @@ struct twin_pixel twin_screen_pixel_in(const struct twin_screen *twin, int resol
                                down < twin->height_px ? down : twin->height_px - 1};
 }
 
-/* Two that take turns: after the last of them, or after one more, which makes it whole. */
-static int last_of(double turns, bool is_half, int none, int first)
-{
-    if (is_half)
-        return first + (int)turns % 2;
-    return turns == 0.0 ? none : first + ((int)turns + 1) % 2;
-}
-
 static bool is_half(const struct twin_screen *twin, int resolution)
 {
     return twin->values[resolution] == SCREEN_HALF;
+}
+
+/* Two take turns. */
+int twin_screen_turned_at(int resolution, int turns)
+{
+    const bool is_gi = resolution == SCREEN_GI_RESOLUTION;
+    if (turns == 0)
+        return is_gi ? SCREEN_GI_MEAN : SCREEN_SSR_MEAN;
+    return (is_gi ? SCREEN_GI_A : SCREEN_SSR_A) + (turns - 1) % 2;
+}
+
+int twin_screen_cells_at(const struct twin_screen *twin, int resolution)
+{
+    if (resolution == SCREEN_AO_RESOLUTION)
+        return twin->values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
+    const bool is_gi = resolution == SCREEN_GI_RESOLUTION;
+    return twin_screen_turned_at(resolution,
+                                 (int)twin->values[is_gi ? SCREEN_GI_SMOOTH : SCREEN_SSR_SMOOTH]);
 }
 
 int twin_screen_open_at(const struct twin_screen *twin)
 {
     if (twin->values[SCREEN_AO] == SCREEN_AO_OFF)
         return -1;
-    if (is_half(twin, SCREEN_AO_RESOLUTION))
-        return SCREEN_OPEN_WHOLE;
-    return twin->values[SCREEN_AO_BLUR_PX] > 0.0 ? SCREEN_OPEN_SMOOTH : SCREEN_OPEN;
+    return is_half(twin, SCREEN_AO_RESOLUTION) ? SCREEN_OPEN_WHOLE
+                                               : twin_screen_cells_at(twin, SCREEN_AO_RESOLUTION);
 }
 
 double twin_screen_open(const struct twin_screen *twin, int x, int y)
@@ -87,20 +96,23 @@ double twin_screen_open(const struct twin_screen *twin, int x, int y)
     return open_at >= 0 ? twin_screen_load(twin, open_at, x, y).v[0] : 1.0;
 }
 
+/* What makes cells whole is one turn more. */
+static int light_at(const struct twin_screen *twin, int resolution, int smooth)
+{
+    return twin_screen_turned_at(resolution, (int)twin->values[smooth] + is_half(twin, resolution));
+}
+
 int twin_screen_gi_at(const struct twin_screen *twin)
 {
-    return twin->values[SCREEN_GI] == 0.0
-               ? -1
-               : last_of(twin->values[SCREEN_GI_SMOOTH], is_half(twin, SCREEN_GI_RESOLUTION),
-                         SCREEN_GI_MEAN, SCREEN_GI_A);
+    return twin->values[SCREEN_GI] == 0.0 ? -1
+                                          : light_at(twin, SCREEN_GI_RESOLUTION, SCREEN_GI_SMOOTH);
 }
 
 int twin_screen_ssr_at(const struct twin_screen *twin)
 {
     return twin->values[SCREEN_SSR] == 0.0
                ? -1
-               : last_of(twin->values[SCREEN_SSR_SMOOTH], is_half(twin, SCREEN_SSR_RESOLUTION),
-                         SCREEN_SSR_MEAN, SCREEN_SSR_A);
+               : light_at(twin, SCREEN_SSR_RESOLUTION, SCREEN_SSR_SMOOTH);
 }
 
 bool twin_screen_has_light(const struct twin_screen *twin, int resolution, int x, int y)

@@ -57,6 +57,10 @@ struct twin_pixel {
 int twin_screen_cell_px(const struct twin_screen *twin, int resolution);
 struct twin_pixel twin_screen_pixel_in(const struct twin_screen *twin, int resolution, int x,
                                        int y);
+/* Which target has the light of a resolution after so many turns of the smoothing (0: the mean), and
+ * what its cells end up with. */
+int twin_screen_turned_at(int resolution, int turns);
+int twin_screen_cells_at(const struct twin_screen *twin, int resolution);
 /* Which target has what a pass has made of all pixels; -1: the pass is off. */
 int twin_screen_open_at(const struct twin_screen *twin);
 int twin_screen_gi_at(const struct twin_screen *twin);
@@ -83,9 +87,14 @@ bool twin_screen_mirror(const struct twin_screen *twin, int x, int y, struct nep
 /* SCREEN_GI_MEAN, SCREEN_SSR_MEAN of a cell (twins/screen_mean.c). */
 struct texel twin_screen_mean(const struct twin_screen *twin, int resolution, int x, int y);
 
-/* What a pixel has of the cells around it, in the target `from` (twins/screen_whole.c). */
-struct texel twin_screen_whole(const struct twin_screen *twin, int resolution, int from, int x,
-                               int y);
+/* SCREEN_OPEN_SMOOTH of a cell, and what a turn (0..) of the smoothing makes of it
+ * (twins/screen_smooth.c). */
+double twin_screen_blur(const struct twin_screen *twin, int x, int y);
+struct texel twin_screen_smooth(const struct twin_screen *twin, int resolution, int turn, int x,
+                                int y);
+
+/* What a pixel has of the cells around it (twins/screen_whole.c). */
+struct texel twin_screen_whole(const struct twin_screen *twin, int resolution, int x, int y);
 
 /* SCREEN_LIT, SCREEN_PICTURE (twins/screen.c). */
 struct texel twin_screen_lit(const struct twin_screen *twin, int x, int y);

@@ -25,9 +25,9 @@ static struct texel unknown(const struct twin_screen *twin, int resolution, int 
                : (struct texel){{0.0, 0.0, 0.0, twin_screen_open(twin, x, y)}};
 }
 
-static struct texel between_cells(const struct twin_screen *twin, int resolution, int from, int x,
-                                  int y)
+static struct texel between_cells(const struct twin_screen *twin, int resolution, int x, int y)
 {
+    const int from = twin_screen_cells_at(twin, resolution);
     const int side = twin_screen_cell_px(twin, resolution);
     const struct twin_pixel first = twin_screen_pixel_in(twin, resolution, 0, 0);
     const double across = (double)(x - first.x) / side, down = (double)(y - first.y) / side;
@@ -42,7 +42,7 @@ static struct texel between_cells(const struct twin_screen *twin, int resolution
         const double share = (1.0 - fabs(across - column)) * (1.0 - fabs(down - row));
         if (!twin_screen_has_light(twin, resolution, at.x, at.y))
             continue;
-        const double weight = share * likeness(twin, x, y, at);
+        const double weight = (float)(share * likeness(twin, x, y, at)); /* 0 across its plane */
         const struct texel texel = twin_screen_load(twin, from, column, row);
         for (int c = 0; c < 4; c++)
             sum.v[c] += weight * texel.v[c];
@@ -53,11 +53,9 @@ static struct texel between_cells(const struct twin_screen *twin, int resolution
     return weights > 0.0 ? sum : unknown(twin, resolution, x, y);
 }
 
-struct texel twin_screen_whole(const struct twin_screen *twin, int resolution, int from, int x,
-                               int y)
+struct texel twin_screen_whole(const struct twin_screen *twin, int resolution, int x, int y)
 {
     const double none = resolution == SCREEN_AO_RESOLUTION ? 1.0 : 0.0;
-    return twin_screen_has_light(twin, resolution, x, y)
-               ? between_cells(twin, resolution, from, x, y)
-               : (struct texel){{none, none, none, none}};
+    return twin_screen_has_light(twin, resolution, x, y) ? between_cells(twin, resolution, x, y)
+                                                         : (struct texel){{none, none, none, none}};
 }
