@@ -2,7 +2,8 @@
  *
  * The passes of the screen against their twins in double precision, pixel by pixel: occlusion by
  * all methods and its blur, indirect light, reflections, their means and smoothing, the picture; at
- * full and half resolution, with targets of 32 and 16 bits and cameras of both kinds, at an odd size.
+ * full and half resolution, with targets of 32 and 16 bits and cameras of both kinds, at an odd
+ * size.
  */
 #include "tests/renderer/screen_test.h"
 #include "tests/renderer/twins/screen.h"
@@ -376,7 +377,7 @@ static void check_smoothing(struct neph_vulkan *vulkan, const char *settings, en
     drop(&both);
 }
 
-/* Of a frame with history, by pixels and by cells. */
+/* In a frame with history, by pixels and by cells. */
 static void test_blur_and_smoothing(void **state)
 {
     static const char *const by_day[] = {

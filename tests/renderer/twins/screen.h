@@ -57,8 +57,8 @@ struct twin_pixel {
 int twin_screen_cell_px(const struct twin_screen *twin, int resolution);
 struct twin_pixel twin_screen_pixel_in(const struct twin_screen *twin, int resolution, int x,
                                        int y);
-/* Which target has the light of a resolution after so many turns of the smoothing (0: the mean), and
- * what its cells end up with. */
+/* Which target has the light of a resolution after so many turns of the smoothing (0: the mean),
+ * and what its cells end up with. */
 int twin_screen_turned_at(int resolution, int turns);
 int twin_screen_cells_at(const struct twin_screen *twin, int resolution);
 /* Which target has what a pass has made of all pixels; -1: the pass is off. */
