@@ -7,6 +7,7 @@
 #include "harness/sweep/output.h"
 #include "harness/sweep/point.h"
 #include "harness/sweep/sweep.h"
+#include "renderer/sky/split.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -330,14 +331,22 @@ static const char *what_rests(const struct work *work)
     return wind ? NULL : "there is no wind";
 }
 
+/* The pipeline has a planet's air by tables alone; beside it the march has it so, too. */
+static const char *air_of_march(const struct neph_scene *scene)
+{
+    struct neph_sky_split split;
+    char reason[256];
+    return neph_sky_split(scene, &split, reason, sizeof(reason)) ? "sky=tables" : NULL;
+}
+
 /* What a shortcut saves, and the parts of it for motion. */
 static enum neph_status add_pipeline(struct work *work, const struct neph_sweep_series *chosen,
                                      const char *steps, struct neph_diag *diag)
 {
     const struct neph_ladder_light *light = light_of(chosen);
     enum neph_status status = add_variant(work, "a ray for every pixel, every frame", NULL,
-                                          light->march, NULL, NULL, steps, chosen->scattering,
-                                          diag);
+                                          light->march, NULL, air_of_march(work->scene), steps,
+                                          chosen->scattering, diag);
     const char *at_rest = what_rests(work);
     char *held = neph_ladder_held(work->scene, light, false, has_air(chosen));
     if (!status && !held)
