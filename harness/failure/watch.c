@@ -17,16 +17,21 @@ static enum neph_status count_in_picture(struct neph_job *job, const struct neph
 }
 
 /* A picture with another one before it cannot be in flight (inject.mirror, inject.sizes): it comes
- * home, and is thrown away. */
+ * home, and is thrown away. Where there is nothing on the device to count in, the picture is made
+ * once more, to be looked at. */
 static enum neph_status count_on_device(struct neph_job *job, const struct neph_shot *shot,
-                                        uint64_t *bad, struct neph_diag *diag)
+                                        bool *has_images, uint64_t *bad, struct neph_diag *diag)
 {
     const struct neph_injections *injections = &shot->scene->injections;
     const struct neph_engine_sequence *sequence = job->engine->sequence;
     const bool flies = injections->mirror.count == 0 && injections->size_count == 0;
-    const enum neph_status status = flies ? sequence->send(job->sequence, shot, diag)
-                                          : count_in_picture(job, shot, bad, diag);
-    return status ? status : sequence->watch(job->sequence, bad, diag);
+    enum neph_status status = flies ? sequence->send(job->sequence, shot, diag)
+                                    : count_in_picture(job, shot, bad, diag);
+    if (status)
+        return status;
+    status = sequence->watch(job->sequence, bad, diag);
+    *has_images = status != NEPH_ERR_UNSUPPORTED;
+    return *has_images ? status : count_in_picture(job, shot, bad, diag);
 }
 
 /* The pictures before the first come home when an engine warms up by itself; here they need not. */
@@ -55,11 +60,8 @@ enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint
         struct neph_shot shot = job->shot;
         uint64_t of_frame = 0;
         shot.frame = frame;
-        if (has_images)
-            status = count_on_device(job, &shot, &of_frame, diag);
-        has_images = has_images && status != NEPH_ERR_UNSUPPORTED;
-        if (!has_images)
-            status = count_in_picture(job, &shot, &of_frame, diag);
+        status = has_images ? count_on_device(job, &shot, &has_images, &of_frame, diag)
+                            : count_in_picture(job, &shot, &of_frame, diag);
         if (!status && neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted at frame %d", frame);
         found += of_frame;

@@ -14,15 +14,6 @@ bool has_signal(ivec2 pixel)
     return run.turn == OF_AO ? !is_sky(depth_at_m(pixel)) : has_light(pixel, run.turn == OF_SSR);
 }
 
-// 1 on the plane of a surface; off it, facing the same way, a little, for where nothing is on it.
-float likeness(vec3 point_m, vec3 normal, ivec2 at)
-{
-    const float LEAST = 1e-4;
-    float facing = clamp(dot(normal_at(at), normal), 0.0, 1.0);
-    float squared = facing * facing, fourth = squared * squared;
-    return max(LEAST, same_surface(point_m, normal, at)) * fourth * fourth;
-}
-
 // Where no cell around has the signal or faces that way: nothing stands near, and no rays were
 // cast.
 vec4 unknown(ivec2 pixel)

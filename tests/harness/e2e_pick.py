@@ -113,6 +113,16 @@ class Pick(unittest.TestCase):
         kept = {entry["what"]: entry["without"] for entry in found["kept"]}
         self.assertGreater(kept["light scattered more than once"]["error"], 2.0 * found["error"])
 
+    @night.of_the_night
+    def test_a_planets_air_is_tables_for_the_march_beside_it_too(self):
+        done = run("pick", "sky_earth", "--size", "32x18", "--error", "0.1", "-o", self.out, "-q",
+                   "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        left = {entry["what"]: entry["with"] for entry in found["left_out"]}
+        # Marched through the air in eight steps it would be off by 1.
+        self.assertLess(left["a ray for every pixel, every frame"]["error"], 0.1)
+
     def test_the_shipped_preset_is_the_point_of_the_front_that_was_asked_for(self):
         def pick(*arguments):
             done = run("pick", "gaussian_blob", "--presets", "fixed,ours", "--size", "32x18",
