@@ -467,10 +467,43 @@ static void scatter_nothing(struct neph_gpu_frame *frame)
         memset(frame->media[m].albedo, 0, sizeof(frame->media[m].albedo));
 }
 
+/* --- the table of sunlight ------------------------------------------------------------------- */
+
+/* As many cubes as that allows. */
+static void sun_table_size(const struct neph_bounds *box, int nodes, uint32_t size[3])
+{
+    int fits = 2, beyond = nodes;
+    while (beyond - fits > 1) {
+        const int middle = fits + (beyond - fits) / 2;
+        neph_lattice_nodes(box, middle, size);
+        const double count = (double)size[0] * size[1] * size[2];
+        if (count <= nodes)
+            fits = middle;
+        else
+            beyond = middle;
+    }
+    neph_lattice_nodes(box, fits, size);
+}
+
+/* From node to node, in the densest medium. */
+static double depth_between_nodes(const struct neph_scene *scene, const struct neph_bounds *box,
+                                  const uint32_t size[3])
+{
+    double sides_m[3], spacing_m = 0.0, largest_per_m = 0.0;
+    neph_lattice_sides_m(box, sides_m);
+    for (int axis = 0; axis < 3; axis++)
+        spacing_m = fmax(spacing_m, sides_m[axis] / (size[axis] - 1));
+    for (int i = 0; i < scene->medium_count; i++)
+        if (!neph_medium_is_fog(&scene->media[i]))
+            largest_per_m = fmax(largest_per_m, neph_gpu_largest_per_m(&scene->media[i]));
+    return largest_per_m * spacing_m;
+}
+
 /* Light that goes on, from a sun, through shapes whose optical depth is known, alike in all
- * channels: only there is a table of it worth its while, and what it is wrong by known. */
+ * channels: only there is a table worth its while, and what it is wrong by known. */
 static bool place_sun_table(const struct render *render, const struct neph_scene *scene)
 {
+    const double coarsest = 8.0; /* beyond, its noise takes more than its speed has given */
     struct neph_bounds box;
     uint32_t size[3];
     if (render->params->sun_nodes == 0 || render->is_open || !scene->sun.present ||
@@ -478,11 +511,15 @@ static bool place_sun_table(const struct render *render, const struct neph_scene
         (render->scene.constants[1] & NEPH_GPU_COLOURED) || !neph_shapes_box(scene, &box) ||
         neph_lattice_check(&box, "", "", NULL))
         return false;
-    neph_lattice_nodes(&box, render->params->sun_nodes, size);
+    sun_table_size(&box, render->params->sun_nodes, size);
+    if (depth_between_nodes(scene, &box, size) > coarsest)
+        return false;
     neph_lattice_place(&box, neph_scene_camera(scene, render->params->frame).position_m, size, 1,
                        &render->scene.frame->sun_lattice);
     return true;
 }
+
+/* --- making ---------------------------------------------------------------------------------- */
 
 /* The kernel of first collisions walks through the grids thrice, the one of paths not at all. Each
  * edge of a way may cost a walk a turn of its own, and the walk's end. */

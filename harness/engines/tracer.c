@@ -28,10 +28,9 @@ static const struct neph_option options[] = {
                         "of a pixel is then from two sequences alone"},
     [OPTION_SUN_TABLE] = {"sun_table", NEPH_OPTION_INTEGER, NEPH_TRACER_SUN_NODES, 0,
                           NEPH_TRACER_SUN_NODES_MAX, NULL,
-                          "nodes along the longest side of a table of the sunlight that arrives, "
-                          "for all orders in clouds without colour whose optical depth is known: "
-                          "it is checked as it goes, so its error is noise; 0: a ray an event, as "
-                          "elsewhere"},
+                          "nodes, at most, of a table of the sunlight that arrives, for all orders "
+                          "in clouds without colour whose optical depth is known: it is checked as "
+                          "it goes, so its error is noise; 0: a ray an event, as elsewhere"},
     {.name = NULL},
 };
 
