@@ -22,7 +22,8 @@ struct request {
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B", "Screens to hold against the truth; screen+KEY=VALUE+... changes one",
      NEPH_CLI_WORD, .at = offsetof(struct request, models),
-     .otherwise = "screen,screen+ao=ssao,screen+ao=unreal,screen+preset=slices"},
+     .otherwise = "screen,screen+preset=ours,screen+preset=ours+ao=ssao,"
+                  "screen+preset=ours+ao=unreal,screen+preset=slices"},
     {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
      .at = offsetof(struct request, radius_m), .otherwise = "1", .minimum = 1e-3, .maximum = 1e6},
     {.name = "size", .otherwise = "96x54"},
@@ -70,8 +71,8 @@ static const struct neph_cli_syntax syntax = {
         "What is finished stays in DIR/store, and the same command goes on from there.\n\n"
         "Examples:\n"
         "  neph study screen --markdown screen.md\n"
-        "  neph study screen surface_corner --models screen,screen+ao_places=pixel --radius 2\n"
-        "  neph study screen surface_room --models screen+warm_up=0,screen+warm_up=63\n"
+        "  neph study screen surface_corner --models screen,screen+preset=ours --radius 2\n"
+        "  neph study screen surface_room --models screen+preset=ours,screen+preset=fast\n"
         "  neph study screen --cycles 256\n"
         "  neph study screen surface_ground --frames 32 --models "
         "screen,screen+gi=off,screen+ssr=off",
