@@ -64,6 +64,12 @@ static const struct neph_option options[] = {
      .minimum = 0.01,
      .maximum = 10.0,
      .help = "POV-Ray's measure of how different the light may be that places share"},
+    {.name = "photons",
+     .kind = NEPH_OPTION_INTEGER,
+     .default_value = 200000,
+     .minimum = 1000,
+     .maximum = 10000000,
+     .help = "sunlight that a mirror throws on others: so many, whose light is spread around"},
     {.name = NULL},
 };
 
@@ -153,7 +159,7 @@ static bool has_scatterer(const struct neph_scene *scene)
 /* Why its solids are none that POV-Ray has, in words; NULL: it has them. */
 static const char *solid_obstacle(const struct neph_scene *scene)
 {
-    const bool has_lights = scene->sun.present || scene->light_count > 0;
+    int mirrors = 0;
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_surface *surface = &scene->solids[i].surface;
         if (surface->metalness == 0.0)
@@ -164,8 +170,10 @@ static const char *solid_obstacle(const struct neph_scene *scene)
             return "rough metal on solids: its highlights follow another law in POV-Ray";
         if (neph_is_textured(surface))
             return "a pattern on a mirror";
-        if (has_lights)
-            return "sun or lights in a mirror, whose light on others POV-Ray does not find";
+        if (scene->light_count > 0)
+            return "lamps in a mirror, whose light on others POV-Ray was not tried for";
+        if (scene->sun.present && (scene->solids[i].kind != NEPH_SOLID_BOX || ++mirrors > 1))
+            return "the sun in a mirrored ball, or in several mirrors";
     }
     return NULL;
 }
@@ -358,12 +366,16 @@ static enum neph_status render_picture(struct session *session, const char *name
 
 /* ---- One quantity --------------------------------------------------------------------------- */
 
-static void take_readings(const uint16_t *codes, double gain, size_t pixel_count,
+/* A picture with one value in all channels is the first of three brackets, the others clamped. */
+static void take_readings(const struct session *session, const uint16_t *codes, double gain,
                           struct neph_povray_reading *readings)
 {
-    for (size_t i = 0; i < pixel_count; i++)
-        readings[i] = neph_povray_better(readings[i],
-                                         neph_povray_read_brackets(codes + 3 * i, gain));
+    const bool is_single = neph_povray_has_photons(session->shot.scene);
+    for (size_t i = 0; i < session->pixel_count; i++) {
+        const uint16_t first[] = {codes[3 * i], UINT16_MAX, UINT16_MAX};
+        const uint16_t *brackets = is_single ? first : codes + 3 * i;
+        readings[i] = neph_povray_better(readings[i], neph_povray_read_brackets(brackets, gain));
+    }
 }
 
 static bool any_clamped(const struct neph_povray_reading *readings, size_t count)
@@ -397,7 +409,7 @@ static enum neph_status expose(struct session *session, const char *name,
         status = render_picture(session, file, &pass, &codes, wall_s, diag);
         if (status)
             break;
-        take_readings(codes, pass.gain, count, best);
+        take_readings(session, codes, pass.gain, best);
         free(codes);
         pass.gain = neph_povray_next_gain(best, count, pass.gain, target);
     }
@@ -954,7 +966,8 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     if (!status && wants_radiosity(session->shot.scene))
         session->world.radiosity = (struct neph_povray_radiosity){
             (int)neph_setting(&neph_engine_povray, &shot->settings, "radiosity_rays"),
-            neph_setting(&neph_engine_povray, &shot->settings, "radiosity_error")};
+            neph_setting(&neph_engine_povray, &shot->settings, "radiosity_error"),
+            (int)neph_setting(&neph_engine_povray, &shot->settings, "photons")};
     return status;
 }
 

@@ -18,6 +18,8 @@
  * - Pigment and density functions wrap at 1: the densest place gets 0.999.
  * - Radiosity has the light of the background, too, and follows mirrors. `reflection` of a colour
  *   is that of a mirror at every angle; the highlights of rough metal are of no law of ours.
+ * - Photons that a mirror throws arrive in a world of 1e4 units, and in one of 1e6 they do not. A
+ *   photon has 8 bits a channel and one exponent for all three.
  * - Method 2 with one sample is the midpoint rule; methods 1 and 3 are random and biased.
  */
 #include "harness/engines/povray_scene.h"
@@ -34,9 +36,10 @@
 #include <stdlib.h>
 
 /* The radius of the blown-up world. POV-Ray ends rays at 1e7 units; the sun stands at twice the
- * radius, so that no distance exceeds 6e6. */
+ * radius, so that no distance exceeds 6e6. Where photons are shot the world is small. */
 static const double world_radius_units = 2e6;
-static const double sun_distance_units = 4e6;
+static const double photon_world_radius_units = 1e4;
+static const double sun_distance_radii = 2.0;
 
 /* POV-Ray ignores hits nearer than 1e-3 units. */
 static const double face_gap_units = 2e-3;
@@ -156,6 +159,14 @@ static double farthest_corner_m(const struct neph_bounds *bounds, struct neph_ve
     return sqrt(squared);
 }
 
+bool neph_povray_has_photons(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        if (scene->sun.present && neph_is_mirror(&scene->solids[i].surface))
+            return true;
+    return false;
+}
+
 /* The origin is put amid the solids: there POV-Ray's float bounding boxes must be finest. */
 static void choose_units(struct neph_povray_world *world)
 {
@@ -175,7 +186,9 @@ static void choose_units(struct neph_povray_world *world)
     const struct neph_bounds *middle = world->scene->solid_count > 0 ? &solids : &all;
     world->origin_m = neph_vec3_scale(neph_vec3_add(middle->min_m, middle->max_m), 0.5);
     double radius_m = farthest_corner_m(&all, world->origin_m);
-    world->units_per_m = world_radius_units / (radius_m > 0.0 ? radius_m : 1.0);
+    world->radius_units = neph_povray_has_photons(world->scene) ? photon_world_radius_units
+                                                                : world_radius_units;
+    world->units_per_m = world->radius_units / (radius_m > 0.0 ? radius_m : 1.0);
 }
 
 static enum neph_status check_solids(const struct neph_povray_world *world, struct neph_diag *diag)
@@ -186,7 +199,7 @@ static enum neph_status check_solids(const struct neph_povray_world *world, stru
         double smallest_m = fmin(size_m.x, fmin(size_m.y, size_m.z));
         if (!(smallest_m * world->units_per_m >= solid_minimum_units))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "solids of %g m in a world of %g m radius",
-                             smallest_m, world_radius_units / world->units_per_m);
+                             smallest_m, world->radius_units / world->units_per_m);
     }
     return NEPH_OK;
 }
@@ -382,7 +395,8 @@ static void named_number(struct writer *writer, const char *before, double value
     words(writer, after);
 }
 
-/* "rgb <...>": a colour of the beauty as it is; else gain * value in three brackets. */
+/* "rgb <...>": a colour of the beauty as it is; else gain * value in three brackets, but for photons,
+ * which would lose the darkest of them. */
 static void colour(struct writer *writer, struct neph_rgb value)
 {
     double gain = writer->pass->gain;
@@ -392,6 +406,10 @@ static void colour(struct writer *writer, struct neph_rgb value)
         return;
     }
     double bright = gain * neph_povray_component(value, writer->pass->channel);
+    if (neph_povray_has_photons(writer->world->scene)) {
+        triple(writer, bright, bright, bright);
+        return;
+    }
     triple(writer, neph_povray_bracket_scales[0] * bright, neph_povray_bracket_scales[1] * bright,
            neph_povray_bracket_scales[2] * bright);
 }
@@ -426,6 +444,9 @@ static void write_radiosity(struct writer *writer)
     words(writer, " pretrace_start 0.08 nearest_count 8 recursion_limit 6 low_error_factor 0.7\n"
                   "    brightness 1 gray_threshold 0 minimum_reuse 0.005 maximum_reuse 0.1 "
                   "adc_bailout 1e-12 always_sample off }");
+    if (neph_povray_has_photons(world->scene))
+        named_number(writer, "\n  photons { count ", world->radiosity.photons,
+                     " autostop 0 jitter 0 media 0 }");
 }
 
 static void write_header(struct writer *writer)
@@ -482,7 +503,8 @@ static void write_sun(struct writer *writer)
     if (!sun->present || !is_lit(writer))
         return;
     words(writer, "// Sun: irradiance / pi, from far outside all else.\nlight_source { ");
-    vector(writer, neph_vec3_scale(sun->direction, sun_distance_units));
+    vector(writer,
+           neph_vec3_scale(sun->direction, sun_distance_radii * writer->world->radius_units));
     words(writer, " ");
     colour(writer, neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / M_PI));
     words(writer, " parallel point_at 0 }\n\n");
@@ -918,6 +940,8 @@ static void write_solid(struct writer *writer, const struct neph_solid *solid)
     }
     if (!shows_paint(writer, solid))
         write_texture(writer, solid);
+    if (has_radiosity(writer) && neph_is_mirror(&solid->surface))
+        words(writer, " photons { target reflection on refraction off collect off }");
     words(writer, " }\n");
 }
 

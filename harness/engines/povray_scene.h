@@ -31,6 +31,7 @@ struct neph_povray_container {
 struct neph_povray_radiosity {
     int rays;           /* from a place; 0: there is no such light */
     double error_bound; /* how different light may be that is shared, in POV-Ray's measure */
+    int photons;        /* that a mirror throws of the sun's light */
 };
 
 /* A frame of a scene, prepared for POV-Ray. */
@@ -44,6 +45,7 @@ struct neph_povray_world {
      * near to a lit solid breaks its shadow. The world is blown up until they are small: position
      * in units = units_per_m * (position - origin). */
     double units_per_m;
+    double radius_units; /* of the world */
     struct neph_vec3 origin_m;
     struct neph_povray_container containers[NEPH_SCENE_MEDIA_MAX];
     double cut_error;     /* bound on the error in transmittance of cutting open media */
@@ -74,6 +76,10 @@ struct neph_povray_pass {
 enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, int width_px,
                                    int height_px, int intervals, struct neph_povray_world *world,
                                    struct neph_diag *diag);
+
+/* Does a mirror throw sunlight on others? Such a picture has the same value in all three channels.
+ */
+bool neph_povray_has_photons(const struct neph_scene *scene);
 
 /* The text of one pass, for the caller to free. */
 enum neph_status neph_povray_text(const struct neph_povray_world *world,
