@@ -395,8 +395,8 @@ static void named_number(struct writer *writer, const char *before, double value
     words(writer, after);
 }
 
-/* "rgb <...>": a colour of the beauty as it is; else gain * value in three brackets, but for photons,
- * which would lose the darkest of them. */
+/* "rgb <...>": a colour of the beauty as it is; else gain * value in three brackets, but for
+ * photons, which would lose the darkest of them. */
 static void colour(struct writer *writer, struct neph_rgb value)
 {
     double gain = writer->pass->gain;

@@ -35,7 +35,7 @@ static struct neph_chain_time time_of(double *seconds, int count)
     };
 }
 
-/* Of each stage, and of all. */
+/* Those of a stage, or of all stages together. */
 typedef double seconds_of_repeats[NEPH_CHAIN_REPEATS_MAX];
 
 static void add(const struct neph_post_stats *stats, int repeat, seconds_of_repeats *seconds)

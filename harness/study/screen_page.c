@@ -27,7 +27,10 @@ static const struct {
                         "#d55e00",
                         "thin",
                         "they pass behind something that is seen, and meet nothing"},
-    [NEPH_SCREEN_LOSSES] = {{60, 60, 60}, "#3c3c3c", "else", "neither: noise, or on rough metal another ray than that of a mirror"},
+    [NEPH_SCREEN_LOSSES] = {{60, 60, 60},
+                            "#3c3c3c",
+                            "else",
+                            "neither: noise, or on rough metal another ray than that of a mirror"},
 };
 
 static const char *const part_files[NEPH_SCREEN_PARTS] = {

@@ -825,8 +825,8 @@ static void test_noise(void **state)
     compare_patterns(NEPH_PATTERN_NOISE, 0);
 }
 
-/* A black floor and ball before a white mirror, under an even sky: a pixel of the mirror is black or
- * the sky's times its colour, as the mirrored ray meets a solid or none. */
+/* A black floor and ball before a white mirror, under an even sky: a pixel of the mirror is black
+ * or the sky's times its colour, as the mirrored ray meets a solid or none. */
 static void test_a_mirror(void **state)
 {
     (void)state;
