@@ -22,8 +22,7 @@ struct request {
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B", "Screens to hold against the truth; screen+KEY=VALUE+... changes one",
      NEPH_CLI_WORD, .at = offsetof(struct request, models),
-     .otherwise = "screen,screen+preset=ours,screen+preset=ours+ao=ssao,"
-                  "screen+preset=ours+ao=unreal,screen+preset=slices"},
+     .otherwise = "screen,screen+preset=ours,screen+preset=fast,screen+preset=slices"},
     {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
      .at = offsetof(struct request, radius_m), .otherwise = "1", .minimum = 1e-3, .maximum = 1e6},
     {.name = "size", .otherwise = "96x54"},
