@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Light that the media scatter towards the camera in each froxel, per metre, and their extinction:
-// sun with the shadows of solids and media, lamps, their own glow. A froxel is looked at in one place, that of the
-// picture's jitter within it (but for what its ray has in closed form: optical depth, and 1/d^2 of
-// lamps), and mixed with what the same place of the world was in the picture
+// sun with the shadows of solids and media, lamps, their own glow. A froxel is looked at in one
+// place, that of the picture's jitter within it (but for what its ray has in closed form: optical
+// depth, and 1/d^2 of lamps), and mixed with what the same place of the world was in the picture
 // before. Where the surface that its place of the picture shows lies within the slice, it looks
 // before that: behind is another room.
 #extension GL_GOOGLE_include_directive : require
