@@ -64,7 +64,7 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
  * and the binding after it. */
 void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dispatch *dispatch);
 
-/* The same for the light of froxels, which see a fog that was handed over to them. */
+/* And those for the light of froxels, which see a fog that was handed over to them. */
 void neph_march_scene_bind_froxels(const struct neph_march_scene *scene,
                                    struct neph_dispatch *dispatch);
 
