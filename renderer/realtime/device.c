@@ -40,6 +40,9 @@ static enum neph_status create_target(struct neph_rt_device *device, int target,
         device->vulkan, NEPH_BUFFER_DEVICE, words * sizeof(*zeros), neph_rt_target_name(target),
         &device->targets[target], diag);
     if (!status)
+        status = neph_buffer_see_texels(device->vulkan, neph_rt_format_words(shape->format),
+                                        &device->targets[target], diag);
+    if (!status)
         status = neph_rt_device_upload(device, target, zeros, diag);
     free(zeros);
     return status;
@@ -60,6 +63,8 @@ static enum neph_status create_targets(struct neph_rt_device *device, uint32_t t
     if (!status)
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_DEVICE, sizeof(uint32_t), "nothing",
                                     &device->nothing, diag);
+    if (!status)
+        status = neph_buffer_see_texels(device->vulkan, 1, &device->nothing, diag);
     if (!status)
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_READBACK, most_bytes,
                                     "target readback", &device->readback, diag);
@@ -171,9 +176,12 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     params->spirv = pass->shader.spirv;
     params->spirv_size_bytes = pass->shader.spirv_size_bytes;
     params->buffer_count = first + 2;
-    if (first == 0)
-        params->uniform_count = 1; /* the view, where no scene is before it */
     params->array_count = pass->rays ? RT_RAY_TARGET_COUNT : RT_TARGET_COUNT;
+    if (first == 0) { /* no scene before the view */
+        params->uniform_count = 1;
+        params->texels_first = 2;
+        params->texels_count = params->array_count;
+    }
     set_choices(device, pass, params);
     dispatch->buffers[first] = &device->view_buffer;
     dispatch->buffers[first + 1] = &device->noise;

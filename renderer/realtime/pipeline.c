@@ -105,6 +105,8 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     struct neph_kernel_params params = {
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
+        .texels_first = NEPH_GPU_VALUES_BUFFER,
+        .texels_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
     };
     struct ray_pass work = {
