@@ -38,7 +38,7 @@ struct neph_buffer {
     VkBuffer handle;
     VkDeviceMemory memory;
     size_t size_bytes;
-    void *mapped; /* coherent; NULL for NEPH_BUFFER_DEVICE */
+    void *mapped;        /* coherent; NULL for NEPH_BUFFER_DEVICE */
     VkBufferView texels; /* neph_buffer_see_texels(); else none */
 };
 

@@ -28,22 +28,22 @@ static enum neph_status create_noise(struct neph_rt_device *device, const uint32
     return NEPH_OK;
 }
 
-static enum neph_status create_target(struct neph_rt_device *device, int target,
-                                      struct neph_diag *diag)
+enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
+                                           struct neph_buffer *buffer, struct neph_diag *diag)
 {
     const struct neph_gpu_target *shape = &device->view->targets[target];
     const size_t words = (size_t)shape->width * shape->height * neph_rt_format_words(shape->format);
     uint32_t *zeros = calloc(words, sizeof(*zeros));
     if (!zeros)
         return neph_fail_memory(diag);
-    enum neph_status status = neph_buffer_create(
-        device->vulkan, NEPH_BUFFER_DEVICE, words * sizeof(*zeros), neph_rt_target_name(target),
-        &device->targets[target], diag);
+    enum neph_status status = neph_buffer_create(device->vulkan, NEPH_BUFFER_DEVICE,
+                                                 words * sizeof(*zeros),
+                                                 neph_rt_target_name(target), buffer, diag);
     if (!status)
-        status = neph_buffer_see_texels(device->vulkan, neph_rt_format_words(shape->format),
-                                        &device->targets[target], diag);
+        status = neph_buffer_see_texels(device->vulkan, (int)neph_rt_format_words(shape->format),
+                                        buffer, diag);
     if (!status)
-        status = neph_rt_device_upload(device, target, zeros, diag);
+        status = neph_buffer_upload(device->vulkan, buffer, 0, zeros, words * sizeof(*zeros), diag);
     free(zeros);
     return status;
 }
@@ -56,7 +56,7 @@ static enum neph_status create_targets(struct neph_rt_device *device, uint32_t t
     for (int t = 0; t < RT_TARGET_COUNT && !status; t++) {
         if (!(targets & NEPH_RT_BIT(t)))
             continue;
-        status = create_target(device, t, diag);
+        status = neph_rt_device_add_target(device, t, &device->targets[t], diag);
         const size_t bytes = device->targets[t].size_bytes;
         most_bytes = bytes > most_bytes ? bytes : most_bytes;
     }
