@@ -298,10 +298,10 @@ static void test_clear_air_adds_nothing(void **state)
     destroy_two(two);
 }
 
-/* A grey texture that is the only medium has a march of its own (shaders/march_texture.glsl), beside
- * another medium behind the camera that of all media: steps that are no multiple of eight, all
- * lengths of a remainder of six taps, steps that grow, a sun along an axis, a solid in its way, more
- * octaves than a ray keeps, light that the media send by themselves. */
+/* A grey texture that is the only medium has a march of its own (shaders/march_texture.glsl),
+ * beside another medium behind the camera that of all media: steps that are no multiple of eight,
+ * all lengths of a remainder of six taps, steps that grow, a sun along an axis, a solid in its
+ * way, more octaves than a ray keeps, light that the media send by themselves. */
 static void test_a_texture_has_its_own_march(void **state)
 {
     static const struct {
@@ -333,9 +333,8 @@ static void test_a_texture_has_its_own_march(void **state)
         params.sun_steps = cases[i].sun_steps;
         params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
                                                    .sun_growth = cases[i].sun_growth};
-        test.scene.scattering = cases[i].lighting == NEPH_MARCH_OCTAVES
-                                    ? NEPH_SCATTERING_MULTIPLE
-                                    : NEPH_SCATTERING_SINGLE;
+        test.scene.scattering = cases[i].lighting == NEPH_MARCH_OCTAVES ? NEPH_SCATTERING_MULTIPLE
+                                                                        : NEPH_SCATTERING_SINGLE;
         test.scene.octaves = (struct neph_octaves){cases[i].octaves, 0.6, 0.4, 0.7};
         test.scene.sun.direction = cases[i].is_level ? (struct neph_vec3){0.0, 1.0, 0.0} : sun;
         test.scene.solid_count = cases[i].is_shaded ? solid_count : 0;
