@@ -91,7 +91,7 @@ void main()
             history_ahead = next_history;
             fetch_next(pixel + ivec2(0, 1));
             look_down(pixel, window);
-            vec4 made = resolved(pixel, pixel, film_in(window));
+            vec4 made = resolved(pixel, pixel, film_in(pixel, window));
             put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
         }
     } while (!ON_GPU && pixel.y < end);
