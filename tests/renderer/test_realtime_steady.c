@@ -87,6 +87,7 @@ static struct ran render(struct neph_realtime *realtime, const struct neph_scene
     const struct neph_realtime_frame picture = {scene, frame, NULL};
     neph_assert_ok(neph_realtime_render(realtime, &picture, image, &stats, &diag), &diag);
     assert_int_equal(has_run(&stats, "scene"), has_run(&stats, "depth map"));
+    assert_int_equal(has_run(&stats, "scene"), has_run(&stats, "tile index"));
     return (struct ran){has_run(&stats, "scene"), has_run(&stats, "gradient")};
 }
 
