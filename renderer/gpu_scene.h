@@ -74,6 +74,11 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
 void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                          int width_px, int height_px);
 
+/* One more medium of the frame that `gpu` has, a fog without bounds, which has no data of its own:
+ * of a scene whose other media are there already. The frame must be one that may be read. */
+void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene *scene,
+                            const struct neph_medium *fog, double frame);
+
 /* The media that do something, as a frame has them one after the other. Returns how many. */
 uint32_t neph_gpu_scene_list(const struct neph_scene *scene,
                              const struct neph_medium *media[NEPH_GPU_MEDIA_MAX]);
