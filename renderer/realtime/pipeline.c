@@ -13,6 +13,7 @@
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/stillness.h"
 #include "renderer/realtime/suns.h"
+#include "renderer/realtime/unread.h"
 #include "renderer/realtime/watch.h"
 #include "scenes/motion.h"
 
@@ -192,6 +193,22 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
                                        &realtime->states, diag);
 }
 
+/* Which pass lays the volume over what is behind it. */
+static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view,
+                          bool has_taa)
+{
+    const bool on_gpu = !realtime->vulkan->description.is_cpu;
+    const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
+    int composition = choice_of(realtime, RT_COMPOSITION);
+    if (composition == RT_COMPOSITION_AUTO)
+        composition = on_gpu ? RT_COMPOSITION_TAA : RT_COMPOSITION_UPSCALE;
+    if ((composition == RT_COMPOSITION_TAA &&
+         (!has_taa || view->settings[RT_TAA] != (float)RT_TAA_ON)) ||
+        (composition == RT_COMPOSITION_UPSCALE && has_froxels))
+        composition = RT_COMPOSITION_PASS;
+    return composition;
+}
+
 /* What the scene and the settings say together. */
 static void set_hand_over(const struct neph_realtime *realtime, const struct neph_scene *scene,
                           struct neph_gpu_view *view)
@@ -209,10 +226,7 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
     const bool on_gpu = !realtime->vulkan->description.is_cpu;
     if (scene->mover_count == 0 || !has_taa)
         view->settings[RT_SOLID_MOTION] = 0.0f;
-    if (!has_taa || view->settings[RT_TAA] != (float)RT_TAA_ON)
-        view->settings[RT_COMPOSITION] = RT_COMPOSITION_PASS;
-    else if (on_gpu && choice_of(realtime, RT_COMPOSITION) == RT_COMPOSITION_AUTO)
-        view->settings[RT_COMPOSITION] = RT_COMPOSITION_TAA;
+    view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view, has_taa);
     if (on_gpu && choice_of(realtime, RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_AUTO &&
         choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
         choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
@@ -714,7 +728,7 @@ static bool sees_scene_alone(const struct neph_realtime *realtime,
 /* Whether the gradient need not look (steady), and what of the scene is known as it is. */
 static enum neph_status set_steady(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame, bool is_mirrored,
-                                   const struct neph_scene *still, uint32_t *given,
+                                   bool is_read, const struct neph_scene *still, uint32_t *given,
                                    struct neph_diag *diag)
 {
     struct neph_gpu_view *view = realtime->device.view;
@@ -728,7 +742,9 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
         status = neph_rt_kept_scene_take(&realtime->kept, &realtime->device, realtime->frame_count,
                                          realtime->stillness.pictures, is_alone, given, diag);
     if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
-        view->settings[RT_STEADY] = RT_STEADY_KNOWN;
+        view->settings[RT_STEADY] = !is_read && neph_rt_may_be_unread(view, realtime->device.on_gpu)
+                                        ? RT_STEADY_UNREAD
+                                        : RT_STEADY_KNOWN;
     return status;
 }
 
@@ -759,7 +775,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
     set_suns(realtime, frame);
-    status = set_steady(realtime, frame, is_mirrored, still, &made.given, diag);
+    status = set_steady(realtime, frame, is_mirrored, image, still, &made.given, diag);
     made.moment = march_moment(view, &now);
     neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
     neph_rt_device_show(&realtime->device);
