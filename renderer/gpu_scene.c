@@ -227,7 +227,7 @@ static const struct {
     size_t element_bytes;
     const char *name;
 } data_buffers[NEPH_GPU_DATA_COUNT] = {
-    [NEPH_GPU_VALUES] = {2, sizeof(float), "scene grids"},
+    [NEPH_GPU_VALUES] = {NEPH_GPU_VALUES_BUFFER, sizeof(float), "scene grids"},
     [NEPH_GPU_TEXELS] = {4, 4 * sizeof(float), "scene textures"},
 };
 
@@ -335,12 +335,32 @@ static uint64_t depth_turns(const struct neph_medium *medium)
     return 16 + (kind->integral_turns ? kind->integral_turns(medium) : 0);
 }
 
+/* Behind those of the frame. */
+static struct neph_gpu_medium *add_medium(const struct neph_medium *medium,
+                                          struct neph_vec3 camera_m, uint32_t first,
+                                          struct neph_gpu_scene *gpu)
+{
+    struct neph_gpu_medium *made = &gpu->frame->media[gpu->frame->medium_count++];
+    *made = medium_from(medium, camera_m, first);
+    gpu->frame->emits |= !is_black(made->glow);
+    gpu->constants[0] |= 1u << medium->kind;
+    gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
+    gpu->optical_depth_turns += 1 + depth_turns(medium);
+    return made;
+}
+
+static void let_scatter(const struct neph_scene *scene, bool scatters, struct neph_gpu_frame *frame)
+{
+    scatters = scatters && scene->scattering != NEPH_SCATTERING_NONE;
+    frame->scatters |= scatters && !is_black(frame->sun_irradiance);
+    frame->scatters_lamps |= scatters && scene->light_count > 0;
+}
+
 /* Media of the frame, and for each where it came from. */
 static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m,
                        struct neph_gpu_scene *gpu,
                        const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
 {
-    struct neph_gpu_frame *frame = gpu->frame;
     bool scatters = false;
     uint32_t firsts[NEPH_GPU_DATA_COUNT] = {0};
     gpu->optical_depth_turns = 1;
@@ -349,19 +369,12 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
         const enum neph_gpu_data data = neph_gpu_kind_of(medium)->data;
         if (!is_there(medium))
             continue;
-        struct neph_gpu_medium *made = &frame->media[frame->medium_count];
-        media[frame->medium_count++] = medium;
-        *made = medium_from(medium, camera_m, firsts[data]);
+        media[gpu->frame->medium_count] = medium;
+        const struct neph_gpu_medium *made = add_medium(medium, camera_m, firsts[data], gpu);
         firsts[data] += data == NEPH_GPU_NO_DATA ? 0 : (uint32_t)data_count(medium, data);
         scatters = scatters || !is_black(made->albedo);
-        frame->emits |= !is_black(made->glow);
-        gpu->constants[0] |= 1u << medium->kind;
-        gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
-        gpu->optical_depth_turns += 1 + depth_turns(medium);
     }
-    scatters = scatters && scene->scattering != NEPH_SCATTERING_NONE;
-    frame->scatters = scatters && !is_black(frame->sun_irradiance);
-    frame->scatters_lamps = scatters && scene->light_count > 0;
+    let_scatter(scene, scatters, gpu->frame);
 }
 
 _Static_assert((int)NEPH_MEDIUM_KIND_COUNT <= 8 && NEPH_FOG_LAYERS_MAX <= 2 &&
@@ -475,6 +488,8 @@ static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, dou
         gpu->constants[1] |= neph_is_turned(&scene->solids[i].turn) ? NEPH_GPU_TURNED : 0u;
     fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
     gpu->frame->solids_shade = solids_shade(scene, camera.position_m);
+    if (gpu->frame->solids_shade || !gpu->is_on_cpu)
+        gpu->constants[1] |= NEPH_GPU_SHADED;
     place_majorants(gpu);
 }
 
@@ -494,6 +509,8 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     gpu->is_on_cpu = vulkan->description.is_cpu;
     fill(gpu, scene, frame, width_px, height_px, media);
     status = upload_data(vulkan, media, NEPH_GPU_VALUES, gpu, diag);
+    if (!status)
+        status = neph_buffer_see_texels(vulkan, 1, &gpu->buffers[NEPH_GPU_VALUES_BUFFER], diag);
     if (!status && with_majorants)
         status = upload_majorants(vulkan, scene, media, gpu, diag);
     else if (!status)
@@ -509,6 +526,19 @@ void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *sc
 {
     const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX];
     fill(gpu, scene, frame, width_px, height_px, media);
+}
+
+void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene *scene,
+                            const struct neph_medium *fog, double frame)
+{
+    const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
+    const uint32_t known = ~0u << NEPH_GPU_MEDIA_SHIFT;
+    if (!is_there(fog))
+        return;
+    const struct neph_gpu_medium *made = add_medium(fog, camera_m, 0, gpu);
+    let_scatter(scene, !is_black(made->albedo), gpu->frame);
+    gpu->constants[1] = (gpu->constants[1] & ~known) | known_media(gpu->frame);
+    gpu->frame->solids_shade = scene->solid_count > 0; /* fog is everywhere */
 }
 
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu)

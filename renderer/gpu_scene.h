@@ -37,6 +37,9 @@ static inline uint64_t neph_gpu_solid_turns(uint64_t solid_count)
  * includes shaders/scene.glsl. */
 enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_UNIFORMS = 2, NEPH_GPU_SCENE_CONSTANTS = 2 };
 
+/* Which of them has the values of grids, which a CPU may see as texels of a word each, too. */
+enum { NEPH_GPU_VALUES_BUFFER = 2 };
+
 struct neph_gpu_scene {
     struct neph_gpu_frame *frame; /* in the mapped memory of buffers[0]; may be changed between
                                      dispatches. `steps` and `sun_steps` are left 0 */
@@ -70,6 +73,11 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
  * and textures stay where they are on the device. */
 void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                          int width_px, int height_px);
+
+/* One more medium of the frame that `gpu` has, a fog without bounds, which has no data of its own:
+ * of a scene whose other media are there already. The frame must be one that may be read. */
+void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene *scene,
+                            const struct neph_medium *fog, double frame);
 
 /* The media that do something, as a frame has them one after the other. Returns how many. */
 uint32_t neph_gpu_scene_list(const struct neph_scene *scene,

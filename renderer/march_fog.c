@@ -4,6 +4,9 @@
 struct neph_march_fog neph_fog_for_march(int choice)
 {
     static const struct neph_march_fog fogs[] = {
-        {false, NEPH_FOG_UNREAL}, {true, NEPH_FOG_UNREAL}, {true, NEPH_FOG_FILAMENT}};
+        {.is_look = false},
+        {.is_look = true, .model = NEPH_FOG_UNREAL},
+        {.is_look = true, .model = NEPH_FOG_FILAMENT},
+    };
     return fogs[choice];
 }

@@ -161,6 +161,8 @@ struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices);
 struct neph_march_fog {
     bool is_look;
     enum neph_fog_model model;
+    bool is_handed_over; /* nearer than the scene's volumetric_fog_distance_m, of depth, it is a
+                            medium of froxels, and its look begins where they end */
 };
 
 /* By the index of the option's word. */

@@ -77,9 +77,11 @@ static enum neph_status create_marched(struct neph_vulkan *vulkan, const struct 
                                             &scene->diffused_light, diag);
     if (!status)
         status = neph_slab_light_create(vulkan, from, params, &scene->slab_light, diag);
-    return status || !scene->has_sky
+    if (!status && scene->has_sky)
+        status = neph_sky_shade_create(vulkan, from, &scene->gpu, params, &scene->sky_shade, diag);
+    return status || !params->fog.is_handed_over
                ? status
-               : neph_sky_shade_create(vulkan, from, &scene->gpu, params, &scene->sky_shade, diag);
+               : neph_froxel_scene_create(vulkan, &scene->gpu, &scene->froxels, diag);
 }
 
 enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struct neph_scene *from,
@@ -87,13 +89,17 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
                                          struct neph_march_scene *scene, struct neph_diag *diag)
 {
     struct neph_scene rest;
-    const enum neph_status status = create_sky(vulkan, from, params, scene, diag);
-    return status ? status
-                  : create_marched(vulkan, marched(scene, from, &rest), params, scene, diag);
+    enum neph_status status = create_sky(vulkan, from, params, scene, diag);
+    if (!status)
+        status = create_marched(vulkan, marched(scene, from, &rest), params, scene, diag);
+    if (!status)
+        neph_froxel_scene_show(&scene->froxels, from, params->frame, &scene->gpu);
+    return status;
 }
 
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene)
 {
+    neph_froxel_scene_destroy(vulkan, &scene->froxels);
     neph_buffer_destroy(vulkan, &scene->no_sky);
     neph_sky_shade_destroy(&scene->sky_shade);
     neph_sky_tables_destroy(&scene->sky);
@@ -119,14 +125,20 @@ static void show_scene(const struct neph_scene *from, const struct neph_march_pa
     neph_march_set_frame(from, params, scene->gpu.frame);
 }
 
-/* The look of the fog that is not among what is marched. */
+/* The look of the fog that is not among what is marched. It leaves near fog to froxels where there
+ * are any, and has all of it where there are none. */
 static void show_fog_look(const struct neph_scene *from, const struct neph_march_params *params,
                           double frame, struct neph_march_scene *scene)
 {
     const struct neph_vec3 camera_m = neph_scene_camera(from, frame).position_m;
-    if (scene->has_fog_look)
-        scene->gpu.frame->fog_look = neph_gpu_fog_look_from(from, &from->fog_look,
-                                                            params->fog.model, camera_m);
+    struct neph_gpu_fog_look *shown = &scene->gpu.frame->fog_look;
+    struct neph_fog_look look = from->fog_look;
+    if (!scene->has_fog_look)
+        return;
+    look.volumetric_fog_distance_m = 0.0;
+    *shown = neph_gpu_fog_look_from(from, &look, params->fog.model, camera_m);
+    if (params->fog.is_handed_over)
+        shown->hand_over_m = (float)from->fog_look.volumetric_fog_distance_m;
 }
 
 static bool diffuses(const struct neph_march_scene *scene)
@@ -248,7 +260,11 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
     enum neph_status status = look_at_sky(from, shown, params, frame, scene, cost->sky, diag);
     if (!status)
         status = show_marched(shown, from, params, frame, moment, scene, cost, diag);
-    return status || !scene->has_sky ? status : veil(shown, scene, cost, diag);
+    if (!status && scene->has_sky)
+        status = veil(shown, scene, cost, diag);
+    if (!status)
+        neph_froxel_scene_show(&scene->froxels, from, frame, &scene->gpu);
+    return status;
 }
 
 static const struct neph_buffer *higher_orders(const struct neph_march_scene *scene)
@@ -265,4 +281,11 @@ void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dis
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 3] = higher_orders(scene);
     bind_sky(scene, dispatch);
+}
+
+void neph_march_scene_bind_froxels(const struct neph_march_scene *scene,
+                                   struct neph_dispatch *dispatch)
+{
+    neph_march_scene_bind(scene, dispatch);
+    dispatch->buffers[0] = &neph_froxel_scene_of(&scene->froxels, &scene->gpu)->buffers[0];
 }

@@ -8,6 +8,7 @@
 
 #include "renderer/cloud_shadow.h"
 #include "renderer/diffused_light.h"
+#include "renderer/froxel_scene.h"
 #include "renderer/gpu_scene.h"
 #include "renderer/in_flight.h"
 #include "renderer/skip_cells.h"
@@ -27,6 +28,7 @@ struct neph_march_scene {
     struct neph_traced_light traced_light;
     struct neph_diffused_light diffused_light;
     struct neph_slab_light slab_light;
+    struct neph_froxel_scene froxels;
     bool has_sky, has_fog_look;
     struct neph_sky_split split; /* of the air, where there is one */
     struct neph_sky_tables sky;
@@ -61,5 +63,9 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
 /* Fill in the buffers of shaders/march_run.glsl but for the march's own at NEPH_GPU_SCENE_BUFFERS
  * and the binding after it. */
 void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dispatch *dispatch);
+
+/* And those for the light of froxels, which see a fog that was handed over to them. */
+void neph_march_scene_bind_froxels(const struct neph_march_scene *scene,
+                                   struct neph_dispatch *dispatch);
 
 #endif

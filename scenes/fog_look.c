@@ -32,8 +32,9 @@ static const struct neph_fog_control_row rows[NEPH_FOG_CONTROL_COUNT] = {
                               LOOK(max_opacity), 1, 1.0},
     [NEPH_FOG_HAND_OVER] = {"volumetric_fog_distance", "volumetric_fog_distance_m",
                             "Volumetric Fog View Distance", NULL,
-                            "fog nearer than that is another renderer's, and missing where "
-                            "nobody renders it",
+                            "nearer fog is another renderer's: physics in the froxels of "
+                            "realtime, missing in engine fog_look; a march without froxels "
+                            "begins the look at the camera",
                             LOOK(volumetric_fog_distance_m), 1, 0.0},
     [NEPH_FOG_OBSERVER] = {"observer_height_max", "observer_height_max_m",
                            "(fixed: 65536 cm above the fog)", NULL,

@@ -26,7 +26,7 @@ static const struct neph_field fields[] = {
      .note = "what lies beyond is seen without any fog; 0: nothing is", .standard = "0"},
     {"max_opacity", NEPH_NUMBER, LOOK(max_opacity), "", 0, 1, .standard = "1"},
     {"volumetric_fog_distance_m", NEPH_NUMBER, LOOK(volumetric_fog_distance_m), "m", 0, NEPH_FAR_M,
-     .note = "nearer fog is left to a volume of froxels", .standard = "0"},
+     .note = "nearer fog is left to froxels, by depth", .standard = "0"},
     {"observer_height_max_m", NEPH_NUMBER, LOOK(observer_height_max_m), "m", -1e5, NEPH_FAR_M,
      .note = "a camera above it is taken to be there; Unreal has 655.36 m above the fog's height",
      .standard = "1e6"},

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/exr.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/look.h"
 #include "harness/report/gates.h"
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_depth.h"
@@ -148,6 +149,15 @@ static enum neph_status render(const struct neph_scene_run *run, struct neph_job
                : neph_job_run(job, run->store, result, diag);
 }
 
+/* What a frame gave up, or a look that its settings made of it: limits are those of physics. */
+static const char *note_of(const struct neph_scene_run *run, const struct neph_job *job,
+                           const struct neph_job_result *result)
+{
+    const char *look = job->engine->look ? NULL
+                                         : neph_look_of_fog(job->engine, &job->shot.settings);
+    return neph_arena_text(run->arena, look && !result->note[0] ? look : result->note);
+}
+
 static void take_result(const struct neph_scene_run *run, const struct neph_job *job,
                         const struct neph_job_result *result, struct neph_frame_result *frame)
 {
@@ -155,7 +165,8 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
         .engine = job->engine,
         .outcome = result->outcome,
         .reason = neph_arena_text(run->arena, result->reason),
-        .note = neph_arena_text(run->arena, result->note),
+        .note = note_of(run, job, result),
+        .is_look = neph_is_look(job->engine, &job->shot.settings),
         .settings = neph_arena_text(run->arena, result->settings),
         .reused = result->reused,
         .cost = result->cost,
@@ -241,7 +252,7 @@ static enum neph_status attribute(const struct neph_scene_run *run,
     int count = 0;
     for (int f = 0; f < result->frame_count; f++) {
         const struct neph_frame_result *frame = &result->frames[f];
-        if (frame->path && is_peer(frame->engine) && !frame->engine->look)
+        if (frame->path && is_peer(frame->engine) && !frame->is_look)
             peers[count++] = (struct neph_peer){frame->engine->name, frame->path,
                                                 frame->second_path};
     }

@@ -37,7 +37,8 @@ struct neph_frame_result {
     const struct neph_engine *engine;
     enum neph_outcome outcome;
     const char *reason;   /* "" of a rendered frame */
-    const char *note;     /* what it lacks of what was asked for, or "" */
+    const char *note;     /* what it lacks of what was asked for or claims no physics in, or "" */
+    bool is_look;         /* it claims no physics: its engine, or by its settings */
     const char *settings; /* canonical */
     bool reused;          /* taken from the store */
     struct neph_cost cost;

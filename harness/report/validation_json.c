@@ -25,7 +25,7 @@ static json_t *frame_json(const struct neph_frame_result *frame)
         frame->differences[NEPH_SHOWN_RADIANCE], "transmittance",
         frame->differences[NEPH_SHOWN_TRANSMITTANCE], "measurements",
         neph_measurements_json(&frame->measurements), "study",
-        frame->study ? neph_study_json(frame->study) : json_null(), "look", engine->look, "bake",
+        frame->study ? neph_study_json(frame->study) : json_null(), "look", frame->is_look, "bake",
         frame->bakes ? neph_bakes_summary_json(frame->bakes) : json_null());
 }
 

@@ -62,6 +62,8 @@ static void print_frame(const struct neph_scene_result *scene,
         print_bakes(frame->bakes);
     if (frame->study)
         print_study(frame->study);
+    if (frame->is_look && frame->note[0])
+        printf("%38s %s\n", "", frame->note);
 }
 
 void neph_validation_print(const struct neph_validation *validation)

@@ -2,6 +2,7 @@
 #include "harness/study/light_models.h"
 
 #include "harness/engines/engines.h"
+#include "harness/engines/look.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,22 +78,9 @@ enum neph_status neph_light_model_parse(const char *words, int steps,
 
 /* ---- what stands for what -------------------------------------------------------------------- */
 
-/* The engine that marches with a lighting, or NULL. */
-static const struct neph_engine *engine_of(const char *lighting)
-{
-    char name[96];
-    snprintf(name, sizeof(name), "march_%s", lighting);
-    return neph_engine_find(name);
-}
-
 bool neph_light_model_is_look(const struct neph_light_model *model)
 {
-    const int index = neph_option_find(model->engine->options, "lighting");
-    if (index < 0)
-        return model->engine->look;
-    const int choice = (int)model->settings.values[index];
-    const struct neph_engine *like = engine_of(model->engine->options[index].choices[choice]);
-    return model->engine->look || (like && like->look);
+    return neph_is_look(model->engine, &model->settings);
 }
 
 /* ---- all of them ----------------------------------------------------------------------------- */
@@ -119,7 +107,7 @@ static void list_lightings(const struct neph_engine *engine, int *count, FILE *o
         return;
     const struct neph_option *option = &engine->options[index];
     for (int i = 1; option->choices && option->choices[i - 1] && option->choices[i]; i++)
-        if (!engine_of(option->choices[i]) && has_room(count))
+        if (!neph_engine_lit_like(option->choices[i]) && has_room(count))
             fprintf(out, "%s%s+lighting=%s", *count > 1 ? "," : "", engine->name,
                     option->choices[i]);
 }

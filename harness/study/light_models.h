@@ -26,7 +26,7 @@ struct neph_light_model {
 enum neph_status neph_light_model_parse(const char *words, int steps,
                                         struct neph_light_model *model, struct neph_diag *diag);
 
-/* Whether it claims no physics: its engine is a look, or has the lighting of one (march_CHOICE). */
+/* Whether it claims no physics (harness/engines/look.h). */
 bool neph_light_model_is_look(const struct neph_light_model *model);
 
 /* All that engines offer, as "A,B", NEPH_LIGHT_MODELS_MAX at most: every engine of the model rung

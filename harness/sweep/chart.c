@@ -2,6 +2,7 @@
 #include "harness/sweep/chart.h"
 
 #include "base/files.h"
+#include "harness/engines/look.h"
 #include "harness/report/vega.h"
 #include "harness/sweep/front.h"
 #include "harness/sweep/labels.h"
@@ -109,14 +110,17 @@ static double place_in(struct range range, double value)
 
 /* --- data ----------------------------------------------------------------------------------- */
 
-static const char *family_of(const struct neph_engine *engine)
+static const char *family_of(const struct neph_sweep_point *point)
 {
+    const struct neph_engine *engine = point->job.engine;
     static const struct {
         const char *engine, *family;
     } families[] = {{"realtime", "realtime"},
                     {"tracer", "tracer"},
                     {"cycles", "Cycles"},
                     {"povray", "POV-Ray"}};
+    if (neph_look_of_fog(engine, &point->job.shot.settings))
+        return "look of a fog";
     for (size_t i = 0; i < sizeof(families) / sizeof(families[0]); i++)
         if (strcmp(engine->name, families[i].engine) == 0)
             return families[i].family;
@@ -133,13 +137,12 @@ static json_t *mark_json(const struct neph_sweep *sweep, const struct mark *mark
                          struct range y)
 {
     char *command = neph_sweep_command(sweep, mark->point);
-    json_t *json = json_pack("{s:s, s:s, s:s, s:i, s:f, s:o, s:o, s:f, s:o, s:o, s:s}", "series",
-                             mark->point->series->name, "label", mark->point->label, "family",
-                             family_of(mark->point->job.engine), "place", mark->point->place, "x",
-                             mark->x.value, "x_low", end_json(mark->x.low, x), "x_high",
-                             end_json(mark->x.high, x), "y", mark->y.value, "y_low",
-                             end_json(mark->y.low, y), "y_high", end_json(mark->y.high, y),
-                             "command", command ? command : "");
+    json_t *json = json_pack(
+        "{s:s, s:s, s:s, s:i, s:f, s:o, s:o, s:f, s:o, s:o, s:s}", "series",
+        mark->point->series->name, "label", mark->point->label, "family", family_of(mark->point),
+        "place", mark->point->place, "x", mark->x.value, "x_low", end_json(mark->x.low, x),
+        "x_high", end_json(mark->x.high, x), "y", mark->y.value, "y_low", end_json(mark->y.low, y),
+        "y_high", end_json(mark->y.high, y), "command", command ? command : "");
     free(command);
     return json;
 }
@@ -331,10 +334,10 @@ static json_t *families_json(const struct mark *marks, int count)
 {
     json_t *list = json_array();
     for (int i = 0; i < count; i++) {
-        const char *family = family_of(marks[i].point->job.engine);
+        const char *family = family_of(marks[i].point);
         bool is_new = true;
         for (int k = 0; k < i && is_new; k++)
-            is_new = strcmp(family_of(marks[k].point->job.engine), family) != 0;
+            is_new = strcmp(family_of(marks[k].point), family) != 0;
         if (is_new)
             neph_json_add(&list, json_string(family));
     }

@@ -3,6 +3,7 @@
 
 #include "base/threads.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/look.h"
 #include "harness/sweep/equal.h"
 
 #include <math.h>
@@ -96,7 +97,9 @@ static void print_point(const struct neph_sweep_point *point, FILE *out)
     print_number(point->evaluations, 1.0, false, out);
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         print_number(point->numbers[n].value, 1.0, point->on_front[n], out);
-    fprintf(out, "%s\n", point->at_floor ? "  error within twice the noise of the truth" : "");
+    const char *look = neph_look_of_fog(point->job.engine, &point->job.shot.settings);
+    fprintf(out, "%s%s%s\n", point->at_floor ? "  error within twice the noise of the truth" : "",
+            look ? "  " : "", look ? look : "");
 }
 
 /* On one's front, by their cost: time where there is one, else work. */
@@ -172,12 +175,13 @@ static json_t *point_json(const struct neph_sweep *sweep, const struct neph_swee
 {
     char *command = neph_sweep_command(sweep, point);
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:s, s:i, s:s, s:o, s:o, s:o, s:i, s:o, s:b}", "series",
+        "{s:s, s:s, s:s, s:s, s:i, s:s, s:o, s:o, s:o, s:i, s:o, s:b, s:b}", "series",
         point->series->name, "label", point->label, "engine", point->job.engine->name, "version",
         point->job.info->version, "place", point->place, "settings", point->settings, "seconds",
         neph_json_number(point->time.median), "seconds_low", neph_json_number(point->time.low),
         "seconds_high", neph_json_number(point->time.high), "pictures", point->timed, "evaluations",
-        neph_json_number(point->evaluations), "at_floor", point->at_floor);
+        neph_json_number(point->evaluations), "at_floor", point->at_floor, "look",
+        neph_is_look(point->job.engine, &point->job.shot.settings));
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         neph_json_set(&json, neph_sweep_number_texts[n].name,
                       value_json(point, (enum neph_sweep_number)n));

@@ -411,7 +411,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                               "depth up to which slices are about even; they grow with depth from "
                               "there on [m]"),
     [RT_FROXEL_END_M] = REAL("froxel_end_m", 64, 0.1, 1e5,
-                             "depth at which froxels end and the march begins [m]"),
+                             "depth at which froxels end and the march begins [m]; with fog=unreal "
+                             "that is the scene's fog_look.volumetric_fog_distance_m, if it has "
+                             "one: nearer fog is a medium of froxels, its look begins behind them"),
     [RT_FROXEL_JITTER] = CHOICE("froxel_jitter", 1, switches,
                                 "froxels are looked at in another place in each picture; off: in "
                                 "the middle"),

@@ -7,6 +7,7 @@
 #include "renderer/march_scene.h"
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/injection.h"
+#include "renderer/realtime/kept_scene.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/stillness.h"
@@ -44,6 +45,7 @@ struct neph_realtime {
     struct neph_rt_moment past;
     struct neph_rt_suns suns;
     struct neph_rt_stillness stillness;
+    struct neph_rt_kept_scene kept;
     bool has_mirrored_past; /* of the camera that is mirrored (inject.mirror) */
     struct neph_rt_moment mirrored_past;
     uint64_t injected_values;  /* since the last picture */
@@ -96,6 +98,30 @@ static uint32_t known_solids(const struct neph_gpu_scene *scene)
     return count < RT_SOLIDS_UNKNOWN ? count : RT_SOLIDS_UNKNOWN;
 }
 
+/* The light of froxels has its own eyes for a fog that is handed over to them: a medium there. */
+static bool is_of_froxels(const struct neph_rt_pass *pass)
+{
+    return pass->resolution == RT_FROXEL;
+}
+
+static const struct neph_gpu_scene *seen_by(const struct neph_realtime *realtime,
+                                            const struct neph_rt_pass *pass)
+{
+    const struct neph_march_scene *scene = &realtime->scene;
+    return is_of_froxels(pass) ? neph_froxel_scene_of(&scene->froxels, &scene->gpu) : &scene->gpu;
+}
+
+static struct neph_march_params march_of(const struct neph_realtime *realtime,
+                                         const struct neph_rt_pass *pass)
+{
+    struct neph_march_params march = realtime->march;
+    if (is_of_froxels(pass) && march.fog.is_handed_over)
+        march.fog.is_look = false;
+    if (pass->rays != NEPH_RT_RAYS_THROUGH_MEDIA)
+        march.steps = 1;
+    return march;
+}
+
 static enum neph_status add_ray_pass(struct neph_realtime *realtime,
                                      const struct neph_rt_pass *pass, bool counts,
                                      struct neph_rt_submission *submission, double *gpu_s,
@@ -105,6 +131,8 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     struct neph_kernel_params params = {
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
+        .texels_first = NEPH_GPU_VALUES_BUFFER,
+        .texels_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
     };
     struct ray_pass work = {
@@ -113,11 +141,15 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
         .is_cut = !neph_march_cut_is_whole(cut),
         .gpu_s = gpu_s,
     };
-    neph_march_scene_bind(&realtime->scene, &work.dispatch);
+    if (is_of_froxels(pass))
+        neph_march_scene_bind_froxels(&realtime->scene, &work.dispatch);
+    else
+        neph_march_scene_bind(&realtime->scene, &work.dispatch);
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &realtime->states;
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &realtime->counters;
     neph_rt_device_bind(&realtime->device, pass, NEPH_MARCH_BUFFERS, &params, &work.dispatch);
-    neph_march_constants(&realtime->scene.gpu, &realtime->march, params.constants);
+    const struct neph_march_params march = march_of(realtime, pass);
+    neph_march_constants(seen_by(realtime, pass), &march, params.constants);
     params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
     params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene.gpu);
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
@@ -147,6 +179,24 @@ static bool can_upsample(const struct neph_scene *scene, const struct neph_setti
     snprintf(reason, reason_size,
              "a picture of fewer pixels within larger buffers (inject.view): screen_percent=100");
     return false;
+}
+
+/* Unreal's view distance of its volumetric fog: where froxels have the fog up to there. */
+static bool is_handed_over(const struct neph_scene *scene, const struct neph_settings *settings)
+{
+    const struct neph_march_fog fog = neph_fog_for_march((int)settings->values[RT_FOG]);
+    return fog.is_look && fog.model == NEPH_FOG_UNREAL &&
+           settings->values[RT_FROXEL_VOLUME] != 0.0 &&
+           settings->values[RT_SPLIT] != RT_SPLIT_NONE &&
+           scene->fog_look.volumetric_fog_distance_m > 0.0;
+}
+
+/* A fog that is a medium, too: in froxels. */
+static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march_veils veils,
+                               enum neph_march_lighting lighting, char *reason, size_t reason_size)
+{
+    veils.fog.is_look = false;
+    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size);
 }
 
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
@@ -184,7 +234,9 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  "this lighting in froxels, which know single and octaves: froxels=off");
         return false;
     }
-    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size);
+    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size) &&
+           (!is_handed_over(scene, settings) ||
+            can_march_near_fog(scene, veils, lighting, reason, reason_size));
 }
 
 /* --- making -------------------------------------------------------------------------------- */
@@ -263,12 +315,10 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i].name && !status; i++) {
         const struct neph_rt_pass *pass = &neph_rt_passes[i];
-        struct neph_march_params march = realtime->march;
+        const struct neph_march_params march = march_of(realtime, pass);
         if (!pass->rays || !neph_rt_holds(view, pass->condition))
             continue;
-        if (pass->rays != NEPH_RT_RAYS_THROUGH_MEDIA)
-            march.steps = 1;
-        status = neph_march_cut_make(realtime->vulkan, scene, &realtime->scene.gpu, &march,
+        status = neph_march_cut_make(realtime->vulkan, scene, seen_by(realtime, pass), &march,
                                      neph_rt_thread_count(view, pass, on_gpu), &realtime->cuts[i],
                                      diag);
         if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays_max > most_rays)
@@ -278,6 +328,14 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
                   : neph_buffer_create(realtime->vulkan, NEPH_BUFFER_DEVICE,
                                        most_rays * NEPH_MARCH_STATE_BYTES, "march states",
                                        &realtime->states, diag);
+}
+
+/* What the scene and the settings say together. */
+static void set_hand_over(const struct neph_realtime *realtime, const struct neph_scene *scene,
+                          struct neph_gpu_view *view)
+{
+    if (realtime->march.fog.is_handed_over)
+        view->settings[RT_FROXEL_END_M] = (float)scene->fog_look.volumetric_fog_distance_m;
 }
 
 /* What the settings say where it pays alone. */
@@ -328,6 +386,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
     choose(realtime, scene, &view);
+    set_hand_over(realtime, scene, &view);
     if (scene->light_count == 0)
         view.settings[RT_LAMP_PEAKS] = 0.0f;
     enum neph_status status = create_rays(realtime, scene, &view, diag);
@@ -350,6 +409,7 @@ static void destroy_sized(struct neph_realtime *realtime)
 {
     neph_march_destroy(realtime->whole);
     realtime->whole = NULL;
+    neph_rt_kept_scene_destroy(realtime->vulkan, &realtime->kept);
     neph_rt_device_destroy(&realtime->device);
     neph_buffer_destroy(realtime->vulkan, &realtime->states);
 }
@@ -391,8 +451,9 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
                                       const struct neph_realtime_params *params,
                                       struct neph_realtime **realtime, struct neph_diag *diag)
 {
-    const struct neph_march_params march = march_params(params);
+    struct neph_march_params march = march_params(params);
     char reason[256];
+    march.fog.is_handed_over = is_handed_over(scene, params->settings);
     enum neph_status status = neph_march_check(scene, &march, diag);
     if (status)
         return status;
@@ -788,19 +849,22 @@ static bool sees_scene_alone(const struct neph_realtime *realtime,
            !realtime->observer && injected == 0;
 }
 
-/* Whether the gradient need not look (steady). */
+/* Whether the gradient need not look (steady), and what of the scene is known as it is. */
 static enum neph_status set_steady(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame, bool is_mirrored,
-                                   const struct neph_scene *still, struct neph_diag *diag)
+                                   const struct neph_scene *still, uint32_t *given,
+                                   struct neph_diag *diag)
 {
     struct neph_gpu_view *view = realtime->device.view;
-    const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) &&
-                       !is_mirrored && sees_scene_alone(realtime, frame);
+    const bool is_alone = !is_mirrored && sees_scene_alone(realtime, frame);
+    const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) && is_alone;
     view->settings[RT_STEADY] = (float)choice_of(realtime, RT_STEADY);
     if (view->settings[RT_GRADIENT] == 0.0f || choice_of(realtime, RT_STEADY) == RT_STEADY_UNASKED)
         return NEPH_OK;
-    const enum neph_status status = neph_rt_stillness_keep(&realtime->stillness, still, rests,
-                                                           diag);
+    enum neph_status status = neph_rt_stillness_keep(&realtime->stillness, still, rests, diag);
+    if (!status)
+        status = neph_rt_kept_scene_take(&realtime->kept, &realtime->device, realtime->frame_count,
+                                         realtime->stillness.pictures, is_alone, given, diag);
     if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
         view->settings[RT_STEADY] = RT_STEADY_KNOWN;
     return status;
@@ -833,7 +897,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
     set_suns(realtime, frame);
-    status = set_steady(realtime, frame, is_mirrored, still, diag);
+    status = set_steady(realtime, frame, is_mirrored, still, &made.given, diag);
     made.moment = march_moment(view, &now);
     neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
     neph_rt_device_show(&realtime->device);

@@ -53,6 +53,7 @@ struct FogLook {
     float end_m; // where it ends, over ground; FAR_M and more: nowhere
     float cutoff_m; // FAR_M and more: nowhere
     float observer_drop_m; // >= 0: so far below the camera
+    float hand_over_m; // nearer by depth froxels have it (march_veil.glsl); 0: nowhere
     uint layer_count;
     uint model;
 };

@@ -31,9 +31,19 @@ Veil veil_before(Veil near, Veil far)
     return Veil(near.light + near.through * far.light, near.through * far.through);
 }
 
+// Where froxels have the fog, as a medium, its look begins on the plane on which they end.
+FogLook fog_behind_froxels(vec3 direction)
+{
+    FogLook look = frame.fog_look;
+    float slope = 1.0 / max(dot(direction, frame.camera_forward), UPRIGHT);
+    look.start_m = max(look.start_m, look.hand_over_m * slope);
+    return look;
+}
+
 Veil fog_veil(vec3 direction, float distance_m)
 {
-    FogLookLight fog = fog_look_along(frame.fog_look, direction, distance_m, to_sun());
+    FogLookLight fog = fog_look_along(fog_behind_froxels(direction), direction, distance_m,
+                                      to_sun());
     return Veil(fog.volume, vec3(fog.through));
 }
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Light that the media scatter towards the camera in each froxel, per metre, and their extinction:
-// sun with the shadows of solids and media, lamps. A froxel is looked at in one place, that of the
-// picture's jitter within it (but for what its ray has in closed form: optical depth, and 1/d^2 of
-// lamps), and mixed with what the same place of the world was in the picture
+// sun with the shadows of solids and media, lamps, their own glow. A froxel is looked at in one
+// place, that of the picture's jitter within it (but for what its ray has in closed form: optical
+// depth, and 1/d^2 of lamps), and mixed with what the same place of the world was in the picture
 // before. Where the surface that its place of the picture shows lies within the slice, it looks
 // before that: behind is another room.
 #extension GL_GOOGLE_include_directive : require
@@ -63,6 +63,8 @@ vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach,
     vec3 light = vec3(0.0);
     if (own(frame.scatters) != 0)
         light = source_function(mixture, point_m) * extinction_per_m;
+    if (own(frame.emits) != 0)
+        light += mixture.glow * extinction_per_m;
     if (LAMPS && own(frame.scatters_lamps) != 0) {
         vec3 depth = vec3(extinction_per_m * reach.length_m);
         light += lamps_light(mixture, ray, reach.inside.t0_m,

@@ -11,6 +11,7 @@
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
 #include "scenes/fog_translation.h"
+#include "truth/fog_look.h"
 #include "truth/transport.h"
 
 enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
@@ -148,11 +149,13 @@ static struct neph_scene *load(const char *name)
     return scene;
 }
 
+/* Near fog included, which a march leaves to nobody. */
 static struct neph_image *look_at(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                   enum neph_fog_model model)
 {
-    const struct neph_fog_look_params params = {
+    struct neph_fog_look_params params = {
         .width_px = WIDTH, .height_px = HEIGHT, .look = scene->fog_look, .model = model};
+    params.look.volumetric_fog_distance_m = 0.0;
     struct neph_fog_looks *looks = NULL;
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
@@ -249,6 +252,101 @@ static void test_realtime_has_the_same_fog(void **state)
         neph_image_destroy(image);
         neph_image_destroy(marched);
     }
+}
+
+/* ---- near fog by froxels --------------------------------------------------------------------- */
+
+static const char *const handed_over[] = {"split=four",
+                                          "ray_dither=none",
+                                          "upscale_dither=none",
+                                          "fog=unreal",
+                                          "steps=64",
+                                          "froxels=on",
+                                          "froxel_px=1",
+                                          "froxel_slices=128",
+                                          "froxel_history=0",
+                                          "froxel_jitter=off",
+                                          "froxel_end_m=1",
+                                          "color_format=float",
+                                          "depth_format=float",
+                                          NULL};
+
+/* A glow is the same by physics and by its look, wherever the one ends and the other begins, on
+ * this side of all that is seen and beyond it. Clouds are all in froxels, and come with the errors
+ * of these. */
+static void test_a_glow_is_handed_over_anywhere(void **state)
+{
+    static const struct {
+        double handed_m;
+        bool is_clear;
+    } cases[] = {{60.0, true}, {300.0, false}, {15.0, true}, {300.0, true}};
+    struct test_scene test;
+    set_stage(&test);
+    const int clouds = test.scene.medium_count;
+    for (int n = 0; n < neph_test_by_day(2, 4); n++) {
+        test.scene.medium_count = cases[n].is_clear ? 1 : clouds;
+        test.scene.fog_look.volumetric_fog_distance_m = cases[n].handed_m;
+        const struct neph_march_params params = params_of(1);
+        struct neph_image *whole = render(*state, &test.scene, &params),
+                          *image = render_realtime(*state, &test.scene, handed_over);
+        const double off = channel_distance(image, whole, "G");
+        print_message("handed over at %g m, %s: off by %.2g\n", cases[n].handed_m,
+                      cases[n].is_clear ? "fog alone" : "with clouds", off);
+        assert_true(off < (cases[n].is_clear ? 1e-5 : 2e-3));
+        neph_image_destroy(image);
+        neph_image_destroy(whole);
+    }
+}
+
+/* What both models of the fog make of a ray, one before the other, in double. */
+static double handed_over_ray(const struct neph_scene *scene, const struct neph_pixel_ray *ray,
+                              double handed_m)
+{
+    const struct neph_ray_light whole = neph_transport_ray(scene, ray->origin_m, ray->direction);
+    const double behind = (whole.radiance.g - whole.volume.g) / whole.transmittance.g;
+    struct neph_fog_look look = scene->fog_look;
+    if (whole.hit_m <= handed_m)
+        return whole.radiance.g;
+    const struct neph_ray_light far = neph_transport_ray(
+        scene, neph_vec3_along(ray->origin_m, ray->direction, handed_m), ray->direction);
+    const double through = whole.transmittance.g / far.transmittance.g;
+    look.volumetric_fog_distance_m = handed_m;
+    const struct neph_fog_look_light beyond = neph_fog_look_ray(
+        scene, &look, NEPH_FOG_UNREAL, ray->origin_m, ray->direction, whole.hit_m);
+    return whole.volume.g - through * far.volume.g +
+           through * (beyond.volume.g + beyond.transmittance * behind);
+}
+
+/* A fog in the sun, of a look that is not its own: physics up to the plane, the look from there on,
+ * and nothing missing or twice between them. */
+static void test_near_fog_is_physics(void **state)
+{
+    static const double handed_m = 60.0;
+    struct test_scene test;
+    set_stage(&test);
+    test.scene.medium_count = 1;
+    test.scene.media[0].albedo = make_grey(0.9);
+    test.scene.scattering = NEPH_SCATTERING_SINGLE;
+    test.scene.fog_look.volumetric_fog_distance_m = handed_m;
+    test.scene.fog_look.max_opacity = 0.7;
+    const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
+    struct neph_image *image = render_realtime(*state, &test.scene, handed_over);
+    float expected[PIXELS];
+    for (int i = 0; i < PIXELS; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                          i / WIDTH);
+        const double slope = 1.0 / neph_vec3_dot(ray.direction, camera.forward);
+        expected[i] = (float)handed_over_ray(&test.scene, &ray, handed_m * slope);
+    }
+    const double off = distance(neph_image_channel(image, "G"), expected);
+    const struct neph_march_params params = params_of(1);
+    struct neph_image *looked = render(*state, &test.scene, &params);
+    const double look_off = distance(neph_image_channel(looked, "G"), expected);
+    print_message("near fog by physics: off by %.2g; by its look: by %.2g\n", off, look_off);
+    assert_true(off < 1e-5);
+    assert_true(look_off > 0.05);
+    neph_image_destroy(looked);
+    neph_image_destroy(image);
 }
 
 /* ---- with the air of a planet ---------------------------------------------------------------- */
@@ -352,6 +450,8 @@ int main(void)
         cmocka_unit_test(test_any_order_of_layers_is_the_same),
         cmocka_unit_test(test_without_clouds_it_is_the_look),
         cmocka_unit_test(test_realtime_has_the_same_fog),
+        cmocka_unit_test(test_a_glow_is_handed_over_anywhere),
+        cmocka_unit_test(test_near_fog_is_physics),
         cmocka_unit_test(test_fog_before_the_sky),
         cmocka_unit_test(test_says_what_it_cannot),
     };
