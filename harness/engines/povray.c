@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `povray`: POV-Ray 3.7 as a witness of single scattering. Light adds up, so a frame is put
+ * Engine `povray`: POV-Ray 3.7 as a witness of single scattering, and of light between solids by
+ * radiosity. Light adds up, so a frame is put
  * together from monochrome pictures that POV-Ray renders one after the other:
  *
  *   volume = sum over the phase functions of the scene of what their media scatter
@@ -1044,15 +1045,15 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
 
 const struct neph_engine neph_engine_povray = {
     .name = "povray",
-    .summary = "POV-Ray 3.7 media, single scattering",
+    .summary = "POV-Ray 3.7 media, single scattering; between solids all of it, by radiosity",
     .rung = NEPH_RUNG_WITNESS,
     .typical_s = 12.0,
     .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
             "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value "
             "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
-            "to voxels",
+            "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/surfaces.md",
     .options = options,
-    .version = 2,
+    .version = 3,
     /* At most 256 intervals: POV-Ray ends with an error beyond. */
     .step = {.option = "intervals", .coarsest = 25, .refine = 2, .level_count = 4, .order = 2},
     .probe = probe,
