@@ -387,7 +387,7 @@ static void test_a_window_is_met_to_the_pixel(void **state)
     }
 }
 
-/* What keeps a GPU's clock up before a chain is timed leaves the picture and the eye as they are. */
+/* What keeps a GPU's clock up before a chain is timed leaves picture and eye as they are. */
 static void test_heat_changes_nothing(void **state)
 {
     float *rgb[3], *made[2][3];
