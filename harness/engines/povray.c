@@ -67,7 +67,7 @@ static const struct neph_option options[] = {
      .help = "POV-Ray's measure of how different the light may be that places share"},
     {.name = "photons",
      .kind = NEPH_OPTION_INTEGER,
-     .default_value = 200000,
+     .default_value = 1000000,
      .minimum = 1000,
      .maximum = 10000000,
      .help = "sunlight that a mirror throws on others: so many, whose light is spread around"},
@@ -221,9 +221,13 @@ struct session {
     struct neph_cost cost;
 };
 
-static int thread_count(void)
+/* Which places radiosity finds first, and so whose light is shared, depends on the order of threads.
+ */
+static int thread_count(const struct neph_scene *scene)
 {
     int count = neph_processor_count();
+    if (wants_radiosity(scene))
+        return 1;
     return count < THREADS_MAX ? count : THREADS_MAX;
 }
 
@@ -266,7 +270,6 @@ static const char ini_text[] =
     "Bounding=on\nBounding_Method=1\nBounding_Threshold=3\n"
     "Remove_Bounds=on\nSplit_Unions=off\n"
     "Output_to_File=on\nOutput_Alpha=off\nContinue_Trace=off\n"
-    "High_Reproducibility=on\n"
     "Clock=0\nInitial_Frame=1\nFinal_Frame=1\nField_Render=off\n";
 
 static enum neph_status write_ini(const char *directory, struct neph_diag *diag)
@@ -976,7 +979,7 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
 static enum neph_status start(const struct neph_shot *shot, const char *directory,
                               struct session *session, struct neph_diag *diag)
 {
-    *session = (struct session){.shot = *shot, .threads = thread_count()};
+    *session = (struct session){.shot = *shot, .threads = thread_count(shot->scene)};
     session->pixel_count = (size_t)shot->width_px * (size_t)shot->height_px;
     char reason[256] = "";
     if (!can_render(shot->scene, &shot->settings, reason, sizeof(reason)))
