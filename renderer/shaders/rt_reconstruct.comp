@@ -471,9 +471,21 @@ void put_result(ivec2 half_pixel, vec4 value, float age, float distance_m)
     put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(RT_DEPTH_FORMAT, distance_m), 0.0, 0.0));
 }
 
+// That of a tile which has a ray in this frame. Where nothing changes the others stay as they are,
+// in their place (renderer/realtime/unread.h).
+bool own_fresh_texel(out ivec2 half_pixel)
+{
+    ivec2 tile;
+    bool is_left = own_element(tile_count(), tile);
+    half_pixel = ray_half_pixel(tile);
+    return is_left;
+}
+
 // The texel of this thread; false when there is none left.
 bool own_texel(out ivec2 half_pixel)
 {
+    if (is_unread())
+        return own_fresh_texel(half_pixel);
     if (!ON_GPU)
         return own_element(half_size(), half_pixel);
     ivec2 block = own_block(half_size(), BLOCK);
@@ -501,8 +513,9 @@ void main()
     is_at_rest = history_rests();
     if (!shares_rays())
         load_rays(tile);
-    if (is_unchanged() && half_pixel - 2 * tile == kept_place())
-        put_half(RT_KEPT_RAY, half_pixel, kept(ray_at(0).value));
+    ivec2 kept_pixel = 2 * tile + kept_place();
+    if (is_unchanged() && (is_unread() || half_pixel == kept_pixel))
+        put_half(RT_KEPT_RAY, kept_pixel, kept(ray_at(0).value));
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
     float own_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(depth_m)
                   : is_sky(depth_m)                 ? setting(RT_SKY_M)
