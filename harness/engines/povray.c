@@ -155,6 +155,8 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     struct neph_povray_world world;
     if (neph_metal_obstacle(scene))
         cannot = neph_metal_obstacle(scene);
+    else if (neph_scene_is_endless(scene))
+        cannot = neph_endless_reason;
     else if (has_noise(scene))
         cannot = "a texture of noise on solids";
     else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))

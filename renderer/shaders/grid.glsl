@@ -2,6 +2,8 @@
 //
 // A voxel grid, trilinear by hand: samplers interpolate with 8-bit weights on some devices. The
 // lattice comes with a layer of zeros on every side, so that no lookup has to test for the border.
+// Along an axis without end that layer is the lattice's other side: cells 1 to `period` of it are
+// one period, and any other is one of these.
 // `grid_values[]` is declared by the shader that includes this file.
 #ifndef NEPH_GRID_GLSL
 #define NEPH_GRID_GLSL
@@ -16,7 +18,32 @@ struct Grid {
     uvec3 size; // nodes, the layer of zeros included; each side >= 3
     float padding;
     vec3 texel; // 1 / size: a node's share of a texture
+    vec3 period; // nodes after which it repeats without end; 0: it ends
 };
+
+const bool ENDLESS = (TRAITS & NEPH_GPU_ENDLESS) != 0u; // some grid is, along some axis
+const float CELLS_AWAY = 1e9; // more than there are
+
+// A place in the lattice, or a cell of it, where its values are kept.
+vec3 grid_wrapped(Grid grid, vec3 at)
+{
+    if (!ENDLESS)
+        return at;
+    return mix(at, 1.0 + mod(at - 1.0, grid.period), greaterThan(grid.period, vec3(0.0)));
+}
+
+// The first and the last cell of a lattice of so many.
+vec3 first_cell(Grid grid)
+{
+    return ENDLESS ? mix(vec3(0.0), vec3(-CELLS_AWAY), greaterThan(grid.period, vec3(0.0)))
+                   : vec3(0.0);
+}
+
+vec3 last_cell(Grid grid)
+{
+    vec3 last = vec3(grid.size - 1) - 1.0;
+    return ENDLESS ? mix(last, vec3(CELLS_AWAY), greaterThan(grid.period, vec3(0.0))) : last;
+}
 
 // The eight nodes of a cell: those at its lower z face and those at its upper one, x fastest.
 struct Cell {
@@ -46,7 +73,8 @@ float cell_density(Cell cell, vec3 at)
 // beside an empty node a density below zero.
 float grid_density(Grid grid, vec3 point_m)
 {
-    precise vec3 at = (point_m - grid.origin_m) * grid.nodes_per_m;
+    precise vec3 unwrapped = (point_m - grid.origin_m) * grid.nodes_per_m;
+    precise vec3 at = grid_wrapped(grid, unwrapped);
     vec3 last = vec3(grid.size - 1);
     if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, last)))
         return 0.0;
@@ -62,18 +90,19 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
     const float gauss = 0.288675134594813; // 1 / sqrt(12)
     vec3 slope = direction * grid.nodes_per_m; // nodes per metre of the ray
     vec3 start = (origin_m - grid.origin_m) * grid.nodes_per_m;
-    vec3 last = vec3(grid.size - 1);
+    vec3 first = first_cell(grid), last = last_cell(grid);
     bvec3 falls = lessThan(slope, vec3(0.0));
     bvec3 level = lessThan(abs(slope), vec3(1e-20));
-    vec3 entry = clamp(start + t0_m * slope, vec3(0.0), last);
+    vec3 entry = clamp(start + t0_m * slope, first, last + 1.0);
     // A start on a face belongs to the cell that the ray goes on into.
-    vec3 cell = clamp(mix(floor(entry), ceil(entry) - 1.0, falls), vec3(0.0), last - 1.0);
+    vec3 cell = clamp(mix(floor(entry), ceil(entry) - 1.0, falls), first, last);
     vec3 forward = mix(vec3(1.0), vec3(-1.0), falls);
     vec3 per_node_m = 1.0 / mix(slope, vec3(1.0), level);
 
     Sum sum = sum_zero();
     float t_m = t0_m;
-    while (t_m < t1_m) {
+    uint cells = 0u;
+    while (t_m < t1_m && (!ENDLESS || cells++ < NEPH_GPU_ENDLESS_CELLS)) {
         // Faces from the cell, not by adding up: rounding does not gather along the ray.
         vec3 face = cell + mix(vec3(1.0), vec3(0.0), falls);
         vec3 next_m = mix((face - start) * per_node_m, vec3(FAR_M), level);
@@ -81,7 +110,7 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
         float end_m = min(exit_m, t1_m);
         if (end_m > t_m) {
             float middle_m = 0.5 * (t_m + end_m), offset_m = gauss * (end_m - t_m);
-            Cell nodes = grid_cell(grid, uvec3(cell));
+            Cell nodes = grid_cell(grid, uvec3(grid_wrapped(grid, cell)));
             vec3 a = clamp(start + (middle_m - offset_m) * slope - cell, vec3(0.0), vec3(1.0));
             vec3 b = clamp(start + (middle_m + offset_m) * slope - cell, vec3(0.0), vec3(1.0));
             sum_add(sum, vec4(0.5 * (end_m - t_m) *
@@ -90,7 +119,7 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
         }
         bvec3 leaves = lessThanEqual(next_m, vec3(exit_m));
         cell += mix(vec3(0.0), forward, leaves);
-        if (any(lessThan(cell, vec3(0.0))) || any(greaterThan(cell, last - 1.0)))
+        if (any(lessThan(cell, first)) || any(greaterThan(cell, last)))
             break;
     }
     return sum.value.x;
@@ -126,22 +155,23 @@ float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, flo
     const float gauss = 0.288675134594813; // 1 / sqrt(12)
     vec3 slope = direction * grid.nodes_per_m;
     vec3 start = (origin_m - grid.origin_m) * grid.nodes_per_m;
-    vec3 last = vec3(grid.size - 2);
+    vec3 first = first_cell(grid), last = last_cell(grid);
     vec3 side = vec3(greaterThanEqual(slope, vec3(0.0)));
     bvec3 level = lessThan(abs(slope), vec3(1e-20));
     vec3 per_slope = mix(1.0 / slope, vec3(0.0), level);
-    vec3 cell = clamp(floor(start + t0_m * slope), vec3(0.0), last), corner = cell;
+    vec3 cell = clamp(floor(start + t0_m * slope), first, last), corner = cell;
     float t_m = t0_m, end_m = t0_m, sum = 0.0, term = 0.0;
     Cell nodes = Cell(vec4(0.0), vec4(0.0));
-    while (end_m < t1_m && sum + term < target && all(greaterThanEqual(cell, vec3(0.0))) &&
-           all(lessThanEqual(cell, last))) {
+    uint cells = 0u;
+    while (end_m < t1_m && sum + term < target && all(greaterThanEqual(cell, first)) &&
+           all(lessThanEqual(cell, last)) && (!ENDLESS || cells++ < NEPH_GPU_ENDLESS_CELLS)) {
         sum += term;
         t_m = end_m;
         vec3 faces_m = mix((cell + side - start) * per_slope, vec3(FAR_M), level);
         float exit_m = min(faces_m.x, min(faces_m.y, faces_m.z));
         end_m = max(t_m, min(exit_m, t1_m));
         corner = cell;
-        nodes = grid_cell(grid, uvec3(cell));
+        nodes = grid_cell(grid, uvec3(grid_wrapped(grid, cell)));
         float middle_m = 0.5 * (t_m + end_m), offset_m = gauss * (end_m - t_m);
         vec3 a = clamp(start + (middle_m - offset_m) * slope - cell, vec3(0.0), vec3(1.0));
         vec3 b = clamp(start + (middle_m + offset_m) * slope - cell, vec3(0.0), vec3(1.0));
@@ -166,7 +196,7 @@ float grid_random_node(Grid grid, vec3 point_m, uvec2 bits)
     // 21 bits for each axis.
     uvec3 thirds = uvec3(bits >> 11, (bits.x & 0x7ffu) << 10 | bits.y & 0x3ffu);
     vec3 u = vec3(thirds) * exp2(-21.0);
-    vec3 at = clamp((point_m - grid.origin_m) * grid.nodes_per_m, vec3(0.0),
+    vec3 at = clamp(grid_wrapped(grid, (point_m - grid.origin_m) * grid.nodes_per_m), vec3(0.0),
                     vec3(grid.size - 1) * 0.9999999);
     uvec3 node = min(uvec3(at + u), grid.size - 1); // the sum may round up
     return grid_values[grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z)];

@@ -17,12 +17,13 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 };
 
 #include "fog.glsl"
+#include "solids.glsl" // TRAITS, for all
+
 #include "gaussian.glsl"
 #include "grid.glsl"
 #include "horizon.glsl"
 #include "plume.glsl"
 #include "shell.glsl"
-#include "solids.glsl"
 #include "tent.glsl"
 
 // What the scene is made of, known before the shader is compiled: code for what is not there costs
