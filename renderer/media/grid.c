@@ -122,7 +122,7 @@ static uint64_t integral_turns(const struct neph_medium *medium)
 {
     const int *size = medium->grid->size;
     if (neph_grid_is_endless(medium->grid))
-        return NEPH_GPU_ENDLESS_CELLS + 12;
+        return NEPH_GPU_ENDLESS_CELLS + 16;
     return (uint64_t)(size[0] + size[1] + size[2]) + 12;
 }
 

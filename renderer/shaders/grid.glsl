@@ -27,9 +27,8 @@ const float CELLS_AWAY = 1e9; // more than there are
 // A place in the lattice, or a cell of it, where its values are kept.
 vec3 grid_wrapped(Grid grid, vec3 at)
 {
-    if (!ENDLESS)
-        return at;
-    return mix(at, 1.0 + mod(at - 1.0, grid.period), greaterThan(grid.period, vec3(0.0)));
+    bvec3 repeats = greaterThan(grid.period, vec3(0.0));
+    return ENDLESS ? mix(at, 1.0 + mod(at - 1.0, max(grid.period, vec3(1.0))), repeats) : at;
 }
 
 // The first and the last cell of a lattice of so many.
@@ -43,6 +42,13 @@ vec3 last_cell(Grid grid)
 {
     vec3 last = vec3(grid.size - 1) - 1.0;
     return ENDLESS ? mix(last, vec3(CELLS_AWAY), greaterThan(grid.period, vec3(0.0))) : last;
+}
+
+// Where a walk ends at the latest, `slope` being nodes per metre: it meets no more cells than that.
+float walked_to_m(vec3 slope, float t0_m, float t1_m)
+{
+    return ENDLESS ? min(t1_m, t0_m + float(NEPH_GPU_ENDLESS_CELLS) / dot(abs(slope), vec3(1.0)))
+                   : t1_m;
 }
 
 // The eight nodes of a cell: those at its lower z face and those at its upper one, x fastest.
@@ -101,8 +107,8 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
 
     Sum sum = sum_zero();
     float t_m = t0_m;
-    uint cells = 0u;
-    while (t_m < t1_m && (!ENDLESS || cells++ < NEPH_GPU_ENDLESS_CELLS)) {
+    t1_m = walked_to_m(slope, t0_m, t1_m);
+    while (t_m < t1_m) {
         // Faces from the cell, not by adding up: rounding does not gather along the ray.
         vec3 face = cell + mix(vec3(1.0), vec3(0.0), falls);
         vec3 next_m = mix((face - start) * per_node_m, vec3(FAR_M), level);
@@ -149,29 +155,29 @@ float cubic_quantile(vec4 f, float fraction)
 }
 
 // The walk of grid_integral_m (grid.glsl), stopped in the cell where the integral passes `target`.
+// Of a lattice that ends: lavapipe goes astray in this loop when cells are wrapped in it.
 float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, float t1_m,
                        float target)
 {
     const float gauss = 0.288675134594813; // 1 / sqrt(12)
     vec3 slope = direction * grid.nodes_per_m;
     vec3 start = (origin_m - grid.origin_m) * grid.nodes_per_m;
-    vec3 first = first_cell(grid), last = last_cell(grid);
+    vec3 last = vec3(grid.size - 2);
     vec3 side = vec3(greaterThanEqual(slope, vec3(0.0)));
     bvec3 level = lessThan(abs(slope), vec3(1e-20));
     vec3 per_slope = mix(1.0 / slope, vec3(0.0), level);
-    vec3 cell = clamp(floor(start + t0_m * slope), first, last), corner = cell;
+    vec3 cell = clamp(floor(start + t0_m * slope), vec3(0.0), last), corner = cell;
     float t_m = t0_m, end_m = t0_m, sum = 0.0, term = 0.0;
     Cell nodes = Cell(vec4(0.0), vec4(0.0));
-    uint cells = 0u;
-    while (end_m < t1_m && sum + term < target && all(greaterThanEqual(cell, first)) &&
-           all(lessThanEqual(cell, last)) && (!ENDLESS || cells++ < NEPH_GPU_ENDLESS_CELLS)) {
+    while (end_m < t1_m && sum + term < target && all(greaterThanEqual(cell, vec3(0.0))) &&
+           all(lessThanEqual(cell, last))) {
         sum += term;
         t_m = end_m;
         vec3 faces_m = mix((cell + side - start) * per_slope, vec3(FAR_M), level);
         float exit_m = min(faces_m.x, min(faces_m.y, faces_m.z));
         end_m = max(t_m, min(exit_m, t1_m));
         corner = cell;
-        nodes = grid_cell(grid, uvec3(grid_wrapped(grid, cell)));
+        nodes = grid_cell(grid, uvec3(cell));
         float middle_m = 0.5 * (t_m + end_m), offset_m = gauss * (end_m - t_m);
         vec3 a = clamp(start + (middle_m - offset_m) * slope - cell, vec3(0.0), vec3(1.0));
         vec3 b = clamp(start + (middle_m + offset_m) * slope - cell, vec3(0.0), vec3(1.0));

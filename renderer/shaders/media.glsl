@@ -279,7 +279,7 @@ float layer_free_path_m(uint m, uint l, ViewRay ray, float t0_m, float t1_m, flo
     if (is_fog(m))
         t_m = fog_layer_free_path_m(frame.media[m].layers[l], ray.origin_m, ray.direction, t0_m,
                                     depth);
-    else if (is_a(MEDIUM_GRID, kind_of(m)))
+    else if (!ENDLESS && is_a(MEDIUM_GRID, kind_of(m)))
         t_m = grid_free_path_m(frame.media[m].shape.grid, ray.origin_m, ray.direction, t0_m, t1_m,
                                depth / frame.media[m].extinction_per_m);
     else

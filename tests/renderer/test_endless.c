@@ -147,7 +147,7 @@ static void test_tables_refuse(void **state)
 
 /* ---- the step cloud of I3RC ------------------------------------------------------------------ */
 
-enum { COLUMNS = 16, NODES = 1024, PIXELS_ACROSS = 16 };
+enum { COLUMNS = 16, NODES = 128, PIXELS_ACROSS = 16 };
 
 /* Straight down on one period of 500 m, all orders: the mean over the period, and over its thin and
  * its thick half, of radiance that leaves upwards. A step is a ramp of 4 m here. */
