@@ -21,8 +21,9 @@ static const struct {
                             VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                             VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
-    [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                                VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+    [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT |
+                                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                             0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_READBACK] = {VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                               VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
@@ -102,12 +103,36 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
     return NEPH_OK;
 }
 
+enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan, int texel_words,
+                                        struct neph_buffer *buffer, struct neph_diag *diag)
+{
+    static const VkFormat formats[] = {
+        [1] = VK_FORMAT_R32_UINT, [2] = VK_FORMAT_R32G32_UINT, [4] = VK_FORMAT_R32G32B32A32_UINT};
+    const VkBufferViewCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+        .buffer = buffer->handle,
+        .format = formats[texel_words],
+        .range = VK_WHOLE_SIZE,
+    };
+    const size_t texels = buffer->size_bytes / ((size_t)texel_words * sizeof(uint32_t));
+    if (!vulkan->description.is_cpu)
+        return NEPH_OK;
+    if (texels > vulkan->limits.maxTexelBufferElements)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "a kernel would have to see %zu texels; the device allows %u", texels,
+                         vulkan->limits.maxTexelBufferElements);
+    const VkResult result = vulkan->api.vkCreateBufferView(vulkan->device, &info, NULL,
+                                                           &buffer->texels);
+    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "see texels", diag);
+}
+
 static void forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer);
 
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer)
 {
     if (buffer->handle)
         forget_buffer(vulkan, buffer->handle);
+    vulkan->api.vkDestroyBufferView(vulkan->device, buffer->texels, NULL);
     vulkan->api.vkDestroyBuffer(vulkan->device, buffer->handle, NULL);
     vulkan->api.vkFreeMemory(vulkan->device, buffer->memory, NULL); /* unmaps it too */
     if (buffer->memory)
@@ -228,7 +253,7 @@ static VkDescriptorType type_of(const struct neph_kernel_params *params, int bin
 
 static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
-    VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX + 1];
+    VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX + 2];
     const int array = kernel->params.buffer_count, image_count = kernel->params.image_count;
     int binding_count = binding_count_of(&kernel->params);
     for (int i = 0; i < binding_count; i++)
@@ -243,6 +268,13 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
             .binding = NEPH_GPU_IMAGES_BINDING,
             .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
             .descriptorCount = (uint32_t)image_count,
+            .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+        };
+    if (kernel->params.texels_count > 0)
+        bindings[binding_count++] = (VkDescriptorSetLayoutBinding){
+            .binding = NEPH_GPU_TEXELS_BINDING,
+            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
+            .descriptorCount = (uint32_t)kernel->params.texels_count,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
     const VkDescriptorSetLayoutCreateInfo set = {
@@ -324,14 +356,16 @@ static VkResult create_pipeline(const struct neph_vulkan *vulkan, struct neph_ke
     return result;
 }
 
-/* Constants that a shader does not have become 0: they make no other kernel. (Words and order as in
+/* Texels are a CPU's. Constants that a shader does not have become 0: they make no other kernel. (Words and order as in
  * the SPIR-V specification, 2.3 and 2.4: decorations come before the first type.) */
-static struct neph_kernel_params own_constants(const struct neph_kernel_params *params)
+static struct neph_kernel_params own_params(const struct neph_vulkan *vulkan,
+                                            const struct neph_kernel_params *params)
 {
     enum { HEADER_WORDS = 5, FIRST_TYPE = 19, LAST_TYPE = 39, OP_DECORATE = 71, SPEC_ID = 1 };
     struct neph_kernel_params own = *params;
     const uint32_t *words = params->spirv;
     const size_t count = params->spirv_size_bytes / sizeof(*words);
+    own.texels_count = vulkan->description.is_cpu ? params->texels_count : 0;
     memset(own.constants, 0, sizeof(own.constants));
     for (size_t i = HEADER_WORDS; i < count; i += words[i] >> 16) {
         const uint32_t operation = words[i] & 0xffff;
@@ -354,7 +388,7 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
                                  const struct neph_kernel_params *params,
                                  const struct neph_kernel **kernel, struct neph_diag *diag)
 {
-    const struct neph_kernel_params own = own_constants(params);
+    const struct neph_kernel_params own = own_params(vulkan, params);
     for (struct neph_kernel *known = vulkan->kernels; known; known = known->next)
         if (same_kernel(&known->params, &own)) {
             *kernel = known;
@@ -388,7 +422,7 @@ static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph
                              struct kernel_set *set)
 {
     const uint32_t uniforms = (uint32_t)kernel->params.uniform_count;
-    VkDescriptorPoolSize sizes[3] = {
+    VkDescriptorPoolSize sizes[4] = {
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, (uint32_t)buffer_count_of(kernel) - uniforms},
     };
     uint32_t size_count = 1;
@@ -397,6 +431,9 @@ static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph
     if (kernel->params.image_count > 0)
         sizes[size_count++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                                                      (uint32_t)kernel->params.image_count};
+    if (kernel->params.texels_count > 0)
+        sizes[size_count++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
+                                                     (uint32_t)kernel->params.texels_count};
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
         .maxSets = 1,
@@ -434,6 +471,25 @@ static void write_images(const struct neph_vulkan *vulkan, const struct neph_ker
         .descriptorCount = (uint32_t)count,
         .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
         .pImageInfo = images,
+    };
+    if (count > 0)
+        vulkan->api.vkUpdateDescriptorSets(vulkan->device, 1, &write, 0, NULL);
+}
+
+static void write_texels(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
+                         const struct kernel_set *set, const struct neph_dispatch *dispatch)
+{
+    VkBufferView texels[NEPH_KERNEL_BUFFERS_MAX];
+    const int count = kernel->params.texels_count;
+    for (int i = 0; i < count; i++)
+        texels[i] = dispatch->buffers[kernel->params.texels_first + i]->texels;
+    const VkWriteDescriptorSet write = {
+        .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+        .dstSet = set->handle,
+        .dstBinding = NEPH_GPU_TEXELS_BINDING,
+        .descriptorCount = (uint32_t)count,
+        .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
+        .pTexelBufferView = texels,
     };
     if (count > 0)
         vulkan->api.vkUpdateDescriptorSets(vulkan->device, 1, &write, 0, NULL);
@@ -500,6 +556,7 @@ static VkResult get_set(const struct neph_vulkan *vulkan, const struct neph_kern
                      kernel->params.name);
     write_set(vulkan, kernel, made);
     write_images(vulkan, kernel, made, dispatch);
+    write_texels(vulkan, kernel, made, dispatch);
     *handle = made->handle;
     return VK_SUCCESS;
 }

@@ -38,7 +38,8 @@ struct neph_buffer {
     VkBuffer handle;
     VkDeviceMemory memory;
     size_t size_bytes;
-    void *mapped; /* coherent; NULL for NEPH_BUFFER_DEVICE */
+    void *mapped;        /* coherent; NULL for NEPH_BUFFER_DEVICE */
+    VkBufferView texels; /* neph_buffer_see_texels(); else none */
 };
 
 /* NEPH_ERR_UNSUPPORTED: larger than the device allows a kernel to see. Zero-initialise `buffer`;
@@ -46,6 +47,12 @@ struct neph_buffer {
 enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_buffer_use use,
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
                                     struct neph_diag *diag);
+
+/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as an image of 1, 2 or 4 whole numbers of 32
+ * bits a texel, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test for
+ * each, and a texel of such an image in a few instructions for all. On a GPU nothing is done. */
+enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan, int texel_words,
+                                        struct neph_buffer *buffer, struct neph_diag *diag);
 
 /* Among `allowed_types`, a bit each, the first type of memory that has what is needed, and what is
  * liked if there is such a one; UINT32_MAX: there is none. */
@@ -88,6 +95,8 @@ struct neph_kernel_params {
     int uniform_count;      /* .. the first of them, which are uniform ones */
     int array_count;        /* more of them, an array at binding buffer_count; 0: none */
     int image_count;        /* textures, an array at NEPH_GPU_IMAGES_BINDING; 0: none */
+    int texels_first;       /* the first buffer that a kernel of a CPU sees as texels, too .. */
+    int texels_count;       /* .. and how many, an array at NEPH_GPU_TEXELS_BINDING; 0: none */
     size_t push_size_bytes; /* push constants, from offset 0 */
     int constant_count;     /* specialization constants 0 .. count-1 */
     uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];

@@ -228,7 +228,7 @@ static const struct {
     size_t element_bytes;
     const char *name;
 } data_buffers[NEPH_GPU_DATA_COUNT] = {
-    [NEPH_GPU_VALUES] = {2, sizeof(float), "scene grids"},
+    [NEPH_GPU_VALUES] = {NEPH_GPU_VALUES_BUFFER, sizeof(float), "scene grids"},
     [NEPH_GPU_TEXELS] = {4, 4 * sizeof(float), "scene textures"},
 };
 
@@ -491,6 +491,8 @@ static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, dou
         gpu->constants[1] |= neph_is_turned(&scene->solids[i].turn) ? NEPH_GPU_TURNED : 0u;
     fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
     gpu->frame->solids_shade = solids_shade(scene, camera.position_m);
+    if (gpu->frame->solids_shade || !gpu->is_on_cpu)
+        gpu->constants[1] |= NEPH_GPU_SHADED;
     place_majorants(gpu);
 }
 
@@ -510,6 +512,8 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     gpu->is_on_cpu = vulkan->description.is_cpu;
     fill(gpu, scene, frame, width_px, height_px, media);
     status = upload_data(vulkan, media, NEPH_GPU_VALUES, gpu, diag);
+    if (!status)
+        status = neph_buffer_see_texels(vulkan, 1, &gpu->buffers[NEPH_GPU_VALUES_BUFFER], diag);
     if (!status && with_majorants)
         status = upload_majorants(vulkan, scene, media, gpu, diag);
     else if (!status)
@@ -538,6 +542,7 @@ void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene 
     let_scatter(scene, !is_black(made->albedo), gpu->frame);
     gpu->constants[1] = (gpu->constants[1] & ~known) | known_media(gpu->frame);
     gpu->frame->solids_shade = scene->solid_count > 0; /* fog is everywhere */
+    gpu->constants[1] |= scene->solid_count > 0 ? NEPH_GPU_SHADED : 0u;
 }
 
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu)

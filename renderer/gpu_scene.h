@@ -37,6 +37,9 @@ static inline uint64_t neph_gpu_solid_turns(uint64_t solid_count)
  * includes shaders/scene.glsl. */
 enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_UNIFORMS = 2, NEPH_GPU_SCENE_CONSTANTS = 2 };
 
+/* Which of them has the values of grids, which a CPU may see as texels of a word each, too. */
+enum { NEPH_GPU_VALUES_BUFFER = 2 };
+
 struct neph_gpu_scene {
     struct neph_gpu_frame *frame; /* in the mapped memory of buffers[0]; may be changed between
                                      dispatches. `steps` and `sun_steps` are left 0 */

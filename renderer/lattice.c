@@ -11,6 +11,15 @@ void neph_lattice_sides_m(const struct neph_bounds *box, double sides_m[3])
     sides_m[2] = extent_m.z;
 }
 
+void neph_lattice_nodes(const struct neph_bounds *box, int most, uint32_t size[3])
+{
+    double sides_m[3];
+    neph_lattice_sides_m(box, sides_m);
+    const double longest_m = fmax(sides_m[0], fmax(sides_m[1], sides_m[2]));
+    for (int axis = 0; axis < 3; axis++)
+        size[axis] = 1 + (uint32_t)fmax(1.0, ceil((most - 1) * sides_m[axis] / longest_m - 1e-9));
+}
+
 enum neph_status neph_lattice_check(const struct neph_bounds *box, const char *wants,
                                     const char *without, struct neph_diag *diag)
 {

@@ -11,6 +11,9 @@
 /* The sides of a box along the axes [m]. */
 void neph_lattice_sides_m(const struct neph_bounds *box, double sides_m[3]);
 
+/* Nodes of cubes, as near as whole numbers of them come to the box: `most` along its longest side. */
+void neph_lattice_nodes(const struct neph_bounds *box, int most, uint32_t size[3]);
+
 /* NEPH_ERR_UNSUPPORTED: the box has no finite volume above 0, which the setting `wants`
  * ("skip=majorant") needs and `without` ("skip=off") does not. */
 enum neph_status neph_lattice_check(const struct neph_bounds *box, const char *wants,

@@ -197,10 +197,21 @@ static bool is_stale(const struct neph_spirv_module *module, size_t decoration)
             words[2] == NEPH_SPIRV_SPEC_ID);
 }
 
+/* To take a texel buffer of an array by a number that is not known, which lavapipe does not offer:
+ * the front end asks for it wherever a function is told the number, and has it known in the end. */
+static bool is_idle_capability(const struct neph_spirv_module *module, size_t at)
+{
+    enum { STORAGE_TEXEL_BUFFER_ARRAY_DYNAMIC_INDEXING = 5305 };
+    return neph_spirv_operation(module, at) == OP_CAPABILITY &&
+           module->words[at + 1] == STORAGE_TEXEL_BUFFER_ARRAY_DYNAMIC_INDEXING;
+}
+
 static void put_global(struct writer *writer, size_t at)
 {
     const struct neph_spirv_module *module = writer->module;
     const uint32_t operation = neph_spirv_operation(module, at), *words = module->words + at;
+    if (is_idle_capability(module, at))
+        return;
     if (operation == OP_DECORATE || operation == OP_NAME) {
         if (!is_stale(module, at))
             copy(writer, at);

@@ -13,6 +13,7 @@
 enum neph_spirv_operation {
     OP_UNDEF = 1,
     OP_NAME = 5,
+    OP_CAPABILITY = 17,
     OP_EXT_INST = 12,
     OP_TYPE_BOOL = 20,
     OP_TYPE_INT = 21,

@@ -10,18 +10,6 @@ static const uint32_t sun_cache_spirv[] = {
 #include "shaders/sun_cache.comp.inc"
 };
 
-/* --- where it lies -------------------------------------------------------------------------- */
-
-/* Cubes, as near as whole numbers of them come to the box. */
-static void choose_size(const struct neph_bounds *box, int voxels, uint32_t size[3])
-{
-    double sides_m[3];
-    neph_lattice_sides_m(box, sides_m);
-    const double longest_m = fmax(sides_m[0], fmax(sides_m[1], sides_m[2]));
-    for (int axis = 0; axis < 3; axis++)
-        size[axis] = 1 + (uint32_t)fmax(1.0, ceil((voxels - 1) * sides_m[axis] / longest_m - 1e-9));
-}
-
 /* --- making --------------------------------------------------------------------------------- */
 
 static uint64_t node_count(const struct neph_sun_cache *cache)
@@ -58,7 +46,7 @@ enum neph_status neph_sun_cache_create(struct neph_vulkan *vulkan, const struct 
     enum neph_status status =
         has_lattice ? neph_lattice_check(&box, "sun_cache=grid", "sun_cache=off", diag) : NEPH_OK;
     if (!status && has_lattice) {
-        choose_size(&box, params->shortcuts.sun_cache_voxels, cache->size);
+        neph_lattice_nodes(&box, params->shortcuts.sun_cache_voxels, cache->size);
         status = plan(cache, scene, gpu, params, diag);
     }
     const size_t channels = gpu->constants[1] & NEPH_GPU_COLOURED ? 3 : 1;

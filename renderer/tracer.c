@@ -7,6 +7,7 @@
 #include "base/interrupt.h"
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
+#include "renderer/lattice.h"
 #include "renderer/media/kind.h"
 #include "renderer/reach.h"
 #include "renderer/tracer_parts.h"
@@ -35,6 +36,12 @@ static const uint32_t guess_spirv[] = {
 };
 static const uint32_t first_spirv[] = {
 #include "shaders/tracer_first.comp.inc"
+};
+static const uint32_t sun_spirv[] = {
+#include "shaders/tracer_sun.comp.inc"
+};
+static const uint32_t check_spirv[] = {
+#include "shaders/tracer_check.comp.inc"
 };
 static const uint32_t sum_spirv[] = {
 #include "shaders/tracer_sum.comp.inc"
@@ -145,6 +152,7 @@ static enum neph_status check(const struct neph_scene *scene,
         {"width", params->width_px, 1, NEPH_TRACER_SIDE_MAX_PX},
         {"height", params->height_px, 1, NEPH_TRACER_SIDE_MAX_PX},
         {"samples", params->samples, 2, NEPH_TRACER_SAMPLES_MAX},
+        {"sun_nodes", params->sun_nodes, 0, NEPH_TRACER_SUN_NODES_MAX},
     };
     for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]); i++)
         if (ranges[i].value < ranges[i].minimum || ranges[i].value > ranges[i].maximum)
@@ -164,10 +172,11 @@ static enum neph_status check(const struct neph_scene *scene,
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
 {
-    return neph_format("tracer 7%s, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
-                       params->sobol ? " sobol" : "", scene->hash, params->frame, params->width_px,
-                       params->height_px, (unsigned long long)params->seed,
-                       vulkan->description.device, vulkan->description.driver);
+    return neph_format(
+        "tracer 8%s, %d sun nodes, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+        params->sobol ? " sobol" : "", params->sun_nodes, scene->hash, params->frame,
+        params->width_px, params->height_px, (unsigned long long)params->seed,
+        vulkan->description.device, vulkan->description.driver);
 }
 
 /* --- one render --------------------------------------------------------------------------- */
@@ -183,6 +192,8 @@ enum binding {
     BINDING_LITS,
     BINDING_GUESSES,
     BINDING_WAYS,
+    BINDING_SUN,
+    BINDING_CHECKS,
     BINDING_COUNT,
 };
 
@@ -201,13 +212,13 @@ struct render {
     struct neph_vulkan *vulkan;
     const struct neph_tracer_params *params;
     double start_s;
-    const struct neph_kernel *path, *view, *lit, *first, *sum; /* NULL: not needed */
+    const struct neph_kernel *path, *view, *lit, *first, *sun, *check, *sum; /* NULL: not needed */
     struct neph_gpu_scene scene;
     struct neph_buffer buffers[BINDING_COUNT], progress_readback; /* but for BINDING_PIXELS */
     struct neph_tracer_parts parts;
     struct sizes sizes;
     uint32_t local_size; /* of the path kernel */
-    bool needs_paths, is_open;
+    bool needs_paths, is_open, has_sun_table;
     size_t lit_tables; /* of a pixel; 0: none are needed */
     size_t ways;       /* of a pixel, through media; 0: none are needed */
     bool is_lit;       /* media may scatter light at all */
@@ -291,12 +302,12 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         .buffer_count = BINDING_COUNT,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .push_size_bytes = sizeof(struct neph_gpu_tracer_run),
-        .constant_count = 14,
+        .constant_count = 15,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
                       scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
                       render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
                       scene->solid_count > 0, is_lit_once(scene), neph_scene_emits(scene),
-                      render->params->sobol},
+                      render->params->sobol, render->has_sun_table},
     };
     const bool is_lit = render->lit_tables > 0, is_open = render->is_open;
     const struct {
@@ -311,6 +322,8 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         {&render->lit, "tracer_guess", guess_spirv, sizeof(guess_spirv), is_lit && is_open},
         {&render->first, "tracer_first", first_spirv, sizeof(first_spirv), is_lit || !is_open},
         {&render->path, "tracer", path_spirv, sizeof(path_spirv), render->needs_paths},
+        {&render->sun, "tracer_sun", sun_spirv, sizeof(sun_spirv), render->has_sun_table},
+        {&render->check, "tracer_check", check_spirv, sizeof(check_spirv), render->has_sun_table},
         {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv), true},
     };
     enum neph_status status = NEPH_OK;
@@ -323,6 +336,12 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         status = neph_kernel_get(render->vulkan, &params, wanted[i].kernel, diag);
     }
     return status;
+}
+
+static size_t sun_nodes(const struct render *render)
+{
+    const uint32_t *size = render->scene.frame->sun_lattice.size;
+    return (size_t)size[0] * size[1] * size[2];
 }
 
 static enum neph_status create_buffers(struct render *render, struct neph_diag *diag)
@@ -357,6 +376,11 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
         {&render->buffers[BINDING_WAYS], NEPH_BUFFER_DEVICE,
          (render->ways > 0 ? render->chunk_pixels * render->ways : 1) * sizeof(struct neph_gpu_way),
          "tracer ways"},
+        {&render->buffers[BINDING_SUN], NEPH_BUFFER_DEVICE,
+         (render->has_sun_table ? sun_nodes(render) : 1) * sizeof(float), "tracer sun"},
+        {&render->buffers[BINDING_CHECKS], NEPH_BUFFER_DEVICE,
+         (render->has_sun_table ? items : 1) * sizeof(struct neph_gpu_sun_check),
+         "tracer sun checks"},
         {&render->buffers[BINDING_QUEUES], NEPH_BUFFER_DEVICE, queues * sizeof(uint32_t),
          "tracer queues"},
         {&render->buffers[BINDING_PROGRESS], NEPH_BUFFER_DEVICE, sizeof(struct neph_gpu_progress),
@@ -443,6 +467,60 @@ static void scatter_nothing(struct neph_gpu_frame *frame)
         memset(frame->media[m].albedo, 0, sizeof(frame->media[m].albedo));
 }
 
+/* --- the table of sunlight ------------------------------------------------------------------- */
+
+/* As many cubes as that allows. */
+static void sun_table_size(const struct neph_bounds *box, int nodes, uint32_t size[3])
+{
+    int fits = 2, beyond = nodes;
+    while (beyond - fits > 1) {
+        const int middle = fits + (beyond - fits) / 2;
+        neph_lattice_nodes(box, middle, size);
+        const double count = (double)size[0] * size[1] * size[2];
+        if (count <= nodes)
+            fits = middle;
+        else
+            beyond = middle;
+    }
+    neph_lattice_nodes(box, fits, size);
+}
+
+/* From node to node, in the densest medium. */
+static double depth_between_nodes(const struct neph_scene *scene, const struct neph_bounds *box,
+                                  const uint32_t size[3])
+{
+    double sides_m[3], spacing_m = 0.0, largest_per_m = 0.0;
+    neph_lattice_sides_m(box, sides_m);
+    for (int axis = 0; axis < 3; axis++)
+        spacing_m = fmax(spacing_m, sides_m[axis] / (size[axis] - 1));
+    for (int i = 0; i < scene->medium_count; i++)
+        if (!neph_medium_is_fog(&scene->media[i]))
+            largest_per_m = fmax(largest_per_m, neph_gpu_largest_per_m(&scene->media[i]));
+    return largest_per_m * spacing_m;
+}
+
+/* Light that goes on, from a sun, through shapes whose optical depth is known, alike in all
+ * channels: only there is a table worth its while, and what it is wrong by known. */
+static bool place_sun_table(const struct render *render, const struct neph_scene *scene)
+{
+    const double coarsest = 8.0; /* beyond, its noise takes more than its speed has given */
+    struct neph_bounds box;
+    uint32_t size[3];
+    if (render->params->sun_nodes == 0 || render->is_open || !scene->sun.present ||
+        scene->light_count > 0 || scene->scattering != NEPH_SCATTERING_MULTIPLE ||
+        (render->scene.constants[1] & NEPH_GPU_COLOURED) || !neph_shapes_box(scene, &box) ||
+        neph_lattice_check(&box, "", "", NULL))
+        return false;
+    sun_table_size(&box, render->params->sun_nodes, size);
+    if (depth_between_nodes(scene, &box, size) > coarsest)
+        return false;
+    neph_lattice_place(&box, neph_scene_camera(scene, render->params->frame).position_m, size, 1,
+                       &render->scene.frame->sun_lattice);
+    return true;
+}
+
+/* --- making ---------------------------------------------------------------------------------- */
+
 /* The kernel of first collisions walks through the grids thrice, the one of paths not at all. Each
  * edge of a way may cost a walk a turn of its own, and the walk's end. */
 static enum neph_status check_turns(const struct render *render, struct neph_diag *diag)
@@ -474,6 +552,7 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
                                                     needs_paths(scene), &render->scene, diag);
     if (!status) {
         render->ways = ways(scene, render->scene.frame);
+        render->has_sun_table = place_sun_table(render, scene);
         status = check_turns(render, diag);
     }
     if (!status && scene->scattering == NEPH_SCATTERING_NONE)
@@ -615,6 +694,11 @@ static enum neph_status trace_chunk(struct render *render, const struct neph_gpu
                             pixel_groups(run->pixel_count * run->samples), NULL, diag);
     if (!status && render->needs_paths)
         status = trace_paths(render, *run, diag);
+    if (!status && render->check)
+        status = run_kernel(
+            render, render->check, *run,
+            pixel_groups(run->pixel_count * (run->samples / NEPH_TRACER_BATCH_SAMPLES)), NULL,
+            diag);
     if (!status)
         status = run_kernel(render, render->sum, *run, pixel_groups(run->pixel_count), NULL, diag);
     return status;
@@ -766,10 +850,20 @@ static enum neph_status trace_rounds(struct render *render, struct neph_diag *di
     return NEPH_OK;
 }
 
+static enum neph_status fill_sun_table(struct render *render, struct neph_diag *diag)
+{
+    const struct neph_gpu_tracer_run run = chunk_run(render, 0, 1);
+    return render->sun ? run_kernel(render, render->sun, run,
+                                    pixel_groups((uint32_t)sun_nodes(render)), NULL, diag)
+                       : NEPH_OK;
+}
+
 static enum neph_status trace(struct render *render, struct neph_diag *diag)
 {
     const bool is_whole = is_done(render, 0.0);
-    enum neph_status status = is_whole ? view_all(render, diag) : trace_rounds(render, diag);
+    enum neph_status status = is_whole ? view_all(render, diag) : fill_sun_table(render, diag);
+    if (!status && !is_whole)
+        status = trace_rounds(render, diag);
     if (!status)
         status = read_back(render, diag);
     if (!status)

@@ -10,8 +10,11 @@
  * free paths: by inversion of the closed form (homogeneous, fog), by delta tracking through local
  * majorants elsewhere (E. R. Woodcock et al. 1965); the nearest of all media's collisions counts.
  * At each event the sun is sampled, its transmittance in closed form (fog; all media at the first
- * collision, but not voxel grids where light goes on) or by ratio tracking (J. Novak et al.,
- * "Residual Ratio Tracking", SIGGRAPH Asia 2014), with roulette where little of it would arrive.
+ * collision, but not voxel grids where light goes on), by a table, or by ratio tracking (J. Novak et
+ * al., "Residual Ratio Tracking", SIGGRAPH Asia 2014), with roulette where little of it would
+ * arrive. The table is there for light of all orders in clouds without colour whose optical depth
+ * has a closed form, if its nodes are near enough for it to pay; what it is wrong by at one event of
+ * a batch of samples stands for all, without bias (shaders/tracer_sun.glsl).
  * One path serves all three channels, with the balance heuristic over the channels (B. Miller, I.
  * Georgiev, W. Jarosz, "A Null-Scattering Path Integral Formulation of Light Transport", SIGGRAPH
  * 2019).
@@ -50,12 +53,16 @@
 #define NEPH_TRACER_SIDE_MAX_PX 4096
 #define NEPH_TRACER_BATCH_SAMPLES (2 * NEPH_GPU_STRATA)
 #define NEPH_TRACER_SAMPLES_MAX (1 << 28)
+#define NEPH_TRACER_SUN_NODES 500000      /* 80 along each side of a cube */
+#define NEPH_TRACER_SUN_NODES_MAX 4000000 /* a dispatch has no room for more */
 
 struct neph_tracer_params {
     int width_px, height_px; /* 1..NEPH_TRACER_SIDE_MAX_PX */
     double frame;            /* of the scene; may be fractional */
     uint64_t seed;
     bool sobol;          /* low-discrepancy numbers for the first decisions of each sample */
+    int sun_nodes;       /* of the table of sunlight, at most; 0: a ray to the sun from each event.
+                            Where there is no table (above) it changes nothing. */
     int samples;         /* per pixel, >= 2, rounded up to whole batches; the most with a target */
     double target_error; /* as in truth/oracle.h: stop when the rms over pixels of the standard
                             error of the mean divided by the rms radiance of volume light is below

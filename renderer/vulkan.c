@@ -246,6 +246,7 @@ static enum neph_status create_device(struct neph_vulkan *vulkan, uint32_t *time
     const VkPhysicalDeviceFeatures features = {
         .shaderStorageBufferArrayDynamicIndexing = VK_TRUE,
         .shaderInt64 = VK_TRUE,
+        .shaderStorageImageExtendedFormats = VK_TRUE,
     };
     /* Arrays of numbers in uniform buffers lie as in C; clocks are set back by the CPU. */
     const VkPhysicalDeviceVulkan12Features features_12 = {

@@ -21,7 +21,7 @@
 
 struct request {
     struct neph_cli_shared shared;
-    const char *engines, *preset;
+    const char *engines, *preset, *chain;
     double rung_s;
     int frame_count, voxels;
     bool without_ceilings;
@@ -31,6 +31,7 @@ struct request {
 struct both {
     struct neph_benchmark noise;
     struct neph_benchmark_frames frames;
+    struct neph_showing showing; /* of the frames, where there is a chain */
     struct neph_engine_info noise_infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
     struct neph_engine_info frame_infos[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
 };
@@ -46,6 +47,9 @@ static const struct neph_cli_option options[] = {
     {"preset", 'p', "NAME",
      "Engines realtime and screen: a set of settings by name, before any --set", NEPH_CLI_WORD,
      .at = offsetof(struct request, preset)},
+    {"chain", 0, "FILE",
+     "Time this picture chain behind their pictures, in place of the scene's; off: none",
+     NEPH_CLI_WORD, .at = offsetof(struct request, chain)},
     {.name = "size", .otherwise = "96x54"},
     {"seconds", 0, "S", "About how long the last of four rungs takes, each half the one above it",
      NEPH_CLI_REAL, .at = offsetof(struct request, rung_s), .otherwise = "4", .minimum = 0.01,
@@ -91,7 +95,9 @@ static const struct neph_cli_syntax syntax = {
         "measured one ray a lane where each place depends on the sample before it, as in a plain "
         "loop that cannot look ahead, and beside them what arithmetic the device can do: a pass "
         "whose samples take as long as the multiply-adds and exponentials around them waits for "
-        "these.\n\n"
+        "these. With a picture chain (display.chain of the scene, or --chain) --size is that of "
+        "the display, and the last picture goes through the chain as often: a line for each "
+        "stage.\n\n"
         "Examples:\n"
         "  neph benchmark slab_multiple_thin\n"
         "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
@@ -99,7 +105,8 @@ static const struct neph_cli_syntax syntax = {
         "  neph benchmark height_fog_up --set cycles:step=0.1\n"
         "  neph benchmark cloud_below -e march_octaves,realtime -p ours "
         "-s realtime:lighting=octaves --size 1920x1080\n"
-        "  neph benchmark surface_rough -e screen -p fast --size 1920x1080",
+        "  neph benchmark surface_rough -e screen -p fast --chain walk_out_chain.yaml "
+        "--size 1920x1080",
 };
 
 /* --- the scene ---------------------------------------------------------------------------- */
@@ -192,6 +199,33 @@ static bool any_has_presets(const struct both *both)
     return any;
 }
 
+/* Frames are as small as the chain that enlarges them wants them. */
+static enum neph_status find_chain(const struct request *request, const struct neph_scene *scene,
+                                   struct both *both, struct neph_diag *diag)
+{
+    const char *path = request->chain ? request->chain : scene->chain;
+    if (!path || strcmp(path, "off") == 0 || (both->frames.engine_count == 0 && !request->chain))
+        return NEPH_OK;
+    if (both->frames.engine_count == 0)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--chain=%s: none of the engines' pictures can be in flight", path);
+    both->showing.scene = scene;
+    both->frames.showing = &both->showing;
+    enum neph_status status = neph_showing_load(&both->showing, path, diag);
+    if (!status)
+        status = neph_showing_check(&both->showing, diag);
+    if (!status)
+        status = neph_showing_check_size(&both->showing, diag);
+    both->showing.params.width_px = request->shared.size.width_px;
+    both->showing.params.height_px = request->shared.size.height_px;
+    for (int e = 0; e < both->frames.engine_count && !status; e++) {
+        struct neph_shot *shot = &both->frames.engines[e].job.shot;
+        neph_post_frame_size(both->showing.params.order, &both->showing.settings, &shot->width_px,
+                             &shot->height_px);
+    }
+    return status;
+}
+
 static enum neph_status fill_both(const struct request *request, const struct neph_scene *scene,
                                   struct both *both, struct neph_diag *diag)
 {
@@ -206,6 +240,8 @@ static enum neph_status fill_both(const struct request *request, const struct ne
                            request->preset);
     for (int i = 0; i < request->shared.settings.count && !status; i++)
         status = apply_setting(both, request->shared.settings.list[i], diag);
+    if (!status)
+        status = find_chain(request, scene, both, diag);
     if (!status)
         fill_job(neph_engine_find("tracer"), scene, request,
                  &both->noise_infos[NEPH_BENCHMARK_ENGINES_MAX], &both->noise.reference);
@@ -312,6 +348,21 @@ static void print_pass(const struct neph_benchmark_frames *benchmark,
     printf("\n");
 }
 
+static void print_chain(const struct neph_post_params *params,
+                        const struct neph_benchmark_frames_engine *engine)
+{
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(params->order, &params->settings, stages);
+    printf("  to the display, %d times; least %.3f ms\n  %-20s", engine->chain.count,
+           1e3 * engine->chain.all.least_s, "all stages");
+    print_times(engine->chain.all.spread_s);
+    for (int i = 0; i < count; i++) {
+        printf("\n  %-20s", stages[i]->name);
+        print_times(engine->chain.stages[stages[i] - neph_post_stages].spread_s);
+    }
+    printf("\n");
+}
+
 static void print_flight(const struct neph_benchmark_frames *benchmark,
                          const struct neph_benchmark_frames_engine *engine)
 {
@@ -329,6 +380,8 @@ static void print_flight(const struct neph_benchmark_frames *benchmark,
     printf("\n");
     for (int p = 0; p < engine->pass_count; p++)
         print_pass(benchmark, engine, &engine->passes[p]);
+    if (benchmark->showing)
+        print_chain(&benchmark->showing->params, engine);
     printf("  first picture after %.3g s; %.4g MB of the device's memory; %s\n", engine->first_s,
            1e-6 * (double)engine->device_bytes, settings ? settings : "");
     free(settings);
@@ -435,6 +488,7 @@ static enum neph_status run(const struct request *request, struct neph_scene *sc
     neph_cli_end_scratch(scratch, status, diag);
     if (!status)
         status = print(request, both, diag);
+    neph_showing_finish(&both->showing);
     free(both);
     return status;
 }

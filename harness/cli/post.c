@@ -13,9 +13,8 @@
 #include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
-#include "harness/run/flight.h"
+#include "harness/run/chain_times.h"
 #include "harness/run/showing.h"
-#include "metrics/statistics.h"
 #include "renderer/post/display.h"
 
 #include <limits.h>
@@ -24,10 +23,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-enum { REPEAT_MAX = 1000 };
-
-#define WARM_UP_S 1.0
 
 struct request {
     struct neph_cli_shared shared;
@@ -64,7 +59,7 @@ static const struct neph_cli_option options[] = {
      "Times that each frame goes through the chain; --stats has median, 10 and 90 % and least of "
      "them, after a second of warm-up",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .otherwise = "1", .minimum = 1,
-     .maximum = REPEAT_MAX},
+     .maximum = NEPH_CHAIN_REPEATS_MAX},
     {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
     {.name = "json"},
     {.name = "quiet"},
@@ -234,18 +229,8 @@ static enum neph_status write(const struct work *work, const char *frame,
     return status;
 }
 
-/* The device's seconds over the repeats. */
-struct time {
-    double least_s;
-    struct neph_spread spread_s;
-};
-
-struct times {
-    struct time stages[NEPH_POST_STAGES_MAX], all;
-};
-
 static void print_time(const struct work *work, const char *frame, const char *name,
-                       const struct time *time)
+                       const struct neph_chain_time *time)
 {
     const struct neph_spread *s = &time->spread_s;
     if (!work->request->stats || work->request->shared.json)
@@ -257,32 +242,20 @@ static void print_time(const struct work *work, const char *frame, const char *n
     printf("\n");
 }
 
-static json_t *time_json(const char *name, const struct time *time)
-{
-    const struct neph_spread *s = &time->spread_s;
-    return json_pack("{s:s, s:o, s:o, s:o, s:o}", "name", name, "ms",
-                     neph_json_number(1e3 * s->median), "low_ms", neph_json_number(1e3 * s->low),
-                     "high_ms", neph_json_number(1e3 * s->high), "least_ms",
-                     neph_json_number(1e3 * time->least_s));
-}
-
 /* One line of the list that --json prints. */
 static void note(struct work *work, const char *frame, const struct neph_image *picture,
-                 const struct neph_post_stats *stats, const struct times *times)
+                 const struct neph_post_stats *stats, const struct neph_chain_times *times)
 {
-    json_t *stages = json_array();
     const struct neph_post_stage *sequence[NEPH_POST_STAGES_MAX];
     const struct neph_post_params *params = &work->showing.params;
     const int count = neph_post_sequence(params->order, &params->settings, sequence);
-    for (int i = 0; i < count; i++) {
-        const struct time *time = &times->stages[sequence[i] - neph_post_stages];
-        print_time(work, frame, sequence[i]->name, time);
-        neph_json_add(&stages, time_json(sequence[i]->name, time));
-    }
+    for (int i = 0; i < count; i++)
+        print_time(work, frame, sequence[i]->name, &times->stages[sequence[i] - neph_post_stages]);
     print_time(work, frame, "all stages", &times->all);
     json_t *result = json_pack("{s:s, s:i, s:i, s:o, s:o}", "frame", frame, "width_px",
-                               picture->width_px, "height_px", picture->height_px, "stages", stages,
-                               "all", time_json("all stages", &times->all));
+                               picture->width_px, "height_px", picture->height_px, "stages",
+                               neph_chain_stages_json(params, times), "all",
+                               neph_chain_time_json("all stages", &times->all));
     if (isfinite(stats->adapted_ev)) {
         neph_json_set(&result, "metered_ev", neph_json_number(stats->metered_ev));
         neph_json_set(&result, "adapted_ev", neph_json_number(stats->adapted_ev));
@@ -293,62 +266,20 @@ static void note(struct work *work, const char *frame, const struct neph_image *
     neph_json_add(&work->results, result);
 }
 
-/* A device that has had no work for a while has a slow clock: before the first frame whose stages
- * are timed over repeats it gets a second of it. */
-static enum neph_status warm_up(const struct work *work, const struct neph_image *frame,
-                                struct neph_diag *diag)
-{
-    const double end_s = neph_wall_s() + WARM_UP_S;
-    struct neph_post_params params = work->showing.params;
-    struct neph_image *picture = NULL;
-    enum neph_status status = NEPH_OK;
-    params.eye = NULL;
-    while (!status && neph_wall_s() < end_s) {
-        status = neph_post_run(work->vulkan, &params, frame, &picture, NULL, diag);
-        neph_image_destroy(picture);
-        picture = NULL;
-    }
-    return status;
-}
-
-/* Reorders them. */
-static struct time time_of(double *seconds, int count)
-{
-    const bool has_clock = !isnan(seconds[0]);
-    return (struct time){
-        .least_s = has_clock ? neph_percentile(seconds, (size_t)count, 0.0) : NAN,
-        .spread_s = neph_spread_of(seconds, count),
-    };
-}
-
-/* Each time as if it were the only one: the eye goes on from the frame before. */
-static enum neph_status run(struct work *work, const struct neph_image *frame,
+static enum neph_status run(struct work *work, const struct neph_image *frame, bool is_first,
                             struct neph_image **picture, struct neph_post_stats *stats,
-                            struct times *times, struct neph_diag *diag)
+                            struct neph_chain_times *times, struct neph_diag *diag)
 {
-    const int count = work->request->repeat;
-    double(*seconds)[REPEAT_MAX] = calloc(NEPH_POST_STAGES_MAX + 1, sizeof(*seconds));
+    const struct request *request = work->request;
     struct neph_showing *showing = &work->showing;
-    struct neph_post_eye eye = showing->eye;
-    enum neph_status status = seconds ? NEPH_OK : neph_fail_memory(diag);
-    for (int i = 0; i < count && !status; i++) {
-        eye = showing->eye;
-        showing->params.eye = &eye;
-        neph_image_destroy(*picture);
-        *picture = NULL;
-        status = neph_post_run(work->vulkan, &showing->params, frame, picture, stats, diag);
-        for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++) {
-            seconds[s][i] = stats->gpu_s[s];
-            seconds[NEPH_POST_STAGES_MAX][i] += stats->gpu_s[s];
-        }
-    }
-    for (int s = 0; s < NEPH_POST_STAGES_MAX && !status; s++)
-        times->stages[s] = time_of(seconds[s], count);
+    enum neph_status status = NEPH_OK;
+    if (is_first && request->stats && request->repeat > 1)
+        status = neph_chain_warm_up(work->vulkan, &showing->params, frame, diag);
+    showing->params.eye = &showing->eye;
     if (!status)
-        times->all = time_of(seconds[NEPH_POST_STAGES_MAX], count);
+        status = neph_chain_take(work->vulkan, &showing->params, frame, request->repeat, INFINITY,
+                                 picture, stats, times, diag);
     showing->params.eye = NULL;
-    showing->eye = eye;
-    free(seconds);
     return status;
 }
 
@@ -366,7 +297,7 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     const char *path = work->frames.paths[index];
     struct neph_image *frame = NULL, *picture = NULL;
     struct neph_post_stats stats;
-    struct times times;
+    struct neph_chain_times times;
     enum neph_status status = neph_frame_read(path, work->request->layer, 0, &frame, diag);
     if (status)
         return status;
@@ -376,10 +307,8 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     if (!status && neph_image_attribute(frame, "encoding"))
         status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
                            path);
-    if (!status && index == 0 && work->request->stats && work->request->repeat > 1)
-        status = warm_up(work, frame, diag);
     if (!status)
-        status = run(work, frame, &picture, &stats, &times, diag);
+        status = run(work, frame, index == 0, &picture, &stats, &times, diag);
     if (!status)
         status = write(work, path, picture, diag);
     if (!status)

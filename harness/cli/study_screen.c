@@ -6,7 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
-#include "harness/study/screen_study.h"
+#include "harness/study/screen_page.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@ struct request {
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B", "Screens to hold against the truth; screen+KEY=VALUE+... changes one",
      NEPH_CLI_WORD, .at = offsetof(struct request, models),
-     .otherwise = "screen,screen+ao=ssao,screen+ao=unreal,screen+preset=slices"},
+     .otherwise = "screen,screen+preset=ours,screen+preset=fast,screen+preset=slices"},
     {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
      .at = offsetof(struct request, radius_m), .otherwise = "1", .minimum = 1e-3, .maximum = 1e6},
     {.name = "size", .otherwise = "96x54"},
@@ -39,7 +39,7 @@ static const struct neph_cli_option options[] = {
      "moves has as many as it has; 0: none",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "0", .minimum = 0,
      .maximum = 1024},
-    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store and of screen/", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
     {"markdown", 0, "FILE", "The tables into a file, too", NEPH_CLI_FILE,
      .at = offsetof(struct request, markdown)},
@@ -67,11 +67,12 @@ static const struct neph_cli_syntax syntax = {
         "light and reflections are from the truth (engine surfaces): what is the method's own, and "
         "what no screen can know, being off the picture or behind what it shows. Without a SCENE: "
         "the surface_ scenes of the catalogue.\v"
-        "What is finished stays in DIR/store, and the same command goes on from there.\n\n"
+        "What is finished stays in DIR/store, and the same command goes on from there. "
+        "DIR/screen/index.html shows which pixels no screen can know, and why.\n\n"
         "Examples:\n"
         "  neph study screen --markdown screen.md\n"
-        "  neph study screen surface_corner --models screen,screen+ao_places=pixel --radius 2\n"
-        "  neph study screen surface_room --models screen+warm_up=0,screen+warm_up=63\n"
+        "  neph study screen surface_corner --models screen,screen+preset=ours --radius 2\n"
+        "  neph study screen surface_room --models screen+preset=ours,screen+preset=fast\n"
         "  neph study screen --cycles 256\n"
         "  neph study screen surface_ground --frames 32 --models "
         "screen,screen+gi=off,screen+ssr=off",
@@ -101,13 +102,19 @@ static enum neph_status run(const struct request *request,
     struct neph_store *store = NULL;
     struct neph_screen_study *study = calloc(1, sizeof(*study));
     char *folder = neph_path_join(request->shared.output, "store");
+    char *page = neph_path_join(request->shared.output, "screen");
     enum neph_status status = folder && study ? neph_store_open(folder, &store, diag)
                                               : neph_fail_memory(diag);
     if (!status)
         status = neph_screen_study_run(params, store, study, diag);
     if (!status)
+        status = page ? neph_screen_page_write(study, page, diag) : neph_fail_memory(diag);
+    if (!status)
         status = print_results(request, study, diag);
+    if (study)
+        neph_screen_study_finish(study);
     neph_store_close(store);
+    free(page);
     free(folder);
     free(study);
     return status;

@@ -51,6 +51,25 @@ static const struct neph_option options[] = {
      .maximum = NEPH_POVRAY_INTERVALS_MAX,
      .help = "samples of each ray and of each of its shadow rays (midpoint rule)"},
     NEPH_OPTION_BAKE_RESOLUTION,
+    {.name = "radiosity_rays",
+     .kind = NEPH_OPTION_INTEGER,
+     .default_value = 400,
+     .minimum = 0,
+     .maximum = NEPH_POVRAY_RAYS_MAX,
+     .help = "light between solids: rays from each place that shares its light with those around; "
+             "0: scenes with such light are refused"},
+    {.name = "radiosity_error",
+     .kind = NEPH_OPTION_REAL,
+     .default_value = 0.25,
+     .minimum = 0.01,
+     .maximum = 10.0,
+     .help = "POV-Ray's measure of how different the light may be that places share"},
+    {.name = "photons",
+     .kind = NEPH_OPTION_INTEGER,
+     .default_value = 200000,
+     .minimum = 1000,
+     .maximum = 10000000,
+     .help = "sunlight that a mirror throws on others: so many, whose light is spread around"},
     {.name = NULL},
 };
 
@@ -137,31 +156,51 @@ static bool has_scatterer(const struct neph_scene *scene)
     return false;
 }
 
-static bool has_noise(const struct neph_scene *scene)
+/* Why its solids are none that POV-Ray has, in words; NULL: it has them. */
+static const char *solid_obstacle(const struct neph_scene *scene)
 {
-    for (int i = 0; i < scene->solid_count; i++)
-        if (neph_is_textured(&scene->solids[i].surface) &&
-            scene->solids[i].surface.texture.pattern == NEPH_PATTERN_NOISE)
-            return true;
-    return false;
+    int mirrors = 0;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_surface *surface = &scene->solids[i].surface;
+        if (surface->metalness == 0.0)
+            continue;
+        if (scene->scattering != NEPH_SCATTERING_MULTIPLE)
+            return "solids of metal where light is scattered once";
+        if (surface->roughness > 0.0)
+            return "rough metal on solids: its highlights follow another law in POV-Ray";
+        if (neph_is_textured(surface))
+            return "a pattern on a mirror";
+        if (scene->light_count > 0)
+            return "lamps in a mirror, whose light on others POV-Ray was not tried for";
+        if (scene->sun.present && (scene->solids[i].kind != NEPH_SOLID_BOX || ++mirrors > 1))
+            return "the sun in a mirrored ball, or in several mirrors";
+    }
+    return NULL;
+}
+
+/* Light between solids alone; with 0 rays there is none. */
+static bool wants_radiosity(const struct neph_scene *scene)
+{
+    return scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->medium_count == 0;
 }
 
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                        char *reason, size_t reason_size)
 {
-    (void)settings;
-    const char *cannot = NULL;
+    const bool has_rays = neph_setting(&neph_engine_povray, settings, "radiosity_rays") > 0.0;
+    const bool has_light_between = wants_radiosity(scene) && has_rays;
+    const char *cannot = solid_obstacle(scene);
     struct neph_diag diag = {0};
     struct neph_povray_world world;
-    if (neph_metal_obstacle(scene))
-        cannot = neph_metal_obstacle(scene);
-    else if (neph_scene_is_endless(scene))
+    if (!cannot && neph_scene_is_endless(scene))
         cannot = neph_endless_reason;
-    else if (has_noise(scene))
-        cannot = "a texture of noise on solids";
-    else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene))
-        cannot = "multiple scattering";
-    else if (scene->environment_light && has_scatterer(scene))
+    if (cannot)
+        ;
+    else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene) &&
+             !has_light_between)
+        cannot = wants_radiosity(scene) ? "light between solids without radiosity_rays"
+                                        : "multiple scattering";
+    else if (scene->environment_light && has_scatterer(scene) && !has_light_between)
         cannot = "environment light on media or solids";
     else if (neph_povray_world(scene, 0, 1, 1, 1, &world, &diag))
         cannot = diag.message;
@@ -228,6 +267,7 @@ static const char ini_text[] =
     "Bounding=on\nBounding_Method=1\nBounding_Threshold=3\n"
     "Remove_Bounds=on\nSplit_Unions=off\n"
     "Output_to_File=on\nOutput_Alpha=off\nContinue_Trace=off\n"
+    "High_Reproducibility=on\n"
     "Clock=0\nInitial_Frame=1\nFinal_Frame=1\nField_Render=off\n";
 
 static enum neph_status write_ini(const char *directory, struct neph_diag *diag)
@@ -328,12 +368,16 @@ static enum neph_status render_picture(struct session *session, const char *name
 
 /* ---- One quantity --------------------------------------------------------------------------- */
 
-static void take_readings(const uint16_t *codes, double gain, size_t pixel_count,
+/* A picture with one value in all channels is the first of three brackets, the others clamped. */
+static void take_readings(const struct session *session, const uint16_t *codes, double gain,
                           struct neph_povray_reading *readings)
 {
-    for (size_t i = 0; i < pixel_count; i++)
-        readings[i] = neph_povray_better(readings[i],
-                                         neph_povray_read_brackets(codes + 3 * i, gain));
+    const bool is_single = neph_povray_has_photons(session->shot.scene);
+    for (size_t i = 0; i < session->pixel_count; i++) {
+        const uint16_t first[] = {codes[3 * i], UINT16_MAX, UINT16_MAX};
+        const uint16_t *brackets = is_single ? first : codes + 3 * i;
+        readings[i] = neph_povray_better(readings[i], neph_povray_read_brackets(brackets, gain));
+    }
 }
 
 static bool any_clamped(const struct neph_povray_reading *readings, size_t count)
@@ -367,7 +411,7 @@ static enum neph_status expose(struct session *session, const char *name,
         status = render_picture(session, file, &pass, &codes, wall_s, diag);
         if (status)
             break;
-        take_readings(codes, pass.gain, count, best);
+        take_readings(session, codes, pass.gain, best);
         free(codes);
         pass.gain = neph_povray_next_gain(best, count, pass.gain, target);
     }
@@ -436,11 +480,26 @@ static bool same_extinction(const struct neph_scene *scene, int a, int b)
     return true;
 }
 
-/* The factor from one colour to another, 0 when they are not proportional to rounding. */
+/* Do all solids reflect two colours alike? */
+static bool same_albedo(const struct neph_scene *scene, int a, int b)
+{
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_rgb colors[2] = {scene->solids[i].albedo,
+                                           scene->solids[i].surface.texture.other};
+        for (int c = 0; c < 2; c++)
+            if (neph_povray_component(colors[c], a) != neph_povray_component(colors[c], b))
+                return false;
+    }
+    return true;
+}
+
+/* The factor from one colour to another, 0 when they are not proportional to rounding. Between
+ * solids light is no multiple of its sources' weights alone. */
 static double proportion(const struct neph_scene *scene, const struct sources *sources, int from,
                          int to)
 {
-    if (!same_extinction(scene, from, to))
+    if (!same_extinction(scene, from, to) ||
+        (scene->scattering == NEPH_SCATTERING_MULTIPLE && !same_albedo(scene, from, to)))
         return 0.0;
     double from_peak = brightest_source(sources, from), to_peak = brightest_source(sources, to);
     for (int i = 0; i < sources->count; i++) {
@@ -851,6 +910,33 @@ static enum neph_status write_grid(const struct session *session, int index, con
     return status;
 }
 
+static enum neph_status write_noise(const struct neph_solid *solid, const char *directory,
+                                    struct neph_diag *diag)
+{
+    char name[NEPH_POVRAY_FILE_NAME_MAX];
+    struct neph_grid *grid = NULL;
+    neph_povray_noise_name(solid->surface.texture.seed, name);
+    char *path = neph_path_join(directory, name);
+    enum neph_status status = path ? neph_povray_noise(solid->surface.texture.seed, &grid, diag)
+                                   : neph_fail_memory(diag);
+    if (!status)
+        status = neph_volume_write_df3(path, grid, diag);
+    neph_grid_destroy(grid);
+    free(path);
+    return status;
+}
+
+static enum neph_status write_noises(const struct neph_scene *scene, const char *directory,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < scene->solid_count && !status; i++)
+        if (neph_is_textured(&scene->solids[i].surface) &&
+            scene->solids[i].surface.texture.pattern == NEPH_PATTERN_NOISE)
+            status = write_noise(&scene->solids[i], directory, diag);
+    return status;
+}
+
 static enum neph_status write_grids(const struct session *session, const char *directory,
                                     struct neph_diag *diag)
 {
@@ -879,6 +965,11 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
         neph_hint(diag, "%s", why.hint);
     }
     session->world.cut_error += session->baked.cut_error;
+    if (!status && wants_radiosity(session->shot.scene))
+        session->world.radiosity = (struct neph_povray_radiosity){
+            (int)neph_setting(&neph_engine_povray, &shot->settings, "radiosity_rays"),
+            neph_setting(&neph_engine_povray, &shot->settings, "radiosity_error"),
+            (int)neph_setting(&neph_engine_povray, &shot->settings, "photons")};
     return status;
 }
 
@@ -894,6 +985,8 @@ static enum neph_status start(const struct neph_shot *shot, const char *director
     enum neph_status status = adapt_scene(shot, session, diag);
     if (!status)
         status = write_ini(directory, diag);
+    if (!status)
+        status = write_noises(session->shot.scene, directory, diag);
     return status ? status : write_grids(session, directory, diag);
 }
 

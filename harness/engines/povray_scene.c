@@ -16,6 +16,10 @@
  * - A light of colour C fades by 2 C / (1 + (r / d)^2): with d = 1 unit, 1/r^2 to (1 unit / r)^2.
  *   Of a spot `tightness 0` leaves the smoothstep of the cosine between `radius` and `falloff`.
  * - Pigment and density functions wrap at 1: the densest place gets 0.999.
+ * - Radiosity has the light of the background, too, and follows mirrors. `reflection` of a colour
+ *   is that of a mirror at every angle; the highlights of rough metal are of no law of ours.
+ * - Photons that a mirror throws arrive in a world of 1e4 units, and in one of 1e6 they do not. A
+ *   photon has 8 bits a channel and one exponent for all three.
  * - Method 2 with one sample is the midpoint rule; methods 1 and 3 are random and biased.
  */
 #include "harness/engines/povray_scene.h"
@@ -32,9 +36,10 @@
 #include <stdlib.h>
 
 /* The radius of the blown-up world. POV-Ray ends rays at 1e7 units; the sun stands at twice the
- * radius, so that no distance exceeds 6e6. */
+ * radius, so that no distance exceeds 6e6. Where photons are shot the world is small. */
 static const double world_radius_units = 2e6;
-static const double sun_distance_units = 4e6;
+static const double photon_world_radius_units = 1e4;
+static const double sun_distance_radii = 2.0;
 
 /* POV-Ray ignores hits nearer than 1e-3 units. */
 static const double face_gap_units = 2e-3;
@@ -154,6 +159,14 @@ static double farthest_corner_m(const struct neph_bounds *bounds, struct neph_ve
     return sqrt(squared);
 }
 
+bool neph_povray_has_photons(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        if (scene->sun.present && neph_is_mirror(&scene->solids[i].surface))
+            return true;
+    return false;
+}
+
 /* The origin is put amid the solids: there POV-Ray's float bounding boxes must be finest. */
 static void choose_units(struct neph_povray_world *world)
 {
@@ -173,7 +186,9 @@ static void choose_units(struct neph_povray_world *world)
     const struct neph_bounds *middle = world->scene->solid_count > 0 ? &solids : &all;
     world->origin_m = neph_vec3_scale(neph_vec3_add(middle->min_m, middle->max_m), 0.5);
     double radius_m = farthest_corner_m(&all, world->origin_m);
-    world->units_per_m = world_radius_units / (radius_m > 0.0 ? radius_m : 1.0);
+    world->radius_units = neph_povray_has_photons(world->scene) ? photon_world_radius_units
+                                                                : world_radius_units;
+    world->units_per_m = world->radius_units / (radius_m > 0.0 ? radius_m : 1.0);
 }
 
 static enum neph_status check_solids(const struct neph_povray_world *world, struct neph_diag *diag)
@@ -184,7 +199,7 @@ static enum neph_status check_solids(const struct neph_povray_world *world, stru
         double smallest_m = fmin(size_m.x, fmin(size_m.y, size_m.z));
         if (!(smallest_m * world->units_per_m >= solid_minimum_units))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "solids of %g m in a world of %g m radius",
-                             smallest_m, world_radius_units / world->units_per_m);
+                             smallest_m, world->radius_units / world->units_per_m);
     }
     return NEPH_OK;
 }
@@ -380,7 +395,8 @@ static void named_number(struct writer *writer, const char *before, double value
     words(writer, after);
 }
 
-/* "rgb <...>": a colour of the beauty as it is; else gain * value in three brackets. */
+/* "rgb <...>": a colour of the beauty as it is; else gain * value in three brackets, but for
+ * photons, which would lose the darkest of them. */
 static void colour(struct writer *writer, struct neph_rgb value)
 {
     double gain = writer->pass->gain;
@@ -390,6 +406,10 @@ static void colour(struct writer *writer, struct neph_rgb value)
         return;
     }
     double bright = gain * neph_povray_component(value, writer->pass->channel);
+    if (neph_povray_has_photons(writer->world->scene)) {
+        triple(writer, bright, bright, bright);
+        return;
+    }
     triple(writer, neph_povray_bracket_scales[0] * bright, neph_povray_bracket_scales[1] * bright,
            neph_povray_bracket_scales[2] * bright);
 }
@@ -406,6 +426,29 @@ static void property(struct writer *writer, struct neph_rgb value)
     triple(writer, grey, grey, grey);
 }
 
+/* Is light between solids part of this picture? */
+static bool has_radiosity(const struct writer *writer)
+{
+    return writer->world->radiosity.rays > 0 &&
+           (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE);
+}
+
+/* Places are found before the picture, down to each pixel, and none is added while it is made: that
+ * would depend on the order of its threads. */
+static void write_radiosity(struct writer *writer)
+{
+    const struct neph_povray_world *world = writer->world;
+    named_number(writer, "  radiosity { count ", world->radiosity.rays, "");
+    named_number(writer, " error_bound ", world->radiosity.error_bound, "");
+    named_number(writer, " pretrace_end ", 1.0 / world->width_px, "");
+    words(writer, " pretrace_start 0.08 nearest_count 8 recursion_limit 6 low_error_factor 0.7\n"
+                  "    brightness 1 gray_threshold 0 minimum_reuse 0.005 maximum_reuse 0.1 "
+                  "adc_bailout 1e-12 always_sample off }");
+    if (neph_povray_has_photons(world->scene))
+        named_number(writer, "\n  photons { count ", world->radiosity.photons,
+                     " autostop 0 jitter 0 media 0 }");
+}
+
 static void write_header(struct writer *writer)
 {
     words(writer,
@@ -413,7 +456,10 @@ static void write_header(struct writer *writer)
           "// World: metres, right-handed, +Y up. POV-Ray's tolerances are fixed lengths, so the\n"
           "// world is blown up: U units are one metre, and O is moved to the origin.\n"
           "#version 3.7;\n"
-          "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0 }\n");
+          "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0");
+    if (has_radiosity(writer))
+        write_radiosity(writer);
+    words(writer, " }\n");
     named_number(writer, "#declare U = ", writer->world->units_per_m, ";\n");
     words(writer, "#declare O = ");
     vector(writer, writer->world->origin_m);
@@ -457,7 +503,8 @@ static void write_sun(struct writer *writer)
     if (!sun->present || !is_lit(writer))
         return;
     words(writer, "// Sun: irradiance / pi, from far outside all else.\nlight_source { ");
-    vector(writer, neph_vec3_scale(sun->direction, sun_distance_units));
+    vector(writer,
+           neph_vec3_scale(sun->direction, sun_distance_radii * writer->world->radius_units));
     words(writer, " ");
     colour(writer, neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / M_PI));
     words(writer, " parallel point_at 0 }\n\n");
@@ -743,7 +790,20 @@ static void declare_depth_texture(struct writer *writer)
     words(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
 }
 
-static void write_texture(struct writer *writer, struct neph_rgb albedo)
+/* What a lit solid does with light, behind its pigment. */
+static void write_finish(struct writer *writer, const struct neph_solid *solid)
+{
+    const double metalness = solid->surface.metalness;
+    named_number(writer, " finish { ambient 0 diffuse ", 1.0 - metalness, "");
+    if (metalness > 0.0) {
+        words(writer, " reflection { ");
+        property(writer, neph_rgb_scale(solid->albedo, metalness));
+        words(writer, " }");
+    }
+    words(writer, " }");
+}
+
+static void write_texture(struct writer *writer, const struct neph_solid *solid)
 {
     switch (writer->pass->kind) {
     case NEPH_POVRAY_DEPTH:
@@ -761,39 +821,85 @@ static void write_texture(struct writer *writer, struct neph_rgb albedo)
     case NEPH_POVRAY_BEAUTY:
     case NEPH_POVRAY_SURFACE:
         words(writer, " pigment { ");
-        property(writer, albedo);
-        words(writer, " } finish { ambient 0 diffuse 1 }");
+        property(writer, solid->albedo);
+        words(writer, " }");
+        write_finish(writer, solid);
         break;
     }
 }
 
-/* Whether the pass shows what a checker looks like. */
+/* Whether the pass shows what a pattern looks like. */
 static bool shows_paint(const struct writer *writer, const struct neph_solid *solid)
 {
     return neph_is_textured(&solid->surface) &&
            (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE);
 }
 
-/* In cells from the middle of the box: a face is where |x|, |y| or |z| is half of the side.
- * Patterns wrap at 1, so the two values are 1/4 and 3/4. It turns along where it stands before the
- * turn. */
-static void write_checker(struct writer *writer, const struct neph_solid *box)
+/* By the face of a place in cells from the middle of the box: `across_z`, `across_y` and
+ * `across_x`, functions of the two coordinates in that face. A face is where |x|, |y| or |z| is
+ * half of the side. */
+static void write_by_face(struct writer *writer, const struct neph_solid *box, const char *across_z,
+                          const char *across_y, const char *across_x)
 {
     static const double within = 1.0 - 1e-9; /* POV-Ray's places on a face are rounded */
-    const struct neph_paint *checker = &box->surface.texture;
     const struct neph_vec3 side_m = neph_vec3_sub(box->box.max_m, box->box.min_m);
-    const double half = 0.5 / checker->cell_m * within;
-    named_number(writer, " pigment { function { 0.25 + 0.5*abs(mod(select(abs(x) - ",
-                 half * side_m.x, ", ");
-    named_number(writer, "select(abs(y) - ", half * side_m.y,
-                 ", floor(x) + floor(y), floor(x) + floor(z)), floor(y) + floor(z)), 2)) } "
-                 "color_map { [0.5 ");
+    const double half = 0.5 / box->surface.texture.cell_m * within;
+    named_number(writer, "select(abs(x) - ", half * side_m.x, ", ");
+    named_number(writer, "select(abs(y) - ", half * side_m.y, ", ");
+    words(writer, across_z);
+    words(writer, ", ");
+    words(writer, across_y);
+    words(writer, "), ");
+    words(writer, across_x);
+    words(writer, ")");
+}
+
+/* Patterns wrap at 1, so the two values are 1/4 and 3/4. */
+static void write_checker(struct writer *writer, const struct neph_solid *box)
+{
+    words(writer, " function { 0.25 + 0.5*abs(mod(");
+    write_by_face(writer, box, "floor(x) + floor(y)", "floor(x) + floor(z)", "floor(y) + floor(z)");
+    words(writer, ", 2)) } color_map { [0.5 ");
     property(writer, box->albedo);
     words(writer, "] [0.5 ");
-    property(writer, checker->other);
-    named_number(writer, "] } scale U*", checker->cell_m, " translate ");
+    property(writer, box->surface.texture.other);
+    words(writer, "] }");
+}
+
+/* The file's nodes, with zeros around them, lie at (i + 1) / (NEPH_NOISE_CELLS + 3) of a unit cube,
+ * its layer at 1/3 (as in write_voxels). */
+static void write_noise(struct writer *writer, const struct neph_solid *box)
+{
+    const struct neph_paint *noise = &box->surface.texture;
+    named_number(writer, " function { 0.999*Noise", noise->seed, "(Cell(");
+    write_by_face(writer, box, "x", "x", "y");
+    words(writer, "), Cell(");
+    write_by_face(writer, box, "y", "z", "z");
+    words(writer, "), 1/3) } color_map { [0 ");
+    property(writer, box->albedo);
+    words(writer, "] [0.999 ");
+    property(writer, noise->other);
+    words(writer, "] }");
+}
+
+static bool is_noise(const struct neph_solid *solid)
+{
+    return neph_is_textured(&solid->surface) &&
+           solid->surface.texture.pattern == NEPH_PATTERN_NOISE;
+}
+
+/* A pattern turns along where it stands before the turn. */
+static void write_paint(struct writer *writer, const struct neph_solid *box)
+{
+    words(writer, " pigment {");
+    if (is_noise(box))
+        write_noise(writer, box);
+    else
+        write_checker(writer, box);
+    named_number(writer, " scale U*", box->surface.texture.cell_m, " translate ");
     position(writer, neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m), 0.5));
-    words(writer, " } finish { ambient 0 diffuse 1 }");
+    words(writer, " }");
+    write_finish(writer, box);
 }
 
 /* Before the texture, which does not turn along. Row i of POV-Ray's matrix is what becomes of unit
@@ -825,7 +931,7 @@ static void write_solid(struct writer *writer, const struct neph_solid *solid)
         words(writer, ", ");
         position(writer, solid->box.max_m);
         if (shows_paint(writer, solid))
-            write_checker(writer, solid);
+            write_paint(writer, solid);
         write_turn(writer, solid);
     } else {
         words(writer, "sphere { ");
@@ -833,13 +939,70 @@ static void write_solid(struct writer *writer, const struct neph_solid *solid)
         named_number(writer, ", U*", solid->radius_m, "");
     }
     if (!shows_paint(writer, solid))
-        write_texture(writer, solid->albedo);
+        write_texture(writer, solid);
+    if (has_radiosity(writer) && neph_is_mirror(&solid->surface))
+        words(writer, " photons { target reflection on refraction off collect off }");
     words(writer, " }\n");
+}
+
+void neph_povray_noise_name(int seed, char name[NEPH_POVRAY_FILE_NAME_MAX])
+{
+    snprintf(name, NEPH_POVRAY_FILE_NAME_MAX, "noise%d.df3", seed);
+}
+
+enum neph_status neph_povray_noise(int seed, struct neph_grid **grid, struct neph_diag *diag)
+{
+    const int size[3] = {NEPH_NOISE_CELLS + 1, NEPH_NOISE_CELLS + 1, 1};
+    struct neph_grid *made = NULL;
+    enum neph_status status = neph_grid_create(size, (struct neph_vec3){0, 0, 0},
+                                               (struct neph_vec3){1, 1, 1}, &made, diag);
+    for (int j = 0; j < size[1] && !status; j++)
+        for (int i = 0; i < size[0]; i++)
+            made->values[j * size[0] + i] = (float)neph_noise_value(seed, i, j);
+    if (!status) {
+        made->maximum = 1.0F; /* what the file's largest number stands for */
+        *grid = made;
+    }
+    return status;
+}
+
+static bool is_first_of_seed(const struct neph_scene *scene, int index)
+{
+    for (int i = 0; i < index; i++)
+        if (is_noise(&scene->solids[i]) &&
+            scene->solids[i].surface.texture.seed == scene->solids[index].surface.texture.seed)
+            return false;
+    return true;
+}
+
+/* Noise of each seed, and where a coordinate lies in its file. */
+static void declare_noises(struct writer *writer)
+{
+    const struct neph_scene *scene = writer->world->scene;
+    bool is_first = true;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const int seed = scene->solids[i].surface.texture.seed;
+        char name[NEPH_POVRAY_FILE_NAME_MAX];
+        if (!is_noise(&scene->solids[i]) || !is_first_of_seed(scene, i))
+            continue;
+        if (is_first) {
+            named_number(writer, "#declare Cell = function(x) { (x - ", NEPH_NOISE_CELLS, "*");
+            named_number(writer, "floor(x/", NEPH_NOISE_CELLS, ") + 1)");
+            named_number(writer, "/", NEPH_NOISE_CELLS + 3, " }\n");
+        }
+        is_first = false;
+        neph_povray_noise_name(seed, name);
+        named_number(writer, "#declare Noise", seed, " = function { pattern { density_file df3 \"");
+        words(writer, name);
+        words(writer, "\" interpolate 1 } }\n");
+    }
 }
 
 static void write_solids(struct writer *writer)
 {
     const struct neph_scene *scene = writer->world->scene;
+    if (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE)
+        declare_noises(writer);
     if (scene->solid_count > 0 && writer->pass->kind == NEPH_POVRAY_DEPTH)
         declare_depth_texture(writer);
     if (scene->solid_count > 0)

@@ -14,6 +14,9 @@
 /* POV-Ray's media abort above ("internal nesting limit"). */
 #define NEPH_POVRAY_INTERVALS_MAX 256
 
+/* Directions that POV-Ray has for radiosity; of more it makes new ones. */
+#define NEPH_POVRAY_RAYS_MAX 1600
+
 /* The box that holds one medium. */
 struct neph_povray_container {
     bool used; /* false: the medium is empty */
@@ -24,16 +27,25 @@ struct neph_povray_container {
     double extinction_per_m;
 };
 
+/* Light between solids: rays from places whose light those around them share. */
+struct neph_povray_radiosity {
+    int rays;           /* from a place; 0: there is no such light */
+    double error_bound; /* how different light may be that is shared, in POV-Ray's measure */
+    int photons;        /* that a mirror throws of the sun's light */
+};
+
 /* A frame of a scene, prepared for POV-Ray. */
 struct neph_povray_world {
     const struct neph_scene *scene; /* borrowed */
     struct neph_camera camera;
     int width_px, height_px;
     int intervals;
+    struct neph_povray_radiosity radiosity; /* for the caller to set; else 0 */
     /* POV-Ray's tolerances are fixed lengths (1e-4 and 1e-3 units), and a container's face that
      * near to a lit solid breaks its shadow. The world is blown up until they are small: position
      * in units = units_per_m * (position - origin). */
     double units_per_m;
+    double radius_units; /* of the world */
     struct neph_vec3 origin_m;
     struct neph_povray_container containers[NEPH_SCENE_MEDIA_MAX];
     double cut_error;     /* bound on the error in transmittance of cutting open media */
@@ -65,6 +77,10 @@ enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, in
                                    int height_px, int intervals, struct neph_povray_world *world,
                                    struct neph_diag *diag);
 
+/* Does a mirror throw sunlight on others? Such a picture has the same value in all three channels.
+ */
+bool neph_povray_has_photons(const struct neph_scene *scene);
+
 /* The text of one pass, for the caller to free. */
 enum neph_status neph_povray_text(const struct neph_povray_world *world,
                                   const struct neph_povray_pass *pass, char **text,
@@ -77,6 +93,11 @@ void neph_povray_grid_name(int index, char name[NEPH_POVRAY_FILE_NAME_MAX]);
 /* The grid for that file: its largest density stays below full scale, where POV-Ray's patterns wrap
  * to 0. It shares the values of `grid`. */
 struct neph_grid neph_povray_grid(const struct neph_grid *grid);
+
+/* The values of a noise (scenes/surface.h) for the file of this name, which is that of its seed: a
+ * layer of whole places, the last again the first. For neph_grid_destroy(). */
+void neph_povray_noise_name(int seed, char name[NEPH_POVRAY_FILE_NAME_MAX]);
+enum neph_status neph_povray_noise(int seed, struct neph_grid **grid, struct neph_diag *diag);
 
 /* Do two phase functions have the same shape? */
 bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b);

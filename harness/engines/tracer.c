@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-enum { OPTION_SAMPLES, OPTION_TARGET_ERROR, OPTION_TIME_LIMIT, OPTION_SAMPLER };
+enum { OPTION_SAMPLES, OPTION_TARGET_ERROR, OPTION_TIME_LIMIT, OPTION_SAMPLER, OPTION_SUN_TABLE };
 
 static const char *const samplers[] = {"random", "sobol", NULL};
 
@@ -26,6 +26,11 @@ static const struct neph_option options[] = {
                         "numbers of a sample: random, or Sobol's with Owen's scrambling for its "
                         "first collision, its first direction and its next free path; the variance "
                         "of a pixel is then from two sequences alone"},
+    [OPTION_SUN_TABLE] = {"sun_table", NEPH_OPTION_INTEGER, NEPH_TRACER_SUN_NODES, 0,
+                          NEPH_TRACER_SUN_NODES_MAX, NULL,
+                          "nodes, at most, of a table of the sunlight that arrives, for all orders "
+                          "in clouds without colour whose optical depth is known: it is checked as "
+                          "it goes, so its error is noise; 0: a ray an event, as elsewhere"},
     {.name = NULL},
 };
 
@@ -60,6 +65,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         .frame = shot->frame,
         .seed = shot->seed,
         .sobol = values[OPTION_SAMPLER] != 0.0,
+        .sun_nodes = (int)values[OPTION_SUN_TABLE],
         .samples = (int)values[OPTION_SAMPLES],
         .target_error = values[OPTION_TARGET_ERROR],
         .time_limit_s = values[OPTION_TIME_LIMIT] > 0.0 ? values[OPTION_TIME_LIMIT] : INFINITY,
@@ -101,7 +107,7 @@ const struct neph_engine neph_engine_tracer = {
         "none; in a procedural cloud within a medium without end, light scattered once and seen "
         "against the sun at optical depths above 10 has a larger error than the frame says",
     .options = options,
-    .version = 6,
+    .version = 7,
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,

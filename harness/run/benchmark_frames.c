@@ -190,10 +190,36 @@ static void take_counts(const struct neph_image *image, struct neph_benchmark_fr
     json_decref(stats);
 }
 
-/* The picture after those that were timed: counted, and compared. */
-static enum neph_status look(struct neph_benchmark_frames_engine *engine, long picture,
-                             struct neph_diag *diag)
+/* As `neph render` shows it, but each time before an eye that is adapted to it. */
+static enum neph_status time_chain(const struct neph_benchmark_frames *benchmark,
+                                   struct neph_benchmark_frames_engine *engine,
+                                   const struct neph_image *frame, int number, int repeats,
+                                   struct neph_diag *diag)
 {
+    struct neph_showing *showing = benchmark->showing;
+    struct neph_vulkan *vulkan = NULL;
+    struct neph_image *picture = NULL;
+    struct neph_post_stats stats;
+    showing->params.step_s = 1.0 / engine->job.shot.scene->frame_rate_hz;
+    enum neph_status status = neph_showing_settle(showing, number, diag);
+    if (!status)
+        status = neph_vulkan_open(&vulkan, diag);
+    if (!status)
+        status = neph_chain_warm_up(vulkan, &showing->params, frame, diag);
+    if (!status)
+        status = neph_chain_take(vulkan, &showing->params, frame, repeats, limit_s, &picture,
+                                 &stats, &engine->chain, diag);
+    neph_image_destroy(picture);
+    neph_vulkan_destroy(vulkan);
+    return status;
+}
+
+/* The picture after those that were timed: counted, compared, and shown. */
+static enum neph_status look(const struct neph_benchmark_frames *benchmark,
+                             struct neph_benchmark_frames_engine *engine, long picture,
+                             int frame_count, struct neph_diag *diag)
+{
+    const int repeats = frame_count < NEPH_CHAIN_REPEATS_MAX ? frame_count : NEPH_CHAIN_REPEATS_MAX;
     struct neph_job job = engine->job;
     struct neph_image *image = NULL;
     struct neph_cost cost;
@@ -203,6 +229,8 @@ static enum neph_status look(struct neph_benchmark_frames_engine *engine, long p
         take_counts(image, engine);
         status = measure_error(engine, image, job.shot.frame, diag);
     }
+    if (!status && benchmark->showing)
+        status = time_chain(benchmark, engine, image, job.shot.frame, repeats, diag);
     neph_image_destroy(image);
     return status;
 }
@@ -223,7 +251,8 @@ static enum neph_status first_picture(struct neph_benchmark_frames_engine *engin
     return status;
 }
 
-static enum neph_status run_engine(struct neph_benchmark_frames_engine *engine, int frame_count,
+static enum neph_status run_engine(const struct neph_benchmark_frames *benchmark,
+                                   struct neph_benchmark_frames_engine *engine, int frame_count,
                                    struct neph_diag *diag)
 {
     long picture = 1;
@@ -235,7 +264,7 @@ static enum neph_status run_engine(struct neph_benchmark_frames_engine *engine, 
         status = time_frames(engine, &picture, frame_count, diag);
     engine->device_bytes = neph_device_memory_most() - others_bytes;
     if (!status)
-        status = look(engine, picture, diag);
+        status = look(benchmark, engine, picture, frame_count, diag);
     neph_job_close(&engine->job);
     return status;
 }
@@ -331,7 +360,7 @@ enum neph_status neph_benchmark_frames_run(struct neph_benchmark_frames *benchma
     for (int e = 0; e < benchmark->engine_count && !status; e++) {
         struct neph_benchmark_frames_engine *engine = &benchmark->engines[e];
         neph_progress_begin(&progress, engine->job.engine->name);
-        status = run_engine(engine, frame_count, diag);
+        status = run_engine(benchmark, engine, frame_count, diag);
         if (!status)
             neph_progress_step(&progress, engine->job.engine->name, "timed", engine->first_s);
     }
@@ -407,19 +436,30 @@ static json_t *passes_json(const struct neph_benchmark_frames *benchmark,
     return passes;
 }
 
+static json_t *chain_json(const struct neph_benchmark_frames *benchmark,
+                          const struct neph_benchmark_frames_engine *engine)
+{
+    if (!benchmark->showing)
+        return json_null();
+    return json_pack("{s:i, s:o, s:o}", "repeats", engine->chain.count, "stages",
+                     neph_chain_stages_json(&benchmark->showing->params, &engine->chain), "all",
+                     neph_chain_time_json("all stages", &engine->chain.all));
+}
+
 static json_t *engine_json(const struct neph_benchmark_frames *benchmark,
                            const struct neph_benchmark_frames_engine *engine)
 {
     const struct neph_job *job = &engine->job;
     char *settings = neph_settings_text(job->engine, &job->shot.settings);
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:s, s:f, s:I, s:i, s:f, s:o, s:o, s:o, s:o, s:s, s:o}", "engine",
+        "{s:s, s:s, s:s, s:s, s:f, s:I, s:i, s:f, s:o, s:o, s:o, s:o, s:s, s:o, s:o}", "engine",
         job->engine->name, "version", job->info->version, "device", job->info->device, "settings",
         settings ? settings : "", "first_s", engine->first_s, "device_bytes",
         (json_int_t)engine->device_bytes, "frames", engine->frame_count, "mean_s", engine->mean_s,
         "frame_s", spread_json(engine->frame_s), "gpu_s", spread_json(engine->gpu_s), "cpu_s",
         spread_json(engine->cpu_s), "passes", passes_json(benchmark, engine), "reference",
-        engine->reference->name, "error", neph_json_number(engine->error));
+        engine->reference->name, "error", neph_json_number(engine->error), "chain",
+        chain_json(benchmark, engine));
     free(settings);
     return json;
 }

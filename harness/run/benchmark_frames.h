@@ -8,7 +8,8 @@
 #ifndef NEPH_HARNESS_RUN_BENCHMARK_FRAMES_H
 #define NEPH_HARNESS_RUN_BENCHMARK_FRAMES_H
 
-#include "harness/run/flight.h"
+#include "harness/run/chain_times.h"
+#include "harness/run/showing.h"
 #include "renderer/ceilings.h"
 
 enum { NEPH_BENCHMARK_FRAMES_ENGINES_MAX = 4, NEPH_BENCHMARK_FRAMES_MAX = 100000 };
@@ -35,12 +36,14 @@ struct neph_benchmark_frames_engine {
     struct neph_benchmark_pass passes[NEPH_FLIGHT_PASSES_MAX];
     const struct neph_engine *reference; /* the march of the same lighting, at its defaults */
     double error; /* of the radiance against the reference's: rel_rmse of `neph metrics error` */
+    struct neph_chain_times chain; /* of the last picture through the chain to the display */
 };
 
 struct neph_benchmark_frames {
     int engine_count;
     struct neph_benchmark_frames_engine engines[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
-    bool without_ceilings; /* nobody asks what the device can do: all of them are NaN */
+    bool without_ceilings;        /* nobody asks what the device can do: all of them are NaN */
+    struct neph_showing *showing; /* the chain to the display, borrowed; NULL: there is none */
     struct neph_ceilings ceilings;
     bool samples_grids;  /* density evaluations of the scene are samples of voxel grids */
     int thread_count;    /* of a CPU device; 0: it is none */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The chart of a post study: a line for each chain, a mark for each scene, error and flicker on the
- * display over those of the curve alone. Drawn here and not by Vega, so that a study on a machine
- * without node has it.
+ * The chart of a post study: a line for each chain, a mark for each scene; error and flicker on the
+ * display, milliseconds, and the error of light before the curve, over those of the curve alone.
+ * Drawn here and not by Vega, so that a study on a machine without node has it.
  */
 #include "base/written.h"
 #include "harness/study/post_study.h"
@@ -14,14 +14,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Two panels, one under the other, so narrow that letters are read on a telephone. */
+/* Panels one under the other, so narrow that letters are read on a telephone. */
 enum { WIDTH = 430, LEFT = 192, PANEL = 222, TOP = 50, LINE = 20, GAP = 24, LEGEND = 18 };
 
 static const struct panel {
     const char *title;
     size_t at;
-} panels[] = {{"FLIP, over the curve alone", offsetof(struct neph_post_numbers, flip)},
-              {"flicker seen, over the curve alone", offsetof(struct neph_post_numbers, seen)}};
+    bool is_sparse; /* chains that leave it as it is are left out */
+} panels[] = {
+    {"FLIP, over the curve alone", offsetof(struct neph_post_numbers, flip), false},
+    {"flicker seen, over the curve alone", offsetof(struct neph_post_numbers, seen), false},
+    {"milliseconds, over the curve alone", offsetof(struct neph_post_numbers, ms), false},
+    {"light before the curve, its error over the curve alone; the rest: 1",
+     offsetof(struct neph_post_numbers, scene_error), true},
+    {"light before the curve, what its error changes by; the rest: 1",
+     offsetof(struct neph_post_numbers, scene_change), true},
+};
 enum { PANELS = sizeof(panels) / sizeof(panels[0]) };
 
 static int base_row(const struct neph_post_study *study)
@@ -101,22 +109,50 @@ static void draw_row(const struct neph_post_study *study, int panel, const struc
                 at_px(axis, 0.0) + 6.0, y + 4);
 }
 
-/* A line is left between what is alone and what is out of the whole. */
+static bool is_drawn(const struct neph_post_study *study, int panel, int row)
+{
+    bool differs = !panels[panel].is_sparse;
+    for (int s = 0; s < study->params->scene_count; s++)
+        differs |= fabs(ratio(study, &panels[panel], s, row)) > 1e-3;
+    return differs;
+}
+
+/* Lines of the rows before one, and of all for the one that ends the table. A line is left between
+ * what is alone and what is out of the whole. */
+static int lines_before(const struct neph_post_study *study, int panel, int row)
+{
+    int lines = 0;
+    bool is_of_whole = false;
+    for (int r = 0; r < row; r++)
+        if (is_drawn(study, panel, r)) {
+            lines += 1 + (study->rows[r].is_of_whole && !is_of_whole);
+            is_of_whole |= study->rows[r].is_of_whole;
+        }
+    return lines + (study->rows[row].is_of_whole && !is_of_whole);
+}
+
 static int row_count(const struct neph_post_study *study)
 {
     int rows = 0;
     while (study->rows[rows].name)
         rows++;
-    return rows + 1;
+    return rows;
+}
+
+static int panel_height(const struct neph_post_study *study, int panel)
+{
+    return TOP + LINE * (lines_before(study, panel, row_count(study)) + 1);
 }
 
 static void draw_panel(const struct neph_post_study *study, int panel, int top, FILE *out)
 {
     const struct axis axis = fit(study, panel);
-    draw_grid(&axis, panels[panel].title, top, top + LINE * row_count(study) - LINE / 2, out);
+    draw_grid(&axis, panels[panel].title, top, top + panel_height(study, panel) - TOP - LINE / 2,
+              out);
     for (int r = 0; study->rows[r].name; r++)
-        draw_row(study, panel, &axis, r, top + LINE * (r + study->rows[r].is_of_whole) + LINE / 2,
-                 out);
+        if (is_drawn(study, panel, r))
+            draw_row(study, panel, &axis, r, top + LINE * lines_before(study, panel, r) + LINE / 2,
+                     out);
 }
 
 /* Two scenes a line. */
@@ -134,9 +170,12 @@ static void draw_legend(const struct neph_post_study *study, int top, FILE *out)
 static void draw(const void *what, FILE *out)
 {
     const struct neph_post_study *study = what;
-    const int panel_height = TOP + LINE * row_count(study);
     const int legend = GAP + LEGEND * ((study->params->scene_count + 1) / 2);
-    const int height = legend + PANELS * panel_height;
+    int height = legend, tops[PANELS];
+    for (int p = 0; p < PANELS; p++) {
+        tops[p] = height + TOP;
+        height += panel_height(study, p);
+    }
     fprintf(out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" "
             "font-family=\"sans-serif\" font-size=\"12\">\n"
@@ -144,7 +183,7 @@ static void draw(const void *what, FILE *out)
             WIDTH, height, WIDTH, WIDTH, height);
     draw_legend(study, GAP, out);
     for (int p = 0; p < PANELS; p++)
-        draw_panel(study, p, legend + p * panel_height + TOP, out);
+        draw_panel(study, p, tops[p], out);
     fprintf(out, "</svg>\n");
 }
 

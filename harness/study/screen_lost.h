@@ -22,4 +22,10 @@ void neph_screen_lost(const struct neph_scene *scene, const struct neph_camera *
                       int width_px, int height_px, int column, int row, double reach_m, int rays,
                       double shares[NEPH_SCREEN_LOSSES]);
 
+/* As neph_screen_lost(), of the one ray that a mirror would send: one of the shares is 1, or none.
+ */
+void neph_screen_lost_mirrored(const struct neph_scene *scene, const struct neph_camera *camera,
+                               int width_px, int height_px, int column, int row,
+                               double shares[NEPH_SCREEN_LOSSES]);
+
 #endif

@@ -8,6 +8,8 @@
 #include "harness/progress.h"
 #include "harness/run/seed.h"
 #include "harness/study/screen_flicker.h"
+#include "metrics/display.h"
+#include "scenes/motion.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -194,8 +196,10 @@ static bool sum_up(const struct pictures *pictures, enum neph_screen_part part, 
 
 static struct neph_screen_truth truth_of(const struct sums *sums)
 {
-    return (struct neph_screen_truth){sums->pixels, sums->lost, sums->noise / sums->all,
-                                      sums->beyond / sums->all};
+    return (struct neph_screen_truth){.pixels = sums->pixels,
+                                      .lost = sums->lost,
+                                      .noise = sums->noise / sums->all,
+                                      .beyond = sums->beyond / sums->all};
 }
 
 static struct neph_screen_gap gap_of(const struct sums *sums, bool is_there)
@@ -209,28 +213,124 @@ static struct neph_screen_gap gap_of(const struct sums *sums, bool is_there)
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
-/* Why it is lost, on the mean over surfaces. */
-static void look_around(const struct work *work, const struct neph_scene *scene,
-                        const struct neph_image *truth, struct neph_screen_scene *result)
+static int reason_of(const double shares[NEPH_SCREEN_LOSSES])
+{
+    int reason = NEPH_SCREEN_LOSSES;
+    double most = 0.0;
+    for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
+        if (shares[i] > most) {
+            most = shares[i];
+            reason = i;
+        }
+    return reason;
+}
+
+/* A picture, and its parts as far as it has them. */
+struct parted {
+    const float *depth;
+    struct layers layers[NEPH_SCREEN_PARTS];
+    bool has[NEPH_SCREEN_PARTS];
+};
+
+/* Why a pixel is lost, and that it is. */
+static void look_from(const struct work *work, const struct neph_scene *scene,
+                      const struct neph_camera *camera, const struct parted *truth, int p,
+                      double shares[NEPH_SCREEN_PARTS][NEPH_SCREEN_LOSSES],
+                      struct neph_screen_scene *result)
 {
     const struct neph_screen_study_params *params = work->params;
+    const int column = p % params->width_px, row = p / params->width_px;
+    neph_screen_lost(scene, camera, params->width_px, params->height_px, column, row,
+                     params->radius_m, params->rays, shares[NEPH_SCREEN_AO]);
+    neph_screen_lost(scene, camera, params->width_px, params->height_px, column, row, INFINITY,
+                     params->rays, shares[NEPH_SCREEN_DIFFUSE]);
+    neph_screen_lost_mirrored(scene, camera, params->width_px, params->height_px, column, row,
+                              shares[NEPH_SCREEN_GLOSSY]);
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        struct sample sample;
+        if (!truth->has[part] || !sample_of(&truth->layers[part], (size_t)p, &sample) ||
+            !is_lost((enum neph_screen_part)part, &sample))
+            continue;
+        const int reason = reason_of(shares[part]);
+        result->truths[part].lost_by[reason]++;
+        result->marks[part][p] = (uint8_t)(1 + reason);
+    }
+}
+
+/* Shares are means over surfaces. */
+static void look_around(const struct work *work, const struct neph_scene *scene,
+                        const struct neph_image *picture, struct neph_screen_scene *result)
+{
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
-    const float *depth = neph_image_channel(truth, "Z");
-    const int count = params->width_px * params->height_px;
+    const int count = work->params->width_px * work->params->height_px;
+    struct parted truth = {.depth = neph_image_channel(picture, "Z")};
     int surfaces = 0;
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++)
+        truth.has[part] = find_layers(&(struct pictures){.truth = picture},
+                                      (enum neph_screen_part)part, &truth.layers[part]);
     for (int p = 0; p < count; p++)
-        surfaces += isfinite(depth[p]);
+        surfaces += isfinite(truth.depth[p]);
     for (int p = 0; p < count; p++) {
-        double near[NEPH_SCREEN_LOSSES], far[NEPH_SCREEN_LOSSES];
-        const int column = p % params->width_px, row = p / params->width_px;
-        neph_screen_lost(scene, &camera, params->width_px, params->height_px, column, row,
-                         params->radius_m, params->rays, near);
-        neph_screen_lost(scene, &camera, params->width_px, params->height_px, column, row, INFINITY,
-                         params->rays, far);
+        double shares[NEPH_SCREEN_PARTS][NEPH_SCREEN_LOSSES];
+        look_from(work, scene, &camera, &truth, p, shares, result);
         for (int i = 0; i < NEPH_SCREEN_LOSSES; i++) {
-            result->near[i] += near[i] / surfaces;
-            result->far[i] += far[i] / surfaces;
+            result->near[i] += shares[NEPH_SCREEN_AO][i] / surfaces;
+            result->far[i] += shares[NEPH_SCREEN_DIFFUSE][i] / surfaces;
         }
+    }
+}
+
+/* Solids lie as the first frame has them. */
+static enum neph_status look_at_first(const struct work *work, const struct neph_scene *scene,
+                                      const struct neph_image *picture,
+                                      struct neph_screen_scene *result, struct neph_diag *diag)
+{
+    struct neph_scene *still = NULL;
+    const enum neph_status status = neph_scene_at(scene, 0.0, &still, diag);
+    if (status)
+        return status;
+    look_around(work, still, picture, result);
+    neph_scene_destroy(still);
+    return NEPH_OK;
+}
+
+/* The picture under the marks: half as bright as it is, and lighter. */
+static enum neph_status show(const struct neph_scene *scene, const struct neph_image *picture,
+                             uint8_t *grey, struct neph_diag *diag)
+{
+    const size_t count = neph_image_pixel_count(picture);
+    float *planes[3];
+    uint8_t *rgb = malloc(3 * count);
+    if (!rgb)
+        return neph_fail_memory(diag);
+    enum neph_status status = neph_image_rgb(picture, NULL, planes)
+                                  ? NEPH_OK
+                                  : neph_fail(diag, NEPH_ERR_INTERNAL, "a truth without radiance");
+    const float *const constant[3] = {planes[0], planes[1], planes[2]};
+    if (!status)
+        status = neph_display_encode(constant, count, scene->exposure_ev, rgb, diag);
+    for (size_t p = 0; p < count && !status; p++)
+        grey[p] = (uint8_t)(80 + (2 * rgb[3 * p] + 5 * rgb[3 * p + 1] + rgb[3 * p + 2]) / 16);
+    free(rgb);
+    return status;
+}
+
+static enum neph_status make_marks(const struct work *work, struct neph_screen_scene *result,
+                                   struct neph_diag *diag)
+{
+    const size_t count = (size_t)work->params->width_px * (size_t)work->params->height_px;
+    bool has_memory = (result->seen = calloc(count, 1)) != NULL;
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++)
+        has_memory &= (result->marks[part] = calloc(count, 1)) != NULL;
+    return has_memory ? NEPH_OK : neph_fail_memory(diag);
+}
+
+void neph_screen_study_finish(struct neph_screen_study *study)
+{
+    for (int s = 0; s < NEPH_SCREEN_SCENES_MAX; s++) {
+        free(study->scenes[s].seen);
+        for (int part = 0; part < NEPH_SCREEN_PARTS; part++)
+            free(study->scenes[s].marks[part]);
     }
 }
 
@@ -326,7 +426,11 @@ static enum neph_status run_scene(struct work *work, const struct neph_scene *sc
             result->truths[part] = truth_of(&sums);
     }
     if (!status)
-        look_around(work, scene, known.truth, result);
+        status = make_marks(work, result, diag);
+    if (!status)
+        status = show(scene, known.truth, result->seen, diag);
+    if (!status)
+        status = look_at_first(work, scene, known.truth, result, diag);
     if (!status)
         status = ask_witness(work, scene, &known, result, diag);
     if (!status)

@@ -18,6 +18,8 @@
 #include "harness/study/post_study.h"
 #include "harness/study/screen_lost.h"
 
+#include <stdint.h>
+
 enum { NEPH_SCREEN_SCENES_MAX = 16 };
 
 #define NEPH_SCREEN_LOST 0.1 /* of a pixel's light; of the hemisphere half of it */
@@ -50,9 +52,13 @@ struct neph_screen_gap {
     double known_error, lost_error; /* over pixels that are not lost, that are; NaN: none */
 };
 
+/* What a pixel is lost by: that of most of its rays; NEPH_SCREEN_LOSSES: none of them is, which is
+ * noise. */
+enum { NEPH_SCREEN_REASONS = NEPH_SCREEN_LOSSES + 1 };
+
 /* What is known of a part before any model. */
 struct neph_screen_truth {
-    int pixels, lost;
+    int pixels, lost, lost_by[NEPH_SCREEN_REASONS];
     double noise;  /* of the truth: what a perfect model would be off by */
     double beyond; /* what the screen does not show of the truth: no model can know it */
 };
@@ -68,11 +74,14 @@ struct neph_screen_scene {
     struct neph_post_numbers flicker[NEPH_LIGHT_MODELS_MAX]; /* of pictures, against the truth */
     /* Over surfaces in the picture: shares of the hemisphere within the radius and all the way. */
     double near[NEPH_SCREEN_LOSSES], far[NEPH_SCREEN_LOSSES];
+    /* A value a pixel, owned: the truth for a display, in grey; 0 where it is known, else 1 and the
+     * reason. */
+    uint8_t *seen, *marks[NEPH_SCREEN_PARTS];
 };
 
 struct neph_screen_study {
-    const struct neph_screen_study_params *params; /* borrowed */
-    struct neph_screen_scene scenes[NEPH_SCREEN_SCENES_MAX];
+    const struct neph_screen_study_params *params;           /* borrowed */
+    struct neph_screen_scene scenes[NEPH_SCREEN_SCENES_MAX]; /* neph_screen_study_finish() */
 };
 
 extern const char *const neph_screen_part_names[NEPH_SCREEN_PARTS];
@@ -83,6 +92,9 @@ extern const char *const neph_screen_part_names[NEPH_SCREEN_PARTS];
 enum neph_status neph_screen_study_run(const struct neph_screen_study_params *params,
                                        struct neph_store *store, struct neph_screen_study *study,
                                        struct neph_diag *diag);
+
+/* Nothing but the study's own memory stays. */
+void neph_screen_study_finish(struct neph_screen_study *study);
 
 /* As Markdown, for the caller to free; and as JSON, NULL when memory is short. */
 enum neph_status neph_screen_study_text(const struct neph_screen_study *study, char **text,

@@ -31,8 +31,11 @@ static void print_truth(const char *scene, const struct neph_screen_truth *truth
 {
     fprintf(out, "| %s | *no model can* |", scene);
     print_percent(truth->beyond, out);
-    fprintf(out, " | | noise %.2f | lost %.0f %% of %d px |\n", 100.0 * truth->noise,
+    fprintf(out, " | | noise %.2f | lost %.0f %% of %d px:", 100.0 * truth->noise,
             100.0 * truth->lost / truth->pixels, truth->pixels);
+    fprintf(out, " %d off, %d behind, %d thin, %d else |\n", truth->lost_by[NEPH_LOST_OFF],
+            truth->lost_by[NEPH_LOST_BEHIND], truth->lost_by[NEPH_LOST_THIN],
+            truth->lost_by[NEPH_SCREEN_LOSSES]);
 }
 
 static void print_part(const struct neph_screen_study *study, int part, FILE *out)
@@ -170,9 +173,12 @@ static json_t *part_json(const struct neph_screen_study *study,
     json_t *models = json_object();
     for (int m = 0; m < study->params->model_count; m++)
         neph_json_set(&models, study->params->models[m], gap_json(&scene->gaps[m][part]));
-    return json_pack("{s:i, s:i, s:o, s:o, s:o}", "pixels", truth->pixels, "lost", truth->lost,
-                     "noise", neph_json_number(truth->noise), "beyond",
-                     neph_json_number(truth->beyond), "models", models);
+    return json_pack("{s:i, s:i, s:{s:i, s:i, s:i, s:i}, s:o, s:o, s:o}", "pixels", truth->pixels,
+                     "lost", truth->lost, "lost_by", "off", truth->lost_by[NEPH_LOST_OFF], "behind",
+                     truth->lost_by[NEPH_LOST_BEHIND], "thin", truth->lost_by[NEPH_LOST_THIN],
+                     "else", truth->lost_by[NEPH_SCREEN_LOSSES], "noise",
+                     neph_json_number(truth->noise), "beyond", neph_json_number(truth->beyond),
+                     "models", models);
 }
 
 static json_t *witness_json(const struct neph_screen_study *study,

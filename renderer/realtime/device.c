@@ -28,19 +28,22 @@ static enum neph_status create_noise(struct neph_rt_device *device, const uint32
     return NEPH_OK;
 }
 
-static enum neph_status create_target(struct neph_rt_device *device, int target,
-                                      struct neph_diag *diag)
+enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
+                                           struct neph_buffer *buffer, struct neph_diag *diag)
 {
     const struct neph_gpu_target *shape = &device->view->targets[target];
     const size_t words = (size_t)shape->width * shape->height * neph_rt_format_words(shape->format);
     uint32_t *zeros = calloc(words, sizeof(*zeros));
     if (!zeros)
         return neph_fail_memory(diag);
-    enum neph_status status = neph_buffer_create(
-        device->vulkan, NEPH_BUFFER_DEVICE, words * sizeof(*zeros), neph_rt_target_name(target),
-        &device->targets[target], diag);
+    enum neph_status status = neph_buffer_create(device->vulkan, NEPH_BUFFER_DEVICE,
+                                                 words * sizeof(*zeros),
+                                                 neph_rt_target_name(target), buffer, diag);
     if (!status)
-        status = neph_rt_device_upload(device, target, zeros, diag);
+        status = neph_buffer_see_texels(device->vulkan, (int)neph_rt_format_words(shape->format),
+                                        buffer, diag);
+    if (!status)
+        status = neph_buffer_upload(device->vulkan, buffer, 0, zeros, words * sizeof(*zeros), diag);
     free(zeros);
     return status;
 }
@@ -53,13 +56,15 @@ static enum neph_status create_targets(struct neph_rt_device *device, uint32_t t
     for (int t = 0; t < RT_TARGET_COUNT && !status; t++) {
         if (!(targets & NEPH_RT_BIT(t)))
             continue;
-        status = create_target(device, t, diag);
+        status = neph_rt_device_add_target(device, t, &device->targets[t], diag);
         const size_t bytes = device->targets[t].size_bytes;
         most_bytes = bytes > most_bytes ? bytes : most_bytes;
     }
     if (!status)
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_DEVICE, sizeof(uint32_t), "nothing",
                                     &device->nothing, diag);
+    if (!status)
+        status = neph_buffer_see_texels(device->vulkan, 1, &device->nothing, diag);
     if (!status)
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_READBACK, most_bytes,
                                     "target readback", &device->readback, diag);
@@ -171,9 +176,12 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     params->spirv = pass->shader.spirv;
     params->spirv_size_bytes = pass->shader.spirv_size_bytes;
     params->buffer_count = first + 2;
-    if (first == 0)
-        params->uniform_count = 1; /* the view, where no scene is before it */
     params->array_count = pass->rays ? RT_RAY_TARGET_COUNT : RT_TARGET_COUNT;
+    if (first == 0) { /* no scene before the view */
+        params->uniform_count = 1;
+        params->texels_first = 2;
+        params->texels_count = params->array_count;
+    }
     set_choices(device, pass, params);
     dispatch->buffers[first] = &device->view_buffer;
     dispatch->buffers[first + 1] = &device->noise;

@@ -7,6 +7,7 @@
 #include "renderer/march_scene.h"
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/injection.h"
+#include "renderer/realtime/kept_scene.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/stillness.h"
@@ -44,6 +45,7 @@ struct neph_realtime {
     struct neph_rt_moment past;
     struct neph_rt_suns suns;
     struct neph_rt_stillness stillness;
+    struct neph_rt_kept_scene kept;
     bool has_mirrored_past; /* of the camera that is mirrored (inject.mirror) */
     struct neph_rt_moment mirrored_past;
     uint64_t injected_values;  /* since the last picture */
@@ -129,6 +131,8 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     struct neph_kernel_params params = {
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
+        .texels_first = NEPH_GPU_VALUES_BUFFER,
+        .texels_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
     };
     struct ray_pass work = {
@@ -405,6 +409,7 @@ static void destroy_sized(struct neph_realtime *realtime)
 {
     neph_march_destroy(realtime->whole);
     realtime->whole = NULL;
+    neph_rt_kept_scene_destroy(realtime->vulkan, &realtime->kept);
     neph_rt_device_destroy(&realtime->device);
     neph_buffer_destroy(realtime->vulkan, &realtime->states);
 }
@@ -844,19 +849,22 @@ static bool sees_scene_alone(const struct neph_realtime *realtime,
            !realtime->observer && injected == 0;
 }
 
-/* Whether the gradient need not look (steady). */
+/* Whether the gradient need not look (steady), and what of the scene is known as it is. */
 static enum neph_status set_steady(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame, bool is_mirrored,
-                                   const struct neph_scene *still, struct neph_diag *diag)
+                                   const struct neph_scene *still, uint32_t *given,
+                                   struct neph_diag *diag)
 {
     struct neph_gpu_view *view = realtime->device.view;
-    const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) &&
-                       !is_mirrored && sees_scene_alone(realtime, frame);
+    const bool is_alone = !is_mirrored && sees_scene_alone(realtime, frame);
+    const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) && is_alone;
     view->settings[RT_STEADY] = (float)choice_of(realtime, RT_STEADY);
     if (view->settings[RT_GRADIENT] == 0.0f || choice_of(realtime, RT_STEADY) == RT_STEADY_UNASKED)
         return NEPH_OK;
-    const enum neph_status status = neph_rt_stillness_keep(&realtime->stillness, still, rests,
-                                                           diag);
+    enum neph_status status = neph_rt_stillness_keep(&realtime->stillness, still, rests, diag);
+    if (!status)
+        status = neph_rt_kept_scene_take(&realtime->kept, &realtime->device, realtime->frame_count,
+                                         realtime->stillness.pictures, is_alone, given, diag);
     if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
         view->settings[RT_STEADY] = RT_STEADY_KNOWN;
     return status;
@@ -889,7 +897,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
     set_suns(realtime, frame);
-    status = set_steady(realtime, frame, is_mirrored, still, diag);
+    status = set_steady(realtime, frame, is_mirrored, still, &made.given, diag);
     made.moment = march_moment(view, &now);
     neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
     neph_rt_device_show(&realtime->device);

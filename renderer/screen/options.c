@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The settings in the order of the passes. Defaults are what is nearest to the truth at a cost that
- * a frame can pay; presets are what others have.
+ * The settings in the order of the passes. Ambient occlusion is by default that of the article on
+ * Unreal's post-processing; presets are the defaults with what they do otherwise, ours what is
+ * nearest to the truth at a cost that a frame can pay.
  */
 #include "renderer/screen/options.h"
 
@@ -21,21 +22,21 @@ static const char *const bounces[] = {"one", "all", NULL};
 static const char *const formats[] = {"float32", "float16", NULL};
 
 const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
-    [SCREEN_AO] = CHOICE("ao", SCREEN_AO_GTAO, occlusions,
+    [SCREEN_AO] = CHOICE("ao", SCREEN_AO_UNREAL, occlusions,
                          "ambient occlusion: points in a half ball, Unreal's pairs of angles, or "
                          "horizons of slices"),
     [SCREEN_AO_RESOLUTION] = CHOICE("ao_resolution", SCREEN_FULL, resolutions,
                                     "of occlusion and its blur; half: the first of 2x2 pixels, "
                                     "then between them on the same surface"),
-    [SCREEN_AO_RADIUS_M] = REAL("ao_radius_m", 1, 1e-3, 1e6,
+    [SCREEN_AO_RADIUS_M] = REAL("ao_radius_m", 2, 1e-3, 1e6,
                                 "how far away a surface may hide the sky [m]"),
     [SCREEN_AO_FALLOFF] = REAL("ao_falloff", 0, 0, 1,
                                "gtao: last share of the radius over which what hides fades; 0 is "
                                "what rays of that length see"),
-    [SCREEN_AO_DIRECTIONS] = WHOLE("ao_directions", 3, 1, 64,
+    [SCREEN_AO_DIRECTIONS] = WHOLE("ao_directions", 6, 1, 64,
                                    "slices of gtao, pairs of unreal; ssao has directions times "
                                    "steps points"),
-    [SCREEN_AO_STEPS] = WHOLE("ao_steps", 6, 1, 128, "along each side of a direction"),
+    [SCREEN_AO_STEPS] = WHOLE("ao_steps", 3, 1, 128, "along each side of a direction"),
     [SCREEN_AO_STEP_POWER] = REAL("ao_step_power", 2, 1, 4,
                                   "gtao: step k of n lies at (k / n) to this power of the way"),
     [SCREEN_AO_THICKNESS] = REAL("ao_thickness", 0, 0, 1,
@@ -51,9 +52,9 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     [SCREEN_AO_BLUR_PX] = WHOLE("ao_blur_px", 2, 0, 8,
                                 "radius of the mean over pixels in the same plane; 2 is the 4x4 of "
                                 "the noise"),
-    [SCREEN_AO_POWER] = REAL("ao_power", 1, 0.1, 8, "of what is open: a look"),
-    [SCREEN_AO_INTENSITY] = REAL("ao_intensity", 1, 0, 1, "share of what is hidden: a look"),
-    [SCREEN_AO_PLACES] = CHOICE("ao_places", SCREEN_PLACES_PLANE, places,
+    [SCREEN_AO_POWER] = REAL("ao_power", 2, 0.1, 8, "of what is open: a look"),
+    [SCREEN_AO_INTENSITY] = REAL("ao_intensity", 0.5, 0, 1, "share of what is hidden: a look"),
+    [SCREEN_AO_PLACES] = CHOICE("ao_places", SCREEN_PLACES_PIXEL, places,
                                 "a sample is its pixel's centre, or where its own line of sight "
                                 "meets the plane of that pixel"),
     [SCREEN_AO_SUM] = CHOICE("ao_sum", SCREEN_SUM_RATIO, ways_to_sum,
@@ -104,26 +105,29 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     [SCREEN_SSR_SMOOTH] = WHOLE("ssr_smooth", 2, 0, 6,
                                 "turns of the smoothing, as far as the metal is rough"),
 
-    [SCREEN_TARGETS] = CHOICE("targets", SCREEN_FLOAT32, formats,
+    [SCREEN_TARGETS] = CHOICE("targets", SCREEN_FLOAT16, formats,
                               "all but depth, which has 32 bits"),
     [SCREEN_WARM_UP] = WHOLE("warm_up", 31, 0, 4096,
                              "pictures before the first, as if the sequence had begun earlier"),
     {.name = NULL},
 };
 
+/* Occlusion as rays of a metre have it, by slices: what presets of ours begin with. */
+#define RAYS_OF_A_METRE "ao=gtao ao_radius_m=1 ao_places=plane ao_power=1 ao_intensity=1 "
+
 const struct neph_preset neph_screen_presets[] = {
-    {"ours", "what is nearest to the truth at a price that a frame can pay", ""},
-    {"unreal", "Unreal Engine 4.26 by default: 2 m, squared, at half strength",
-     "ao=unreal ao_radius_m=2 ao_directions=6 ao_steps=3 ao_places=pixel ao_power=2 "
-     "ao_intensity=0.5 targets=float16"},
+    {"unreal", "the defaults: occlusion of Unreal Engine 4.26, 2 m, squared, at half strength", ""},
+    {"ours", "what is nearest to the truth at a price that a frame can pay",
+     RAYS_OF_A_METRE "ao_directions=3 ao_steps=6 targets=float32"},
+    {"fast", "ours with one ray for 2x2 pixels, a few steps each, in a long mean over frames",
+     RAYS_OF_A_METRE "ao_directions=2 ao_steps=3 ao_resolution=half ao_blur_px=1 "
+                     "gi_resolution=half gi_rays=1 gi_steps=12 gi_history=32 gi_smooth=1 "
+                     "ssr_resolution=half ssr_rays=1 ssr_steps=24 ssr_history=32 ssr_smooth=1 "
+                     "targets=float16"},
+    {"slices", "ours with many slices and steps: what gtao tends to",
+     RAYS_OF_A_METRE "ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0 targets=float32"},
     {"paper", "GTAO as its paper has it: one slice a pixel, 4x4 pixels together",
-     "ao=gtao ao_directions=1 ao_steps=6 ao_falloff=0.6 ao_slices=axis ao_places=pixel "
-     "ao_thickness=0.1 ao_sum=mean targets=float16"},
-    {"fast", "one ray for 2x2 pixels, a few steps each, in a long mean over frames",
-     "ao_resolution=half ao_directions=2 ao_steps=3 ao_blur_px=1 gi_resolution=half gi_rays=1 "
-     "gi_steps=12 gi_history=32 gi_smooth=1 ssr_resolution=half ssr_rays=1 ssr_steps=24 "
-     "ssr_history=32 ssr_smooth=1 targets=float16"},
-    {"slices", "many slices and steps: what gtao tends to",
-     "ao=gtao ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0"},
+     "ao=gtao ao_radius_m=1 ao_directions=1 ao_steps=6 ao_falloff=0.6 ao_slices=axis "
+     "ao_places=pixel ao_thickness=0.1 ao_sum=mean ao_power=1 ao_intensity=1 targets=float16"},
     {.name = NULL},
 };

@@ -6,6 +6,8 @@
 // sun is asked at the point.
 #extension GL_GOOGLE_include_directive : require
 
+#define SEES_GRID_TEXELS
+
 #include "march_light.glsl"
 #include "march_run.glsl"
 #include "counting.glsl"

@@ -16,6 +16,8 @@
 
 // Where kernels that sample images find them, an array of one for each medium.
 #define NEPH_GPU_IMAGES_BINDING 31
+// And where those of a CPU find texels, an array of one for each buffer that is seen as such.
+#define NEPH_GPU_TEXELS_BINDING 30
 
 // Bits of specialization constant 1, what is known of a scene beside its kinds of media.
 #define NEPH_GPU_COLOURED 1u // some medium's extinction depends on the channel
@@ -23,7 +25,8 @@
 #define NEPH_GPU_ON_CPU 4u // the device is a CPU
 #define NEPH_GPU_TURNED 8u // some box has turned
 #define NEPH_GPU_LAMPS 16u // there are lights beside the sun
-#define NEPH_GPU_ENDLESS 32u // some voxel grid has no end along some axis
+#define NEPH_GPU_SHADED 32u // some solid may stand between a medium and the sun
+#define NEPH_GPU_ENDLESS 64u // some voxel grid has no end along some axis
 // Behind these, where there are no more than so many media: how many, and from KINDS_SHIFT on four
 // bits for each, the kind and above it 1 for two layers. Else 0, and the frame says.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4

@@ -6,6 +6,8 @@
 // same voxels and part late; what of a square is beyond the picture is idle.
 #extension GL_GOOGLE_include_directive : require
 
+#define SEES_GRID_TEXELS
+
 #include "march.glsl"
 
 const uint SQUARE_PX = 8;

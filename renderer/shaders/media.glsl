@@ -12,13 +12,27 @@ layout(std430, binding = 2) readonly buffer GridValues {
     float grid_values[]; // of all voxel grids, one after the other
 };
 
+#include "solids.glsl" // TRAITS, for all
+
+#ifdef SEES_GRID_TEXELS
+// The same, to be read by a CPU (neph_buffer_see_texels()).
+layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui) uniform readonly uimageBuffer grid_texels[1];
+
+float grid_value(uint at)
+{
+    if ((TRAITS & NEPH_GPU_ON_CPU) != 0u)
+        return uintBitsToFloat(imageLoad(grid_texels[0], int(at)).x);
+    return grid_values[at];
+}
+#else
+#define grid_value(at) grid_values[at]
+#endif
+
 layout(std430, binding = 4) readonly buffer HorizonTexels {
     vec4 horizon_texels[]; // of all Horizon clouds, one after the other
 };
 
 #include "fog.glsl"
-#include "solids.glsl" // TRAITS, for all
-
 #include "gaussian.glsl"
 #include "grid.glsl"
 #include "horizon.glsl"

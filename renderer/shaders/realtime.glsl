@@ -22,6 +22,7 @@
 #define REALTIME_BINDING 0
 #define VIEW_BLOCK uniform
 #define KNOWN_TARGETS RT_TARGET_COUNT
+#define SEES_TEXELS
 #else // behind the scene's buffers in passes that look at the scene
 #define VIEW_BLOCK readonly buffer
 #define KNOWN_TARGETS RT_RAY_TARGET_COUNT
@@ -113,6 +114,16 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
     uvec4 words[];
 } target_fours[KNOWN_TARGETS];
 
+#ifdef SEES_TEXELS
+// And once more, to be read by a CPU (neph_buffer_see_texels()).
+layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
+uniform readonly uimageBuffer target_texels[KNOWN_TARGETS];
+layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui)
+uniform readonly uimageBuffer target_texel_pairs[KNOWN_TARGETS];
+layout(binding = NEPH_GPU_TEXELS_BINDING, rgba32ui)
+uniform readonly uimageBuffer target_texel_fours[KNOWN_TARGETS];
+#endif
+
 // The view once more, read at the start of main(): there lavapipe knows that all threads are at
 // work, and reads for all at once. Behind a return or a branch it reads for one after the other.
 ViewCamera view_now = view.now, view_before = view.before;
@@ -199,11 +210,36 @@ int width_of(int target)
     return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
 }
 
+// A texel has as many words as a format that is known.
+const bool READS_TEXELS = SPECIALISED && !ON_GPU;
+
+uint word(int target, uint index)
+{
+#ifdef SEES_TEXELS
+    if (READS_TEXELS)
+        return imageLoad(target_texels[target], int(index)).x;
+#endif
+    return targets[target].words[index];
+}
+
 uvec2 word_pair(int target, uint index)
 {
+#ifdef SEES_TEXELS
+    if (READS_TEXELS)
+        return imageLoad(target_texel_pairs[target], int(index)).xy;
+#endif
     if (ON_GPU)
         return target_pairs[target].words[index];
     return unpackUint2x32(target_longs[target].words[index]);
+}
+
+uvec4 word_four(int target, uint index)
+{
+#ifdef SEES_TEXELS
+    if (READS_TEXELS)
+        return imageLoad(target_texel_fours[target], int(index));
+#endif
+    return target_fours[target].words[index];
 }
 
 void put_word_pair(int target, uint index, uvec2 pair)
@@ -220,11 +256,11 @@ vec4 fetch(int target, ivec2 texel)
     uint index = uint(texel.y * width_of(target) + texel.x);
     switch (format_of(target)) {
     case RT_R16F:
-        return vec4(unpack(targets[target].words[index] & 0xffffu).x, 0.0, 0.0, 0.0);
+        return vec4(unpack(word(target, index) & 0xffffu).x, 0.0, 0.0, 0.0);
     case RT_R32F:
-        return vec4(uintBitsToFloat(targets[target].words[index]), 0.0, 0.0, 0.0);
+        return vec4(uintBitsToFloat(word(target, index)), 0.0, 0.0, 0.0);
     case RT_RG16F:
-        return vec4(unpack(targets[target].words[index]), 0.0, 0.0);
+        return vec4(unpack(word(target, index)), 0.0, 0.0);
     case RT_RG32F:
         return vec4(uintBitsToFloat(word_pair(target, index)), 0.0, 0.0);
     case RT_RGBA16F: {
@@ -232,7 +268,7 @@ vec4 fetch(int target, ivec2 texel)
         return vec4(unpack(words.x), unpack(words.y));
     }
     default:
-        return uintBitsToFloat(target_fours[target].words[index]);
+        return uintBitsToFloat(word_four(target, index));
     }
 }
 

@@ -11,6 +11,7 @@
 // the largest half.
 #extension GL_GOOGLE_include_directive : require
 
+#define SEES_GRID_TEXELS
 #define MARCH_STARTS_LATE // behind froxels
 
 #include "realtime_march.glsl"

@@ -37,11 +37,15 @@ Cell cell_at(ivec2 cell)
     return Cell(true, surface_m(pixel), normal_at(pixel), load(int(run.from), cell));
 }
 
-// 1 on the plane of a surface; off it, facing the same way, a little, for where nothing is on it.
+// 1 on the plane of a surface; off it, facing the same way, a little, for where nothing is on it. A
+// cell that faces across it has nothing to say: by the eighth power of a cosine that is 0 but for
+// its last digit, that digit would choose.
 float likeness(vec3 point_m, vec3 normal, Cell cell)
 {
-    const float LEAST = 1e-4;
-    float facing = clamp(dot(cell.normal, normal), 0.0, 1.0);
+    const float LEAST = 1e-4, LEAST_FACING = 0.1; // a cosine
+    float facing = min(dot(cell.normal, normal), 1.0);
+    if (facing < LEAST_FACING)
+        return 0.0;
     float squared = facing * facing, fourth = squared * squared;
     return max(LEAST, in_plane(point_m, normal, cell.point_m)) * fourth * fourth;
 }

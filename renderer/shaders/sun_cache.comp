@@ -5,6 +5,8 @@
 // Solids do not count: whether a sample sees the sun is asked at the sample.
 #extension GL_GOOGLE_include_directive : require
 
+#define SEES_GRID_TEXELS
+
 #include "march_light.glsl"
 #include "march_run.glsl"
 #include "counting.glsl"

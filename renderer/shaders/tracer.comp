@@ -14,6 +14,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_lamps.glsl"
+#include "tracer_sun.glsl"
 
 layout(local_size_x_id = 2) in;
 
@@ -48,6 +49,9 @@ const uint RAY_VIEW = 2;  // how much arrives of the light behind the media, if 
 const uint RAY_FIRST = 3; // how much arrives from a first collision whose place is guessed, if OPEN
 const uint RAY_PLACE = 4; // if LAMPS: how much arrives from a place on the segment to come,
 const uint RAY_LAMP = 5;  // and there from a lamp
+
+// All are, where nothing else is looked for: then the compiler leaves the rest out.
+const bool ONLY_PATHS = SUN_BY_TABLE && !SURFACES && !LAMPS;
 
 struct TracerState {
     vec3 origin_m;
@@ -90,6 +94,7 @@ struct TracerState {
     vec3 lamp_direction; // from the place
     float lamp_m;
     uint is_looked_for; // 1: that has been done
+    SunCheck check; // if SUN_BY_TABLE; of the item so far
 };
 
 layout(std430, binding = 5) buffer States {
@@ -98,10 +103,13 @@ layout(std430, binding = 5) buffer States {
 
 TracerState path;
 
+bool is_path() { return ONLY_PATHS || path.ray == RAY_PATH; }
+
 // What every turn needs of the scene, read before there is any branch or loop: inside of one,
 // lavapipe reads a buffer lane by lane, even where all lanes want the same.
 Camera camera;
 vec3 sun_direction, sun_irradiance, background;
+Lattice sun_lattice;
 Medium only;              // of a scene with one medium
 Medium tracked;           // the medium that the thread tracks in this turn
 vec3 tracked_cells_per_m; // of its majorant grid
@@ -125,11 +133,11 @@ void read_scene()
     sun_direction = to_sun();
     sun_irradiance = frame.sun_irradiance;
     background = frame.background;
+    if (SUN_BY_TABLE)
+        sun_lattice = frame.sun_lattice;
     only = frame.media[0];
     read_tracked();
 }
-
-float most_of(vec3 channels) { return max(channels.r, max(channels.g, channels.b)); }
 
 uvec3 draw()
 {
@@ -179,7 +187,7 @@ void start_at_surface()
     ViewRay ray = start_path();
     if (OPEN) {
         path.throughput = path.view_fraction;
-        path.roulette *= most_of(path.view_fraction);
+        path.roulette *= brightest_of(path.view_fraction);
         if (path.roulette <= 0.0)
             return;
     }
@@ -232,7 +240,7 @@ void start_at_first_collision()
     First first = firsts[item_place()];
     path.origin_m = view_point_m(start_path(), first.t_m);
     path.throughput = first.weight;
-    path.roulette = ROULETTE * most_of(first.weight);
+    path.roulette = ROULETTE * brightest_of(first.weight);
     path.medium = first.medium;
     path.stage = path.roulette > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
     if (COLOURED)
@@ -278,6 +286,7 @@ void take_item()
     path.surface = vec3(0.0);
     path.is_surface_first = 0;
     path.view_fraction = vec3(0.0);
+    path.check = no_sun_check();
     if (OPEN)
         start_at_camera();
     else
@@ -292,6 +301,8 @@ void finish_path()
 
 void finish_item()
 {
+    if (SUN_BY_TABLE)
+        sun_checks[item_place()] = path.check;
     results[item_place()] =
         Result(vec4(path.order1, path.view_fraction.r), vec4(path.higher, path.view_fraction.g),
                vec4(path.surface, path.view_fraction.b));
@@ -323,7 +334,7 @@ void add_emitted(vec3 glow)
 // Sunlight that would bring little home goes on by chance alone.
 void play_sun_roulette(float u)
 {
-    float most = most_of(path.sun_fraction);
+    float most = brightest_of(path.sun_fraction);
     if (most < path.sun_roulette)
         path.sun_fraction *= u * path.sun_roulette < most ? path.sun_roulette / most : 0.0;
 }
@@ -448,26 +459,50 @@ void prepare_next(vec3 direction, float u)
 {
     path.next_direction = direction;
     bool goes_on = MULTIPLE || (ENVIRONMENT && path.events == 1);
-    float survival = min(1.0, most_of(path.throughput) / path.roulette);
+    float survival = min(1.0, brightest_of(path.throughput) / path.roulette);
     if (!goes_on || u >= survival)
         path.throughput = vec3(0.0);
     else
         path.throughput /= survival;
 }
 
+bool is_sun_in_table() { return SUN_BY_TABLE && path.is_surface_first == 0; }
+
 // Sunlight at an event, as it would be if nothing were in its way. Roulette goes by what it is
 // worth beside isotropic scattering.
 void prepare_sunlight(float per_sr, float u)
 {
     path.sun_fraction = vec3(1.0);
-    path.sun_roulette = path.sun_depth > 0.0 ? 0.0 : SUN_ROULETTE / max(4.0 * PI * per_sr, 1e-30);
+    path.sun_roulette = path.sun_depth > 0.0 || is_sun_in_table()
+                            ? 0.0
+                            : SUN_ROULETTE / max(4.0 * PI * per_sr, 1e-30);
     play_sun_roulette(u);
     path.pending = path.throughput * sun_irradiance * (per_sr * path.sun_fraction);
     path.sun_roulette /= max(path.sun_fraction.r, 1.0);
     path.sun_fraction = vec3(1.0);
-    bool is_looked_for = OPEN || (FIRST_BY_RAY && path.stage == STAGE_MEDIUM);
+    bool is_looked_for = OPEN || (FIRST_BY_PATH && path.stage == STAGE_MEDIUM);
     if (path.events == 1 && !is_looked_for)
         path.pending = vec3(0.0);
+}
+
+// The sunlight of an event, which by chance is what is checked. Of order 1 a path has one.
+void look_up_sunlight(float u)
+{
+    float guessed = guess_sun_transmittance(sun_lattice, path.origin_m, sun_direction);
+    float brightest = brightest_of(path.pending), most = brightest * guessed;
+    add_light(path.pending * guessed);
+    if (path.events == 1) {
+        path.check.first_guessed = guessed;
+        path.check.first_light = path.pending * guessed;
+        return;
+    }
+    path.check.light += path.pending * guessed;
+    path.check.most += most;
+    if (u * path.check.most < most) {
+        path.check.point_m = path.origin_m;
+        path.check.guessed = guessed;
+        path.check.color = path.pending / brightest;
+    }
 }
 
 vec3 light_direction(bool is_lamp)
@@ -483,7 +518,7 @@ bool sees_light(bool is_lamp)
 }
 
 // Unless OPEN: at a first collision what is emitted is known already (tracer_first.comp), and order
-// 1 unless FIRST_BY_RAY; at a first surface the sunlight that it reflects (tracer_view.comp).
+// 1 unless FIRST_BY_PATH; at a first surface the sunlight that it reflects (tracer_view.comp).
 void happen()
 {
     uvec4 bits = draw4();
@@ -519,6 +554,10 @@ void happen()
         next = turn_to_lamps(next, is_medium, by, normal);
     prepare_next(next, u.z);
     bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_light(is_lamp));
+    if (is_sun_in_table() && is_lit && !is_lamp) {
+        look_up_sunlight(uniform_from(bits.www).x);
+        is_lit = false;
+    }
     path.ray = is_lit ? RAY_SUN : RAY_PATH;
     path.raised = is_lit ? raise_for(path.sun_depth) : 1.0;
     path.direction = is_lit ? light_direction(is_lamp) : path.next_direction;
@@ -549,7 +588,7 @@ Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
 // One layer of a fog within [t0, t1]: transmittance to the sun exact, free paths by inversion.
 void cross_layer(uint m, FogLayer layer, vec3 color, float t0_m, float t1_m)
 {
-    if (path.ray != RAY_PATH) {
+    if (!is_path()) {
         path.sun_fraction *= colour_transmittance(
             color * fog_layer_optical_depth(layer, path.origin_m, path.direction, t0_m, t1_m));
         closed_forms++;
@@ -601,22 +640,22 @@ void weigh_fog()
 void leave()
 {
     bool is_short = path.ray == RAY_FIRST ||
-                    (LAMPS && path.ray != RAY_PATH && path.ray != RAY_VIEW);
+                    (LAMPS && !is_path() && path.ray != RAY_VIEW);
     path.end_m = is_short ? path.reach_m : FAR_M;
     path.end_medium = MEDIA_MAX;
     path.end_solid = NO_SOLID;
     path.tracked = 0;
     path.stage = TRACKED_COUNT > 0 ? STAGE_ENTER : STAGE_ARRIVE;
-    if (path.ray == RAY_PATH && path.throughput == vec3(0.0)) {
+    if (is_path() && path.throughput == vec3(0.0)) {
         finish_path();
         return;
     }
-    if (SOLIDS && (path.ray == RAY_PATH || path.ray == RAY_VIEW)) {
+    if (SOLIDS && (is_path() || path.ray == RAY_VIEW)) {
         Hit hit = nearest_hit(path.origin_m, path.direction, path.solid);
         path.end_m = hit.t_m;
         path.end_solid = hit.solid;
     }
-    if (LAMPS && path.ray == RAY_PATH && looks_for_lamps() && send_to_place(path.end_m))
+    if (LAMPS && is_path() && looks_for_lamps() && send_to_place(path.end_m))
         path.end_m = path.reach_m;
     if (has_fog())
         cross_fog();
@@ -636,7 +675,7 @@ void arrive_behind()
 void arrive_at_first()
 {
     path.throughput *= path.sun_fraction;
-    path.roulette = ROULETTE * most_of(path.throughput);
+    path.roulette = ROULETTE * brightest_of(path.throughput);
     path.origin_m += path.end_m * path.direction;
     path.ray = RAY_PATH;
     path.stage = path.roulette > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
@@ -674,7 +713,7 @@ void arrive()
         arrive_from_lamp();
         return;
     }
-    if (path.ray != RAY_PATH) {
+    if (!is_path()) {
         arrive_with_fraction();
         return;
     }
@@ -719,7 +758,7 @@ void enter()
     path.cell = ivec3(clamp(floor(cells_start + t0_m * cells_slope), vec3(0.0),
                             vec3(tracked.majorant_size) - 1.0));
     uint bits = draw().x;
-    if (SOBOL && path.ray == RAY_PATH && path.events == 1 && path.tracked == 0 &&
+    if (SOBOL && is_path() && path.events == 1 && path.tracked == 0 &&
         path.is_surface_first == 0)
         bits = first_bits(PAIR_FREE_PATH).x;
     path.depth_left = exponential_from(bits);
@@ -740,7 +779,7 @@ void collide(float majorant_per_m)
         shape_random_density(tracked.kind, tracked.shape, point_m, bits.zw);
     vec3 chance =
         grey(min(tracked.extinction_color * (extinction_per_m / majorant_per_m), vec3(1.0)));
-    if (path.ray != RAY_PATH) {
+    if (!is_path()) {
         path.sun_fraction *= 1.0 - chance;
         play_sun_roulette(u);
         if (path.sun_fraction == vec3(0.0))
@@ -767,7 +806,7 @@ void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
     float exit_m = max(path.t_m, min(face_m, path.end_m));
     uvec3 cell = uvec3(path.cell), size = tracked.majorant_size;
     float majorant_per_m =
-        path.raised * most_of(tracked.extinction_color) *
+        path.raised * brightest_of(tracked.extinction_color) *
         majorants[tracked.majorant_first + cell.x + size.x * (cell.y + size.y * cell.z)];
     float depth = majorant_per_m * (exit_m - path.t_m);
     if (path.depth_left < depth) {

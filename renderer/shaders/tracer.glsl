@@ -24,15 +24,19 @@ layout(constant_id = 12) const bool EMITS = false; // some medium does
 
 layout(constant_id = 13) const bool SOBOL = false; // the first decisions of a sample are not random
 
+// How much sunlight arrives at an event is looked up (tracer_sun.glsl).
+layout(constant_id = 14) const bool SUN_BY_TABLE = false;
+
 // Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
 const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
 
-// Where paths go on anyway, a ray to the sun costs less than the walk through a voxel grid that
-// knows exactly what arrives at a first collision, and adds little to the noise of all orders.
+// Where paths go on anyway, what they find out of the sun costs less than the walk through a voxel
+// grid that knows exactly what arrives at a first collision, and adds little to the noise of all
+// orders.
 const bool HAS_GRID = (KINDS & 1u << MEDIUM_GRID) != 0u;
 const bool CLOSED = !OPEN;
 const bool CLOSED_GRID = HAS_GRID && CLOSED;
-const bool FIRST_BY_RAY = MULTIPLE && CLOSED_GRID; // step by step: a compiler's bug
+const bool FIRST_BY_PATH = MULTIPLE && CLOSED_GRID; // step by step: a compiler's bug
 
 // First collisions may be chosen by a guess (tracer_guess.glsl).
 const bool GUESSED = LIT && OPEN;
@@ -164,6 +168,8 @@ vec3 colour_absorbed_fraction(vec3 optical_depth)
 {
     return COLOURED ? absorbed_fraction(optical_depth) : vec3(absorbed_fraction(optical_depth.r));
 }
+
+float brightest_of(vec3 channels) { return max(channels.r, max(channels.g, channels.b)); }
 
 float mean_of(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
 

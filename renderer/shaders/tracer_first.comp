@@ -224,7 +224,7 @@ void main()
     First first = LIT ? lit_collision(pixel, ray, u)
                       : first_collision(pixel, ray, hero_of(bits), u);
     firsts[item] = first;
-    vec3 order1 = FIRST_BY_RAY ? vec3(0.0) : scattered_once(first, ray);
+    vec3 order1 = FIRST_BY_PATH ? vec3(0.0) : scattered_once(first, ray);
     if (LAMPS && own(frame.scatters_lamps) != 0u)
         order1 += lamplight_scattered_once(pixel, ray, sample_index, u);
     results[item] = Result(vec4(order1, 0.0), vec4(emitted(first), 0.0), vec4(0.0));

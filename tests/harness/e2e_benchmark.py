@@ -195,6 +195,29 @@ class Benchmark(unittest.TestCase):
                                engine["gpu_s"]["median"], 1.0, delta=0.5)
 
     @night.of_the_night
+    def test_a_chain_has_a_line_for_each_stage(self):
+        """The scene's own: its frames are two thirds of the size, and the eye, bloom, the table,
+        FXAA, upscale and sharpening are nine stages."""
+        scene = SCENES.parent / "studies/display/walk_out.yaml"
+        words = (str(scene), "-e", "march", "--size", "48x27", "--frames", "5", "--no-ceilings",
+                 "-s", "march:steps=4", "--json")
+        done, _ = benchmark(*words)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        chain = found["engines"][0]["chain"]
+        self.assertEqual(found["size_px"], [33, 19])
+        self.assertEqual((chain["repeats"], len(chain["stages"])), (5, 9))
+        self.assertIn("upscale", [stage["name"] for stage in chain["stages"]])
+        for times in (chain["all"], *chain["stages"]):
+            self.assertTrue(0 < times["least_ms"] <= times["low_ms"] <= times["ms"] <=
+                            times["high_ms"])
+        self.assertLessEqual(sum(stage["least_ms"] for stage in chain["stages"]),
+                             chain["all"]["least_ms"])
+        done, _ = benchmark(*words, "--chain", "off")
+        self.assertIsNone(json.loads(done.stdout)["engines"][0]["chain"])
+        self.assertEqual(json.loads(done.stdout)["size_px"], [48, 27])
+
+    @night.of_the_night
     def test_evaluations_of_several_passes_are_no_share_of_one(self):
         ground = ("solids: [box: {min_m: [-9, -2, -9], max_m: [9, -1, 9], albedo: [1, 1, 1]}]\n"
                   "media:\n")
@@ -230,6 +253,8 @@ class Benchmark(unittest.TestCase):
                 (("slab_multiple_thin", "-e", "march"), 2, "multiple scattering"),
                 (("slab_multiple_thin", "--voxels", "1"), 64, "2.."),
                 (("slab_multiple_thin", "--set", "povray:samples=3"), 64, "ENGINE:KEY=VALUE"),
+                (("slab_multiple_thin", "-e", "tracer", "--chain", "a.yaml"), 64, "in flight"),
+                (("voxel_grid", "-e", "march", "--chain", "no_such.yaml"), 66, "no_such.yaml"),
                 (("no_such_scene",), 66, "neph scenes")):
             with self.subTest(arguments):
                 done, _ = benchmark(*arguments)

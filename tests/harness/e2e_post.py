@@ -4,12 +4,10 @@
 import json
 import os
 import pathlib
-import struct
 import subprocess
 import sys
 import tempfile
 import unittest
-import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
@@ -27,31 +25,6 @@ def neph(*words, code=0):
     done = subprocess.run([NEPH, *map(str, words)], capture_output=True, text=True, timeout=120)
     assert done.returncode == code, f"exit {done.returncode}: {done.stdout}{done.stderr}"
     return done
-
-
-def png_rows(path):
-    """Bytes of an 8-bit RGB PNG, row by row, for the filters that libpng may take."""
-    data, at, packed = path.read_bytes(), 8, b""
-    while at < len(data):
-        size, kind = struct.unpack(">I4s", data[at:at + 8])
-        if kind == b"IDAT":
-            packed += data[at + 8:at + 8 + size]
-        at += 12 + size
-    raw, rows, stride = zlib.decompress(packed), [], 3 * WIDTH
-    above = bytes(stride)
-    for y in range(HEIGHT):
-        filter_kind, line = raw[y * (stride + 1)], raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)]
-        row = bytearray(stride)
-        for i, value in enumerate(line):
-            left, up = row[i - 3] if i > 2 else 0, above[i]
-            corner = above[i - 3] if i > 2 else 0
-            guess = left + up - corner
-            nearest = min((abs(guess - left), 0, left), (abs(guess - up), 1, up),
-                          (abs(guess - corner), 2, corner))[2]
-            row[i] = (value + (0, left, up, (left + up) // 2, nearest)[filter_kind]) & 255
-        rows.append(bytes(row))
-        above = row
-    return rows
 
 
 def srgb(linear):
@@ -89,7 +62,7 @@ class Post(unittest.TestCase):
         for value, seen in zip(self.values, shown):
             self.assertAlmostEqual(seen, value, delta=2e-6)  # encoded and back, in float32
         codes = [round(255 * srgb(value)) for value in self.values]
-        for y, row in enumerate(png_rows(out / "frame.0003.png")):
+        for y, row in enumerate(frames.png_rows(out / "frame.0003.png")):
             for x in range(WIDTH):
                 self.assertEqual(row[3 * x], codes[y * WIDTH + x])
         self.assertEqual(list(frames.read_exr(out / self.frame.name)[2]["Z"]),

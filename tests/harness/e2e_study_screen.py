@@ -10,6 +10,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import frames  # noqa: E402
 import night  # noqa: E402
 
 NEPH = os.environ["NEPH"]
@@ -47,12 +48,54 @@ class StudyScreen(unittest.TestCase):
         first, second = metal["models"].values()
         self.assertGreater(first["error"], 0.0)
         self.assertIsNone(second["error"])  # it has none
+        self.look_at_the_page(found)
         table = (self.folder / "a.md").read_text()
         self.assertIn("**ambient occlusion** [% of the hemisphere]", table)
         self.assertIn("| surface_rough | *no model can* |", table)
         again = self.run_neph(*words)
         self.assertEqual((self.folder / "a.md").read_text(), table)
         self.assertIn(table, again.stdout)
+
+    def look_at_the_page(self, found):
+        """A picture for each part that a scene has, as many squares of a colour as pixels are lost
+        by its reason, and nothing from a network."""
+        page = (self.folder / "out/screen/index.html").read_text()
+        self.assertNotIn("http://", page)
+        self.assertNotIn("https://", page)
+        for scene, parts in found.items():
+            for part, name in (("ambient occlusion", "ao"), ("indirect light", "indirect"),
+                               ("reflections", "reflections")):
+                truth = parts[part]
+                self.assertEqual(sum(truth["lost_by"].values()), truth["lost"])
+                self.assertEqual(f'src="{scene}_{name}.png"' in page, truth["pixels"] > 0)
+                if truth["pixels"] > 0:
+                    self.count_colours(self.folder / f"out/screen/{scene}_{name}.png", truth)
+
+    def count_colours(self, path, truth):
+        """Yellow, blue, orange, dark: what is not grey has its reason's colour in it, three parts
+        of four."""
+        rows = frames.png_rows(path)
+        self.assertEqual((len(rows[0]), len(rows)), (3 * 24 * 4, 14 * 4))
+        found = {"off": 0, "behind": 0, "thin": 0}
+        for row in rows:
+            for x in range(0, len(row), 3):
+                red, green, blue = row[x:x + 3]
+                if blue > red + 60:
+                    found["behind"] += 1
+                elif red > blue + 60:
+                    found["off" if green > red - 40 else "thin"] += 1
+        for reason, squares in found.items():
+            self.assertEqual(squares, 16 * truth["lost_by"][reason], (path.name, reason))
+
+    def test_turned_solids_hide_as_they_stand(self):
+        """The blocks of the room are turned: where what a ray meets is on no screen, a ray says
+        why."""
+        done = self.run_neph("surface_room", "--size", "32x18", "--samples", "64", "--models",
+                             "screen+gi=off+ssr=off+warm_up=0", "--rays", "64", "--quiet", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        truth = json.loads(done.stdout)["scenes"]["surface_room"]["ambient occlusion"]
+        self.assertGreater(truth["lost"], 40)
+        self.assertLess(truth["lost_by"]["else"], 0.02 * truth["lost"])
 
     def test_pictures_flicker_by_what_rays_leave(self):
         """One ray and no memory is another picture each frame; what stands still has one truth."""

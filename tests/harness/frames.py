@@ -105,3 +105,30 @@ def png_bytes(width, height, rgb):
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR",
                                          struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def png_rows(path):
+    """Bytes of an 8-bit RGB PNG, row by row, for the filters that libpng may take."""
+    data, at, packed = path.read_bytes(), 8, b""
+    width, height = struct.unpack(">II", data[16:24])
+    stride = 3 * width
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + size]
+        at += 12 + size
+    raw, rows = zlib.decompress(packed), []
+    above = bytes(stride)
+    for y in range(height):
+        filter_kind, line = raw[y * (stride + 1)], raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)]
+        row = bytearray(stride)
+        for i, value in enumerate(line):
+            left, up = row[i - 3] if i > 2 else 0, above[i]
+            corner = above[i - 3] if i > 2 else 0
+            guess = left + up - corner
+            nearest = min((abs(guess - left), 0, left), (abs(guess - up), 1, up),
+                          (abs(guess - corner), 2, corner))[2]
+            row[i] = (value + (0, left, up, (left + up) // 2, nearest)[filter_kind]) & 255
+        rows.append(bytes(row))
+        above = row
+    return rows

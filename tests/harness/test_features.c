@@ -141,6 +141,15 @@ static void metal(struct stage *stage)
     stage->test.solids[0].surface = (struct neph_surface){.metalness = 1, .roughness = 0.5};
 }
 
+/* Under a sky alone: Cycles finds no light that a mirror throws. */
+static void mirror(struct stage *stage)
+{
+    metal(stage);
+    stage->test.solids[0].surface.roughness = 0;
+    stage->test.scene.sun.present = false;
+    stage->test.scene.environment_light = true;
+}
+
 static void environment(struct stage *stage)
 {
     stage->test.scene.environment_light = true;
@@ -240,8 +249,10 @@ static const struct feature {
     {"`lights`", ANY_KIND, ANY_LIGHT, lights},
     {"`solids`", ANY_KIND, ANY_LIGHT, solids},
     {"`solids` in clear air", ANY_KIND, ANY_LIGHT, solids_alone},
+    {"`solids` in clear air, and light between them", ANY_KIND, LIGHT(MULTIPLE), solids_alone},
     {"`solids[].*.texture`", ANY_KIND, ANY_LIGHT, textured},
     {"`solids[].*.metalness`", ANY_KIND, LIGHT(MULTIPLE), metal},
+    {"`solids[].*.metalness`, `roughness: 0`", ANY_KIND, LIGHT(MULTIPLE), mirror},
     {"`orthographic_height_m`", ANY_KIND, ANY_LIGHT, orthographic},
     {"`camera.keys`", ANY_KIND, ANY_LIGHT, moving_camera},
     {"`sun.keys`", ANY_KIND, ANY_LIGHT, moving_sun},

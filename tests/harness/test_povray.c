@@ -12,6 +12,7 @@
 #include "harness/engines/povray_exposure.h"
 #include "harness/engines/povray_scene.h"
 #include "scenes/media.h"
+#include "scenes/solids.h"
 #include "truth/transport.h"
 
 #include <ctype.h>
@@ -232,7 +233,11 @@ static bool is_known_word(const char *word, size_t length)
         "A camera perspective location right up direction light_source rgb parallel point_at "
         "background box sphere hollow pigment rgbt finish ambient diffuse emission interior media "
         "method intervals samples absorption scattering eccentricity extinction density function "
-        "exp x y z e texture Depth average pigment_map color_map ";
+        "exp x y z e texture Depth average pigment_map color_map abs mod select floor scale "
+        "translate pattern density_file df interpolate noise Noise Cell radiosity count "
+        "error_bound pretrace_end pretrace_start nearest_count recursion_limit low_error_factor "
+        "brightness gray_threshold minimum_reuse maximum_reuse always_sample off on reflection "
+        "photons autostop jitter target refraction collect ";
     char padded[64];
     if (length > 40)
         return false;
@@ -254,7 +259,7 @@ static void assert_plain(const char *text)
                 fail_msg("unexpected word in the text: %.30s", at);
             at += length;
         } else {
-            assert_non_null(strchr("0123456789 .,;+-*/<>(){}[]#=\n", *at));
+            assert_non_null(strchr("0123456789 .,;+-*/<>(){}[]#=\"\n", *at));
             at++;
         }
     }
@@ -276,6 +281,63 @@ static void test_text_holds_no_string_of_the_scene(void **state)
         free(text);
         free(other);
     }
+}
+
+/* Everything that surfaces can be in clear air: a mirror in the sun, noise, a checker. */
+static void set_surfaces(struct test_scene *stage)
+{
+    set_stage(stage, (struct neph_vec3){0.0, 1.0, 5.0}, (struct neph_vec3){0.0, 1.0, -5.0});
+    stage->scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    stage->scene.environment_light = true;
+    stage->scene.background_w_per_m2_sr = make_grey(0.5);
+    const struct neph_paint noise = {
+        .cell_m = 0.5, .pattern = NEPH_PATTERN_NOISE, .other = {0.1, 0.2, 0.3}, .seed = 5};
+    add_box(stage, (struct neph_bounds){{-20, -1, -20}, {20, 0, 20}}, 0.5)->surface.texture = noise;
+    add_box(stage, (struct neph_bounds){{-3, 0, -3}, {-1, 2, -1}}, 0.6)->surface.texture = noise;
+    add_box(stage, (struct neph_bounds){{1, 0, -3}, {3, 2, -1}}, 0.9)->surface.metalness = 1.0;
+}
+
+/* Noise is declared once a seed, and of media or light between solids there is no word where there
+ * is none. */
+static void test_text_of_surfaces(void **state)
+{
+    (void)state;
+    struct neph_diag diag = {0};
+    struct test_scene stage;
+    struct neph_povray_world world;
+    set_surfaces(&stage);
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, &diag), &diag);
+    world.radiosity = (struct neph_povray_radiosity){100, 0.25, 5000};
+    for (int kind = 0; kind <= NEPH_POVRAY_DEPTH; kind++) {
+        const bool is_lit = kind == NEPH_POVRAY_BEAUTY || kind == NEPH_POVRAY_SURFACE;
+        const struct neph_povray_pass pass = {.kind = (enum neph_povray_kind)kind, .gain = 1.0};
+        char *text = NULL;
+        neph_assert_ok(neph_povray_text(&world, &pass, &text, &diag), &diag);
+        assert_plain(text);
+        const char *noise = strstr(text, "#declare Noise5 = ");
+        assert_int_equal(noise != NULL, is_lit);
+        assert_int_equal(strstr(text, "radiosity { count 100 ") != NULL, is_lit);
+        assert_int_equal(strstr(text, "photons { count 5000 ") != NULL, is_lit);
+        assert_int_equal(strstr(text, "reflection { rgb <") != NULL, is_lit);
+        if (noise)
+            assert_null(strstr(noise + 1, "#declare Noise5 = "));
+        free(text);
+    }
+}
+
+/* Its file has the values, the last column and row again the first, and zeros around. */
+static void test_noise_s_file(void **state)
+{
+    (void)state;
+    const int n = NEPH_NOISE_CELLS;
+    struct neph_diag diag = {0};
+    struct neph_grid *grid = NULL;
+    neph_assert_ok(neph_povray_noise(5, &grid, &diag), &diag);
+    assert_int_equal(grid->size[0], n + 1);
+    for (int j = 0; j <= n; j++)
+        for (int i = 0; i <= n; i++)
+            assert_true(grid->values[j * (n + 1) + i] == (float)neph_noise_value(5, i % n, j % n));
+    neph_grid_destroy(grid);
 }
 
 static void test_text_refuses_what_is_not_a_number(void **state)
@@ -310,6 +372,43 @@ static void test_faces_of_containers_stand_alone(void **state)
 
 /* ---- What it can model ---------------------------------------------------------------------- */
 
+static void test_which_surfaces_it_can_render(void **state)
+{
+    (void)state;
+    char reason[128] = "";
+    struct test_scene stage;
+    set_surfaces(&stage);
+    struct neph_solid *mirror = &stage.solids[2];
+    const struct {
+        const char *why; /* NULL: it can */
+        double roughness;
+        int scattering, mirrors, lights;
+    } rows[] = {
+        {NULL, 0.0, NEPH_SCATTERING_MULTIPLE, 1, 0},
+        {"rough metal", 0.3, NEPH_SCATTERING_MULTIPLE, 1, 0},
+        {"scattered once", 0.0, NEPH_SCATTERING_SINGLE, 1, 0},
+        {"several mirrors", 0.0, NEPH_SCATTERING_MULTIPLE, 2, 0},
+        {"lamps in a mirror", 0.0, NEPH_SCATTERING_MULTIPLE, 1, 1},
+    };
+    for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
+        mirror->surface.roughness = rows[i].roughness;
+        stage.scene.scattering = (enum neph_scattering)rows[i].scattering;
+        stage.scene.environment_light = rows[i].scattering == NEPH_SCATTERING_MULTIPLE;
+        stage.solids[3] = *mirror;
+        stage.scene.solid_count = 2 + rows[i].mirrors;
+        stage.scene.light_count = rows[i].lights;
+        const bool can = test_can_render(&neph_engine_povray, &stage.scene, reason, sizeof(reason));
+        assert_int_equal(can, rows[i].why == NULL);
+        if (rows[i].why)
+            assert_non_null(strstr(reason, rows[i].why));
+    }
+    set_surfaces(&stage);
+    struct neph_settings none = neph_settings_default(&neph_engine_povray);
+    neph_assert_ok(neph_settings_set(&neph_engine_povray, &none, "radiosity_rays=0", NULL), NULL);
+    assert_false(neph_engine_povray.can_render(&stage.scene, &none, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "radiosity_rays"));
+}
+
 static void test_what_it_can_render(void **state)
 {
     (void)state;
@@ -341,8 +440,9 @@ static void test_probe_without_povray(void **state)
 
 /* ---- Frames --------------------------------------------------------------------------------- */
 
-/* Render with POV-Ray in a scratch folder of an awkward name. */
-static struct neph_image *render(const struct test_scene *stage, unsigned layers, double intervals)
+/* Render with POV-Ray in a scratch folder of an awkward name. `assignment`: NULL is fine. */
+static struct neph_image *render_with_setting(const struct test_scene *stage, unsigned layers,
+                                              double intervals, const char *assignment)
 {
     struct neph_diag diag = {0};
     struct neph_cost cost = {0};
@@ -357,6 +457,9 @@ static struct neph_image *render(const struct test_scene *stage, unsigned layers
                              .scratch_directory = scratch,
                              .time_limit_s = 60.0};
     shot.settings.values[0] = intervals;
+    if (assignment)
+        neph_assert_ok(neph_settings_set(&neph_engine_povray, &shot.settings, assignment, &diag),
+                       &diag);
     neph_assert_ok(neph_engine_povray.render(&shot, &frame, &cost, &diag), &diag);
     print_message("  %s; %.2f s render, %.2f s wall, %.2f s cpu, %.0f MiB\n",
                   neph_image_attribute(frame, "neph.povray.passes"), cost.render_s, cost.wall_s,
@@ -364,6 +467,11 @@ static struct neph_image *render(const struct test_scene *stage, unsigned layers
     assert_true(cost.wall_s >= cost.render_s);
     neph_dir_remove(scratch, NULL);
     return frame;
+}
+
+static struct neph_image *render(const struct test_scene *stage, unsigned layers, double intervals)
+{
+    return render_with_setting(stage, layers, intervals, NULL);
 }
 
 /* How a channel differs from the truth. */
@@ -667,10 +775,10 @@ static void test_empty_scene(void **state)
     neph_image_destroy(frame);
 }
 
-/* Ground and a turned box with checkers in the sun, the lines of one of them in the box's faces. */
-static void test_checkers(void **state)
+/* Ground and a turned box with two patterns in the sun, the lines of the box's in its faces: at how
+ * many of `count` pixels their light is the truth's. */
+static void compare_patterns(enum neph_pattern pattern, int may_differ)
 {
-    (void)state;
     struct test_scene stage;
     struct neph_diag diag = {0};
     set_stage(&stage, (struct neph_vec3){0.3, 2.1, 6}, (struct neph_vec3){0, 0.6, 0});
@@ -679,12 +787,12 @@ static void test_checkers(void **state)
     struct neph_solid *ground = add_box(&stage, (struct neph_bounds){{-50, -1, -50}, {50, 0, 8}},
                                         0.5);
     ground->surface.texture = (struct neph_paint){
-        .cell_m = 0.61, .pattern = NEPH_PATTERN_CHECKER, .other = {0.1, 0.2, 0.8}};
+        .cell_m = 0.61, .pattern = pattern, .other = {0.1, 0.2, 0.8}, .seed = 3};
     struct neph_solid *box = add_box(
         &stage, (struct neph_bounds){{-0.75, 0.02, -1}, {0.75, 1.52, 0.5}}, 0.9);
     box->turn = (struct neph_turn){1, cos(0.4), sin(0.4)};
     box->surface.texture = (struct neph_paint){
-        .cell_m = 0.25, .pattern = NEPH_PATTERN_CHECKER, .other = {0.7, 0.1, 0.1}};
+        .cell_m = 0.25, .pattern = pattern, .other = {0.7, 0.1, 0.1}, .seed = 4};
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE, 8.0);
     const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
     float *rgb[3];
@@ -697,11 +805,107 @@ static void test_checkers(void **state)
             neph_transport_ray(&stage.scene, ray.origin_m, ray.direction).radiance;
         const bool is_same = fabs(rgb[0][p] - truth.r) < 1e-4 && fabs(rgb[2][p] - truth.b) < 1e-4;
         same += is_same;
-        others += truth.b > 2.0 * truth.r;
+        others += truth.b > (pattern == NEPH_PATTERN_CHECKER ? 2.0 : 0.7) * truth.r;
     }
     print_message("  %d of %d pixels the same\n", same, WIDTH * HEIGHT);
-    assert_true(same >= WIDTH * HEIGHT - 2); /* a place on a line may round either way */
+    assert_true(same >= WIDTH * HEIGHT - may_differ);
     assert_true(others > 20);
+    neph_image_destroy(frame);
+}
+
+static void test_checkers(void **state)
+{
+    (void)state;
+    compare_patterns(NEPH_PATTERN_CHECKER, 2); /* a place on a line may round either way */
+}
+
+static void test_noise(void **state)
+{
+    (void)state;
+    compare_patterns(NEPH_PATTERN_NOISE, 0);
+}
+
+/* A black floor and ball before a white mirror, under an even sky: a pixel of the mirror is black
+ * or the sky's times its colour, as the mirrored ray meets a solid or none. */
+static void test_a_mirror(void **state)
+{
+    (void)state;
+    struct test_scene stage;
+    float *rgb[3];
+    int in_mirror = 0, dark = 0, same = 0;
+    set_stage(&stage, (struct neph_vec3){0.4, 1.6, 6}, (struct neph_vec3){0, 1, 0});
+    stage.scene.sun.present = false;
+    stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    stage.scene.environment_light = true;
+    stage.scene.background_w_per_m2_sr = (struct neph_rgb){1, 2, 0.5};
+    add_box(&stage, (struct neph_bounds){{-50, -1, -50}, {50, 0, 50}}, 0.0);
+    add_box(&stage, (struct neph_bounds){{-2, 0, -1.2}, {2, 2.4, -1}}, 0.75)->surface.metalness = 1;
+    add_sphere(&stage, (struct neph_vec3){0.6, 0.9, 0.4}, 0.5, 0.0);
+    struct neph_image *frame = render_with_setting(&stage, NEPH_LAYER_RADIANCE, 8.0,
+                                                   "radiosity_rays=4");
+    const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
+    assert_true(neph_image_rgb(frame, NULL, rgb));
+    for (int p = 0; p < WIDTH * HEIGHT; p++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, p % WIDTH,
+                                                          p / WIDTH);
+        const struct neph_hit hit = neph_scene_hit(&stage.scene, ray.origin_m, ray.direction);
+        if (hit.solid != &stage.solids[1] || hit.normal.z < 0.9)
+            continue;
+        const struct neph_vec3 from_m = neph_hit_outside_m(
+            &hit, neph_vec3_along(ray.origin_m, ray.direction, hit.t_m));
+        const struct neph_vec3 back = {ray.direction.x, ray.direction.y, -ray.direction.z};
+        const bool is_dark = neph_scene_hit(&stage.scene, from_m, back).solid;
+        in_mirror++;
+        dark += is_dark;
+        same += fabs(rgb[0][p] - (is_dark ? 0.0 : 0.75)) < 1e-4 &&
+                fabs(rgb[1][p] - (is_dark ? 0.0 : 1.5)) < 2e-4;
+    }
+    print_message("  %d of %d pixels of the mirror the same, %d dark\n", same, in_mirror, dark);
+    assert_true(in_mirror > 50 && dark > 10 && dark < in_mirror - 10);
+    assert_int_equal(same, in_mirror);
+    neph_image_destroy(frame);
+}
+
+/* The endless step of scenes/catalog/surface_step.yaml, nearly black: at a distance d from its foot
+ * the plane sees (1 + d / sqrt(d^2 + h^2)) / 2 of the sky, and its light is that times the albedo;
+ * what comes from the other surface adds half the albedo of the rest at most. */
+static void test_radiosity_at_a_step(void **state)
+{
+    (void)state;
+    const double albedo = 0.02;
+    struct test_scene stage;
+    float *rgb[3];
+    double sum = 0.0, truth = 0.0, worst = 0.0;
+    int count = 0;
+    set_stage(&stage, (struct neph_vec3){0.31, 3.6, 5.2}, (struct neph_vec3){0.3, 0.4, -0.6});
+    stage.scene.sun.present = false;
+    stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    stage.scene.environment_light = true;
+    stage.scene.background_w_per_m2_sr = make_grey(1.0);
+    add_box(&stage, (struct neph_bounds){{-20000, -5, -20000}, {20000, 0, 20000}}, albedo);
+    add_box(&stage, (struct neph_bounds){{-10000, -1, -40}, {10000, 1, -1}}, albedo);
+    struct neph_image *frame = render_with_setting(&stage, NEPH_LAYER_RADIANCE, 8.0,
+                                                   "radiosity_rays=400");
+    const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
+    assert_true(neph_image_rgb(frame, NULL, rgb));
+    for (int p = 0; p < WIDTH * HEIGHT; p++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, p % WIDTH,
+                                                          p / WIDTH);
+        const struct neph_hit hit = neph_scene_hit(&stage.scene, ray.origin_m, ray.direction);
+        if (hit.solid != &stage.solids[0])
+            continue;
+        const double d_m = ray.origin_m.z + hit.t_m * ray.direction.z + 1.0;
+        const double light = albedo * 0.5 * (1.0 + d_m / hypot(d_m, 1.0));
+        count++;
+        sum += rgb[1][p];
+        truth += light;
+        worst = fmax(worst, fabs(rgb[1][p] / light - 1.0));
+    }
+    print_message("  %d pixels, mean %.4f of the truth, worst off by %.3f\n", count, sum / truth,
+                  worst);
+    assert_true(count > 200);
+    assert_true(fabs(sum / truth - 1.0) < 0.01);
+    assert_true(worst < 0.1);
     neph_image_destroy(frame);
 }
 
@@ -795,8 +999,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_phase_constants),
         cmocka_unit_test(test_text_holds_no_string_of_the_scene),
         cmocka_unit_test(test_text_refuses_what_is_not_a_number),
+        cmocka_unit_test(test_text_of_surfaces),
+        cmocka_unit_test(test_noise_s_file),
         cmocka_unit_test(test_faces_of_containers_stand_alone),
         cmocka_unit_test(test_what_it_can_render),
+        cmocka_unit_test(test_which_surfaces_it_can_render),
         cmocka_unit_test(test_probe_without_povray),
         cmocka_unit_test(test_failures_are_told),
         cmocka_unit_test(test_probe_refuses_other_versions),
@@ -814,6 +1021,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_emission_beside_the_sun),
         cmocka_unit_test(test_empty_scene),
         cmocka_unit_test(test_checkers),
+        cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_a_mirror),
+        cmocka_unit_test(test_radiosity_at_a_step),
         cmocka_unit_test(test_export_runs_by_hand),
     };
     if (neph_test_wants_engines(argc, argv))

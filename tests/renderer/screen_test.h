@@ -11,11 +11,14 @@
 #include "renderer/screen/screen.h"
 #include "scenes/solids.h"
 
-/* "ao=gtao ao_steps=8"; NULL: the defaults. */
+/* Preset `ours` with "ao=gtao ao_steps=8"; NULL: as it is. */
 static inline struct neph_settings screen_settings(const char *assignments)
 {
     struct neph_diag diag = {0};
-    struct neph_settings settings = neph_options_default(neph_screen_options);
+    struct neph_settings settings;
+    neph_assert_ok(neph_options_preset(neph_screen_options, "the screen", neph_screen_presets,
+                                       "ours", &settings, &diag),
+                   &diag);
     char *copy = strdup(assignments ? assignments : ""), *rest = copy;
     for (char *word; (word = strsep(&rest, " "));)
         if (*word)

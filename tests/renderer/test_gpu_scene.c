@@ -14,6 +14,7 @@ static bool may_be_shaded(struct neph_vulkan *vulkan, const struct neph_scene *s
     struct neph_diag diag = {0};
     neph_assert_ok(neph_gpu_scene_create(vulkan, scene, 0.0, 8, 8, false, &gpu, &diag), &diag);
     const bool may_be = gpu.frame->solids_shade;
+    assert_int_equal((gpu.constants[1] & NEPH_GPU_SHADED) != 0, may_be || !gpu.is_on_cpu);
     neph_gpu_scene_destroy(vulkan, &gpu);
     return may_be;
 }

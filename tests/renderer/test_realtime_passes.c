@@ -30,14 +30,16 @@ struct id {
 
 struct module {
     struct id *ids;
-    uint32_t targets_binding; /* + 1: the last of all but the images' */
+    uint32_t targets_binding; /* + 1: the last of all but those of images and texels */
+    uint32_t texels_binding;  /* + 1; 0: its texels are no targets */
     uint32_t reads, writes;
 };
 
 static void take_access(struct module *module, const uint32_t *words)
 {
     const struct id *base = &module->ids[words[3]], *index = &module->ids[words[4]];
-    if (base->binding == 0 || base->binding != module->targets_binding)
+    if (base->binding == 0 ||
+        (base->binding != module->targets_binding && base->binding != module->texels_binding))
         return;
     assert_true(index->constant > 0); /* the optimiser knows which target it is */
     module->ids[words[2]].target = index->constant;
@@ -48,7 +50,8 @@ static void take_instruction(struct module *module, const uint32_t *words)
     const uint32_t operation = words[0] & 0xffffu;
     if (operation == OP_DECORATE && words[2] == DECORATION_BINDING) {
         module->ids[words[1]].binding = words[3] + 1;
-        if (words[3] + 1 > module->targets_binding && words[3] != NEPH_GPU_IMAGES_BINDING)
+        if (words[3] + 1 > module->targets_binding && words[3] != NEPH_GPU_IMAGES_BINDING &&
+            words[3] != NEPH_GPU_TEXELS_BINDING)
             module->targets_binding = words[3] + 1;
     } else if (operation == OP_CONSTANT) {
         module->ids[words[2]].constant = words[3] + 1;
@@ -61,11 +64,14 @@ static void take_instruction(struct module *module, const uint32_t *words)
     }
 }
 
-static struct module reflect(const struct neph_rt_shader *shader)
+/* Where a pass looks at the scene texels are those of its grids. */
+static struct module reflect(const struct neph_rt_pass *pass)
 {
     enum { HEADER_WORDS = 5, BOUND = 3 };
+    const struct neph_rt_shader *shader = &pass->shader;
     const size_t count = shader->spirv_size_bytes / sizeof(uint32_t);
-    struct module module = {.ids = calloc(shader->spirv[BOUND], sizeof(*module.ids))};
+    struct module module = {.ids = calloc(shader->spirv[BOUND], sizeof(*module.ids)),
+                            .texels_binding = pass->rays ? 0 : NEPH_GPU_TEXELS_BINDING + 1};
     assert_non_null(module.ids);
     for (size_t i = HEADER_WORDS; i < count; i += shader->spirv[i] >> 16)
         take_instruction(&module, shader->spirv + i);
@@ -88,7 +94,7 @@ static void test_records_are_what_shaders_do(void **state)
 {
     (void)state;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++) {
-        const struct module module = reflect(&pass->shader);
+        const struct module module = reflect(pass);
         assert_same_targets(pass->name, "reads", pass->reads, module.reads);
         assert_same_targets(pass->name, "writes", pass->writes, module.writes);
     }

@@ -27,6 +27,7 @@ static struct neph_tracer_params params_of(int width_px, int height_px, int samp
     return (struct neph_tracer_params){.width_px = width_px,
                                        .height_px = height_px,
                                        .seed = seed,
+                                       .sun_nodes = NEPH_TRACER_SUN_NODES,
                                        .samples = samples,
                                        .time_limit_s = INFINITY};
 }

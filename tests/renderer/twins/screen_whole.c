@@ -15,7 +15,7 @@ static double likeness(const struct twin_screen *twin, int x, int y, struct twin
     const double distance_m = neph_vec3_length(way_m);
     const double slope = distance_m > 0.0 ? fabs(neph_vec3_dot(way_m, normal)) / distance_m : 0.0;
     const double facing = neph_vec3_dot(twin_screen_normal(twin, at.x, at.y), normal);
-    return fmax(1e-4, 1.0 - slope / 0.1) * pow(fmax(0.0, fmin(1.0, facing)), 8.0);
+    return facing < 0.1 ? 0.0 : fmax(1e-4, 1.0 - slope / 0.1) * pow(fmin(1.0, facing), 8.0);
 }
 
 static struct texel unknown(const struct twin_screen *twin, int resolution, int x, int y)
@@ -42,7 +42,7 @@ static struct texel between_cells(const struct twin_screen *twin, int resolution
         const double share = (1.0 - fabs(across - column)) * (1.0 - fabs(down - row));
         if (!twin_screen_has_light(twin, resolution, at.x, at.y))
             continue;
-        const double weight = (float)(share * likeness(twin, x, y, at)); /* 0 across its plane */
+        const double weight = share * likeness(twin, x, y, at);
         const struct texel texel = twin_screen_load(twin, from, column, row);
         for (int c = 0; c < 4; c++)
             sum.v[c] += weight * texel.v[c];

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/screen_page.h"
+
+#include "base/files.h"
+#include "base/png.h"
+#include "base/written.h"
+#include "harness/study/svg.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Pictures are small: each of their pixels is a square of so many. */
+enum { SQUARE_PX = 4 };
+
+/* Okabe's and Ito's, and so that they differ in grey, too. */
+static const struct {
+    uint8_t rgb[3];
+    const char *css, *name, *why;
+} reasons[NEPH_SCREEN_REASONS] = {
+    [NEPH_LOST_OFF] = {{240, 228, 66}, "#f0e442", "off", "most rays meet what is off the picture"},
+    [NEPH_LOST_BEHIND] = {{0, 114, 178},
+                          "#0072b2",
+                          "behind",
+                          "they meet what something in the picture hides"},
+    [NEPH_LOST_THIN] = {{213, 94, 0},
+                        "#d55e00",
+                        "thin",
+                        "they pass behind something that is seen, and meet nothing"},
+    [NEPH_SCREEN_LOSSES] = {{60, 60, 60},
+                            "#3c3c3c",
+                            "else",
+                            "neither: noise, or on rough metal another ray than that of a mirror"},
+};
+
+static const char *const part_files[NEPH_SCREEN_PARTS] = {
+    [NEPH_SCREEN_AO] = "ao",
+    [NEPH_SCREEN_DIFFUSE] = "indirect",
+    [NEPH_SCREEN_GLOSSY] = "reflections",
+};
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+/* A lost pixel shows through a little. */
+static void paint(uint8_t grey, uint8_t mark, uint8_t rgb[3])
+{
+    for (int c = 0; c < 3; c++)
+        rgb[c] = mark == 0 ? grey : (uint8_t)((3 * reasons[mark - 1].rgb[c] + grey) / 4);
+}
+
+static enum neph_status write_picture(const struct neph_screen_scene *scene, int part,
+                                      const struct neph_screen_study_params *params,
+                                      const char *path, struct neph_diag *diag)
+{
+    const int width_px = params->width_px * SQUARE_PX, height_px = params->height_px * SQUARE_PX;
+    uint8_t *rgb = malloc(3 * (size_t)width_px * (size_t)height_px);
+    if (!rgb)
+        return neph_fail_memory(diag);
+    for (int y = 0; y < height_px; y++)
+        for (int x = 0; x < width_px; x++) {
+            const int p = y / SQUARE_PX * params->width_px + x / SQUARE_PX;
+            paint(scene->seen[p], scene->marks[part][p], rgb + 3 * ((size_t)y * width_px + x));
+        }
+    const enum neph_status status = neph_png_write_rgb8(path, width_px, height_px, rgb, diag);
+    free(rgb);
+    return status;
+}
+
+static enum neph_status write_pictures(const struct neph_screen_study *study, const char *folder,
+                                       struct neph_diag *diag)
+{
+    const struct neph_screen_study_params *params = study->params;
+    enum neph_status status = NEPH_OK;
+    for (int s = 0; s < params->scene_count; s++)
+        for (int part = 0; part < NEPH_SCREEN_PARTS && !status; part++) {
+            if (study->scenes[s].truths[part].pixels == 0)
+                continue;
+            char *path = neph_format("%s/%s_%s.png", folder, params->scenes[s]->name,
+                                     part_files[part]);
+            status = path ? write_picture(&study->scenes[s], part, params, path, diag)
+                          : neph_fail_memory(diag);
+            free(path);
+        }
+    return status;
+}
+
+/* ---- the page -------------------------------------------------------------------------------- */
+
+static const char head[] =
+    "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+    "<!-- Opened from disk: nothing may come from a network, and no text is run as code. -->\n"
+    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+    "style-src 'unsafe-inline'; img-src 'self' file: data:\">\n"
+    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+    "<meta name=\"color-scheme\" content=\"light dark\">\n"
+    "<title>What a screen cannot know</title>\n<link rel=\"icon\" href=\"data:,\">\n"
+    "<style>body{font:16px/1.5 sans-serif;max-width:80rem;margin:1rem auto;padding:0 1rem}"
+    ".row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;flex:1 1 20rem;max-width:30rem}"
+    "img{width:100%;height:auto;image-rendering:pixelated;display:block}"
+    "figcaption{font-size:.9rem}i{display:inline-block;width:1em;height:1em;margin-right:.4em;"
+    "vertical-align:-.15em;border:1px solid #888}li{list-style:none}ul{padding:0}</style>\n"
+    "</head>\n<body>\n<h1>What a screen cannot know</h1>\n";
+
+static void print_key(FILE *out)
+{
+    fprintf(out, "<ul>\n");
+    for (int i = 0; i < NEPH_SCREEN_REASONS; i++)
+        fprintf(out, "<li><i style=\"background:%s\"></i><b>%s</b>: %s</li>\n", reasons[i].css,
+                reasons[i].name, reasons[i].why);
+    fprintf(out, "</ul>\n");
+}
+
+static void print_caption(const char *part, const struct neph_screen_truth *truth, FILE *out)
+{
+    fprintf(out, "<figcaption>%s: %d of %d px lost", part, truth->lost, truth->pixels);
+    for (int i = 0; i < NEPH_SCREEN_REASONS; i++)
+        if (truth->lost_by[i] > 0)
+            fprintf(out, ", %d %s", truth->lost_by[i], reasons[i].name);
+    fprintf(out, "; no model can be nearer than %.2g %%</figcaption>", 100.0 * truth->beyond);
+}
+
+static void print_scene(const struct neph_scene *scene, const struct neph_screen_scene *found,
+                        FILE *out)
+{
+    fprintf(out, "<h2>");
+    neph_svg_print_escaped(scene->name, out);
+    fprintf(out, "</h2>\n<div class=\"row\">\n");
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        if (found->truths[part].pixels == 0)
+            continue;
+        fprintf(out, "<figure><img src=\"");
+        neph_svg_print_escaped(scene->name, out);
+        fprintf(out, "_%s.png\" alt=\"%s: lost pixels in colour\">", part_files[part],
+                neph_screen_part_names[part]);
+        print_caption(neph_screen_part_names[part], &found->truths[part], out);
+        fprintf(out, "</figure>\n");
+    }
+    fprintf(out, "</div>\n");
+}
+
+static void print_page(const void *what, FILE *out)
+{
+    const struct neph_screen_study *study = what;
+    const struct neph_screen_study_params *params = study->params;
+    fprintf(out,
+            "%s<p>Coloured pixels are lost to every method that looks at this picture alone: what "
+            "the picture shows of their truth is off by more than %g %% of it (ambient occlusion "
+            "within %g m: of the hemisphere, %g %%). The colour says by what most of their rays "
+            "are lost; those of reflections are the ray that a mirror would send. Engine surfaces, "
+            "%d samples a pixel, neph %s.</p>\n",
+            head, 100.0 * NEPH_SCREEN_LOST, params->radius_m, 50.0 * NEPH_SCREEN_LOST,
+            params->samples, NEPH_VERSION);
+    print_key(out);
+    for (int s = 0; s < params->scene_count; s++)
+        print_scene(params->scenes[s], &study->scenes[s], out);
+    fprintf(out, "</body>\n</html>\n");
+}
+
+enum neph_status neph_screen_page_write(const struct neph_screen_study *study, const char *folder,
+                                        struct neph_diag *diag)
+{
+    char *text = NULL, *path = neph_path_join(folder, "index.html");
+    enum neph_status status = path ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = write_pictures(study, folder, diag);
+    if (!status)
+        status = neph_written(print_page, study, &text, diag);
+    if (!status)
+        status = neph_file_write(path, text, strlen(text), diag);
+    free(text);
+    free(path);
+    return status;
+}

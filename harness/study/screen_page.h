@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a screen cannot know, over the pictures: a page, and beside it a picture for each scene and
+ * part in which lost pixels have the colour of their reason.
+ */
+#ifndef NEPH_HARNESS_STUDY_SCREEN_PAGE_H
+#define NEPH_HARNESS_STUDY_SCREEN_PAGE_H
+
+#include "harness/study/screen_study.h"
+
+/* Into `folder`, which is made: index.html and SCENE_PART.png. The page opens from disk and needs
+ * nothing else. */
+enum neph_status neph_screen_page_write(const struct neph_screen_study *study, const char *folder,
+                                        struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,88 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// The path tracer's kernel behind the paths, if SUN_BY_TABLE: what the table (tracer_sun.glsl) is
+// wrong by at one event of a batch of samples, in closed form, stands for all of the batch; so for
+// order 1, where it is by the table, and for the higher ones together. One thread a batch. A
+// correction goes to the sample of its event, so that pairs of samples know its noise
+// (tracer_sum.comp).
+#extension GL_GOOGLE_include_directive : require
+
+#include "tracer_sun.glsl"
+
+layout(local_size_x = 64) in;
+
+// Of float32: so much more light, and no sum of a batch is below 0.
+const float ROUNDING = 1e-6;
+
+// One sample of a batch, in proportion to its light (a reservoir of one; M. T. Chao, "A General
+// Purpose Unequal Probability Sampling Plan", Biometrika 69, 1982).
+struct Choice {
+    uint item;
+    float u;    // uniform, after each step anew
+    float most; // sum over all so far
+    vec3 light; // the same in all channels
+};
+
+void offer(inout Choice choice, uint item, float most, vec3 light)
+{
+    if (most <= 0.0)
+        return;
+    choice.most += most;
+    choice.light += light;
+    float share = most / choice.most;
+    bool is_taken = choice.u < share;
+    choice.item = is_taken ? item : choice.item;
+    choice.u = is_taken ? choice.u / share : (choice.u - share) / max(1.0 - share, 1e-30);
+}
+
+// What the batch has too little (or, below 0, too much), if the chosen light's color is this.
+vec3 missing(Choice choice, vec3 point_m, float guessed, vec3 color)
+{
+    float arrives = transmittance(scene_optical_depth(point_m, to_sun(), FAR_M).r);
+    return color * (choice.most * (arrives / guessed)) - choice.light * (1.0 - ROUNDING);
+}
+
+// Nobody has handed in what met nothing (tracer.comp).
+bool is_handed_in(uint item) { return SURFACES || firsts[item].weight != vec3(0.0); }
+
+void check_higher(uint first, float u)
+{
+    Choice choice = Choice(first, u, 0.0, vec3(0.0));
+    for (uint item = first; item < first + BATCH_SAMPLES; item++)
+        if (is_handed_in(item))
+            offer(choice, item, sun_checks[item].most, sun_checks[item].light);
+    if (choice.most == 0.0)
+        return;
+    SunCheck event = sun_checks[choice.item];
+    results[choice.item].higher.rgb += missing(choice, event.point_m, event.guessed, event.color);
+}
+
+void check_first(uint first, uint pixel, float u)
+{
+    Choice choice = Choice(first, u, 0.0, vec3(0.0));
+    for (uint item = first; item < first + BATCH_SAMPLES; item++)
+        if (is_handed_in(item))
+            offer(choice, item, brightest_of(sun_checks[item].first_light),
+                  sun_checks[item].first_light);
+    if (choice.most == 0.0)
+        return;
+    SunCheck event = sun_checks[choice.item];
+    vec3 point_m = view_point_m(pixel_ray(run.first_pixel + pixel), firsts[choice.item].t_m);
+    results[choice.item].order1.rgb +=
+        missing(choice, point_m, event.first_guessed,
+                event.first_light / brightest_of(event.first_light));
+}
+
+void main()
+{
+    uint first = gl_GlobalInvocationID.x * BATCH_SAMPLES, pixel = first / run.samples;
+    if (pixel >= run.pixel_count)
+        return;
+    uint batch = (run.first_sample + first % run.samples) / BATCH_SAMPLES;
+    vec3 u = uniform_from(
+        pcg4d(uvec4(run.first_pixel + pixel, batch, ~run.seed_low, run.seed_high)).xyz);
+    check_higher(first, u.x);
+    if (FIRST_BY_PATH)
+        check_first(first, pixel, u.y);
+}
