@@ -62,6 +62,8 @@ static const char *find_obstacle_to_traced(const struct neph_scene *scene)
 /* One solution for all channels. */
 static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
 {
+    if (neph_scene_is_endless(scene))
+        return neph_endless_reason;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_rgb albedo = scene->media[i].albedo;
         if (neph_medium_is_coloured(&scene->media[i]))
@@ -231,7 +233,6 @@ static enum neph_status check_endless(const struct neph_scene *scene,
         {shortcuts->sun_cache, "sun_cache=grid"},
         {shortcuts->cloud_shadow, "cloud_shadow=map"},
         {shortcuts->grid_texture, "grid_sampling=texture"},
-        {params->lighting == NEPH_MARCH_DIFFUSED, "diffused light"},
         {looks_ahead(params), "light_ahead"},
     };
     for (size_t i = 0; i < sizeof(tables) / sizeof(tables[0]); i++)

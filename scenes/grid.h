@@ -13,8 +13,8 @@
 #include <stdint.h>
 
 #define NEPH_GRID_SIDE_MAX 1024
-/* How far a grid without end goes, to both sides of the world's origin, and the least spacing of its
- * nodes: cells on the way there are counted in an int. */
+/* How far a grid without end goes, to both sides of the world's origin, and how close its nodes may
+ * be: cells on the way there are counted in an int. */
 #define NEPH_GRID_ENDLESS_M 1e6
 #define NEPH_GRID_ENDLESS_SPACING_M 1e-2
 /* 512^3 floats: 512 MiB. What a file may ask for; larger is refused with the sizes in words. */

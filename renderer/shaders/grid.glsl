@@ -155,7 +155,7 @@ float cubic_quantile(vec4 f, float fraction)
 }
 
 // The walk of grid_integral_m (grid.glsl), stopped in the cell where the integral passes `target`.
-// Of a lattice that ends: lavapipe goes astray in this loop when cells are wrapped in it.
+// The lattice is one that ends: lavapipe goes astray in this loop when cells are wrapped in it.
 float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, float t1_m,
                        float target)
 {

@@ -664,8 +664,8 @@ static void test_grids_beside_each_other(void **state)
         neph_grid_destroy(test.scene.media[m].grid);
 }
 
-/* A lattice without end, from a camera far from its origin: as double precision has it, a period and
- * many away, along faces and through them. */
+/* A lattice without end, from a camera far from its origin: as double precision has it, one period
+ * away and many, along faces and through them. */
 static void test_endless_grids(void **state)
 {
     uint64_t random = seed;

@@ -259,8 +259,8 @@ static void test_too_many_copies_are_refused(void **state)
     assert_non_null(strstr(diag.message, "1026 x 1 x 2"));
 }
 
-/* Without end along two axes it is what a hundred copies are among which one stands, as far as these
- * go: densities, integrals and what bounds them. */
+/* Without end along two axes it is what a hundred copies are, as far as these go: densities,
+ * integrals and what bounds them. */
 static void test_without_end(void **state)
 {
     (void)state;
