@@ -40,8 +40,8 @@ SunCheck no_sun_check()
     return SunCheck(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 1.0, vec3(0.0));
 }
 
-// That of all shapes, by the table, at any point: one outside of the lattice sees what it sees where
-// its sun ray enters that.
+// That of all shapes, by the table, at any point: one outside of the lattice sees what it sees
+// where its sun ray enters that.
 float shapes_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
 {
     vec3 last = vec3(lattice.size - 1);
