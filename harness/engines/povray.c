@@ -221,8 +221,8 @@ struct session {
     struct neph_cost cost;
 };
 
-/* Which places radiosity finds first, and so whose light is shared, depends on the order of threads.
- */
+/* Threads decide in which order radiosity finds its places, and so whose light is shared: it has one
+ * alone. */
 static int thread_count(const struct neph_scene *scene)
 {
     int count = neph_processor_count();
