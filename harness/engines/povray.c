@@ -221,8 +221,7 @@ struct session {
     struct neph_cost cost;
 };
 
-/* Threads decide in which order radiosity finds its places, and so whose light is shared: it has one
- * alone. */
+/* One for radiosity: the order in which it finds its places decides whose light is shared. */
 static int thread_count(const struct neph_scene *scene)
 {
     int count = neph_processor_count();
