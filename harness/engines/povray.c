@@ -223,8 +223,7 @@ struct session {
     struct neph_cost cost;
 };
 
-/* Which places radiosity finds first, and so whose light is shared, depends on the order of threads.
- */
+/* One for radiosity: the order in which it finds its places decides whose light is shared. */
 static int thread_count(const struct neph_scene *scene)
 {
     int count = neph_processor_count();
