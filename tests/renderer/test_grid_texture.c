@@ -289,7 +289,7 @@ static void test_clear_air_adds_nothing(void **state)
     assert_int_equal(plain_stats.density_evaluations, passed_stats.density_evaluations);
     assert_int_equal(plain_stats.view_steps, passed_stats.view_steps);
     assert_true(off < 1e-4);
-    assert_true(largest_difference(passed_texture, skipped_texture) == 0.0);
+    assert_true(largest_difference(passed_texture, skipped_texture) < 1e-6);
     neph_image_destroy(passed);
     neph_image_destroy(skipped_texture);
     neph_image_destroy(passed_texture);
@@ -349,9 +349,10 @@ static void test_a_texture_has_its_own_march(void **state)
         params.shortcuts.skip = params.shortcuts.grid_texture = false;
         struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
         const double off = largest_difference(all, own);
-        print_message("%zu: off by %.2e\n", i, off);
+        const double off_skipped = largest_difference(own, skipped);
+        print_message("%zu: off by %.2e, with cells skipped by %.2e\n", i, off, off_skipped);
         assert_true(off < 1e-5 && largest_difference(plain, own) > 0.0);
-        assert_true(largest_difference(own, skipped) == 0.0);
+        assert_true(off_skipped < 1e-6); /* a driver may fuse either otherwise */
         assert_int_equal(own_stats.density_evaluations, plain_stats.density_evaluations);
         assert_int_equal(own_stats.view_steps, plain_stats.view_steps);
         neph_image_destroy(plain);
