@@ -193,6 +193,8 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     const char *cannot = solid_obstacle(scene);
     struct neph_diag diag = {0};
     struct neph_povray_world world;
+    if (!cannot && neph_scene_is_endless(scene))
+        cannot = neph_endless_reason;
     if (cannot)
         ;
     else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene) &&
