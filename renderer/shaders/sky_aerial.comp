@@ -64,7 +64,7 @@ vec3 light_of_clouds(SkyRay ray, Stretch stretch, vec3 through, float handed_on)
 // What shadows take of all light up to a slice. Tables know the higher orders of clear air alone.
 // What is in the shade loses of these the part of the directions that clouds cover. Of clouds that
 // stand at random a slant ray meets as many more as its way is longer: where a mean T of the sun
-// comes through along its cosine, T^(2 cosine) does from all over the sky, whose mean cosine is 1/2.
+// comes through along its cosine, T^(2 cosine) does from all the sky, whose mean cosine is 1/2.
 // What clouds have in that place is their own light, light_of_clouds().
 vec3 shade_of_all(vec3 light, vec3 once, vec3 shade_of_once, float sun_cosine)
 {
