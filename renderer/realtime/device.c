@@ -2,6 +2,7 @@
 #include "renderer/realtime/device.h"
 
 #include "renderer/realtime/options.h"
+#include "renderer/realtime/unread.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -132,6 +133,8 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
 {
     for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++) {
         const struct neph_rt_history history = pass->histories[i];
+        if (neph_rt_buffer_of(device->view, history.now) == history.before)
+            continue; /* it is there */
         const struct neph_buffer before = device->targets[history.before];
         device->targets[history.before] = device->targets[history.now];
         device->targets[history.now] = before;
@@ -187,8 +190,9 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     dispatch->buffers[first + 1] = &device->noise;
     const uint32_t touched = neph_rt_targets_touched(device->view, pass);
     for (int t = 0; t < (int)params->array_count; t++)
-        dispatch->buffers[first + 2 + t] = touched & NEPH_RT_BIT(t) ? &device->targets[t]
-                                                                    : &device->nothing;
+        dispatch->buffers[first + 2 + t] =
+            touched & NEPH_RT_BIT(t) ? &device->targets[neph_rt_buffer_of(device->view, t)]
+                                     : &device->nothing;
 }
 
 static enum neph_status add_colour(struct neph_rt_device *device, const struct neph_rt_pass *pass,

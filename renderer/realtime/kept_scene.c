@@ -1,77 +1,89 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/kept_scene.h"
 
-#define KEPT (NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_BEHIND))
-/* At rest the same for all places. */
-#define MADE_OF_IT (NEPH_RT_BIT(RT_STEADY_DEPTH) | NEPH_RT_BIT(RT_HALF_DEPTH))
+enum { TURNS = 4 }; /* of a tile's slots */
 
-static int place_count_of(const struct neph_gpu_view *view)
+static const struct {
+    int targets[NEPH_RT_KEPT_TARGETS_MAX], target_count;
+    int place_count; /* 0: the jitter's */
+    uint32_t given;  /* with what at rest is the same in all places */
+} rows[NEPH_RT_KEPT_RINGS] = {
+    {{RT_DEPTH, RT_BEHIND},
+     2,
+     0,
+     NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_BEHIND) | NEPH_RT_BIT(RT_STEADY_DEPTH) |
+         NEPH_RT_BIT(RT_HALF_DEPTH)},
+    {{RT_TILE}, 1, TURNS, NEPH_RT_BIT(RT_TILE)},
+};
+
+static int place_count_of(const struct neph_gpu_view *view, int ring)
 {
-    return (int)view->settings[RT_TAA_JITTER_LENGTH];
+    return rows[ring].place_count ? rows[ring].place_count
+                                  : (int)view->settings[RT_TAA_JITTER_LENGTH];
 }
 
 /* Of fewer than two places the depth map has not been made twice, for now and for before. */
-static bool may_keep(const struct neph_rt_device *device)
+static bool may_keep(const struct neph_rt_device *device, int ring)
 {
     const struct neph_gpu_view *view = device->view;
-    const int count = place_count_of(view);
-    const uint64_t bytes = (uint64_t)count * (neph_rt_target_bytes(view, RT_DEPTH) +
-                                              neph_rt_target_bytes(view, RT_BEHIND));
+    const int count = place_count_of(view, ring);
+    uint64_t bytes = 0;
+    for (int t = 0; t < rows[ring].target_count; t++)
+        bytes += (uint64_t)count * neph_rt_target_bytes(view, rows[ring].targets[t]);
     return !device->on_gpu && view->settings[RT_JITTERED_DEPTH] == 0.0f && count >= 2 &&
            count <= NEPH_RT_KEPT_PLACES_MAX && bytes <= NEPH_RT_KEPT_BYTES_MAX;
 }
 
-static enum neph_status create(struct neph_rt_kept_scene *kept, struct neph_rt_device *device,
-                               int now, struct neph_diag *diag)
+static enum neph_status create(struct neph_rt_kept_ring *kept, struct neph_rt_device *device,
+                               int ring, int now, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    kept->place_count = place_count_of(device->view);
+    kept->place_count = place_count_of(device->view, ring);
     kept->now = now;
-    for (int i = 0; i < kept->place_count && !status; i++) {
-        if (i == now)
-            continue;
-        status = neph_rt_device_add_target(device, RT_DEPTH, &kept->places[i].depth, diag);
-        if (!status)
-            status = neph_rt_device_add_target(device, RT_BEHIND, &kept->places[i].behind, diag);
-    }
+    for (int i = 0; i < kept->place_count; i++)
+        for (int t = 0; t < rows[ring].target_count && i != now && !status; t++)
+            status = neph_rt_device_add_target(device, rows[ring].targets[t],
+                                               &kept->places[i].targets[t], diag);
     return status;
 }
 
-static void change(struct neph_buffer *a, struct neph_buffer *b)
+static void exchange(struct neph_rt_device *device, int ring, struct neph_rt_kept_place *place)
 {
-    const struct neph_buffer was = *a;
-    *a = *b;
-    *b = was;
-}
-
-static void exchange(struct neph_rt_device *device, struct neph_rt_kept_place *place)
-{
-    change(&device->targets[RT_DEPTH], &place->depth);
-    change(&device->targets[RT_BEHIND], &place->behind);
-}
-
-enum neph_status neph_rt_kept_scene_take(struct neph_rt_kept_scene *kept,
-                                         struct neph_rt_device *device, uint32_t picture,
-                                         uint32_t alike, bool is_alone, uint32_t *given,
-                                         struct neph_diag *diag)
-{
-    const int now = (int)(picture % (uint32_t)place_count_of(device->view));
-    if (kept->place_count == 0) {
-        if (!may_keep(device) || alike < (uint32_t)place_count_of(device->view))
-            return NEPH_OK;
-        const enum neph_status status = create(kept, device, now, diag);
-        if (status)
-            return status;
+    for (int t = 0; t < rows[ring].target_count; t++) {
+        struct neph_buffer *own = &device->targets[rows[ring].targets[t]];
+        const struct neph_buffer was = *own;
+        *own = place->targets[t];
+        place->targets[t] = was;
     }
-    struct neph_rt_kept_place *place = &kept->places[now];
+}
+
+/* The picture for which the device's targets were made, where they are those of an alike one. */
+static bool is_known(const struct neph_rt_kept_place *place, uint32_t picture, uint32_t alike)
+{
+    return place->is_made && picture != place->picture && picture - place->picture <= alike;
+}
+
+static enum neph_status take(struct neph_rt_kept_ring *kept, struct neph_rt_device *device,
+                             int ring, uint32_t picture, uint32_t alike, bool is_alone,
+                             uint32_t *given, struct neph_diag *diag)
+{
+    const uint32_t count = (uint32_t)place_count_of(device->view, ring);
+    const int now = (int)(picture % count);
+    enum neph_status status = NEPH_OK;
+    if (kept->place_count == 0 && (alike < count || !may_keep(device, ring)))
+        return NEPH_OK;
+    if (kept->place_count == 0)
+        status = create(kept, device, ring, now, diag);
+    if (status)
+        return status;
     if (now != kept->now) {
-        exchange(device, &kept->places[kept->now]);
-        exchange(device, place);
+        exchange(device, ring, &kept->places[kept->now]);
+        exchange(device, ring, &kept->places[now]);
         kept->now = now;
     }
-    if (place->is_made && is_alone && picture != place->picture &&
-        picture - place->picture <= alike) {
-        *given |= KEPT | MADE_OF_IT;
+    struct neph_rt_kept_place *place = &kept->places[now];
+    if (is_alone && is_known(place, picture, alike)) {
+        *given |= rows[ring].given;
         return NEPH_OK;
     }
     place->is_made = is_alone;
@@ -79,11 +91,23 @@ enum neph_status neph_rt_kept_scene_take(struct neph_rt_kept_scene *kept,
     return NEPH_OK;
 }
 
+enum neph_status neph_rt_kept_scene_take(struct neph_rt_kept_scene *kept,
+                                         struct neph_rt_device *device, uint32_t picture,
+                                         uint32_t alike, bool is_alone, uint32_t *given,
+                                         struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int ring = 0; ring < NEPH_RT_KEPT_RINGS && !status; ring++)
+        status = take(&kept->rings[ring], device, ring, picture, alike,
+                      is_alone && !device->view->resting, given, diag);
+    return status;
+}
+
 void neph_rt_kept_scene_destroy(const struct neph_vulkan *vulkan, struct neph_rt_kept_scene *kept)
 {
-    for (int i = 0; i < kept->place_count; i++) {
-        neph_buffer_destroy(vulkan, &kept->places[i].depth);
-        neph_buffer_destroy(vulkan, &kept->places[i].behind);
-    }
-    *kept = (struct neph_rt_kept_scene){.place_count = 0};
+    for (int ring = 0; ring < NEPH_RT_KEPT_RINGS; ring++)
+        for (int i = 0; i < kept->rings[ring].place_count; i++)
+            for (int t = 0; t < NEPH_RT_KEPT_TARGETS_MAX; t++)
+                neph_buffer_destroy(vulkan, &kept->rings[ring].places[i].targets[t]);
+    *kept = (struct neph_rt_kept_scene){.rings = {{.place_count = 0}}};
 }

@@ -50,7 +50,7 @@ static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance
 static const char *const depth_map_passes[] = {"auto", "own", NULL};
 static const char *const change_passes[] = {"auto", "own", NULL};
 static const char *const steadies[] = {"auto", "unasked", NULL};
-static const char *const compositions[] = {"auto", "pass", "taa", NULL};
+static const char *const compositions[] = {"auto", "pass", "taa", "upscale", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
 
 _Static_assert(RT_SETTING_COUNT < NEPH_OPTIONS_MAX, "room for every setting");
@@ -427,7 +427,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_COMPOSITION] = CHOICE(
         "composition", RT_COMPOSITION_AUTO, compositions,
         "where the volume is laid over what is behind it: in a pass of its own, or where the "
-        "anti-aliasing reads both, which spares a picture; auto: so on a GPU. Same bits"),
+        "anti-aliasing reads both, which spares a picture, or where the upscale makes it, which "
+        "spares a pass (not with froxels); auto: by the anti-aliasing on a GPU, else by the "
+        "upscale. Same bits"),
 
     [RT_SCREEN_PERCENT] = WHOLE(
         "screen_percent", 100, 50, 100,

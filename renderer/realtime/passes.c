@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/passes.h"
 
+#include "renderer/realtime/unread.h"
+
 #include <string.h>
 
 static const uint32_t scene_spirv[] = {
@@ -82,7 +84,9 @@ static const uint32_t lamp_peaks_spirv[] = {
         BIT(RT_VOLUME_DISTANCE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) | BIT(RT_MOVED)
 #define TAA_SPARED                                                                                 \
     {                                                                                              \
-        {{{RT_COMPOSITION, RT_COMPOSITION_AUTO}, {RT_COMPOSITION, RT_COMPOSITION_PASS}},           \
+        {{{RT_COMPOSITION, RT_COMPOSITION_AUTO},                                                   \
+          {RT_COMPOSITION, RT_COMPOSITION_PASS},                                                   \
+          {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},                                               \
          BIT(RT_COLOR)},                                                                           \
             {{{RT_COMPOSITION, RT_COMPOSITION_TAA}}, BIT(RT_BEHIND)},                              \
             {{{RT_TAA_MEDIUM, 1}}, BIT(RT_VOLUME_DISTANCE)},                                       \
@@ -163,7 +167,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "what the same rays see that were marched before",
         .shader = {"rt_gradient", gradient_spirv, sizeof(gradient_spirv)},
         .condition = {RT_GRADIENT, 1},
-        .done_by_other = {{RT_STEADY, RT_STEADY_KNOWN}},
+        .done_by_other = {{RT_STEADY, RT_STEADY_KNOWN}, {RT_STEADY, RT_STEADY_UNREAD}},
         .resolution = RT_QUARTER,
         .reads = BIT(RT_RAY) | BIT(RT_BEHIND) | BIT(RT_KEPT_RAY) | BIT(RT_KEPT_BEHIND) |
                  BIT(RT_HALF_DEPTH) | BIT(RT_HALF_DEPTH_BEFORE),
@@ -176,7 +180,8 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_change", change_spirv, sizeof(change_spirv)},
         .condition = {RT_GRADIENT, 1},
         .done_by_other = {{RT_CHANGE_PASS, RT_CHANGE_PASS_RECONSTRUCTION},
-                          {RT_STEADY, RT_STEADY_KNOWN}},
+                          {RT_STEADY, RT_STEADY_KNOWN},
+                          {RT_STEADY, RT_STEADY_UNREAD}},
         .resolution = RT_QUARTER,
         .reads = CHANGE_READS | BIT(RT_CHANGE),
         .writes = BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND),
@@ -187,13 +192,15 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .shader = {"rt_reconstruct", reconstruct_spirv, sizeof(reconstruct_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_HALF,
+        .unread_resolution = RT_QUARTER,
         .block = {RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT},
         .reads = BIT(RT_TILE) | BIT(RT_RAY) | BIT(RT_RAY_DISTANCE) | BIT(RT_HALF_DEPTH) |
                  BIT(RT_HALF_DEPTH_BEFORE) | BIT(RT_HISTORY_BEFORE) | BIT(RT_HISTORY_STATE_BEFORE) |
                  BIT(RT_CHANGE) | CHANGE_READS,
         .spared = {{{{RT_GRADIENT, 1}}, BIT(RT_CHANGE)},
                    {{{RT_CHANGE_PASS, RT_CHANGE_PASS_RECONSTRUCTION}}, CHANGE_READS},
-                   {{{RT_STEADY, RT_STEADY_KNOWN}}, BIT(RT_KEPT_RAY)}},
+                   {{{RT_STEADY, RT_STEADY_KNOWN}, {RT_STEADY, RT_STEADY_UNREAD}},
+                    BIT(RT_KEPT_RAY)}},
         .writes = BIT(RT_HISTORY) | BIT(RT_HISTORY_STATE) | BIT(RT_CHANGE) | BIT(RT_CHANGE_BEHIND) |
                   BIT(RT_KEPT_RAY),
         .histories = {{RT_HISTORY, RT_HISTORY_BEFORE}, {RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE}},
@@ -233,9 +240,16 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .resolution = RT_FULL,
         .in_quads = true,
         .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_BEFORE) |
-                 BIT(RT_HISTORY_STATE),
-        .spared = {{{{RT_ATROUS, 0}}, BIT(RT_HISTORY)}, {{{RT_ATROUS, 1}}, BIT(RT_HISTORY_BEFORE)}},
-        .writes = BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE),
+                 BIT(RT_HISTORY_STATE) | BIT(RT_BEHIND),
+        .spared = {{{{RT_ATROUS, 0}}, BIT(RT_HISTORY)},
+                   {{{RT_ATROUS, 1}}, BIT(RT_HISTORY_BEFORE)},
+                   {{{RT_COMPOSITION, RT_COMPOSITION_UPSCALE}}, BIT(RT_BEHIND) | BIT(RT_COLOR)},
+                   {{{RT_STEADY, RT_STEADY_AUTO},
+                     {RT_STEADY, RT_STEADY_UNASKED},
+                     {RT_STEADY, RT_STEADY_KNOWN}},
+                    BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE)}},
+        .writes = BIT(RT_VOLUME) | BIT(RT_VOLUME_DISTANCE) | BIT(RT_COLOR),
+        .picture = RT_COLOR,
     },
     {
         .name = "froxel composition",
@@ -261,7 +275,8 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .note = "the volume over what is behind it",
         .shader = {"rt_compose", compose_spirv, sizeof(compose_spirv)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
-        .done_by_other = {{RT_COMPOSITION, RT_COMPOSITION_TAA}},
+        .done_by_other = {{RT_COMPOSITION, RT_COMPOSITION_TAA},
+                          {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},
         .resolution = RT_FULL,
         .reads = BIT(RT_VOLUME) | BIT(RT_BEHIND),
         .writes = BIT(RT_COLOR),
@@ -434,16 +449,23 @@ static uint64_t quotient_up(uint64_t a, uint64_t b)
 
 enum { GROUP_THREADS = 64 };
 
+static int resolution_of(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+{
+    return pass->unread_resolution && neph_rt_is_unread(view) ? pass->unread_resolution
+                                                              : pass->resolution;
+}
+
 uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
                               bool on_gpu)
 {
+    const int resolution = resolution_of(view, pass);
     const uint64_t column = pass->column ? (uint64_t)pass->column : 1;
-    if (pass->resolution == RT_FROXEL || pass->resolution == RT_FROXEL_COLUMN)
-        return neph_rt_texel_count(view, pass->resolution);
-    const bool is_picture = pass->resolution == RT_PICTURE;
+    if (resolution == RT_FROXEL || resolution == RT_FROXEL_COLUMN)
+        return neph_rt_texel_count(view, resolution);
+    const bool is_picture = resolution == RT_PICTURE;
     const uint64_t width = is_picture ? view->picture_px[0]
-                                      : quotient_up(view->size_px[0], (uint64_t)pass->resolution);
-    const uint64_t height = neph_rt_texel_count(view, pass->resolution) / width;
+                                      : quotient_up(view->size_px[0], (uint64_t)resolution);
+    const uint64_t height = neph_rt_texel_count(view, resolution) / width;
     const bool in_blocks = takes_turns(view, pass) || !pass->in_colours;
     if (!on_gpu && takes_turns(view, pass)) /* a dispatch for each colour */
         return quotient_up(width, 2) * quotient_up(height, 2);

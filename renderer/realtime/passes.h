@@ -20,7 +20,7 @@ struct neph_rt_condition {
     int setting, choice;
 };
 
-enum { NEPH_RT_OTHERS_MAX = 2 };
+enum { NEPH_RT_OTHERS_MAX = 3 };
 
 /* A target of this frame that is another one's name in the next. */
 struct neph_rt_history {
@@ -54,9 +54,10 @@ struct neph_rt_pass {
     struct neph_rt_condition condition; /* of being in the frame */
     /* Where one of these holds; ends early with {0}, which never does (above). */
     struct neph_rt_condition done_by_other[NEPH_RT_OTHERS_MAX];
-    int resolution; /* RT_FULL, ..: of the texels that it makes */
-    int column;     /* texels, one below the other, that a thread makes; 0: one */
-    bool in_quads;  /* a thread makes 2x2, the first of which may be one before the view */
+    int resolution;        /* RT_FULL, ..: of the texels that it makes */
+    int unread_resolution; /* of those in pictures that nobody reads (unread.h); 0: the same */
+    int column;            /* texels, one below the other, that a thread makes; 0: one */
+    bool in_quads;         /* a thread makes 2x2, the first of which may be one before the view */
     /* Texels that a group makes together on a GPU, with rays elsewhere, too, where there is
      * in_colours if that holds; {0}: they are by themselves. */
     int block[2];

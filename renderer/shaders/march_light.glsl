@@ -114,6 +114,9 @@ void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, in
         }
 }
 
+// Loops are left at the end of a turn: lavapipe goes through a turn to its end for nobody, where
+// the last of its lanes leaves at the start.
+
 // A texture that is the only medium, along a stretch by steps of which each is `growth` times as
 // long as the one before. A plain sum, which steps in clear air do not change.
 const uint RAY_TAPS_MAX = 6;
@@ -124,7 +127,8 @@ float texture_optical_depth(vec3 origin_m, vec3 direction, Stretch stretch, uint
 {
     TextureRay ray = texture_ray(origin_m, direction);
     float sum = 0.0, next_m = stretch.t0_m, length_m = first_m;
-    for (uint i = 0; i < count; i += ray_taps()) {
+    uint i = 0;
+    do {
         float densities[RAY_TAPS_MAX], lengths_m[RAY_TAPS_MAX];
         [[unroll]] for (uint k = 0; k < ray_taps(); k++) {
             float t_m = next_m + 0.5 * length_m;
@@ -138,7 +142,8 @@ float texture_optical_depth(vec3 origin_m, vec3 direction, Stretch stretch, uint
             sum += lengths_m[k] * densities[k];
             density_evaluations += lengths_m[k] > 0.0 ? 1u : 0u;
         }
-    }
+        i += ray_taps();
+    } while (i < count);
     return ray.full_per_m * sum;
 }
 
@@ -155,7 +160,8 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
         return grey(frame.media[0].extinction_color) *
                texture_optical_depth(origin_m, direction, stretch, step_count, steps.step_m, 1.0);
     Sum sum = sum_zero();
-    for (uint i = 0; i < step_count; i += taps()) {
+    uint i = 0;
+    do {
         if (SKIPS && (kinds & FOG_KINDS) == 0u) {
             if (pass_empty_steps(steps, 0.5, origin_m, direction, step_count, i))
                 sum_add(sum, vec4(0.0));
@@ -163,7 +169,8 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
                 break;
         }
         add_taps(kinds, origin_m, direction, steps, i, sum);
-    }
+        i += taps();
+    } while (i < step_count);
     return grey(sum.value.xyz);
 }
 
@@ -204,7 +211,8 @@ vec3 grown_sun_depth(uint kinds, vec3 point_m)
                texture_optical_depth(point_m, to_sun(), stretch, count, length_m,
                                      frame.sun_growth);
     Sum sum = sum_zero();
-    for (uint i = 0; i < count; i++) {
+    uint i = 0;
+    do {
         vec3 tap_m = sun_tap_m(point_m, next_m + 0.5 * length_m, i);
         if (!SKIPS || (kinds & FOG_KINDS) != 0u || !shapes_are_empty(tap_m)) {
             sum_add(sum, vec4(sampled_extinctions_per_m(kinds, tap_m) * length_m, 0.0));
@@ -212,7 +220,7 @@ vec3 grown_sun_depth(uint kinds, vec3 point_m)
         }
         next_m += length_m;
         length_m *= frame.sun_growth;
-    }
+    } while (++i < count);
     return grey(sum.value.xyz);
 }
 
@@ -301,7 +309,7 @@ float flattened_phase_per_sr(uint m, float part)
 // Those of the first octaves of an only medium, once for a ray; with their contributions where the
 // octaves of all channels are summed at once, which rounds otherwise.
 const bool KEEPS_PHASES = LIGHTING == OCTAVES && KNOWN_MEDIA == 1u;
-const uint KEPT_PHASES = 8;
+const uint KEPT_PHASES = NEPH_GPU_KEPT_PHASES;
 float kept_phases_per_sr[KEPT_PHASES];
 
 bool sums_channels() { return KEEPS_PHASES && has_only_texture() && !COLOURED; }
@@ -310,6 +318,7 @@ void keep_phases()
 {
     float contribution = 1.0, part = 1.0; // a^i, c^i
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
+        kept_phases_per_sr[i] = 0.0;
         if (i < own(frame.octave_count))
             kept_phases_per_sr[i] = contribution * flattened_phase_per_sr(0, part);
         if (sums_channels())

@@ -12,7 +12,10 @@ struct Change {
 };
 
 // Nothing has changed for so long that this is known (renderer/realtime/stillness.h).
-bool is_unchanged() { return choice(RT_STEADY) == RT_STEADY_KNOWN; }
+bool is_unchanged() { return choice(RT_STEADY) >= RT_STEADY_KNOWN; }
+
+// And of the picture's parts nobody asks for more than the next picture does.
+bool is_unread() { return choice(RT_STEADY) == RT_STEADY_UNREAD; }
 
 Change change_of(int target, ivec2 tile)
 {

@@ -200,8 +200,8 @@ void take(Sample seen, int i, inout Surroundings around)
 {
     if (seen.is_counted)
         around.counted |= 1u << i;
-    around.colours[i] = seen.colour;
-    around.hdr_weights[i] = seen.hdr_weight;
+    around.colours[i] = seen.is_counted ? seen.colour : vec3(0.0);
+    around.hdr_weights[i] = seen.is_counted ? seen.hdr_weight : 0.0;
 }
 
 // A pixel whose source is no pixel of a block.
@@ -247,9 +247,7 @@ bool filter_frame(Surroundings around, out vec3 colour)
         return is_counted(around.counted, CENTRE);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
-    for (int i = 0; i < 9; i++) {
-        if (!is_counted(around.counted, i))
-            continue;
+    for (int i = 0; i < 9; i++) { // those that do not count have no weight
         float weight = nearness[i] * around.hdr_weights[i];
         sum += weight * around.colours[i];
         weights += weight;

@@ -351,10 +351,12 @@
 #define RT_STEADY_AUTO 0
 #define RT_STEADY_UNASKED 1
 #define RT_STEADY_KNOWN 2 // of views alone
+#define RT_STEADY_UNREAD 3 // the same, and nobody reads more than the picture
 
 #define RT_COMPOSITION_AUTO 0
 #define RT_COMPOSITION_PASS 1
 #define RT_COMPOSITION_TAA 2
+#define RT_COMPOSITION_UPSCALE 3
 
 #define RT_ROUNDING_NEAREST 0
 #define RT_ROUNDING_STOCHASTIC 1

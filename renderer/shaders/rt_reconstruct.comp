@@ -283,7 +283,8 @@ float change_at_ray(ivec2 tile, int ray)
 }
 
 // What has changed around a tile is found here where there is no pass for it: by a thread for each
-// tile of the block, and one more for what is behind.
+// tile of the block, and for what is behind by one of the group's other half, which is another
+// subgroup.
 const int BLOCK_TILE_COUNT = BLOCK_TILES.x * BLOCK_TILES.y;
 shared vec4 area_changes[BLOCK_TILE_COUNT];
 shared vec4 area_looks[4 * AREA.x * AREA.y];
@@ -314,15 +315,18 @@ void fetch_looks()
 
 void find_changes(ivec2 first_tile)
 {
-    int thread = int(gl_LocalInvocationID.x), i = thread % BLOCK_TILE_COUNT;
+    const int half_group = GROUP_THREADS / 2;
+    int thread = int(gl_LocalInvocationID.x), i = thread % half_group;
     ivec2 tile = first_tile + ivec2(i % BLOCK_TILES.x, i / BLOCK_TILES.x);
     bool is_there = all(lessThan(tile, tile_count()));
-    if (thread < BLOCK_TILE_COUNT) {
+    if (i >= BLOCK_TILE_COUNT)
+        return;
+    if (thread < half_group) {
         vec4 change = change_of_medium(tile);
         area_changes[i] = change;
         if (is_there)
             put_tile(RT_CHANGE, tile, change);
-    } else if (thread < 2 * BLOCK_TILE_COUNT && is_there) {
+    } else if (is_there) {
         put_tile(RT_CHANGE_BEHIND, tile, change_behind(tile));
     }
 }
@@ -467,9 +471,21 @@ void put_result(ivec2 half_pixel, vec4 value, float age, float distance_m)
     put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(RT_DEPTH_FORMAT, distance_m), 0.0, 0.0));
 }
 
+// That of a tile which has a ray in this frame. Where nothing changes the others stay as they are,
+// in their place (renderer/realtime/unread.h).
+bool own_fresh_texel(out ivec2 half_pixel)
+{
+    ivec2 tile;
+    bool is_left = own_element(tile_count(), tile);
+    half_pixel = ray_half_pixel(tile);
+    return is_left;
+}
+
 // The texel of this thread; false when there is none left.
 bool own_texel(out ivec2 half_pixel)
 {
+    if (is_unread())
+        return own_fresh_texel(half_pixel);
     if (!ON_GPU)
         return own_element(half_size(), half_pixel);
     ivec2 block = own_block(half_size(), BLOCK);
@@ -497,8 +513,9 @@ void main()
     is_at_rest = history_rests();
     if (!shares_rays())
         load_rays(tile);
-    if (is_unchanged() && half_pixel - 2 * tile == kept_place())
-        put_half(RT_KEPT_RAY, half_pixel, kept(ray_at(0).value));
+    ivec2 kept_pixel = 2 * tile + kept_place();
+    if (is_unchanged() && (is_unread() || half_pixel == kept_pixel))
+        put_half(RT_KEPT_RAY, kept_pixel, kept(ray_at(0).value));
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
     float own_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(depth_m)
                   : is_sky(depth_m)                 ? setting(RT_SKY_M)

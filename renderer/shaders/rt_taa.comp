@@ -74,6 +74,29 @@ void look_at_tile(ivec2 tile)
     is_held = !is_steady();
 }
 
+// A picture at rest whose history is fetched once, for its colour and its age.
+void find_history(ivec2 pixel)
+{
+    is_ahead = fetches_ahead() || (!ON_GPU && ALL_REST);
+    history_ahead = next_history;
+    if (!ON_GPU && ALL_REST)
+        history_ahead = fetch_picture(RT_TAA_BEFORE, pixel);
+    fetch_next(pixel + ivec2(0, 1));
+}
+
+void resolve(ivec2 pixel, bool is_there, inout Window window)
+{
+    find_history(pixel);
+    look_down(pixel, window);
+    vec4 made = resolved(pixel, pixel, film_in(window));
+    if (is_there)
+        put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
+}
+
+// On lavapipe a loop carries all that a thread knows of the pixels around through memory. Where
+// there is little else to do four turns are written out.
+bool unrolls() { return !ON_GPU && ALL_REST && is_unchanged(); }
+
 void main()
 {
     ivec2 pixel, size = view_size();
@@ -86,13 +109,15 @@ void main()
     do {
         if (!ON_GPU)
             look_at_tile(pixel / TILE_PX);
-        for (int last = min(pixel.y + TILE_PX, end); pixel.y < last; pixel.y++) {
-            is_ahead = fetches_ahead();
-            history_ahead = next_history;
-            fetch_next(pixel + ivec2(0, 1));
-            look_down(pixel, window);
-            vec4 made = resolved(pixel, pixel, film_in(window));
-            put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
+        int last = min(pixel.y + TILE_PX, end);
+        if (unrolls()) {
+            [[unroll]] for (int k = 0; k < TILE_PX; k++) {
+                resolve(pixel, pixel.y < last, window);
+                pixel.y++;
+            }
+        } else {
+            for (; pixel.y < last; pixel.y++)
+                resolve(pixel, true, window);
         }
     } while (!ON_GPU && pixel.y < end);
 }

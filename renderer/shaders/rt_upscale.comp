@@ -55,6 +55,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
+#include "realtime_change.glsl"
 #include "realtime_dither.glsl"
 #include "realtime_pass.glsl"
 #include "realtime_slots.glsl"
@@ -363,6 +364,25 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
     return Upscaled(blend(taps.of, weights, nearest), chosen.distance_m);
 }
 
+// --- both over what is behind ---------------------------------------------------------------------
+
+// As a volume is read again.
+vec4 as_kept(vec4 volume)
+{
+    return format_of(RT_VOLUME) == RT_RGBA16F
+               ? vec4(from_halves(pack(volume.xy)), from_halves(pack(volume.zw)))
+               : volume;
+}
+
+// Where no other pass changes the volume before it is laid over what is behind it (rt_compose.comp).
+bool composes() { return choice(RT_COMPOSITION) == RT_COMPOSITION_UPSCALE; }
+
+void put_composed(ivec2 pixel, vec4 volume)
+{
+    vec3 radiance = over(as_kept(volume), fetch_full(RT_BEHIND, pixel).xyz);
+    put_full(RT_COLOR, pixel, vec4(radiance, 1.0));
+}
+
 void main()
 {
     ivec2 quad;
@@ -378,8 +398,12 @@ void main()
         precise vec2 fraction = place - vec2(corner);
         Upscaled made = upscaled(taps, i, fraction, fetch_full(RT_DEPTH, pixel).x);
         if (all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, view_size()))) {
-            put_full(RT_VOLUME, pixel, made.volume);
-            put_full(RT_VOLUME_DISTANCE, pixel, vec4(made.distance_m));
+            if (!is_unread()) {
+                put_full(RT_VOLUME, pixel, made.volume);
+                put_full(RT_VOLUME_DISTANCE, pixel, vec4(made.distance_m));
+            }
+            if (composes())
+                put_composed(pixel, made.volume);
         }
     }
 }

@@ -195,7 +195,7 @@ class Realtime(unittest.TestCase):
             "march": tiles + half_depth + ray + distance,
             "reconstruction": tiles + ray + distance + 2 * half_depth + 2 * history + 2 * state,
             "upscale": depth + half_depth + history + state + volume + volume_distance,
-            "composition": volume + behind + color,
+            "and composition": behind + color,
             "anti-aliasing": color + depth + 2 * taa,
         }
         self.assertEqual(stats["traffic_bytes"], sum(passes.values()))

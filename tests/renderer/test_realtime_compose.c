@@ -147,6 +147,52 @@ static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
     }
 }
 
+/* The picture of a pass that composes; for the caller to free. */
+static uint32_t *upscaled(struct test_passes *test, int composition)
+{
+    test->view.settings[RT_COMPOSITION] = (float)composition;
+    test_passes_run(test, "upscale");
+    if (composition == RT_COMPOSITION_PASS) {
+        free(test->twin.targets[RT_VOLUME]);
+        test->twin.targets[RT_VOLUME] = test_download(test, RT_VOLUME);
+        test_passes_run(test, "composition");
+    }
+    return test_download(test, RT_COLOR);
+}
+
+/* The same bits where the upscale composes, of each format of the volume and in kernels that know
+ * their settings and such that do not. */
+static void test_the_upscale_composes_as_the_pass_does(void **state)
+{
+    static const char *const settings[] = {"color_format=half", "color_format=float"};
+    for (uint64_t i = 0; i < 4; i++) {
+        uint64_t seed = i;
+        struct test_passes test;
+        open_view(state, settings[i / 2], sizes_px[i + 1], seed, &test);
+        test.device.specialises = i % 2;
+        for (size_t e = 0; e < test_elements(&test, RT_HISTORY); e++) {
+            test_set(
+                &test, RT_HISTORY, e,
+                (float[4]){random_radiance(&seed), 1.0f / 3.0f, 7.0f, (float)test_uniform(&seed)});
+            test_set(&test, RT_HISTORY_STATE, e, (float[4]){(float)(e % 3), 12.0f});
+            test_set(&test, RT_HALF_DEPTH, e, (float[4]){10.0f});
+        }
+        for (size_t e = 0; e < test_elements(&test, RT_DEPTH); e++) {
+            test_set(&test, RT_DEPTH, e, (float[4]){10.0f + (float)(e % 3)});
+            test_set(&test, RT_BEHIND, e, (float[4]){random_radiance(&seed), 0.1f, 1.0f / 7.0f});
+        }
+        uint32_t *by_pass = upscaled(&test, RT_COMPOSITION_PASS);
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
+            test_set(&test, RT_COLOR, e, (float[4]){0.0f});
+        uint32_t *by_itself = upscaled(&test, RT_COMPOSITION_UPSCALE);
+        const size_t bytes = neph_rt_device_words(&test.device, RT_COLOR) * sizeof(uint32_t);
+        assert_memory_equal(by_pass, by_itself, bytes);
+        free(by_pass);
+        free(by_itself);
+        test_passes_close(&test);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -154,6 +200,7 @@ int main(void)
         cmocka_unit_test(test_identities),
         cmocka_unit_test(test_the_rest_of_the_buffer_is_left_alone),
         cmocka_unit_test(test_the_anti_aliasing_composes_as_the_pass_does),
+        cmocka_unit_test(test_the_upscale_composes_as_the_pass_does),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

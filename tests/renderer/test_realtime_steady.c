@@ -87,6 +87,7 @@ static struct ran render(struct neph_realtime *realtime, const struct neph_scene
     const struct neph_realtime_frame picture = {scene, frame, NULL};
     neph_assert_ok(neph_realtime_render(realtime, &picture, image, &stats, &diag), &diag);
     assert_int_equal(has_run(&stats, "scene"), has_run(&stats, "depth map"));
+    assert_int_equal(has_run(&stats, "scene"), has_run(&stats, "tile index"));
     return (struct ran){has_run(&stats, "scene"), has_run(&stats, "gradient")};
 }
 
@@ -134,6 +135,50 @@ static void test_no_bit_is_another(void **state)
     assert_true(spared >= 14);
     neph_realtime_destroy(known);
     neph_realtime_destroy(asked);
+}
+
+/* Bytes of the upscale, which keeps no volume where nobody reads it. */
+static uint64_t fly(struct neph_realtime *realtime, const struct neph_scene *scene, int frame)
+{
+    struct neph_realtime_stats stats;
+    struct neph_diag diag = {0};
+    const struct neph_realtime_frame picture = {scene, frame, NULL};
+    neph_assert_ok(neph_realtime_render(realtime, &picture, NULL, NULL, &diag), &diag);
+    neph_assert_ok(neph_realtime_home(realtime, &stats, &diag), &diag);
+    return stats.pass_traffic_bytes[neph_rt_pass_named("upscale") - neph_rt_passes];
+}
+
+/* Pictures in flight, of which some are read, each beside one after pictures that all were. The sun
+ * moves, and the way back from what is known is the same, too. */
+static void test_what_nobody_reads_is_no_other_picture(void **state)
+{
+    enum { PICTURES = 52, SUN_MOVES = 34, KNOWN_AFTER = 14 };
+    struct test_scene test;
+    int unread = 0;
+    uint64_t most_bytes = 0;
+    fence_scene(&test);
+    struct neph_realtime *read = open_realtime(*state, &test.scene, "steady=auto");
+    struct neph_realtime *sent = open_realtime(*state, &test.scene, "steady=auto");
+    for (int frame = 0; frame < PICTURES; frame++) {
+        struct neph_image *a = NULL, *b = NULL;
+        if (frame == SUN_MOVES)
+            test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
+        render(read, &test.scene, frame, &a);
+        if (frame % 7 == 5 || frame >= SUN_MOVES) {
+            render(sent, &test.scene, frame, &b);
+            assert_same_bits(a, b, frame);
+        } else {
+            const uint64_t bytes = fly(sent, &test.scene, frame);
+            most_bytes = bytes > most_bytes ? bytes : most_bytes;
+            assert_int_equal(bytes < most_bytes, frame >= KNOWN_AFTER);
+            unread += bytes < most_bytes;
+        }
+        neph_image_destroy(b);
+        neph_image_destroy(a);
+    }
+    assert_true(unread >= 14);
+    neph_realtime_destroy(sent);
+    neph_realtime_destroy(read);
 }
 
 /* --- passes ---------------------------------------------------------------------------------- */
@@ -247,6 +292,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_bit_is_another),
+        cmocka_unit_test(test_what_nobody_reads_is_no_other_picture),
         cmocka_unit_test(test_passes_that_know_do_as_those_that_look),
         cmocka_unit_test(test_what_is_not_known),
     };
