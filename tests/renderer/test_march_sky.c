@@ -336,9 +336,9 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Air before a black wall under an overcast sky, the sun 45 degrees high: no sun and no clear sky is
- * left in the shade, all that it sends is light of clouds. The tables' idea of that is one of broken
- * clouds, and within a third of the tracer; the light of clear air is two and a half times that. */
+/* Air before a black wall under an overcast sky, the sun 45 degrees high: neither sun nor clear sky
+ * is left in the shade, all that it sends is light of clouds. The tables' idea of that is one of
+ * broken clouds, and within a third of the tracer; that of clear air is two and a half times it. */
 static void test_clouds_light_the_air_below(void **state)
 {
     neph_test_waits_for_the_night();
