@@ -10,6 +10,7 @@
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
 #include "renderer/texture.h"
+#include "renderer/vulkan_device.h"
 #include "scenes/grid.h"
 #include "scenes/media.h"
 
@@ -289,7 +290,7 @@ static void test_clear_air_adds_nothing(void **state)
     assert_int_equal(plain_stats.density_evaluations, passed_stats.density_evaluations);
     assert_int_equal(plain_stats.view_steps, passed_stats.view_steps);
     assert_true(off < 1e-4);
-    assert_true(largest_difference(passed_texture, skipped_texture) == 0.0);
+    assert_true(largest_difference(passed_texture, skipped_texture) < 1e-6);
     neph_image_destroy(passed);
     neph_image_destroy(skipped_texture);
     neph_image_destroy(passed_texture);
@@ -301,7 +302,8 @@ static void test_clear_air_adds_nothing(void **state)
 /* A grey texture that is the only medium has a march of its own (shaders/march_texture.glsl),
  * beside another medium behind the camera that of all media: steps that are no multiple of eight,
  * all lengths of a remainder of six taps, steps that grow, a sun along an axis, a solid in its
- * way, more octaves than a ray keeps, light that the media send by themselves. */
+ * way, more octaves than a ray keeps, light that the media send by themselves. It is a GPU's, so
+ * the device is taken for one. */
 static void test_a_texture_has_its_own_march(void **state)
 {
     static const struct {
@@ -317,6 +319,8 @@ static void test_a_texture_has_its_own_march(void **state)
         {NEPH_MARCH_OCTAVES, 3, 13, 4, 1.2, false, true, false},
         {NEPH_MARCH_SINGLE, 1, 3, 1, 1.0, true, false, false},
     };
+    struct neph_vulkan *vulkan = *state;
+    const bool is_cpu = vulkan->description.is_cpu;
     struct test_scene test;
     test_scene_init(&test);
     test_add_sphere(&test, (struct neph_vec3){-2.0, 3.0, -12.0}, 1.0);
@@ -343,15 +347,18 @@ static void test_a_texture_has_its_own_march(void **state)
         test.scene.medium_count = 2;
         struct neph_image *all = render(*state, &test.scene, &params, NULL);
         test.scene.medium_count = 1;
-        struct neph_image *own = render(*state, &test.scene, &params, &own_stats);
+        vulkan->description.is_cpu = false;
+        struct neph_image *own = render(vulkan, &test.scene, &params, &own_stats);
         params.shortcuts.skip = true;
-        struct neph_image *skipped = render(*state, &test.scene, &params, NULL);
+        struct neph_image *skipped = render(vulkan, &test.scene, &params, NULL);
+        vulkan->description.is_cpu = is_cpu;
         params.shortcuts.skip = params.shortcuts.grid_texture = false;
         struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
         const double off = largest_difference(all, own);
-        print_message("%zu: off by %.2e\n", i, off);
+        const double off_skipped = largest_difference(own, skipped);
+        print_message("%zu: off by %.2e, with cells skipped by %.2e\n", i, off, off_skipped);
         assert_true(off < 1e-5 && largest_difference(plain, own) > 0.0);
-        assert_true(largest_difference(own, skipped) == 0.0);
+        assert_true(off_skipped < 1e-6); /* a driver may fuse either otherwise */
         assert_int_equal(own_stats.density_evaluations, plain_stats.density_evaluations);
         assert_int_equal(own_stats.view_steps, plain_stats.view_steps);
         neph_image_destroy(plain);
