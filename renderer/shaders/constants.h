@@ -26,6 +26,7 @@
 #define NEPH_GPU_TURNED 8u // some box has turned
 #define NEPH_GPU_LAMPS 16u // there are lights beside the sun
 #define NEPH_GPU_SHADED 32u // some solid may stand between a medium and the sun
+#define NEPH_GPU_PAIRS 64u // values of grids are there in pairs, too
 // Behind these, where there are no more than so many media: how many, and from KINDS_SHIFT on four
 // bits for each, the kind and above it 1 for two layers. Else 0, and the frame says.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4

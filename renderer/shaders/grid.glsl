@@ -2,7 +2,7 @@
 //
 // A voxel grid, trilinear by hand: samplers interpolate with 8-bit weights on some devices. The
 // lattice comes with a layer of zeros on every side, so that no lookup has to test for the border.
-// grid_value(), of one of them, is declared by the shader that includes this file.
+// `grid_values[]` is declared by the shader that includes this file.
 #ifndef NEPH_GRID_GLSL
 #define NEPH_GRID_GLSL
 
@@ -27,10 +27,15 @@ Cell grid_cell(Grid grid, uvec3 cell)
 {
     uint x = 1, y = grid.size.x, z = grid.size.x * grid.size.y;
     uint at = grid.first + cell.x + cell.y * y + cell.z * z;
-    return Cell(vec4(grid_value(at), grid_value(at + x), grid_value(at + y),
-                     grid_value(at + x + y)),
-                vec4(grid_value(at + z), grid_value(at + x + z), grid_value(at + y + z),
-                     grid_value(at + x + y + z)));
+#ifdef SEES_GRID_TEXELS
+    return Cell(vec4(grid_pair(at), grid_pair(at + y)),
+                vec4(grid_pair(at + z), grid_pair(at + y + z)));
+#else
+    return Cell(vec4(grid_values[at], grid_values[at + x], grid_values[at + y],
+                     grid_values[at + x + y]),
+                vec4(grid_values[at + z], grid_values[at + x + z], grid_values[at + y + z],
+                     grid_values[at + x + y + z]));
+#endif
 }
 
 float cell_density(Cell cell, vec3 at)
@@ -169,7 +174,7 @@ float grid_random_node(Grid grid, vec3 point_m, uvec2 bits)
     vec3 at = clamp((point_m - grid.origin_m) * grid.nodes_per_m, vec3(0.0),
                     vec3(grid.size - 1) * 0.9999999);
     uvec3 node = min(uvec3(at + u), grid.size - 1); // the sum may round up
-    return grid_value(grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z));
+    return grid_values[grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z)];
 }
 
 #endif
