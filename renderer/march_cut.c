@@ -148,6 +148,15 @@ static uint32_t shortcut_bits(const struct neph_march_params *params)
            (neph_march_sky_lights(params) ? 128u : 0u) | (params->fog.is_look ? 1024u : 0u);
 }
 
+/* Where light is the sun's alone, and of octaves no more than a ray keeps the phases of. */
+static bool is_sunlit_texture(const struct neph_gpu_scene *gpu,
+                              const struct neph_march_params *params)
+{
+    return params->shortcuts.grid_texture && gpu->frame->scatters && !gpu->frame->emits &&
+           (params->lighting != NEPH_MARCH_OCTAVES ||
+            gpu->frame->octave_count <= NEPH_GPU_KEPT_PHASES);
+}
+
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
                           uint32_t constants[NEPH_MARCH_CONSTANTS])
 {
@@ -156,7 +165,7 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[2] = params->transmittance;
     constants[3] = params->sun;
     constants[4] = params->lighting;
-    constants[5] = shortcut_bits(params);
+    constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u);
 }
 
 static uint64_t least(uint64_t a, uint64_t b)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `povray`: POV-Ray 3.7 as a witness of single scattering. Light adds up, so a frame is put
+ * Engine `povray`: POV-Ray 3.7 as a witness of single scattering, and of light between solids by
+ * radiosity. Light adds up, so a frame is put
  * together from monochrome pictures that POV-Ray renders one after the other:
  *
  *   volume = sum over the phase functions of the scene of what their media scatter
@@ -66,7 +67,7 @@ static const struct neph_option options[] = {
      .help = "POV-Ray's measure of how different the light may be that places share"},
     {.name = "photons",
      .kind = NEPH_OPTION_INTEGER,
-     .default_value = 200000,
+     .default_value = 1000000,
      .minimum = 1000,
      .maximum = 10000000,
      .help = "sunlight that a mirror throws on others: so many, whose light is spread around"},
@@ -220,9 +221,13 @@ struct session {
     struct neph_cost cost;
 };
 
-static int thread_count(void)
+/* Which places radiosity finds first, and so whose light is shared, depends on the order of threads.
+ */
+static int thread_count(const struct neph_scene *scene)
 {
     int count = neph_processor_count();
+    if (wants_radiosity(scene))
+        return 1;
     return count < THREADS_MAX ? count : THREADS_MAX;
 }
 
@@ -265,7 +270,6 @@ static const char ini_text[] =
     "Bounding=on\nBounding_Method=1\nBounding_Threshold=3\n"
     "Remove_Bounds=on\nSplit_Unions=off\n"
     "Output_to_File=on\nOutput_Alpha=off\nContinue_Trace=off\n"
-    "High_Reproducibility=on\n"
     "Clock=0\nInitial_Frame=1\nFinal_Frame=1\nField_Render=off\n";
 
 static enum neph_status write_ini(const char *directory, struct neph_diag *diag)
@@ -975,7 +979,7 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
 static enum neph_status start(const struct neph_shot *shot, const char *directory,
                               struct session *session, struct neph_diag *diag)
 {
-    *session = (struct session){.shot = *shot, .threads = thread_count()};
+    *session = (struct session){.shot = *shot, .threads = thread_count(shot->scene)};
     session->pixel_count = (size_t)shot->width_px * (size_t)shot->height_px;
     char reason[256] = "";
     if (!can_render(shot->scene, &shot->settings, reason, sizeof(reason)))
@@ -1044,15 +1048,15 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
 
 const struct neph_engine neph_engine_povray = {
     .name = "povray",
-    .summary = "POV-Ray 3.7 media, single scattering",
+    .summary = "POV-Ray 3.7 media, single scattering; between solids all of it, by radiosity",
     .rung = NEPH_RUNG_WITNESS,
     .typical_s = 12.0,
     .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
             "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value "
             "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
-            "to voxels",
+            "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/surfaces.md",
     .options = options,
-    .version = 2,
+    .version = 3,
     /* At most 256 intervals: POV-Ray ends with an error beyond. */
     .step = {.option = "intervals", .coarsest = 25, .refine = 2, .level_count = 4, .order = 2},
     .probe = probe,

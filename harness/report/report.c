@@ -22,6 +22,7 @@ static const double viewers_limit_bytes = 32e6;
 struct neph_report {
     struct neph_report_folder *folder;
     bool with_vendor;
+    bool has_screen;      /* what `neph study screen` left beside it */
     double viewers_bytes; /* so far */
 };
 
@@ -255,6 +256,9 @@ static enum neph_status draw(struct neph_report *report, struct neph_validation 
     for (int c = 0; c < validation->chart_count && !status; c++)
         status = draw_chart(folder, &validation->charts[c], arena, diag);
     validation->interactive = report->with_vendor;
+    if (!status && !report->has_screen)
+        status = neph_report_folder_take(report->folder, "screen", &report->has_screen, diag);
+    validation->has_screen = report->has_screen;
     return status ? status : neph_arena_check(arena, diag);
 }
 

@@ -165,6 +165,26 @@ static enum neph_status link_tree(const char *from, const char *to, struct neph_
     return status;
 }
 
+enum neph_status neph_report_folder_take(const struct neph_report_folder *folder, const char *name,
+                                         bool *is_there, struct neph_diag *diag)
+{
+    char *from = neph_path_join(folder->parent, name);
+    char *to = neph_path_join(neph_report_folder_work(folder), name);
+    char *page = from ? neph_path_join(from, "index.html") : NULL;
+    enum neph_status status = to && page ? NEPH_OK : neph_fail_memory(diag);
+    const bool found = !status && neph_path_exists(page);
+    if (found)
+        status = neph_dir_create(to, diag);
+    if (!status && found)
+        status = link_tree(from, to, diag);
+    if (!status)
+        *is_there = found;
+    free(page);
+    free(to);
+    free(from);
+    return status;
+}
+
 enum neph_status neph_report_folder_begin(const struct neph_report_folder *folder,
                                           struct neph_scratch **fresh, struct neph_diag *diag)
 {

@@ -9,6 +9,8 @@
 #include "base/scratch.h"
 #include "base/status.h"
 
+#include <stdbool.h>
+
 struct neph_report_folder;
 
 /* `folder` as of neph_report_open(); if it is a symbolic link, what it points to is replaced. What
@@ -19,6 +21,12 @@ void neph_report_folder_close(struct neph_report_folder *folder);
 
 /* The folder to draw into: empty at first, and removed at the end. */
 const char *neph_report_folder_work(const struct neph_report_folder *folder);
+
+/* A page of its own that lies beside the report, `name`/index.html: all that is in its folder
+ * becomes part of what is drawn, as it is now. `*is_there`: false, and nothing is done, where there
+ * is none. */
+enum neph_status neph_report_folder_take(const struct neph_report_folder *folder, const char *name,
+                                         bool *is_there, struct neph_diag *diag);
 
 /* A fresh folder with all that was drawn so far, for what is of this publication alone to be added.
  * `*fresh` is the caller's, who ends it with neph_scratch_destroy() in any case. */

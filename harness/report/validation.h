@@ -115,6 +115,7 @@ struct neph_validation {
     int steps_done, steps_total; /* while it is running, and when it was interrupted */
     double left_s;               /* negative: not known */
     bool interactive;            /* the report has what interactive charts need */
+    bool has_screen;             /* and the page of `neph study screen` */
 };
 
 void neph_validation_finish(struct neph_validation *validation);

@@ -144,6 +144,8 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     if (validation->physics)
         neph_json_set(&json, "physics", neph_physics_json(validation->physics));
     neph_json_set(&json, "interactive", json_boolean(validation->interactive));
+    neph_json_set(&json, "screen",
+                  validation->has_screen ? json_string("screen/index.html") : json_null());
     neph_json_set(&json, "difference_colours", difference_colours_json());
     neph_json_set(&json, "metrics", metrics_json());
     return json;

@@ -35,6 +35,11 @@ struct bound {
  * Z: the distance to a sphere takes three roundings of its radius, 4.5e-4 of the way from an eye
  * 1/2500 of the radius above it, as in scene atmosphere_shell.
  *
+ * realtime, volume.distance: that of the tap nearest in depth. Taps in a row of the ground are
+ * equally near, and the last bit decides between them: of 197 pixels in three pictures of `unity`,
+ * which takes nine, each had the distance of another tap, the light was the same, and the means
+ * were 3e-4 apart. So many pixels may differ, and the mean may not.
+ *
  * realtime: history is kept in half precision, units of 5e-4, over several frames, and thresholds
  * decide whether it holds, so that more pixels may differ, and the mean still may not. Of 203
  * pictures on an NVIDIA H100 and on lavapipe the worst had 3.3 % beyond, the next one 1 %.
@@ -43,17 +48,19 @@ struct bound {
  * rest of the path elsewhere, where it is as right. Of 33 such pictures the worst had 3.2 % beyond
  * and a mean 1e-4 off.
  *
- * march_traced: so do its paths, and each counts in a texel of many pixels and in its neighbours.
- * Of three pictures at 96x54 on an NVIDIA H200 and on lavapipe one differed: 13 % of the pixels
- * beyond, a mean 4e-5 off.
+ * march_traced: so do its paths, and each counts in a texel of many pixels and in its neighbours:
+ * of 512 paths of a texel the 18th part decided otherwise on an NVIDIA H100 than on lavapipe, and
+ * at 48x27 a third of the pixels saw it, by 0.17 % of the largest value (rms) and 0.64 % at most,
+ * where two seeds are 0.71 and 5 % apart. So it is not how many pixels differ that is held, but by
+ * how much: a quarter of what noise does.
  *
  * fog_look: a closed form on a ray of its own; each device is held to its formula to 1e-5. */
 static const struct bound bounds[] = {
     {"realtime", "Z", 5e-4, 0.0, 0.002, 1e-3},
-    {"realtime", "volume.distance", 1e-2, 1e-3, 0.05, 1e-2},
+    {"realtime", "volume.distance", 1e-2, 1e-3, 0.2, 1e-2},
     {"realtime", "", 4e-3, 1e-3, 0.05, 5e-4},
     {"march_traced", "Z", 5e-4, 0.0, 0.002, 1e-3},
-    {"march_traced", "", 2e-4, 2e-5, 0.2, 5e-4},
+    {"march_traced", "", 2e-4, 1.25e-2, 0.002, 2e-3},
     {"fog_look", "", 1e-5, 1e-6, 0.002, 1e-6},
     {"tracer", "Z", 5e-4, 0.0, 0.002, 1e-3},
     {"tracer", "", 2e-4, 2e-5, 0.05, 5e-4},

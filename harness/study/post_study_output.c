@@ -2,11 +2,13 @@
 #include "harness/study/post_study.h"
 
 #include "base/written.h"
+#include "harness/study/numbers_plot.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Columns of all tables. */
 static const struct {
@@ -138,4 +140,22 @@ json_t *neph_post_study_json(const struct neph_post_study *study)
     }
     return json_pack("{s:s, s:s, s:i, s:o}", "device", study->device, "preset",
                      study->params->preset, "seed", study->params->seed, "scenes", scenes);
+}
+
+/* ---- the chart ------------------------------------------------------------------------------- */
+
+enum neph_status neph_post_study_plot(const struct neph_post_study *study, char **svg,
+                                      struct neph_diag *diag)
+{
+    struct neph_numbers_plot plot = {
+        .rows = study->rows,
+        .over = "the curve alone",
+        .scene_count = study->params->scene_count,
+        .scenes = (const char *const *)study->names,
+        .numbers = study->numbers[0],
+        .stride = NEPH_POST_ROWS_MAX,
+    };
+    while (strcmp(study->rows[plot.base].name, NEPH_POST_BASE) != 0)
+        plot.base++;
+    return neph_numbers_plot(&plot, svg, diag);
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/screen_flicker.h"
 
+#include "harness/run/flight.h"
 #include "scenes/motion.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 void neph_screen_frames(const struct neph_scene *scene, int asked,
@@ -23,17 +25,23 @@ void neph_screen_truths_finish(struct neph_screen_truths *truths)
     truths->frames = NULL;
 }
 
+/* `*ms`: the median that the device takes for one. */
 static enum neph_status render(const struct neph_job *first, struct neph_image **frames, int count,
-                               struct neph_diag *diag)
+                               double *ms, struct neph_diag *diag)
 {
+    double *seconds = calloc((size_t)count, sizeof(*seconds));
     struct neph_job job = *first;
-    enum neph_status status = neph_job_open(&job, diag);
+    enum neph_status status = seconds ? neph_job_open(&job, diag) : neph_fail_memory(diag);
     for (int i = 0; i < count && !status; i++) {
         struct neph_cost cost;
         job.shot.frame = i;
         status = neph_job_render(&job, &frames[i], &cost, diag);
+        seconds[i] = cost.render_s;
     }
+    if (!status)
+        *ms = 1e3 * neph_spread_of(seconds, count).median;
     neph_job_close(&job);
+    free(seconds);
     return status;
 }
 
@@ -61,10 +69,13 @@ enum neph_status neph_screen_flicker(struct neph_vulkan *vulkan, const struct ne
                                      struct neph_post_numbers *numbers, struct neph_diag *diag)
 {
     struct neph_image **frames = calloc((size_t)truths->count, sizeof(*frames));
-    enum neph_status status = frames ? render(job, frames, truths->count, diag)
+    double ms = NAN;
+    enum neph_status status = frames ? render(job, frames, truths->count, &ms, diag)
                                      : neph_fail_memory(diag);
     if (!status)
         status = measure(vulkan, job, truths, frames, numbers, diag);
+    if (!status)
+        numbers->ms = ms;
     for (int i = 0; i < truths->count && frames; i++)
         neph_image_destroy(frames[i]);
     free(frames);

@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "base/png.h"
 #include "base/written.h"
+#include "harness/study/numbers_plot.h"
 #include "harness/study/svg.h"
 
 #include <stdio.h>
@@ -84,6 +85,48 @@ static enum neph_status write_pictures(const struct neph_screen_study *study, co
     return status;
 }
 
+/* ---- the chart ------------------------------------------------------------------------------- */
+
+/* What a model is set to, or beyond the first one: names have little room. */
+static const char *short_name(const char *model, const char *first)
+{
+    static const char engine[] = "screen+";
+    const size_t same = strlen(first), name = strlen(engine);
+    if (strncmp(model, first, same) == 0 && model[same] == '+')
+        return model + same + 1;
+    return strncmp(model, engine, name) == 0 ? model + name : model;
+}
+
+static enum neph_status write_chart(const struct neph_screen_study *study, const char *folder,
+                                    struct neph_diag *diag)
+{
+    const struct neph_screen_study_params *params = study->params;
+    struct neph_post_row rows[NEPH_LIGHT_MODELS_MAX + 1] = {{.name = NULL}};
+    struct neph_post_numbers numbers[NEPH_SCREEN_SCENES_MAX][NEPH_LIGHT_MODELS_MAX];
+    const char *scenes[NEPH_SCREEN_SCENES_MAX];
+    char *svg = NULL, *path = neph_path_join(folder, "screen.svg");
+    for (int m = 0; m < params->model_count; m++)
+        rows[m].name = short_name(params->models[m], params->models[0]);
+    for (int s = 0; s < params->scene_count; s++) {
+        scenes[s] = params->scenes[s]->name;
+        memcpy(numbers[s], study->scenes[s].flicker, sizeof(numbers[s]));
+    }
+    const struct neph_numbers_plot plot = {
+        .rows = rows,
+        .over = rows[0].name,
+        .scene_count = params->scene_count,
+        .scenes = scenes,
+        .numbers = numbers[0],
+        .stride = NEPH_LIGHT_MODELS_MAX,
+    };
+    enum neph_status status = path ? neph_numbers_plot(&plot, &svg, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = neph_file_write(path, svg, strlen(svg), diag);
+    free(svg);
+    free(path);
+    return status;
+}
+
 /* ---- the page -------------------------------------------------------------------------------- */
 
 static const char head[] =
@@ -96,7 +139,7 @@ static const char head[] =
     "<title>What a screen cannot know</title>\n<link rel=\"icon\" href=\"data:,\">\n"
     "<style>body{font:16px/1.5 sans-serif;max-width:80rem;margin:1rem auto;padding:0 1rem}"
     ".row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;flex:1 1 20rem;max-width:30rem}"
-    "img{width:100%;height:auto;image-rendering:pixelated;display:block}"
+    "img{width:100%;height:auto;image-rendering:pixelated;display:block}.chart{max-width:430px}"
     "figcaption{font-size:.9rem}i{display:inline-block;width:1em;height:1em;margin-right:.4em;"
     "vertical-align:-.15em;border:1px solid #888}li{list-style:none}ul{padding:0}</style>\n"
     "</head>\n<body>\n<h1>What a screen cannot know</h1>\n";
@@ -153,6 +196,10 @@ static void print_page(const void *what, FILE *out)
     print_key(out);
     for (int s = 0; s < params->scene_count; s++)
         print_scene(params->scenes[s], &study->scenes[s], out);
+    if (params->frame_count > 0)
+        fprintf(out,
+                "<h2>Over frames</h2>\n<p>What is switched, over the first; a mark a scene.</p>\n"
+                "<img class=\"chart\" src=\"screen.svg\" alt=\"error, flicker, milliseconds\">\n");
     fprintf(out, "</body>\n</html>\n");
 }
 
@@ -163,6 +210,8 @@ enum neph_status neph_screen_page_write(const struct neph_screen_study *study, c
     enum neph_status status = path ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
     if (!status)
         status = write_pictures(study, folder, diag);
+    if (!status && study->params->frame_count > 0)
+        status = write_chart(study, folder, diag);
     if (!status)
         status = neph_written(print_page, study, &text, diag);
     if (!status)

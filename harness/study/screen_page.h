@@ -8,8 +8,9 @@
 
 #include "harness/study/screen_study.h"
 
-/* Into `folder`, which is made: index.html and SCENE_PART.png. The page opens from disk and needs
- * nothing else. */
+/* Into `folder`, which is made: index.html and SCENE_PART.png, and over frames screen.svg, what
+ * models make of error, flicker and milliseconds over those of the first. The page opens from disk
+ * alone. */
 enum neph_status neph_screen_page_write(const struct neph_screen_study *study, const char *folder,
                                         struct neph_diag *diag);
 

@@ -95,11 +95,12 @@ static void print_witness(const struct neph_screen_study *study, FILE *out)
 static void print_flicker(const struct neph_screen_study *study, FILE *out)
 {
     const struct neph_screen_study_params *params = study->params;
-    fprintf(out, "\n**Over frames**, the picture against surfaces: light over its mean [%%]; on a "
-                 "display by Unreal's curve FLIP,\nflicker seen over threshold, share of pixels "
-                 "where it is seen\n\n"
-                 "| scene | | frames | error | its change | FLIP | flicker seen | share [%%] |\n"
-                 "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    fprintf(out,
+            "\n**Over frames**, the picture against surfaces: light over its mean [%%]; on a "
+            "display by Unreal's curve FLIP,\nflicker seen over threshold, share of pixels "
+            "where it is seen; milliseconds of the passes\n\n"
+            "| scene | | frames | error | its change | FLIP | flicker seen | share [%%] | ms |\n"
+            "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     for (int s = 0; s < params->scene_count; s++)
         for (int m = 0; m < params->model_count; m++) {
             const struct neph_post_numbers *numbers = &study->scenes[s].flicker[m];
@@ -109,7 +110,7 @@ static void print_flicker(const struct neph_screen_study *study, FILE *out)
             print_percent(numbers->scene_change, out);
             fprintf(out, " %.4f | %.2f |", numbers->flip, numbers->seen);
             print_percent(numbers->seen_share, out);
-            fprintf(out, "\n");
+            fprintf(out, " %.3g |\n", numbers->ms);
         }
 }
 
@@ -197,14 +198,14 @@ static json_t *flicker_json(const struct neph_screen_study *study,
     json_t *models = json_object();
     for (int m = 0; m < study->params->model_count && scene->frame_count > 0; m++) {
         const struct neph_post_numbers *numbers = &scene->flicker[m];
-        neph_json_set(&models, study->params->models[m],
-                      json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "error",
-                                neph_json_number(numbers->scene_error), "change",
-                                neph_json_number(numbers->scene_change), "flip",
-                                neph_json_number(numbers->flip), "seen",
-                                neph_json_number(numbers->seen), "seen_share",
-                                neph_json_number(numbers->seen_share), "luma_change",
-                                neph_json_number(numbers->luma_change)));
+        neph_json_set(
+            &models, study->params->models[m],
+            json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "ms", neph_json_number(numbers->ms),
+                      "error", neph_json_number(numbers->scene_error), "change",
+                      neph_json_number(numbers->scene_change), "flip",
+                      neph_json_number(numbers->flip), "seen", neph_json_number(numbers->seen),
+                      "seen_share", neph_json_number(numbers->seen_share), "luma_change",
+                      neph_json_number(numbers->luma_change)));
     }
     return json_pack("{s:i, s:o}", "frames", scene->frame_count, "models", models);
 }

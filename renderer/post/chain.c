@@ -39,7 +39,7 @@ struct work {
     const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
     int stage_count;
     struct neph_buffer pictures[2], table, eye, pyramid, readback, eye_readback;
-    struct neph_buffer views[NEPH_POST_STAGES_MAX];
+    struct neph_buffer views[NEPH_POST_STAGES_MAX], heat_view;
     struct neph_batch batch;
 };
 
@@ -283,11 +283,12 @@ static enum neph_status run_stage(struct work *work, const struct neph_post_stag
     return status;
 }
 
-static enum neph_status add_stage(struct work *work, int at, double *gpu_s, struct neph_diag *diag)
+/* What a stage is run with: `*view`, which is made, as it is set at `at` of the chain. */
+static enum neph_status prepare_stage(struct work *work, int at, struct size to,
+                                      struct neph_buffer *view, struct neph_dispatch *whole,
+                                      const struct neph_kernel **kernel, struct neph_diag *diag)
 {
     const struct neph_post_stage *stage = work->stages[at];
-    struct neph_buffer *view = &work->views[at];
-    const struct size to = size_after(work, at, work->size);
     const struct neph_kernel_params params = {
         .name = stage->shader.name,
         .spirv = stage->shader.spirv,
@@ -295,18 +296,45 @@ static enum neph_status add_stage(struct work *work, int at, double *gpu_s, stru
         .buffer_count = bindings,
         .push_size_bytes = sizeof(struct neph_gpu_post_run),
     };
-    struct neph_dispatch whole = {
+    *whole = (struct neph_dispatch){
         .buffers = {view, &work->pictures[0], &work->pictures[1], &work->table, &work->eye,
                     &work->pyramid},
     };
-    const struct neph_kernel *kernel;
-    enum neph_status status = neph_buffer_create(work->vulkan, NEPH_BUFFER_UPLOAD,
-                                                 sizeof(struct neph_gpu_post_view), "post view",
-                                                 view, diag);
+    const enum neph_status status = neph_buffer_create(work->vulkan, NEPH_BUFFER_UPLOAD,
+                                                       sizeof(struct neph_gpu_post_view),
+                                                       "post view", view, diag);
     if (status)
         return status;
     fill_view(work, at, to, view->mapped);
-    status = neph_kernel_get(work->vulkan, &params, &kernel, diag);
+    return neph_kernel_get(work->vulkan, &params, kernel, diag);
+}
+
+/* The first that makes a picture writes where the next picture comes, again and again. */
+static enum neph_status heat(struct work *work, struct neph_diag *diag)
+{
+    struct neph_dispatch whole;
+    const struct neph_kernel *kernel;
+    int at = 0;
+    while (at < work->stage_count && work->stages[at]->makes != NEPH_POST_MAKES_PICTURE)
+        at++;
+    if (work->params->heat_runs == 0 || at == work->stage_count)
+        return NEPH_OK;
+    enum neph_status status = prepare_stage(work, at, work->size, &work->heat_view, &whole, &kernel,
+                                            diag);
+    for (int i = 0; i < work->params->heat_runs && !status; i++)
+        status = run_stage(work, work->stages[at], kernel, &whole, work->size, diag);
+    if (!status)
+        neph_batch_stamp(&work->batch, NULL);
+    return status;
+}
+
+static enum neph_status add_stage(struct work *work, int at, double *gpu_s, struct neph_diag *diag)
+{
+    const struct neph_post_stage *stage = work->stages[at];
+    const struct size to = size_after(work, at, work->size);
+    struct neph_dispatch whole;
+    const struct neph_kernel *kernel;
+    enum neph_status status = prepare_stage(work, at, to, &work->views[at], &whole, &kernel, diag);
     if (!status)
         status = run_stage(work, stage, kernel, &whole, to, diag);
     if (status)
@@ -325,6 +353,8 @@ static enum neph_status run_stages(struct work *work, struct neph_post_stats *st
                                    struct neph_diag *diag)
 {
     enum neph_status status = neph_batch_begin(work->vulkan, &work->batch, diag);
+    if (!status)
+        status = heat(work, diag);
     for (int i = 0; i < work->stage_count && !status; i++)
         status = add_stage(work, i, &stats->gpu_s[work->stages[i] - neph_post_stages], diag);
     if (!status)
@@ -424,6 +454,7 @@ static void finish(struct work *work)
 {
     for (int i = 0; i < NEPH_POST_STAGES_MAX; i++)
         neph_buffer_destroy(work->vulkan, &work->views[i]);
+    neph_buffer_destroy(work->vulkan, &work->heat_view);
     neph_buffer_destroy(work->vulkan, &work->eye_readback);
     neph_buffer_destroy(work->vulkan, &work->readback);
     neph_buffer_destroy(work->vulkan, &work->pyramid);

@@ -102,6 +102,9 @@ struct neph_post_params {
     double step_s;             /* since the frame before, >= 0 */
     int width_px, height_px;   /* of the window that stages enlarge to; 0: by their percents */
     struct neph_post_eye *eye; /* of the sequence, borrowed; NULL: each frame is the first */
+    /* For times: runs of a stage just before the first, whose results nobody sees. What lies
+     * between two pictures is no work for a GPU, and lets its clock fall. */
+    int heat_runs;
 };
 
 struct neph_post_stats {

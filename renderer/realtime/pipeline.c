@@ -8,19 +8,16 @@
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/injection.h"
 #include "renderer/realtime/kept_scene.h"
+#include "renderer/realtime/march_settings.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/stillness.h"
 #include "renderer/realtime/suns.h"
 #include "renderer/realtime/unread.h"
 #include "renderer/realtime/watch.h"
-#include "renderer/shortcuts.h"
-#include "scenes/emission.h"
-#include "scenes/media.h"
 #include "scenes/motion.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -157,142 +154,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }
 
-/* --- what can be rendered ------------------------------------------------------------------ */
-
-static bool is_upsampled(const struct neph_settings *settings)
-{
-    return settings->values[RT_SCREEN_PERCENT] < 100.0;
-}
-
-/* False, with the reason, where a smaller picture does not become the whole one. */
-static bool can_upsample(const struct neph_scene *scene, const struct neph_settings *settings,
-                         char *reason, size_t reason_size)
-{
-    const struct neph_injected_view *around = &scene->injections.view;
-    if (settings->values[RT_TAA] == RT_TAA_OFF) {
-        snprintf(reason, reason_size,
-                 "a picture of fewer pixels without anti-aliasing, which makes it larger: taa=on "
-                 "or screen_percent=100");
-        return false;
-    }
-    if (around->left_px + around->top_px + around->right_px + around->bottom_px == 0)
-        return true;
-    snprintf(reason, reason_size,
-             "a picture of fewer pixels within larger buffers (inject.view): screen_percent=100");
-    return false;
-}
-
-/* Unreal's view distance of its volumetric fog: where froxels have the fog up to there. */
-static bool is_handed_over(const struct neph_scene *scene, const struct neph_settings *settings)
-{
-    const struct neph_march_fog fog = neph_fog_for_march((int)settings->values[RT_FOG]);
-    return fog.is_look && fog.model == NEPH_FOG_UNREAL &&
-           settings->values[RT_FROXEL_VOLUME] != 0.0 &&
-           settings->values[RT_SPLIT] != RT_SPLIT_NONE &&
-           scene->fog_look.volumetric_fog_distance_m > 0.0;
-}
-
-/* A fog that is a medium, too: in froxels. */
-static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march_veils veils,
-                               enum neph_march_lighting lighting, char *reason, size_t reason_size)
-{
-    veils.fog.is_look = false;
-    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size);
-}
-
-bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
-                              char *reason, size_t reason_size)
-{
-    const struct neph_march_veils veils = {settings->values[RT_SKY] != 0.0,
-                                           neph_fog_for_march((int)settings->values[RT_FOG])};
-    struct neph_scene rest;
-    if (!neph_march_rest(scene, veils, &rest, reason, reason_size) ||
-        (is_upsampled(settings) && !can_upsample(scene, settings, reason, reason_size)))
-        return false;
-    for (int i = 0; i < rest.medium_count; i++) {
-        if (!neph_medium_is_coloured(&rest.media[i]))
-            continue;
-        snprintf(reason, reason_size,
-                 "extinction that differs between the channels: rays and histories have one "
-                 "transmittance%s",
-                 veils.sky ? "" : " (sky=tables: that of a planet's air may)");
-        return false;
-    }
-    if (neph_scene_emits(&rest)) {
-        snprintf(reason, reason_size, "%s", neph_emission_reason);
-        return false;
-    }
-    if (settings->values[RT_ATROUS] != 0.0 && settings->values[RT_GRADIENT] != 0.0) {
-        snprintf(reason, reason_size,
-                 "gradient=on and atrous=on, which share memory: switch one of them off");
-        return false;
-    }
-    const enum neph_march_lighting lighting = (enum neph_march_lighting)(
-                                                  int)settings->values[RT_LIGHTING];
-    if (settings->values[RT_FROXEL_VOLUME] != 0.0 && lighting != NEPH_MARCH_SINGLE &&
-        lighting != NEPH_MARCH_OCTAVES) {
-        snprintf(reason, reason_size,
-                 "this lighting in froxels, which know single and octaves: froxels=off");
-        return false;
-    }
-    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size) &&
-           (!is_handed_over(scene, settings) ||
-            can_march_near_fog(scene, veils, lighting, reason, reason_size));
-}
-
 /* --- making -------------------------------------------------------------------------------- */
-
-static struct neph_march_params march_params(const struct neph_realtime_params *params)
-{
-    const double *values = params->settings->values;
-    return (struct neph_march_params){
-        .width_px = params->width_px,
-        .height_px = params->height_px,
-        .steps = (int)values[RT_STEPS],
-        .transmittance = (enum neph_march_mode)(int)values[RT_TRANSMITTANCE],
-        .sun = (enum neph_march_mode)(int)values[RT_SUN],
-        .lighting = (enum neph_march_lighting)(int)values[RT_LIGHTING],
-        .sun_steps = (int)values[RT_SUN_STEPS],
-        .shortcuts = {.sun_cache = values[RT_SUN_CACHE] != 0.0,
-                      .sun_cache_voxels = (int)values[RT_SUN_CACHE_VOXELS],
-                      .sun_cache_frames = (int)values[RT_SUN_CACHE_FRAMES],
-                      .skip = values[RT_SKIP] != 0.0,
-                      .early_out = values[RT_EARLY_OUT],
-                      .step_growth = values[RT_STEP_GROWTH],
-                      .sun_growth = values[RT_SUN_GROWTH],
-                      .sun_cone = values[RT_SUN_CONE],
-                      .grid_texture = values[RT_GRID_SAMPLING] != 0.0,
-                      .grid_format = (enum neph_texel_format)(int)values[RT_GRID_FORMAT],
-                      .cloud_shadow = values[RT_CLOUD_SHADOW] != 0.0,
-                      .shadow = {.texels = (int)values[RT_CLOUD_SHADOW_TEXELS],
-                                 .layers = (int)values[RT_CLOUD_SHADOW_LAYERS],
-                                 .levels = (int)values[RT_CLOUD_SHADOW_LEVELS],
-                                 .extent_m = values[RT_CLOUD_SHADOW_EXTENT_M],
-                                 .plane = (enum neph_shadow_plane)(
-                                     int)values[RT_CLOUD_SHADOW_PLANE],
-                                 .frames = (int)values[RT_CLOUD_SHADOW_FRAMES]}},
-        .light = {.texel_px = (int)values[RT_LIGHT_TEXEL_PX],
-                  .paths = (int)values[RT_LIGHT_PATHS],
-                  .rounds = (int)values[RT_LIGHT_ROUNDS],
-                  .memory = (int)values[RT_LIGHT_MEMORY],
-                  .blur_texels = values[RT_LIGHT_BLUR],
-                  .similar = values[RT_LIGHT_SIMILAR],
-                  .looks_ahead = values[RT_LIGHT_AHEAD] != 0.0,
-                  .ends_ahead = values[RT_LIGHT_AHEAD] == 2.0,
-                  .seed = params->seed},
-        .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
-                      .cycles = (int)values[RT_DIFFUSION_CYCLES]},
-        .sky = neph_sky_for_march(
-            (struct neph_march_sky_choices){.is_on = values[RT_SKY] != 0.0,
-                                            .has_shadows = values[RT_SKY_SHADOWS] != 0.0,
-                                            .columns = (int)values[RT_SKY_COLUMNS],
-                                            .rows = (int)values[RT_SKY_ROWS],
-                                            .slices = (int)values[RT_SKY_SLICES],
-                                            .far_m = values[RT_SKY_FAR_M],
-                                            .refill = (int)values[RT_SKY_REFILL]}),
-        .fog = neph_fog_for_march((int)values[RT_FOG]),
-    };
-}
 
 /* A picture of this size. */
 static void set_size(struct neph_realtime *realtime, int width_px, int height_px)
@@ -303,7 +165,7 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
     march->height_px = neph_rt_rendered_px(height_px, percent);
     realtime->picture_px[0] = width_px;
     realtime->picture_px[1] = height_px;
-    if (is_upsampled(&realtime->settings))
+    if (neph_rt_is_upsampled(&realtime->settings))
         memcpy(march->picture_px, realtime->picture_px, sizeof(march->picture_px));
 }
 
@@ -465,9 +327,9 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
                                       const struct neph_realtime_params *params,
                                       struct neph_realtime **realtime, struct neph_diag *diag)
 {
-    struct neph_march_params march = march_params(params);
+    struct neph_march_params march = neph_rt_march_params(params);
     char reason[256];
-    march.fog.is_handed_over = is_handed_over(scene, params->settings);
+    march.fog.is_handed_over = neph_rt_is_handed_over(scene, params->settings);
     enum neph_status status = neph_march_check(scene, &march, diag);
     if (status)
         return status;
@@ -650,7 +512,7 @@ static enum neph_status render_split(struct neph_realtime *realtime,
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
     enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
                                                     &made->moment, &realtime->scene, &cost, diag);
-    if (!status && frame->given && is_upsampled(&realtime->settings))
+    if (!status && frame->given && neph_rt_is_upsampled(&realtime->settings))
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                            "a given depth has the picture's pixels: set screen_percent=100");
     if (!status && frame->given)
@@ -678,7 +540,7 @@ static enum neph_status finish(struct neph_realtime *realtime, struct neph_image
         status = neph_rt_give(&realtime->device, RT_DEPTH, depth_m, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
-    if (!status && is_upsampled(&realtime->settings))
+    if (!status && neph_rt_is_upsampled(&realtime->settings))
         status = neph_rt_spread(&realtime->device, image, diag);
     neph_image_rgb(*image, NULL, rgb);
     if (!status && made->picture)

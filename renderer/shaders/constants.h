@@ -51,6 +51,9 @@
 // Octaves of scattering whose factors are fitted (renderer/octaves_fitted.h).
 #define NEPH_GPU_FITTED_OCTAVES 8
 
+// The first octaves of an only medium, whose phase functions a march keeps for a ray.
+#define NEPH_GPU_KEPT_PHASES 8
+
 // Diffused light: of fluence, what leaves where nothing comes in. Marshak has 0.5, Milne 0.469 of a
 // half-space; this is best over the tuning suite of `neph study light`.
 #define NEPH_GPU_OUTWARD 0.4

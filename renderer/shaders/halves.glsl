@@ -33,4 +33,8 @@ float from_half(uint bits)
     return uintBitsToFloat((bits & 0x8000u) << 16 | found);
 }
 
+// Those of a word. What is a half for a moment alone is read by this: a driver that sees its own
+// two conversions follow each other may leave both out, and the value what it was.
+vec2 from_halves(uint word) { return vec2(from_half(word & 0xffffu), from_half(word >> 16)); }
+
 #endif

@@ -52,6 +52,10 @@ vec3 marched_depth(Sums sums)
     return COLOURED ? sums.depth.value.xyz : sums.scattered.value.www;
 }
 
+uint view_steps = 0; // of this ray, where it met a medium's stretch
+
+#include "march_texture.glsl"
+
 struct MarchState {
     Sums sums;
     uint density_evaluations;
@@ -67,7 +71,6 @@ layout(std430, binding = 5) buffer States {
 float march_from_m = 0.0; // what lies nearer is somebody else's
 #endif
 
-uint view_steps = 0; // of this ray, where it met a medium's stretch
 
 // What a step adds at its near end, by the chosen model.
 vec3 step_light(Mixture mixture, vec3 point_m, float step_m, vec3 step_depth)
@@ -184,6 +187,10 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
     if (stretch.t1_m <= stretch.t0_m)
         return;
     look_along(ray);
+    if (marches_texture()) {
+        march_texture(ray, stretch, place, sums);
+        return;
+    }
     Steps steps = view_steps_of(stretch);
     uint i = own(run.first_step);
     do {
@@ -238,7 +245,10 @@ Sums sums_at_start(uint thread)
     density_evaluations = states[thread].density_evaluations;
     closed_forms = states[thread].closed_forms;
     view_steps = states[thread].view_steps;
-    return states[thread].sums;
+    Sums sums = states[thread].sums;
+    if (!COLOURED)
+        sums.depth = sum_zero(); // as ever: no register keeps it along the ray
+    return sums;
 }
 
 void sums_keep(uint thread, Sums sums)

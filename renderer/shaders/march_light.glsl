@@ -309,7 +309,7 @@ float flattened_phase_per_sr(uint m, float part)
 // Those of the first octaves of an only medium, once for a ray; with their contributions where the
 // octaves of all channels are summed at once, which rounds otherwise.
 const bool KEEPS_PHASES = LIGHTING == OCTAVES && KNOWN_MEDIA == 1u;
-const uint KEPT_PHASES = 8;
+const uint KEPT_PHASES = NEPH_GPU_KEPT_PHASES;
 float kept_phases_per_sr[KEPT_PHASES];
 
 bool sums_channels() { return KEEPS_PHASES && has_only_texture() && !COLOURED; }
@@ -318,6 +318,7 @@ void keep_phases()
 {
     float contribution = 1.0, part = 1.0; // a^i, c^i
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
+        kept_phases_per_sr[i] = 0.0;
         if (i < own(frame.octave_count))
             kept_phases_per_sr[i] = contribution * flattened_phase_per_sr(0, part);
         if (sums_channels())

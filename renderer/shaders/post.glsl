@@ -7,6 +7,7 @@
 
 #extension GL_EXT_scalar_block_layout : require
 
+#include "halves.glsl"
 #include "numbers.glsl"
 #include "post_names.h"
 
@@ -66,7 +67,7 @@ vec3 kept(vec3 colour)
     vec3 held = clamp(colour, -HALF_MAX, HALF_MAX);
     switch (view.target) {
     case POST_FLOAT16:
-        return vec3(unpackHalf2x16(packHalf2x16(held.xy)), unpackHalf2x16(packHalf2x16(held.zz)).x);
+        return vec3(from_halves(packHalf2x16(held.xy)), from_halves(packHalf2x16(held.zz)).x);
     case POST_UNORM10:
         return floor(clamp(colour, 0.0, 1.0) * LAST_CODE + 0.5) / LAST_CODE;
     default:

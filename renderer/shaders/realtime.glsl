@@ -190,7 +190,7 @@ vec2 unpack(uint word)
 {
     return (NATIVE_HALVES & NEPH_HALVES_READ) != 0u
                ? unpackHalf2x16(word)
-               : vec2(from_half(word & 0xffffu), from_half(word >> 16));
+               : from_halves(word);
 }
 
 uint pack(vec2 value)

@@ -66,6 +66,32 @@ int history_filter(ivec2 base)
     return kind;
 }
 
+struct Mean {
+    History history; // its age is that of the heaviest tap
+    vec4 sum;
+    float weights, heaviest;
+    Box range; // of the taps about the place
+};
+
+void add(History tap, float weight, bool is_about, inout Mean mean)
+{
+    if (tap.is_void || weight == 0.0)
+        return;
+    mean.history.is_void = false;
+    mean.sum += weight * tap.value;
+    mean.weights += weight;
+    if (weight > mean.heaviest) {
+        mean.heaviest = weight;
+        mean.history.age = tap.age;
+    }
+    if (is_about)
+        extend(mean.range, tap.value);
+}
+
+// A GPU would wait for one tap after the other behind a branch. Of Catmull-Rom each is asked
+// before, whether it is void.
+bool takes_at_once() { return ON_GPU && choice(RT_HISTORY_FILTER) == RT_FILTER_BILINEAR; }
+
 // The mean of the taps that are not void, with the age of the heaviest; void if all are. It is held
 // in the range of the four taps about the place: equal ones come out exactly, and Catmull-Rom does
 // not ring below zero.
@@ -78,32 +104,25 @@ History history_about(vec2 place_px)
     int kind = history_filter(base);
     vec4 weights_x = tap_weights(kind, place.x - float(base.x));
     vec4 weights_y = tap_weights(kind, place.y - float(base.y));
-    History history = NO_HISTORY;
-    vec4 sum = vec4(0.0);
-    float total = 0.0, heaviest = 0.0;
-    Box range = Box(vec4(FAR_M), vec4(-FAR_M));
+    Mean mean = Mean(NO_HISTORY, vec4(0.0), 0.0, 0.0, Box(vec4(FAR_M), vec4(-FAR_M)));
     ivec2 first = ivec2(first_tap(weights_x), first_tap(weights_y));
     ivec2 last = ivec2(last_tap(weights_x), last_tap(weights_y));
-    for (int y = first.y; y <= last.y; y++)
-        for (int x = first.x; x <= last.x; x++) {
-            float weight = weights_x[x] * weights_y[y];
-            if (weight == 0.0)
-                continue;
-            History other = history_at(base + ivec2(x, y) - 1);
-            if (other.is_void)
-                continue;
-            history.is_void = false;
-            sum += weight * other.value;
-            total += weight;
-            if (weight > heaviest) {
-                heaviest = weight;
-                history.age = other.age;
-            }
-            if (x % 3 != 0 && y % 3 != 0)
-                extend(range, other.value);
-        }
+    if (takes_at_once()) {
+        History taps[4];
+        [[unroll]] for (int i = 0; i < 4; i++)
+            taps[i] = history_at(base + ivec2(i & 1, i >> 1));
+        [[unroll]] for (int i = 0; i < 4; i++)
+            add(taps[i], weights_x[1 + (i & 1)] * weights_y[1 + (i >> 1)], true, mean);
+    } else {
+        for (int y = first.y; y <= last.y; y++)
+            for (int x = first.x; x <= last.x; x++)
+                if (weights_x[x] * weights_y[y] != 0.0)
+                    add(history_at(base + ivec2(x, y) - 1), weights_x[x] * weights_y[y],
+                        x % 3 != 0 && y % 3 != 0, mean);
+    }
+    History history = mean.history;
     if (!history.is_void)
-        history.value = held(sum / total, range);
+        history.value = held(mean.sum / mean.weights, mean.range);
     return history;
 }
 

@@ -26,11 +26,12 @@ vec4 limited(vec4 value)
     return mix(vec4(0.0), below, greaterThan(value, vec4(0.0)));
 }
 
-// What a half keeps of a value.
+// What a half keeps of a value: a look that was not rounded is not the one that was kept, and what
+// rests would seem to change for ever.
 vec4 kept(vec4 value)
 {
     vec4 seen = limited(value);
-    return vec4(unpack(pack(seen.xy)), unpack(pack(seen.zw)));
+    return vec4(from_halves(pack(seen.xy)), from_halves(pack(seen.zw)));
 }
 
 // The place in its tile of the texel whose ray a tile keeps in a frame.

@@ -205,6 +205,34 @@ vec4 history_at_rest(ivec2 pixel)
     return fetch_picture(RT_TAA_BEFORE, pixel);
 }
 
+bool takes_at_once() { return ON_GPU && choice(RT_TAA_HISTORY) != RT_FILTER_NEAREST; }
+
+// A row of texels and their weights along x. One without a weight is left to the second, which has
+// some: what is no number there counts as little as elsewhere.
+vec3 history_row(ivec2 corner, int y, vec4 columns, int first)
+{
+    vec3 texels[4], sum = vec3(0.0);
+    [[unroll]] for (int x = first; x <= 3 - first; x++)
+        texels[x] = fetch_picture(RT_TAA_BEFORE,
+                                  corner + ivec2(columns[x] == 0.0 ? 1 : x, y) - 1).rgb;
+    [[unroll]] for (int x = first; x <= 3 - first; x++)
+        sum += columns[x] * texels[x];
+    return sum;
+}
+
+float age_at_once; // of what history_at_once() has found
+
+// Without a branch, behind which a GPU would wait for one texel after the other.
+vec3 history_at_once(ivec2 pixel, ivec2 corner, vec4 columns, vec4 rows)
+{
+    vec3 sum = vec3(0.0);
+    age_at_once = fetch_picture(RT_TAA_BEFORE, pixel).a;
+    int first = choice(RT_TAA_HISTORY) == RT_FILTER_CATMULL_ROM ? 0 : 1;
+    [[unroll]] for (int y = first; y <= 3 - first; y++)
+        sum += rows[y] * history_row(corner, rows[y] == 0.0 ? 1 : y, columns, first);
+    return sum;
+}
+
 vec3 filtered_history(vec2 place_px)
 {
     precise vec2 corner = floor(place_px - 0.5);
@@ -212,6 +240,8 @@ vec3 filtered_history(vec2 place_px)
     if (is_at_rest)
         return history_at_rest(ivec2(corner)).rgb;
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
+    if (takes_at_once())
+        return history_at_once(ivec2(floor(place_px)), ivec2(corner), columns, rows);
     ivec2 first = ivec2(first_tap(columns), first_tap(rows));
     ivec2 last = ivec2(last_tap(columns), last_tap(rows));
     vec3 sum = vec3(0.0);
@@ -241,7 +271,9 @@ float age_at(vec2 place_px)
     if (!is_set(RT_TAA_AGE_MAX))
         return 0.0;
     ivec2 pixel = ivec2(floor(place_px));
-    float age = (is_at_rest ? history_at_rest(pixel) : fetch_picture(RT_TAA_BEFORE, pixel)).a;
+    float age = is_at_rest        ? history_at_rest(pixel).a
+                : takes_at_once() ? age_at_once
+                                  : fetch_picture(RT_TAA_BEFORE, pixel).a;
     return age >= 1.0 && age != float(RT_OF_MOVER) ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 
@@ -285,14 +317,16 @@ float frames_alike()
 // Where it rests history has the light of this frame, by the shares that both have in the pixel.
 vec3 relit(vec3 history, ivec2 source, Film film, float speed_px)
 {
+    float motion = beyond(speed_px, setting(RT_TAA_REST_PX));
     bool is_steady = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
-    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || (ON_GPU && is_steady))
+    bool is_idle = ON_GPU && (is_steady || motion == 1.0);
+    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || is_idle)
         return history;
     vec3 colour = film.own;
     vec3 medium = hold(exposure * fetch_full(RT_VOLUME, source).rgb, vec3(0.0), colour);
     vec3 then = medium / of_medium.gain + (colour - medium) / of_behind.gain;
     vec3 gain = mix(vec3(1.0), colour / then, greaterThan(then, vec3(0.0)));
-    return mix(gain, vec3(1.0), beyond(speed_px, setting(RT_TAA_REST_PX))) * history;
+    return mix(gain, vec3(1.0), motion) * history;
 }
 
 // How far a pixel is from being at rest, 0..1.

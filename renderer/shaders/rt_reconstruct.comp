@@ -283,7 +283,8 @@ float change_at_ray(ivec2 tile, int ray)
 }
 
 // What has changed around a tile is found here where there is no pass for it: by a thread for each
-// tile of the block, and one more for what is behind.
+// tile of the block, and for what is behind by one of the group's other half, which is another
+// subgroup.
 const int BLOCK_TILE_COUNT = BLOCK_TILES.x * BLOCK_TILES.y;
 shared vec4 area_changes[BLOCK_TILE_COUNT];
 shared vec4 area_looks[4 * AREA.x * AREA.y];
@@ -314,15 +315,18 @@ void fetch_looks()
 
 void find_changes(ivec2 first_tile)
 {
-    int thread = int(gl_LocalInvocationID.x), i = thread % BLOCK_TILE_COUNT;
+    const int half_group = GROUP_THREADS / 2;
+    int thread = int(gl_LocalInvocationID.x), i = thread % half_group;
     ivec2 tile = first_tile + ivec2(i % BLOCK_TILES.x, i / BLOCK_TILES.x);
     bool is_there = all(lessThan(tile, tile_count()));
-    if (thread < BLOCK_TILE_COUNT) {
+    if (i >= BLOCK_TILE_COUNT)
+        return;
+    if (thread < half_group) {
         vec4 change = change_of_medium(tile);
         area_changes[i] = change;
         if (is_there)
             put_tile(RT_CHANGE, tile, change);
-    } else if (thread < 2 * BLOCK_TILE_COUNT && is_there) {
+    } else if (is_there) {
         put_tile(RT_CHANGE_BEHIND, tile, change_behind(tile));
     }
 }

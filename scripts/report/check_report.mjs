@@ -89,6 +89,8 @@ function checkForm(data, folder) {
     need(engine.available || engine.missing !== "", `${path}missing`,
       "does not say why the engine is not available");
   });
+  if (data.screen) need(existsSync(join(folder, data.screen)), "screen",
+    `names ${data.screen}, which does not exist`);
   list(data.scenes, "scenes").forEach((scene, s) => {
     const path = `scenes/${s}/`;
     text(scene, path, "name", "title", "physics", "hash");
@@ -631,14 +633,16 @@ function checkContent(data, seen) {
       find(`chart ${data.charts[n].id} drew no marks`);
   });
 
+  if (data.screen && !seen.links.includes(data.screen))
+    find(`no link leads to ${data.screen}`);
   for (const scene of data.scenes)
     if (scene.viewer && !seen.links.includes(scene.viewer))
       find(`no link leads to the viewer ${scene.viewer}`);
   const known = /^(data|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
   for (const script of seen.scripts) if (!known.test(script)) find(`an unknown script: ${script}`);
   for (const link of seen.links)
-    if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$|^view\/[\w.-]+\/index\.html$/
-      .test(link))
+    if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$/.test(link)
+      && !/^(view\/[\w.-]+|screen)\/index\.html$/.test(link))
     find(`an unexpected link: ${link}`);
   for (const html of [...seen.handlers, ...seen.unexpected])
     find(`markup that is none of the page's: ${html}`);

@@ -304,7 +304,9 @@
         fact("Host", [report.host?.cpu, " · ", number("host/cores"), " cores · ",
             number("host/memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
         scenes.length > 0 && fact("Pictures",
-          size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent())));
+          size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent()),
+        report.screen === "screen/index.html" && fact("Beside",
+          el("a", { href: "screen/index.html" }, "what a screen cannot know"))));
   }
 
   const fact = (name, value) => el("div", {}, el("dt", {}, name), el("dd", {}, value));

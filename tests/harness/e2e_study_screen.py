@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree as ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
@@ -107,7 +108,17 @@ class StudyScreen(unittest.TestCase):
         self.assertEqual(over["frames"], 16)
         for number, times in (("change", 2.0), ("seen", 1.2), ("luma_change", 2.0)):
             self.assertGreater(over["models"][raw][number], times * over["models"][calm][number])
+            self.assertGreater(over["models"][calm]["ms"], 0.0)
         self.assertLess(over["models"][calm]["error"], over["models"][raw]["error"])
+        # A mark a model in each of five panels, and that of the legend; the first is 1 in those of
+        # light, and not drawn there.
+        root = ElementTree.parse(self.folder / "out/screen/screen.svg").getroot()
+        marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
+        self.assertEqual(len(marks), 1 + 3 * 2 + 2)
+        names = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
+        self.assertEqual(names.count("gi=off"), 3)
+        self.assertEqual(names.count("ssr_rays=1+ssr_history=0+ssr_smooth=0"), 5)
+        self.assertIn("screen.svg", (self.folder / "out/screen/index.html").read_text())
 
     def test_a_scene_that_moves_has_a_truth_a_frame(self):
         done = self.run_neph("surface_ground", "--size", "8x5", "--samples", "2", "--models",

@@ -886,6 +886,8 @@ static void test_radiosity_at_a_step(void **state)
     add_box(&stage, (struct neph_bounds){{-10000, -1, -40}, {10000, 1, -1}}, albedo);
     struct neph_image *frame = render_with_setting(&stage, NEPH_LAYER_RADIANCE, 8.0,
                                                    "radiosity_rays=400");
+    struct neph_image *again = render_with_setting(&stage, NEPH_LAYER_RADIANCE, 8.0,
+                                                   "radiosity_rays=400");
     const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
     assert_true(neph_image_rgb(frame, NULL, rgb));
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
@@ -903,9 +905,11 @@ static void test_radiosity_at_a_step(void **state)
     }
     print_message("  %d pixels, mean %.4f of the truth, worst off by %.3f\n", count, sum / truth,
                   worst);
+    assert_memory_equal(rgb[1], neph_image_channel(again, "G"), WIDTH * HEIGHT * sizeof(float));
     assert_true(count > 200);
     assert_true(fabs(sum / truth - 1.0) < 0.01);
     assert_true(worst < 0.1);
+    neph_image_destroy(again);
     neph_image_destroy(frame);
 }
 

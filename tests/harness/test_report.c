@@ -204,6 +204,31 @@ static void test_a_scene_has_a_viewer(void **state)
     neph_validation_finish(&validation);
 }
 
+/* What a study left beside the report is part of it, so that the report can be moved; without one
+ * there is nothing. */
+static void test_a_page_beside_it_is_taken(void **state)
+{
+    char folder[SCRATCH_PATH_MAX], page[SCRATCH_PATH_MAX];
+    struct neph_diag diag = {0};
+    struct neph_report *report = open_report(state);
+    struct neph_validation validation = validation_of(state);
+    publish(report, &validation);
+    assert_false(validation.has_screen);
+    neph_assert_ok(neph_dir_create(scratch_path(state, folder, "out/screen"), &diag), &diag);
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, page, "out/screen/index.html"), "page", 4, &diag),
+        &diag);
+    publish(report, &validation);
+    publish(report, &validation);
+    assert_true(validation.has_screen);
+    inode_of(state, "out/report/screen/index.html");
+    json_t *json = neph_validation_json(&validation);
+    assert_string_equal(json_string_value(json_object_get(json, "screen")), "screen/index.html");
+    json_decref(json);
+    neph_report_close(report);
+    neph_validation_finish(&validation);
+}
+
 /* Neither where a frame is no measurement, nor where there is no room: the report stands. */
 static void test_a_scene_may_have_no_viewer(void **state)
 {
@@ -301,6 +326,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         report_test(test_what_is_drawn_is_drawn_once),
         report_test(test_a_scene_has_a_viewer),
+        report_test(test_a_page_beside_it_is_taken),
         report_test(test_a_scene_may_have_no_viewer),
         report_test(test_a_failure_leaves_the_report_before),
         report_test(test_the_last_of_two_runs_stands),

@@ -298,6 +298,70 @@ static void test_clear_air_adds_nothing(void **state)
     destroy_two(two);
 }
 
+/* A grey texture that is the only medium has a march of its own (shaders/march_texture.glsl),
+ * beside another medium behind the camera that of all media: steps that are no multiple of eight,
+ * all lengths of a remainder of six taps, steps that grow, a sun along an axis, a solid in its
+ * way, more octaves than a ray keeps, light that the media send by themselves. */
+static void test_a_texture_has_its_own_march(void **state)
+{
+    static const struct {
+        enum neph_march_lighting lighting;
+        int octaves, steps, sun_steps;
+        double sun_growth;
+        bool is_level, is_shaded, glows;
+    } cases[] = {
+        {NEPH_MARCH_OCTAVES, 8, 29, 10, 1.0, false, true, false},
+        {NEPH_MARCH_SINGLE, 1, 32, 11, 1.5, true, false, false}, /* behind it by night */
+        {NEPH_MARCH_OCTAVES, 9, 32, 5, 1.0, false, false, false},
+        {NEPH_MARCH_SINGLE, 1, 32, 6, 1.0, false, false, true},
+        {NEPH_MARCH_OCTAVES, 3, 13, 4, 1.2, false, true, false},
+        {NEPH_MARCH_SINGLE, 1, 3, 1, 1.0, true, false, false},
+    };
+    struct test_scene test;
+    test_scene_init(&test);
+    test_add_sphere(&test, (struct neph_vec3){-2.0, 3.0, -12.0}, 1.0);
+    const struct two_grids two = add_grids(&test);
+    const struct neph_vec3 sun = test.scene.sun.direction;
+    const int solid_count = test.scene.solid_count;
+    neph_medium_drift(&test.scene.media[1], (struct neph_vec3){0.0, 0.0, 200.0});
+    const size_t count = (size_t)neph_test_by_day(2, sizeof(cases) / sizeof(cases[0]));
+    for (size_t i = 0; i < count; i++) {
+        struct neph_march_stats own_stats, plain_stats;
+        struct neph_march_params params = marched;
+        params.lighting = cases[i].lighting;
+        params.steps = cases[i].steps;
+        params.sun_steps = cases[i].sun_steps;
+        params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
+                                                   .sun_growth = cases[i].sun_growth};
+        test.scene.scattering = cases[i].lighting == NEPH_MARCH_OCTAVES ? NEPH_SCATTERING_MULTIPLE
+                                                                        : NEPH_SCATTERING_SINGLE;
+        test.scene.octaves = (struct neph_octaves){cases[i].octaves, 0.6, 0.4, 0.7};
+        test.scene.sun.direction = cases[i].is_level ? (struct neph_vec3){0.0, 1.0, 0.0} : sun;
+        test.scene.solid_count = cases[i].is_shaded ? solid_count : 0;
+        test.scene.media[0].albedo = (struct neph_rgb){0.9, 0.8, 0.7};
+        test.scene.media[0].emission_w_per_m2_sr = cases[i].glows ? white : make_grey(0.0);
+        test.scene.medium_count = 2;
+        struct neph_image *all = render(*state, &test.scene, &params, NULL);
+        test.scene.medium_count = 1;
+        struct neph_image *own = render(*state, &test.scene, &params, &own_stats);
+        params.shortcuts.skip = true;
+        struct neph_image *skipped = render(*state, &test.scene, &params, NULL);
+        params.shortcuts.skip = params.shortcuts.grid_texture = false;
+        struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
+        const double off = largest_difference(all, own);
+        print_message("%zu: off by %.2e\n", i, off);
+        assert_true(off < 1e-5 && largest_difference(plain, own) > 0.0);
+        assert_true(largest_difference(own, skipped) == 0.0);
+        assert_int_equal(own_stats.density_evaluations, plain_stats.density_evaluations);
+        assert_int_equal(own_stats.view_steps, plain_stats.view_steps);
+        neph_image_destroy(plain);
+        neph_image_destroy(skipped);
+        neph_image_destroy(own);
+        neph_image_destroy(all);
+    }
+    destroy_two(two);
+}
+
 /* --- refusals --------------------------------------------------------------------------------- */
 
 static void test_closed_forms_alone_are_refused(void **state)
@@ -393,6 +457,7 @@ int main(void)
         cmocka_unit_test(test_values_are_within_weights_and_texels),
         cmocka_unit_test(test_a_march_changes_by_the_values_alone),
         cmocka_unit_test(test_clear_air_adds_nothing),
+        cmocka_unit_test(test_a_texture_has_its_own_march),
         cmocka_unit_test(test_closed_forms_alone_are_refused),
         cmocka_unit_test(test_a_format_that_the_device_lacks_is_named),
         cmocka_unit_test(test_textures_in_real_time),

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Which scenes go with which settings (neph_realtime_can_render() in pipeline.h).
+ */
+#include "renderer/march.h"
+#include "renderer/realtime/march_settings.h"
+#include "scenes/emission.h"
+#include "scenes/media.h"
+
+#include <stdio.h>
+
+/* False, with the reason, where a smaller picture does not become the whole one. */
+static bool can_upsample(const struct neph_scene *scene, const struct neph_settings *settings,
+                         char *reason, size_t reason_size)
+{
+    const struct neph_injected_view *around = &scene->injections.view;
+    if (settings->values[RT_TAA] == RT_TAA_OFF) {
+        snprintf(reason, reason_size,
+                 "a picture of fewer pixels without anti-aliasing, which makes it larger: taa=on "
+                 "or screen_percent=100");
+        return false;
+    }
+    if (around->left_px + around->top_px + around->right_px + around->bottom_px == 0)
+        return true;
+    snprintf(reason, reason_size,
+             "a picture of fewer pixels within larger buffers (inject.view): screen_percent=100");
+    return false;
+}
+
+/* A fog that is a medium, too: in froxels. */
+static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march_veils veils,
+                               enum neph_march_lighting lighting, char *reason, size_t reason_size)
+{
+    veils.fog.is_look = false;
+    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size);
+}
+
+bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
+                              char *reason, size_t reason_size)
+{
+    const struct neph_march_veils veils = {settings->values[RT_SKY] != 0.0,
+                                           neph_fog_for_march((int)settings->values[RT_FOG])};
+    struct neph_scene rest;
+    if (!neph_march_rest(scene, veils, &rest, reason, reason_size) ||
+        (neph_rt_is_upsampled(settings) && !can_upsample(scene, settings, reason, reason_size)))
+        return false;
+    for (int i = 0; i < rest.medium_count; i++) {
+        if (!neph_medium_is_coloured(&rest.media[i]))
+            continue;
+        snprintf(reason, reason_size,
+                 "extinction that differs between the channels: rays and histories have one "
+                 "transmittance%s",
+                 veils.sky ? "" : " (sky=tables: that of a planet's air may)");
+        return false;
+    }
+    if (neph_scene_emits(&rest)) {
+        snprintf(reason, reason_size, "%s", neph_emission_reason);
+        return false;
+    }
+    if (settings->values[RT_ATROUS] != 0.0 && settings->values[RT_GRADIENT] != 0.0) {
+        snprintf(reason, reason_size,
+                 "gradient=on and atrous=on, which share memory: switch one of them off");
+        return false;
+    }
+    const enum neph_march_lighting lighting = (enum neph_march_lighting)(
+                                                  int)settings->values[RT_LIGHTING];
+    if (settings->values[RT_FROXEL_VOLUME] != 0.0 && lighting != NEPH_MARCH_SINGLE &&
+        lighting != NEPH_MARCH_OCTAVES) {
+        snprintf(reason, reason_size,
+                 "this lighting in froxels, which know single and octaves: froxels=off");
+        return false;
+    }
+    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size) &&
+           (!neph_rt_is_handed_over(scene, settings) ||
+            can_march_near_fog(scene, veils, lighting, reason, reason_size));
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the pipeline's settings say of the rays that it marches. Not for other folders.
+ */
+#ifndef NEPH_RENDERER_REALTIME_MARCH_SETTINGS_H
+#define NEPH_RENDERER_REALTIME_MARCH_SETTINGS_H
+
+#include "renderer/march_params.h"
+#include "renderer/realtime/options.h"
+#include "renderer/realtime/pipeline.h"
+
+/* Whether fewer pixels are rendered than the picture has. */
+bool neph_rt_is_upsampled(const struct neph_settings *settings);
+
+/* Whether froxels have the fog up to Unreal's view distance of its volumetric fog, and the look
+ * begins there. */
+bool neph_rt_is_handed_over(const struct neph_scene *scene, const struct neph_settings *settings);
+
+/* The march of the picture's pixels, as the settings want it. */
+struct neph_march_params neph_rt_march_params(const struct neph_realtime_params *params);
+
+#endif

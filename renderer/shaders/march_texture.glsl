@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+//
+// The march where a grey texture is the only medium and sunlight the only light (SUNLIT_TEXTURE):
+// what is the same all along a ray is a factor at its end, so that a step sums numbers and not
+// colours, and asks for its light in the texture's own coordinates. It has the samples of march()
+// and rounds otherwise: sums are plain, within what the weights of a texture are off by.
+//
+// Instructions decide here. A texture unit of a GPU gives a sample in the time of some 60
+// multiply-adds.
+#ifndef NEPH_MARCH_TEXTURE_GLSL
+#define NEPH_MARCH_TEXTURE_GLSL
+
+#include "march_light.glsl"
+
+bool marches_texture()
+{
+    bool is_sunlit = SUNLIT_TEXTURE && has_only_texture() && !LAMPS && !HAS_VEIL && !COLOURED;
+    bool is_summed = TRANSMITTANCE == MARCHED && SUN == MARCHED && !CACHES_SUN && !MAPS_SHADOW;
+    bool has_equal_steps = !ENDS_EARLY && !GROWS && !CONES_SUN_RAYS;
+    return is_sunlit && is_summed && has_equal_steps &&
+           (LIGHTING == SINGLE || LIGHTING == TRACED || LIGHTING == OCTAVES);
+}
+
+// --- towards the sun --------------------------------------------------------------------------
+
+// From places along a view ray. A ray leaves the medium's bounds at the first of three faces, each
+// at a distance that is linear in the place.
+struct SunWay {
+    vec3 exit_m, exit_per_m;
+    vec3 per_m; // in parts of the texture
+};
+
+SunWay sun_way(ViewRay ray)
+{
+    vec3 sun = to_sun();
+    bvec3 is_level = lessThan(abs(sun), vec3(PARALLEL));
+    vec3 inverse = 1.0 / mix(sun, vec3(1.0), is_level);
+    vec3 face_m = mix(frame.media[0].low_m, frame.media[0].high_m, greaterThan(sun, vec3(0.0)));
+    SunWay way;
+    way.exit_m = mix((face_m - ray.origin_m) * inverse, vec3(FAR_M), is_level);
+    way.exit_per_m = mix(-ray.direction * inverse, vec3(0.0), is_level);
+    way.per_m = texture_ray(vec3(0.0), sun).per_m;
+    return way;
+}
+
+// Where empty cells are known they are not asked; elsewhere samples are on their way together.
+float tap(vec3 place, float t_m, vec3 point_m)
+{
+    if (SKIPS && shapes_are_empty(point_m + t_m * to_sun()))
+        return 0.0;
+    if (SKIPS)
+        density_evaluations++;
+    return grid_texture_at(0, place);
+}
+
+// `count` taps from `next_m` on, known before: as many samples are on their way. Each is in the
+// middle of a step, of which the next one is `growth` times as long.
+float add_taps(vec3 place, vec3 per_m, vec3 point_m, const uint count, float growth,
+               inout float next_m, inout float length_m)
+{
+    float densities[RAY_TAPS_MAX], lengths_m[RAY_TAPS_MAX], sum = 0.0;
+    float middle_m = next_m + 0.5 * length_m; // of the first
+    vec3 first = place + middle_m * per_m, step = length_m * per_m;
+    [[unroll]] for (uint k = 0; k < count; k++) {
+        float t_m = GROWS_SUN_RAYS ? next_m + 0.5 * length_m : middle_m + float(k) * length_m;
+        vec3 at = GROWS_SUN_RAYS ? place + t_m * per_m : first + float(k) * step;
+        densities[k] = tap(at, t_m, point_m);
+        lengths_m[k] = length_m;
+        if (GROWS_SUN_RAYS) {
+            next_m += length_m;
+            length_m *= growth;
+        }
+    }
+    if (!GROWS_SUN_RAYS)
+        next_m += float(count) * length_m;
+    [[unroll]] for (uint k = 0; k < count; k++)
+        sum += GROWS_SUN_RAYS ? lengths_m[k] * densities[k] : densities[k];
+    return sum;
+}
+
+// Sum of density times length, in full densities and metres, towards the sun from a place of the
+// texture.
+float sun_texels(SunWay way, vec3 place, vec3 point_m, float t_m)
+{
+    vec3 exits_m = way.exit_m + t_m * way.exit_per_m;
+    float all_m = max(min(exits_m.x, min(exits_m.y, exits_m.z)), 0.0);
+    uint count = own(frame.sun_steps), i = 0;
+    float growth = GROWS_SUN_RAYS ? frame.sun_growth : 1.0;
+    float first_m = all_m * (GROWS_SUN_RAYS ? frame.sun_first_part : 1.0 / float(count));
+    float next_m = 0.0, length_m = first_m, sum = 0.0;
+    for (; i + 6 <= count; i += 6)
+        sum += add_taps(place, way.per_m, point_m, 6, growth, next_m, length_m);
+    if (i + 4 <= count) {
+        sum += add_taps(place, way.per_m, point_m, 4, growth, next_m, length_m);
+        i += 4;
+    }
+    for (; i < count; i++)
+        sum += add_taps(place, way.per_m, point_m, 1, growth, next_m, length_m);
+    if (!SKIPS)
+        density_evaluations += count;
+    return GROWS_SUN_RAYS ? sum : first_m * sum;
+}
+
+const float PER_E = 1.44269504; // log2(e)
+
+// What comes to a place of sunlight, times phase functions [1/sr].
+float texture_light(float sun_depth)
+{
+    float exponent = -PER_E * sun_depth;
+    if (LIGHTING != OCTAVES)
+        return phase_towards_camera_per_sr[0] * exp2(exponent);
+    float sum = 0.0;
+    [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
+        sum += kept_phases_per_sr[i] * exp2(exponent);
+        exponent *= frame.octave_factors.y;
+    }
+    return sum;
+}
+
+// --- along the view ray -------------------------------------------------------------------------
+
+// 1 - e^-x for x >= 0, given e^-x: below 1/8 that would cancel, and five terms of the series are
+// right to 1e-7.
+float lost_of(float x, float through)
+{
+    float thin = x * (1.0 - x * (1.0 / 2.0 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0))));
+    return x < 0.125 ? thin : 1.0 - through;
+}
+
+// Eight steps, and in which of them there is something.
+struct Block {
+    float densities[8];
+    uint lit;
+};
+
+void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, uint count,
+                 inout Block block)
+{
+    block.lit = 0u;
+    [[unroll]] for (uint k = 0; k < 8; k++) {
+        bool is_empty = SKIPS && shapes_are_empty(ray.origin_m +
+                                                  (t_m + float(k) * step_m) * ray.direction);
+        block.densities[k] = is_empty ? 0.0 : grid_texture_at(0, place + float(k) * step);
+        if (SKIPS && !is_empty && k < count) {
+            density_evaluations++;
+            view_steps++;
+        }
+    }
+    [[unroll]] for (uint k = 0; k < 8; k++)
+        block.lit |= block.densities[k] > 0.0 ? 1u << k : 0u;
+    if (count < 8u)
+        block.lit &= (1u << count) - 1u;
+    if (!SKIPS) {
+        density_evaluations += min(count, 8u);
+        view_steps += min(count, 8u);
+    }
+}
+
+// A choice among known numbers is cheaper than an index into memory.
+float density_of(Block block, uint k)
+{
+    bool is_odd = (k & 1u) != 0u, is_upper = (k & 2u) != 0u;
+    vec4 pairs = is_odd ? vec4(block.densities[1], block.densities[3], block.densities[5],
+                               block.densities[7])
+                        : vec4(block.densities[0], block.densities[2], block.densities[4],
+                               block.densities[6]);
+    vec2 halves = is_upper ? pairs.yw : pairs.xz;
+    return k < 4u ? halves.x : halves.y;
+}
+
+// The steps of this run, as march() has them.
+void march_texture(ViewRay ray, Stretch stretch, float place, inout Sums sums)
+{
+    TextureRay way = texture_ray(ray.origin_m, ray.direction);
+    SunWay sun = sun_way(ray);
+    float per_full_m = way.full_per_m * frame.media[0].extinction_color.x;
+    float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
+    float first_m = stretch.t0_m + place * step_m;
+    vec3 first = way.start + first_m * way.per_m, step = step_m * way.per_m;
+    float depth = sums.scattered.value.w, through = transmittance(depth);
+    float light = 0.0, distance_m = 0.0;
+    sums.scattered.excess = vec4(0.0); // known, so that no register keeps it along the ray
+    sums.depth = sum_zero();
+    uint next = own(run.first_step), end = own(run.end_step);
+    Block block;
+    block.lit = 0u;
+    for (;;) {
+        // In a loop of its own: rays that have passed clear air do their lit steps together.
+        while (block.lit == 0u && next < end) {
+            float t_m = first_m + float(next) * step_m;
+            fetch_block(first + float(next) * step, step, t_m, step_m, ray, end - next, block);
+            next += 8u;
+        }
+        if (block.lit == 0u)
+            break;
+        uint k = uint(findLSB(block.lit));
+        block.lit &= block.lit - 1u;
+        float i = float(next - 8u + k), t_m = first_m + i * step_m;
+        float step_depth = per_full_m * step_m * density_of(block, k);
+        float through_step = exp2(-PER_E * step_depth);
+        float seen = through * lost_of(step_depth, through_step);
+        vec3 point_m = view_point_m(ray, t_m);
+        if (medium_sees_sun(point_m))
+            light += seen * texture_light(per_full_m *
+                                          sun_texels(sun, first + i * step, point_m, t_m));
+        distance_m += t_m * seen;
+        depth += step_depth;
+        through *= through_step;
+    }
+    sums.scattered.value = vec4(sums.scattered.value.xyz + light * frame.sun_irradiance *
+                                                               frame.media[0].albedo,
+                                depth);
+    sums.distance_m += distance_m;
+}
+
+#endif
