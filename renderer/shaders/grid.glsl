@@ -53,11 +53,11 @@ float grid_density(Grid grid, vec3 point_m)
 {
     precise vec3 at = (point_m - grid.origin_m) * grid.nodes_per_m;
     vec3 last = vec3(grid.size - 1);
-    if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, last)))
-        return 0.0;
-    vec3 cell = min(floor(at), last - 1.0);
+    bool is_within = all(greaterThanEqual(at, vec3(0.0))) && all(lessThanEqual(at, last));
+    vec3 cell = clamp(floor(at), vec3(0.0), last - 1.0);
     precise vec3 in_cell = at - cell;
-    return cell_density(grid_cell(grid, uvec3(cell)), in_cell);
+    float density = cell_density(grid_cell(grid, uvec3(cell)), in_cell);
+    return is_within ? density : 0.0; // a return before would keep Mesa from unrolling who asks
 }
 
 // The integral of the density over t in [t0, t1] [m], cell by cell (J. Amanatides and A. Woo,
