@@ -6,6 +6,7 @@
 #include "renderer/relative.h"
 #include "renderer/texture.h"
 #include "scenes/emission.h"
+#include "scenes/grid.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
@@ -375,6 +376,8 @@ static struct neph_gpu_medium *add_medium(const struct neph_medium *medium,
     gpu->frame->emits |= !is_black(made->glow);
     gpu->constants[0] |= 1u << medium->kind;
     gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
+    if (medium->kind == NEPH_MEDIUM_GRID && neph_grid_is_endless(medium->grid))
+        gpu->constants[1] |= NEPH_GPU_ENDLESS;
     gpu->optical_depth_turns += 1 + depth_turns(medium);
     return made;
 }
@@ -577,6 +580,7 @@ void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene 
     let_scatter(scene, !is_black(made->albedo), gpu->frame);
     gpu->constants[1] = (gpu->constants[1] & ~known) | known_media(gpu->frame);
     gpu->frame->solids_shade = scene->solid_count > 0; /* fog is everywhere */
+    gpu->constants[1] |= scene->solid_count > 0 ? NEPH_GPU_SHADED : 0u;
 }
 
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu)

@@ -11,7 +11,8 @@
 /* The sides of a box along the axes [m]. */
 void neph_lattice_sides_m(const struct neph_bounds *box, double sides_m[3]);
 
-/* Nodes of cubes, as near as whole numbers of them come to the box: `most` along its longest side. */
+/* Nodes of cubes, as near as whole numbers of them come to the box: `most` along its longest
+ * side. */
 void neph_lattice_nodes(const struct neph_bounds *box, int most, uint32_t size[3]);
 
 /* NEPH_ERR_UNSUPPORTED: the box has no finite volume above 0, which the setting `wants`

@@ -62,6 +62,8 @@ static const char *find_obstacle_to_traced(const struct neph_scene *scene)
 /* One solution for all channels. */
 static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
 {
+    if (neph_scene_is_endless(scene))
+        return neph_endless_reason;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_rgb albedo = scene->media[i].albedo;
         if (neph_medium_is_coloured(&scene->media[i]))
@@ -218,6 +220,28 @@ static bool looks_ahead(const struct neph_march_params *params)
     return params->lighting == NEPH_MARCH_TRACED && params->light.looks_ahead;
 }
 
+/* Tables that lie in the box around all shapes, or in one texture of them. */
+static enum neph_status check_endless(const struct neph_scene *scene,
+                                      const struct neph_march_params *params,
+                                      struct neph_diag *diag)
+{
+    const struct neph_shortcuts *shortcuts = &params->shortcuts;
+    const struct {
+        bool is_chosen;
+        const char *setting;
+    } tables[] = {
+        {shortcuts->sun_cache, "sun_cache=grid"},
+        {shortcuts->cloud_shadow, "cloud_shadow=map"},
+        {shortcuts->grid_texture, "grid_sampling=texture"},
+        {looks_ahead(params), "light_ahead"},
+    };
+    for (size_t i = 0; i < sizeof(tables) / sizeof(tables[0]); i++)
+        if (tables[i].is_chosen && neph_scene_is_endless(scene))
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: %s cannot have %s",
+                             tables[i].setting, neph_endless_reason);
+    return NEPH_OK;
+}
+
 enum neph_status neph_march_check(const struct neph_scene *scene,
                                   const struct neph_march_params *params, struct neph_diag *diag)
 {
@@ -240,6 +264,9 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
         status = check_light(&params->light, diag);
     if (!status && (params->lighting == NEPH_MARCH_DIFFUSED || looks_ahead(params)))
         status = check_diffusion(&params->diffusion, diag);
+    if (status)
+        return status;
+    status = check_endless(scene, params, diag);
     if (status)
         return status;
     char reason[256];

@@ -10,11 +10,11 @@
  * free paths: by inversion of the closed form (homogeneous, fog), by delta tracking through local
  * majorants elsewhere (E. R. Woodcock et al. 1965); the nearest of all media's collisions counts.
  * At each event the sun is sampled, its transmittance in closed form (fog; all media at the first
- * collision, but not voxel grids where light goes on), by a table, or by ratio tracking (J. Novak et
- * al., "Residual Ratio Tracking", SIGGRAPH Asia 2014), with roulette where little of it would
+ * collision, but not voxel grids where light goes on), by a table, or by ratio tracking (J. Novak
+ * et al., "Residual Ratio Tracking", SIGGRAPH Asia 2014), with roulette where little of it would
  * arrive. The table is there for light of all orders in clouds without colour whose optical depth
- * has a closed form, if its nodes are near enough for it to pay; what it is wrong by at one event of
- * a batch of samples stands for all, without bias (shaders/tracer_sun.glsl).
+ * has a closed form, if its nodes are near enough for it to pay; what it is wrong by at one event
+ * of a batch of samples stands for all, without bias (shaders/tracer_sun.glsl).
  * One path serves all three channels, with the balance heuristic over the channels (B. Miller, I.
  * Georgiev, W. Jarosz, "A Null-Scattering Path Integral Formulation of Light Transport", SIGGRAPH
  * 2019).

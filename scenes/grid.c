@@ -3,6 +3,9 @@
  * All geometry is done in lattice coordinates u = (x - origin) / spacing: node i is at u = i, cell
  * i spans [i, i + 1]. Cells -1 and size - 1 are the ramps to the zeros beyond the lattice.
  *
+ * Along an axis without end the lattice goes on with its first node behind its last: indices of
+ * cells do not wrap, those of values do.
+ *
  * The density is continuous, so a ray that runs in a face, or a place that rounding puts into the
  * neighbouring cell, needs no rule of its own.
  */
@@ -129,13 +132,17 @@ static enum neph_status check_value(const struct neph_grid *grid, size_t node,
 static enum neph_status hash_grid(const struct neph_grid *grid, char hash[NEPH_HASH_HEX_SIZE],
                                   struct neph_diag *diag)
 {
-    char values[NEPH_HASH_HEX_SIZE], text[NEPH_HASH_HEX_SIZE + 48];
+    char values[NEPH_HASH_HEX_SIZE], text[NEPH_HASH_HEX_SIZE + 64];
     const enum neph_status status = neph_hash(
         grid->values, node_count(grid) * sizeof(*grid->values), values, diag);
     if (status)
         return status;
-    const int length = snprintf(text, sizeof(text), "%d %d %d %s", grid->size[0], grid->size[1],
-                                grid->size[2], values);
+    const bool *endless = grid->is_endless;
+    int length = snprintf(text, sizeof(text), "%d %d %d %s", grid->size[0], grid->size[1],
+                          grid->size[2], values);
+    if (neph_grid_is_endless(grid))
+        length += snprintf(text + length, sizeof(text) - (size_t)length, " %d %d %d", endless[0],
+                           endless[1], endless[2]);
     return neph_hash(text, (size_t)length, hash, diag);
 }
 
@@ -155,12 +162,35 @@ enum neph_status neph_grid_seal(struct neph_grid *grid, struct neph_diag *diag)
     return status;
 }
 
+bool neph_grid_is_endless(const struct neph_grid *grid)
+{
+    return grid->is_endless[0] || grid->is_endless[1] || grid->is_endless[2];
+}
+
+int neph_grid_wrapped(const struct neph_grid *grid, int axis, int node)
+{
+    const int size = grid->size[axis], rest = node % size;
+    return rest < 0 ? rest + size : rest;
+}
+
+static void end_nowhere(bool is_endless, double *low_m, double *high_m)
+{
+    if (!is_endless)
+        return;
+    *low_m = -NEPH_GRID_ENDLESS_M;
+    *high_m = NEPH_GRID_ENDLESS_M;
+}
+
 struct neph_bounds neph_grid_support(const struct neph_grid *grid)
 {
     const struct neph_vec3 o = grid->origin_m, s = grid->spacing_m;
-    return (struct neph_bounds){
+    struct neph_bounds support = {
         neph_vec3_sub(o, s),
         {o.x + s.x * grid->size[0], o.y + s.y * grid->size[1], o.z + s.z * grid->size[2]}};
+    end_nowhere(grid->is_endless[0], &support.min_m.x, &support.max_m.x);
+    end_nowhere(grid->is_endless[1], &support.min_m.y, &support.max_m.y);
+    end_nowhere(grid->is_endless[2], &support.min_m.z, &support.max_m.z);
+    return support;
 }
 
 static bool is_within(int index, int size)
@@ -170,6 +200,9 @@ static bool is_within(int index, int size)
 
 static double node_value(const struct neph_grid *grid, int i, int j, int k)
 {
+    i = grid->is_endless[0] ? neph_grid_wrapped(grid, 0, i) : i;
+    j = grid->is_endless[1] ? neph_grid_wrapped(grid, 1, j) : j;
+    k = grid->is_endless[2] ? neph_grid_wrapped(grid, 2, k) : k;
     if (!is_within(i, grid->size[0]) || !is_within(j, grid->size[1]) ||
         !is_within(k, grid->size[2]))
         return 0.0;
@@ -237,7 +270,8 @@ static double lattice_density(const struct neph_grid *grid, const double u[3])
 {
     struct cell cell;
     for (int axis = 0; axis < 3; axis++) {
-        if (!(u[axis] > -1.0 && u[axis] < grid->size[axis])) /* NaN is outside, too */
+        const bool is_inside = u[axis] > -1.0 && u[axis] < grid->size[axis];
+        if (!is_inside && !(grid->is_endless[axis] && isfinite(u[axis]))) /* NaN is outside, too */
             return 0.0;
         cell.index[axis] = (int)floor(u[axis]);
     }
@@ -275,8 +309,9 @@ static void start_walk(struct walk *walk, const struct neph_grid *grid, struct n
     for (int axis = 0; axis < 3; axis++) {
         walk->start[axis] = start.u[axis];
         walk->step[axis] = step[axis];
-        const double last = grid->size[axis] - 1;
-        walk->cell.index[axis] = (int)fmin(last, fmax(-1.0, floor(start.u[axis])));
+        const double last = grid->size[axis] - 1, cell = floor(start.u[axis]);
+        walk->cell.index[axis] = (int)(grid->is_endless[axis] ? cell
+                                                              : fmin(last, fmax(-1.0, cell)));
         find_next_face(walk, axis);
     }
 }
@@ -296,7 +331,7 @@ static bool advance(struct walk *walk, const struct neph_grid *grid)
     int *index = &walk->cell.index[axis];
     *index += walk->step[axis] > 0.0 ? 1 : -1;
     find_next_face(walk, axis);
-    return *index >= -1 && *index < grid->size[axis];
+    return grid->is_endless[axis] || (*index >= -1 && *index < grid->size[axis]);
 }
 
 /* Two-point Gauss over [t0, t1] within the cell: exact for cubics. */
@@ -344,12 +379,15 @@ struct stretch {
     int first, last; /* first <= low, high <= last */
 };
 
-static bool find_stretch(double low, double high, int size, struct stretch *stretch)
+/* Along an axis without end no more than one period is looked at. */
+static bool find_stretch(double low, double high, int size, bool is_endless,
+                         struct stretch *stretch)
 {
-    if (!(low <= high && high > -1.0 && low < size))
+    if (is_endless ? !(low <= high) : !(low <= high && high > -1.0 && low < size))
         return false;
-    stretch->low = fmax(-1.0, low);
-    stretch->high = fmin(size, high);
+    stretch->low = is_endless ? (high - low < size ? low - size * floor(low / size) : 0.0)
+                              : fmax(-1.0, low);
+    stretch->high = is_endless ? stretch->low + fmin(size, high - low) : fmin(size, high);
     stretch->first = (int)floor(stretch->low);
     stretch->last = (int)ceil(stretch->high);
     return true;
@@ -383,7 +421,8 @@ double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_boun
     const struct lattice_point high = to_lattice(grid, box->max_m);
     struct stretch stretch[3];
     for (int axis = 0; axis < 3; axis++)
-        if (!find_stretch(low.u[axis], high.u[axis], grid->size[axis], &stretch[axis]))
+        if (!find_stretch(low.u[axis], high.u[axis], grid->size[axis], grid->is_endless[axis],
+                          &stretch[axis]))
             return 0.0;
     double maximum = 0.0;
     for (int k = stretch[2].first; k <= stretch[2].last; k++)
@@ -400,8 +439,14 @@ double neph_grid_node_maximum_in(const struct neph_grid *grid, const struct neph
     const struct lattice_point high = to_lattice(grid, box->max_m);
     int first[3], last[3];
     for (int axis = 0; axis < 3; axis++) {
-        first[axis] = (int)fmax(0.0, floor(low.u[axis] + touch));
-        last[axis] = (int)fmin(grid->size[axis] - 1, ceil(high.u[axis] - touch));
+        const double near = floor(low.u[axis] + touch), far = ceil(high.u[axis] - touch);
+        const bool is_part = grid->is_endless[axis] && far - near < grid->size[axis];
+        first[axis] = (int)(is_part ? near : fmax(0.0, near));
+        last[axis] = (int)(is_part ? far : fmin(grid->size[axis] - 1, far));
+        if (grid->is_endless[axis] && !is_part) {
+            first[axis] = 0;
+            last[axis] = grid->size[axis] - 1;
+        }
     }
     double maximum = 0.0;
     for (int k = first[2]; k <= last[2]; k++)

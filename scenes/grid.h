@@ -13,6 +13,10 @@
 #include <stdint.h>
 
 #define NEPH_GRID_SIDE_MAX 1024
+/* How far a grid without end goes, to both sides of the world's origin, and how close its nodes may
+ * be: cells on the way there are counted in an int. */
+#define NEPH_GRID_ENDLESS_M 1e6
+#define NEPH_GRID_ENDLESS_SPACING_M 1e-2
 /* 512^3 floats: 512 MiB. What a file may ask for; larger is refused with the sizes in words. */
 #define NEPH_GRID_NODES_MAX ((size_t)1 << 27)
 
@@ -20,6 +24,7 @@ struct neph_grid {
     int size[3];                /* nodes along x, y, z; 1..NEPH_GRID_SIDE_MAX */
     struct neph_vec3 origin_m;  /* of node (0, 0, 0) */
     struct neph_vec3 spacing_m; /* between nodes, > 0 */
+    bool is_endless[3];         /* along x, y, z: behind the last node comes the first again */
     float *values;              /* owned; x fastest, then y, then z; finite, >= 0; dimensionless */
     float maximum;              /* of values */
     char hash[NEPH_HASH_HEX_SIZE]; /* of size and values; set by neph_grid_seal */
@@ -42,8 +47,15 @@ enum neph_status neph_grid_place(struct neph_grid *grid, struct neph_vec3 origin
 /* NULL is fine. */
 void neph_grid_destroy(struct neph_grid *grid);
 
-/* Where the density may be above 0: one cell beyond the outermost nodes. */
+/* Where the density may be above 0: one cell beyond the outermost nodes, or as far as there is a
+ * world. */
 struct neph_bounds neph_grid_support(const struct neph_grid *grid);
+
+/* Along any axis. */
+bool neph_grid_is_endless(const struct neph_grid *grid);
+
+/* The node that has the value of any, along an axis that has no end. */
+int neph_grid_wrapped(const struct neph_grid *grid, int axis, int node);
 
 /* Trilinear density at a point. */
 double neph_grid_density(const struct neph_grid *grid, struct neph_vec3 point_m);

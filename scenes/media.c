@@ -4,6 +4,8 @@
  */
 #include "scenes/media.h"
 
+#include "scenes/grid.h"
+
 #include "scenes/emission.h"
 #include "scenes/hash_text.h"
 #include "scenes/medium_kind.h"
@@ -154,6 +156,29 @@ bool neph_medium_is_coloured(const struct neph_medium *medium)
 {
     const struct neph_rgb color = medium->extinction_color;
     return color.r != color.g || color.g != color.b;
+}
+
+const char neph_endless_reason[] =
+    "a grid that repeats without end (repeat 0): bounds, or a number of copies, end it";
+
+bool neph_medium_is_endless(const struct neph_medium *medium)
+{
+    if (medium->kind != NEPH_MEDIUM_GRID)
+        return false;
+    const struct neph_bounds support = neph_medium_support(medium);
+    const struct neph_vec3 side_m = neph_vec3_sub(support.max_m, support.min_m);
+    const double far_m = NEPH_GRID_ENDLESS_M;
+    const bool *endless = medium->grid->is_endless;
+    return (endless[0] && side_m.x >= far_m) || (endless[1] && side_m.y >= far_m) ||
+           (endless[2] && side_m.z >= far_m);
+}
+
+bool neph_scene_is_endless(const struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (neph_medium_is_endless(&scene->media[m]))
+            return true;
+    return false;
 }
 
 void neph_medium_hash(const struct neph_medium *medium, FILE *text)

@@ -67,6 +67,11 @@ void neph_medium_cut_kinks(struct neph_cuts *cuts, const struct neph_medium *med
 /* Whether its extinction differs between the channels. */
 bool neph_medium_is_coloured(const struct neph_medium *medium);
 
+/* A grid that repeats without end, and has no bounds within half of the world where it does. */
+bool neph_medium_is_endless(const struct neph_medium *medium);
+bool neph_scene_is_endless(const struct neph_scene *scene); /* some medium of it is */
+extern const char neph_endless_reason[]; /* why others cannot have it, in words */
+
 /* Write all that changes a rendered value, see scenes/hash_text.h. */
 void neph_medium_hash(const struct neph_medium *medium, FILE *text);
 

@@ -68,6 +68,18 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
         neph_cut(cuts, low_m + (high_m - low_m) * k / pieces);
 }
 
+/* Those of the lattice's faces across one axis that a stretch of a ray may meet. */
+struct faces {
+    int first, last;
+};
+
+static struct faces faces_on(const struct neph_grid *grid, int axis, double near, double far)
+{
+    const struct faces own = {-1, grid->size[axis]}, /* `near` and `far` in nodes */
+        met = {(int)floor(fmin(near, far)), (int)ceil(fmax(near, far))};
+    return grid->is_endless[axis] ? met : own;
+}
+
 /* The faces of the cells on the ray, where the density has kinks. */
 static void cut_kinks(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
@@ -80,12 +92,17 @@ static void cut_kinks(struct neph_cuts *cuts, const struct neph_medium *medium)
     double near_m, far_m;
     if (!neph_cuts_inside(cuts, &support, &near_m, &far_m))
         return;
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = -1; i <= grid->size[axis] && view[axis] != 0.0; i++) {
+    for (int axis = 0; axis < 3; axis++) {
+        const double start = (origin[axis] - first[axis]) / spacing[axis],
+                     per_m = view[axis] / spacing[axis];
+        const struct faces faces = faces_on(grid, axis, start + near_m * per_m,
+                                            start + far_m * per_m);
+        for (int i = faces.first; i <= faces.last && view[axis] != 0.0; i++) {
             const double t_m = (first[axis] + i * spacing[axis] - origin[axis]) / view[axis];
             if (t_m >= near_m && t_m <= far_m)
                 neph_cut(cuts, t_m);
         }
+    }
 }
 
 static void hash(const struct neph_medium *medium, FILE *text)
@@ -95,6 +112,9 @@ static void hash(const struct neph_medium *medium, FILE *text)
     neph_put_three(text, "size", grid->size[0], grid->size[1], grid->size[2]);
     neph_put_vec3(text, "origin_m", grid->origin_m);
     neph_put_vec3(text, "spacing_m", grid->spacing_m);
+    if (neph_grid_is_endless(grid))
+        neph_put_three(text, "endless", grid->is_endless[0], grid->is_endless[1],
+                       grid->is_endless[2]);
     fprintf(text, "values %s\n", grid->hash);
 }
 
@@ -130,9 +150,10 @@ static const struct neph_field grid_fields[] = {
     {"spacing_m", NEPH_THREE, GRID(spacing_m), "m", 1e-4, NEPH_FAR_M, .note = "between nodes"},
     {"values", NEPH_NUMBERS, GRID(values), "", 0, 1e6, .note = "x fastest, then y, then z",
      .least = 1, .most = VALUES_MAX, .count_at = GRID(value_count)},
-    {"repeat", NEPH_WHOLES, GRID(repeat), "", 1, NEPH_GRID_SIDE_MAX,
+    {"repeat", NEPH_WHOLES, GRID(repeat), "", 0, NEPH_GRID_SIDE_MAX,
      .note =
-         "so many copies side by side along x, y, z, the last node beside the first of the next",
+         "so many copies side by side along x, y, z, the last node beside the first of the next; "
+         "0: without end, as far as there is a world",
      .standard = "[1, 1, 1]"},
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
@@ -161,14 +182,23 @@ static enum neph_status finish_grid(struct neph_reader *reader, const yaml_node_
     if (wanted != grid->value_count)
         return neph_refuse(reader, "values", "%d values for %d x %d x %d = %ld nodes",
                            grid->value_count, grid->size[0], grid->size[1], grid->size[2], wanted);
+    const double spacing_m[3] = {grid->spacing_m.x, grid->spacing_m.y, grid->spacing_m.z};
     int size[3];
-    for (int axis = 0; axis < 3; axis++)
-        size[axis] = grid->size[axis] * grid->repeat[axis]; /* 2^20 at most */
+    for (int axis = 0; axis < 3; axis++) {
+        const int copies = grid->repeat[axis] > 0 ? grid->repeat[axis] : 1;
+        size[axis] = grid->size[axis] * copies; /* 2^20 at most */
+        if (grid->repeat[axis] == 0 && spacing_m[axis] < NEPH_GRID_ENDLESS_SPACING_M)
+            return neph_refuse(reader, "spacing_m",
+                               "nodes %g m apart along an axis without end: %g m at least",
+                               spacing_m[axis], NEPH_GRID_ENDLESS_SPACING_M);
+    }
     const enum neph_status status = neph_grid_create(size, grid->origin_m, grid->spacing_m,
                                                      &medium->grid, reader->diag);
     if (status)
         return status;
     fill_copies(grid, medium->grid);
+    for (int axis = 0; axis < 3; axis++)
+        medium->grid->is_endless[axis] = grid->repeat[axis] == 0;
     return neph_grid_seal(medium->grid, reader->diag);
 }
 

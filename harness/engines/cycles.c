@@ -24,6 +24,7 @@
 #include "harness/engines/cycles_spec.h"
 #include "harness/engines/cycles_surface.h"
 #include "harness/engines/program.h"
+#include "scenes/media.h"
 #include "scenes/emission.h"
 #include "scenes/volume_file.h"
 
@@ -148,10 +149,11 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     (void)settings;
     struct neph_diag diag = {0};
     struct neph_cycles_world world;
-    if (!neph_cycles_world(scene, &world, &diag))
+    const bool is_endless = neph_scene_is_endless(scene);
+    if (!is_endless && !neph_cycles_world(scene, &world, &diag))
         return true;
     if (reason_size > 0)
-        snprintf(reason, reason_size, "%s", diag.message);
+        snprintf(reason, reason_size, "%s", is_endless ? neph_endless_reason : diag.message);
     return false;
 }
 

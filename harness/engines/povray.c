@@ -193,6 +193,8 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     const char *cannot = solid_obstacle(scene);
     struct neph_diag diag = {0};
     struct neph_povray_world world;
+    if (!cannot && neph_scene_is_endless(scene))
+        cannot = neph_endless_reason;
     if (cannot)
         ;
     else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene) &&
@@ -221,8 +223,7 @@ struct session {
     struct neph_cost cost;
 };
 
-/* Which places radiosity finds first, and so whose light is shared, depends on the order of threads.
- */
+/* One for radiosity: the order in which it finds its places decides whose light is shared. */
 static int thread_count(const struct neph_scene *scene)
 {
     int count = neph_processor_count();

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A voxel grid as the device has it: with a layer of zeros on every side (shaders/grid.glsl).
+ * A voxel grid as the device has it: with a layer of zeros on every side, or of what goes on there
+ * (shaders/grid.glsl).
  * Private to renderer/.
  */
 #ifndef NEPH_RENDERER_MEDIA_GRID_H

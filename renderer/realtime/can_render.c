@@ -4,6 +4,7 @@
  */
 #include "renderer/march.h"
 #include "renderer/realtime/march_settings.h"
+#include "renderer/realtime/pipeline.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
 

@@ -15,12 +15,16 @@ bool neph_rt_is_handed_over(const struct neph_scene *scene, const struct neph_se
            scene->fog_look.volumetric_fog_distance_m > 0.0;
 }
 
-struct neph_march_params neph_rt_march_params(const struct neph_realtime_params *params)
+struct neph_march_params neph_rt_march_params(const struct neph_scene *scene,
+                                              const struct neph_settings *settings, int width_px,
+                                              int height_px, uint32_t seed)
 {
-    const double *values = params->settings->values;
+    const double *values = settings->values;
+    struct neph_march_fog fog = neph_fog_for_march((int)values[RT_FOG]);
+    fog.is_handed_over = neph_rt_is_handed_over(scene, settings);
     return (struct neph_march_params){
-        .width_px = params->width_px,
-        .height_px = params->height_px,
+        .width_px = width_px,
+        .height_px = height_px,
         .steps = (int)values[RT_STEPS],
         .transmittance = (enum neph_march_mode)(int)values[RT_TRANSMITTANCE],
         .sun = (enum neph_march_mode)(int)values[RT_SUN],
@@ -52,7 +56,7 @@ struct neph_march_params neph_rt_march_params(const struct neph_realtime_params 
                   .similar = values[RT_LIGHT_SIMILAR],
                   .looks_ahead = values[RT_LIGHT_AHEAD] != 0.0,
                   .ends_ahead = values[RT_LIGHT_AHEAD] == 2.0,
-                  .seed = params->seed},
+                  .seed = seed},
         .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
                       .cycles = (int)values[RT_DIFFUSION_CYCLES]},
         .sky = neph_sky_for_march(
@@ -63,6 +67,6 @@ struct neph_march_params neph_rt_march_params(const struct neph_realtime_params 
                                             .slices = (int)values[RT_SKY_SLICES],
                                             .far_m = values[RT_SKY_FAR_M],
                                             .refill = (int)values[RT_SKY_REFILL]}),
-        .fog = neph_fog_for_march((int)values[RT_FOG]),
+        .fog = fog,
     };
 }

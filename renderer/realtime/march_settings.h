@@ -7,7 +7,6 @@
 
 #include "renderer/march_params.h"
 #include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
 
 /* Whether fewer pixels are rendered than the picture has. */
 bool neph_rt_is_upsampled(const struct neph_settings *settings);
@@ -16,7 +15,9 @@ bool neph_rt_is_upsampled(const struct neph_settings *settings);
  * begins there. */
 bool neph_rt_is_handed_over(const struct neph_scene *scene, const struct neph_settings *settings);
 
-/* The march of the picture's pixels, as the settings want it. */
-struct neph_march_params neph_rt_march_params(const struct neph_realtime_params *params);
+/* The march of a picture of so many pixels, as the settings want it in this scene. */
+struct neph_march_params neph_rt_march_params(const struct neph_scene *scene,
+                                              const struct neph_settings *settings, int width_px,
+                                              int height_px, uint32_t seed);
 
 #endif

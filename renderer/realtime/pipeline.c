@@ -327,9 +327,9 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
                                       const struct neph_realtime_params *params,
                                       struct neph_realtime **realtime, struct neph_diag *diag)
 {
-    struct neph_march_params march = neph_rt_march_params(params);
+    const struct neph_march_params march = neph_rt_march_params(
+        scene, params->settings, params->width_px, params->height_px, params->seed);
     char reason[256];
-    march.fog.is_handed_over = neph_rt_is_handed_over(scene, params->settings);
     enum neph_status status = neph_march_check(scene, &march, diag);
     if (status)
         return status;

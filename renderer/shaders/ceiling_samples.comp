@@ -34,6 +34,7 @@ layout(push_constant) uniform CeilingRun {
 } run;
 
 #include "constants.h"
+const uint TRAITS = 0u;
 #include "grid.glsl"
 
 layout(constant_id = 0) const bool TEXTURE = false;
@@ -52,7 +53,7 @@ void main()
 {
     CeilingLine line = lines[gl_GlobalInvocationID.x];
     vec3 texel = vec3(1.0) / float(run.side);
-    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), 1.0, uvec3(run.side), 0.0, texel);
+    Grid grid = Grid(vec3(0.0), 0, vec3(1.0), 1.0, uvec3(run.side), 0.0, texel, vec3(0.0));
     float sum = 0.0;
     vec3 place = line.start;
     for (uint i = 0; i < run.sample_count; i++) {

@@ -26,7 +26,8 @@
 #define NEPH_GPU_TURNED 8u // some box has turned
 #define NEPH_GPU_LAMPS 16u // there are lights beside the sun
 #define NEPH_GPU_SHADED 32u // some solid may stand between a medium and the sun
-#define NEPH_GPU_PAIRS 64u // values of grids are there in pairs, too
+#define NEPH_GPU_ENDLESS 64u // some voxel grid has no end along some axis
+#define NEPH_GPU_PAIRS 128u // values of grids are there in pairs, too
 // Behind these, where there are no more than so many media: how many, and from KINDS_SHIFT on four
 // bits for each, the kind and above it 1 for two layers. Else 0, and the frame says.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4
@@ -80,6 +81,9 @@
 // Maps of the shadow of clouds, one within the other (cloud_shadow.glsl).
 #define NEPH_GPU_SHADOW_LEVELS_MAX 4
 #define NEPH_GPU_SHADOW_SAMPLES 16 // by which a texel's ray finds where clouds begin and end
+
+// Cells that a ray goes through in a voxel grid without end, at most: what is farther is not seen.
+#define NEPH_GPU_ENDLESS_CELLS 4096
 
 // Stretches of a view ray's way through a voxel grid (tracer_way.glsl).
 #define NEPH_GPU_WAY_STRETCHES 32

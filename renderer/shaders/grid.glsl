@@ -2,6 +2,8 @@
 //
 // A voxel grid, trilinear by hand: samplers interpolate with 8-bit weights on some devices. The
 // lattice comes with a layer of zeros on every side, so that no lookup has to test for the border.
+// Along an axis without end that layer is the lattice's other side: cells 1 to `period` of it are
+// one period, and any other is one of these.
 // `grid_values[]` is declared by the shader that includes this file.
 #ifndef NEPH_GRID_GLSL
 #define NEPH_GRID_GLSL
@@ -16,7 +18,38 @@ struct Grid {
     uvec3 size; // nodes, the layer of zeros included; each side >= 3
     float padding;
     vec3 texel; // 1 / size: a node's share of a texture
+    vec3 period; // nodes after which it repeats without end; 0: it ends
 };
+
+const bool ENDLESS = (TRAITS & NEPH_GPU_ENDLESS) != 0u; // some grid is, along some axis
+const float CELLS_AWAY = 1e9; // more than there are
+
+// A place in the lattice, or a cell of it, where its values are kept.
+vec3 grid_wrapped(Grid grid, vec3 at)
+{
+    bvec3 repeats = greaterThan(grid.period, vec3(0.0));
+    return ENDLESS ? mix(at, 1.0 + mod(at - 1.0, max(grid.period, vec3(1.0))), repeats) : at;
+}
+
+// The first and the last cell of a lattice of so many.
+vec3 first_cell(Grid grid)
+{
+    return ENDLESS ? mix(vec3(0.0), vec3(-CELLS_AWAY), greaterThan(grid.period, vec3(0.0)))
+                   : vec3(0.0);
+}
+
+vec3 last_cell(Grid grid)
+{
+    vec3 last = vec3(grid.size - 1) - 1.0;
+    return ENDLESS ? mix(last, vec3(CELLS_AWAY), greaterThan(grid.period, vec3(0.0))) : last;
+}
+
+// Where a walk ends at the latest, `slope` being nodes per metre: it meets no more cells than that.
+float walked_to_m(vec3 slope, float t0_m, float t1_m)
+{
+    return ENDLESS ? min(t1_m, t0_m + float(NEPH_GPU_ENDLESS_CELLS) / dot(abs(slope), vec3(1.0)))
+                   : t1_m;
+}
 
 // The eight nodes of a cell: those at its lower z face and those at its upper one, x fastest.
 struct Cell {
@@ -51,7 +84,8 @@ float cell_density(Cell cell, vec3 at)
 // beside an empty node a density below zero.
 float grid_density(Grid grid, vec3 point_m)
 {
-    precise vec3 at = (point_m - grid.origin_m) * grid.nodes_per_m;
+    precise vec3 unwrapped = (point_m - grid.origin_m) * grid.nodes_per_m;
+    precise vec3 at = grid_wrapped(grid, unwrapped);
     vec3 last = vec3(grid.size - 1);
     bool is_within = all(greaterThanEqual(at, vec3(0.0))) && all(lessThanEqual(at, last));
     vec3 cell = clamp(floor(at), vec3(0.0), last - 1.0);
@@ -67,17 +101,18 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
     const float gauss = 0.288675134594813; // 1 / sqrt(12)
     vec3 slope = direction * grid.nodes_per_m; // nodes per metre of the ray
     vec3 start = (origin_m - grid.origin_m) * grid.nodes_per_m;
-    vec3 last = vec3(grid.size - 1);
+    vec3 first = first_cell(grid), last = last_cell(grid);
     bvec3 falls = lessThan(slope, vec3(0.0));
     bvec3 level = lessThan(abs(slope), vec3(1e-20));
-    vec3 entry = clamp(start + t0_m * slope, vec3(0.0), last);
+    vec3 entry = clamp(start + t0_m * slope, first, last + 1.0);
     // A start on a face belongs to the cell that the ray goes on into.
-    vec3 cell = clamp(mix(floor(entry), ceil(entry) - 1.0, falls), vec3(0.0), last - 1.0);
+    vec3 cell = clamp(mix(floor(entry), ceil(entry) - 1.0, falls), first, last);
     vec3 forward = mix(vec3(1.0), vec3(-1.0), falls);
     vec3 per_node_m = 1.0 / mix(slope, vec3(1.0), level);
 
     Sum sum = sum_zero();
     float t_m = t0_m;
+    t1_m = walked_to_m(slope, t0_m, t1_m);
     while (t_m < t1_m) {
         // Faces from the cell, not by adding up: rounding does not gather along the ray.
         vec3 face = cell + mix(vec3(1.0), vec3(0.0), falls);
@@ -86,7 +121,7 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
         float end_m = min(exit_m, t1_m);
         if (end_m > t_m) {
             float middle_m = 0.5 * (t_m + end_m), offset_m = gauss * (end_m - t_m);
-            Cell nodes = grid_cell(grid, uvec3(cell));
+            Cell nodes = grid_cell(grid, uvec3(grid_wrapped(grid, cell)));
             vec3 a = clamp(start + (middle_m - offset_m) * slope - cell, vec3(0.0), vec3(1.0));
             vec3 b = clamp(start + (middle_m + offset_m) * slope - cell, vec3(0.0), vec3(1.0));
             sum_add(sum, vec4(0.5 * (end_m - t_m) *
@@ -95,7 +130,7 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
         }
         bvec3 leaves = lessThanEqual(next_m, vec3(exit_m));
         cell += mix(vec3(0.0), forward, leaves);
-        if (any(lessThan(cell, vec3(0.0))) || any(greaterThan(cell, last - 1.0)))
+        if (any(lessThan(cell, first)) || any(greaterThan(cell, last)))
             break;
     }
     return sum.value.x;
@@ -125,6 +160,7 @@ float cubic_quantile(vec4 f, float fraction)
 }
 
 // The walk of grid_integral_m (grid.glsl), stopped in the cell where the integral passes `target`.
+// The lattice is one that ends: lavapipe goes astray in this loop when cells are wrapped in it.
 float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, float t1_m,
                        float target)
 {
@@ -171,7 +207,7 @@ float grid_random_node(Grid grid, vec3 point_m, uvec2 bits)
     // 21 bits for each axis.
     uvec3 thirds = uvec3(bits >> 11, (bits.x & 0x7ffu) << 10 | bits.y & 0x3ffu);
     vec3 u = vec3(thirds) * exp2(-21.0);
-    vec3 at = clamp((point_m - grid.origin_m) * grid.nodes_per_m, vec3(0.0),
+    vec3 at = clamp(grid_wrapped(grid, (point_m - grid.origin_m) * grid.nodes_per_m), vec3(0.0),
                     vec3(grid.size - 1) * 0.9999999);
     uvec3 node = min(uvec3(at + u), grid.size - 1); // the sum may round up
     return grid_values[grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z)];

@@ -12,9 +12,9 @@ layout(std430, binding = 2) readonly buffer GridValues {
     float grid_values[]; // of all voxel grids, one after the other
 };
 
-#ifdef SEES_GRID_TEXELS
-#include "solids.glsl"
+#include "solids.glsl" // TRAITS, for all
 
+#ifdef SEES_GRID_TEXELS
 // Each of them and the one behind it, to be read by a CPU (neph_buffer_see_texels()).
 layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
 
@@ -36,7 +36,6 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 #include "horizon.glsl"
 #include "plume.glsl"
 #include "shell.glsl"
-#include "solids.glsl"
 #include "tent.glsl"
 
 // What the scene is made of, known before the shader is compiled: code for what is not there costs
@@ -292,7 +291,7 @@ float layer_free_path_m(uint m, uint l, ViewRay ray, float t0_m, float t1_m, flo
     if (is_fog(m))
         t_m = fog_layer_free_path_m(frame.media[m].layers[l], ray.origin_m, ray.direction, t0_m,
                                     depth);
-    else if (is_a(MEDIUM_GRID, kind_of(m)))
+    else if (!ENDLESS && is_a(MEDIUM_GRID, kind_of(m)))
         t_m = grid_free_path_m(frame.media[m].shape.grid, ray.origin_m, ray.direction, t0_m, t1_m,
                                depth / frame.media[m].extinction_per_m);
     else

@@ -12,7 +12,7 @@
 
 layout(local_size_x = 64) in;
 
-// Of float32: so much more light, and no sum of a batch is below 0.
+// So much more light, half a digit of float32, and no sum of a batch is below 0.
 const float ROUNDING = 1e-6;
 
 // One sample of a batch, in proportion to its light (a reservoir of one; M. T. Chao, "A General

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's sunlight by a table, if SUN_BY_TABLE: but for the first event of a path, none
-// sends a ray to the sun. How much arrives is looked up, the transmittance of all shapes towards
-// the sun between the nodes of a lattice (tracer_sun.comp). Of all events of a batch of samples one
-// is then chosen, in proportion to the light that it has by the table, and its true transmittance
-// over that of the table is what the batch's light is multiplied with (tracer_check.comp): resampled
-// importance sampling (J. Talbot, D. Cline, P. Egbert, EGSR 2005), without bias whatever the table
-// says, and never negative.
+// The path tracer's sunlight by a table, if SUN_BY_TABLE: no event in a medium sends a ray to the
+// sun. How much arrives is looked up, the transmittance of all shapes towards the sun between the
+// nodes of a lattice (tracer_sun.comp). Then one of all events of a batch of samples is chosen, in
+// proportion to the light that it has by the table, and its true transmittance over that of the
+// table is what the batch's light is multiplied with (tracer_check.comp): resampled importance
+// sampling (J. Talbot, D. Cline, P. Egbert, EGSR 2005), without bias whatever the table says, and
+// never negative.
 #ifndef NEPH_TRACER_SUN_GLSL
 #define NEPH_TRACER_SUN_GLSL
 
@@ -40,8 +40,8 @@ SunCheck no_sun_check()
     return SunCheck(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 1.0, vec3(0.0));
 }
 
-// Of all shapes, by the table, at any point: one outside of the lattice sees what it sees where its
-// sun ray enters that.
+// That of all shapes, by the table, at any point: one outside of the lattice sees what it sees
+// where its sun ray enters that.
 float shapes_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
 {
     vec3 last = vec3(lattice.size - 1);
@@ -62,7 +62,7 @@ float shapes_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
                         place - cell);
 }
 
-// Of all media; fogs are exact.
+// That of all media; fogs are exact.
 float guess_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
 {
     float depth = 0.0;

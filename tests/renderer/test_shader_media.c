@@ -664,6 +664,45 @@ static void test_grids_beside_each_other(void **state)
         neph_grid_destroy(test.scene.media[m].grid);
 }
 
+/* A lattice without end, from a camera far from its origin: as double precision has it, one period
+ * away and many, along faces and through them. */
+static void test_endless_grids(void **state)
+{
+    uint64_t random = seed;
+    struct test_scene test;
+    const struct neph_vec3 eye_m = {-40123.0, 30.0, 77001.0}, h = {3.0, 2.0, 7.0};
+    look_from(&test, eye_m);
+    struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.1);
+    medium->grid = random_lattice((const int[3]){5, 6, 3}, (struct neph_vec3){11.0, 20.0, -4.0}, h,
+                                  -0.5, &random);
+    medium->grid->is_endless[0] = medium->grid->is_endless[2] = true;
+    struct probe probes[600];
+    for (int i = 0; i < 600; i++) {
+        const struct neph_vec3 at_m = point_near(&random, eye_m, i % 2 ? 20.0 : 400.0);
+        probes[i] = probe_from(&test, (struct neph_vec3){at_m.x, 15.0 + (i % 20), at_m.z},
+                               odd_direction(&random), i % 3 ? 15.0 : 300.0);
+    }
+    struct answer *answers = ask(*state, &test, probes, 600);
+    const double peak = 0.1 * (double)medium->grid->maximum;
+    int met = 0;
+    for (int i = 0; i < 600; i++) {
+        const struct ray ray = ray_of(&test, &probes[i]);
+        const double place_m = ray.place_m + 4.0 * epsilon * 1e3, /* of periods from the camera */
+            slope = peak * place_m * (1.0 / h.x + 1.0 / h.y + 1.0 / h.z);
+        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
+                                                       ray.length_m);
+        neph_assert_close(answers[i].extinction_per_m,
+                          neph_medium_extinction_per_m(medium, ray.origin_m), 1e-5,
+                          4.0 * slope + 1e-6 * peak);
+        neph_assert_close(answers[i].optical_depth, depth, 1e-4,
+                          4.0 * slope * ray.length_m + 8.0 * place_m * peak);
+        met += depth > 0.0;
+    }
+    assert_true(met > 300);
+    free(answers);
+    neph_grid_destroy(medium->grid);
+}
+
 /* --- Horizon clouds ----------------------------------------------------------------------- */
 
 /* At an altitude above the bottom of the layer, level distances from its pole. */
@@ -918,6 +957,7 @@ int main(void)
         cmocka_unit_test(test_tents),
         cmocka_unit_test(test_grids),
         cmocka_unit_test(test_grids_beside_each_other),
+        cmocka_unit_test(test_endless_grids),
         cmocka_unit_test(test_horizon_clouds),
         cmocka_unit_test(test_extreme_media_give_no_nonsense),
         cmocka_unit_test(test_extreme_horizon_clouds_give_no_nonsense),

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The tracer's sunlight by a table (shaders/tracer_sun.glsl) against a ray to the sun from each
- * event, which test_tracer.c holds to the oracle: whatever the table has, however few its nodes, the
- * light is the same but for noise, which the frame knows; and nothing is ever negative.
+ * event, which test_tracer.c holds to the oracle: whatever the table has, however few its nodes,
+ * the light is the same but for noise, which the frame knows; and nothing is ever negative.
  */
 #include "tests/renderer/renderer_test.h"
 

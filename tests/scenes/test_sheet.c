@@ -7,6 +7,7 @@
 #include "tests/scene_builders.h"
 
 #include "base/files.h"
+#include "scenes/grid.h"
 #include "scenes/media.h"
 #include "scenes/scene.h"
 #include "scenes/sheet.h"
@@ -258,6 +259,78 @@ static void test_too_many_copies_are_refused(void **state)
     assert_non_null(strstr(diag.message, "1026 x 1 x 2"));
 }
 
+/* Without end along two axes it is what a hundred copies are, as far as these go: densities,
+ * integrals and what bounds them. */
+static void test_without_end(void **state)
+{
+    (void)state;
+    static const char form[] =
+        "  - grid: {size: [3, 2, 2], origin_m: [%s], spacing_m: [3, 2, 5], repeat: [%s],\n"
+        "      values: [1, 0, 4, 2, 2, 0, 3, 1, 0, 0, 5, 2], extinction_per_m: 0.01,\n"
+        "      albedo: [1, 1, 1]}\n";
+    char *endless_text = neph_format(form, "4, 10, -7", "0, 1, 0"),
+         *finite_text = neph_format(form, "-446, 10, -507", "100, 1, 100");
+    struct neph_scene *endless = loaded(endless_text), *finite = loaded(finite_text);
+    const struct neph_medium *a = &endless->media[0], *b = &finite->media[0];
+    uint64_t seed = 9;
+    for (int i = 0; i < 500; i++) {
+        struct neph_vec3 direction = random_direction(&seed);
+        const struct neph_vec3 from_m = {neph_test_uniform(&seed, -200, 200),
+                                         neph_test_uniform(&seed, 5, 15),
+                                         neph_test_uniform(&seed, -200, 200)};
+        const struct neph_vec3 side_m = {neph_test_uniform(&seed, 0.1, 20), 1.0,
+                                         neph_test_uniform(&seed, 0.1, 20)};
+        const struct neph_bounds box = {from_m, neph_vec3_add(from_m, side_m)};
+        neph_assert_close(neph_medium_extinction_per_m(a, from_m),
+                          neph_medium_extinction_per_m(b, from_m), 1e-12, 1e-12);
+        neph_assert_close(neph_medium_optical_depth(a, from_m, direction, 0.0, 100.0),
+                          neph_medium_optical_depth(b, from_m, direction, 0.0, 100.0), 1e-11, 0.0);
+        neph_assert_close(neph_grid_maximum_in(a->grid, &box), neph_grid_maximum_in(b->grid, &box),
+                          1e-9, 0.0);
+        assert_true(neph_grid_node_maximum_in(a->grid, &box) >=
+                    neph_grid_maximum_in(a->grid, &box) * (1.0 - 1e-9));
+    }
+    assert_true(neph_medium_is_endless(a) && !neph_medium_is_endless(b));
+    assert_string_not_equal(endless->hash, finite->hash);
+    neph_scene_destroy(finite);
+    neph_scene_destroy(endless);
+    free(finite_text);
+    free(endless_text);
+}
+
+/* Far from its origin, too, and through the whole world. */
+static void test_without_end_everywhere(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = loaded(
+        "  - grid: {size: [2, 2, 1], origin_m: [0, 10, 0], spacing_m: [500, 4, 3],\n"
+        "      repeat: [0, 1, 0], values: [1, 3, 1, 3], extinction_per_m: 0.1,\n"
+        "      albedo: [1, 1, 1]}\n");
+    const struct neph_vec3 up = {0.0, 1.0, 0.0};
+    for (int k = -900; k <= 900; k += 100) {
+        const struct neph_vec3 at_m = {1000.0 * k + 250.0, 0.0, 999.0 * k + 1.0};
+        assert_float_equal(depth_along(&scene->media[0], at_m, up), 0.1 * 8.0 * 2.0, 1e-9);
+    }
+    const struct neph_vec3 in_m = {0.0, 12.0, 0.0};
+    assert_float_equal(depth_along(&scene->media[0], in_m, (struct neph_vec3){1.0, 0.0, 0.0}) /
+                           (0.1 * 2.0 * 1e6),
+                       1.0, 1e-9);
+    neph_scene_destroy(scene);
+}
+
+static void test_a_fine_lattice_ends(void **state)
+{
+    (void)state;
+    struct neph_scene *scene = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(load_media("  - grid: {size: [1, 1, 1], origin_m: [0, 10, 0], spacing_m: "
+                                "[0.001, 1, 1],\n      repeat: [0, 1, 1], values: [1],\n"
+                                "      extinction_per_m: 0.7, albedo: [1, 1, 1]}\n",
+                                &scene, &diag),
+                     NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "without end"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -270,6 +343,9 @@ int main(void)
         cmocka_unit_test(test_a_checkerboard_repeats),
         cmocka_unit_test(test_a_grid_is_there_once),
         cmocka_unit_test(test_too_many_copies_are_refused),
+        cmocka_unit_test(test_without_end),
+        cmocka_unit_test(test_without_end_everywhere),
+        cmocka_unit_test(test_a_fine_lattice_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Clouds that repeat without end: pictures of them against those of many copies, and the step cloud
+ * of I3RC by the path tracer against a Monte Carlo that shares next to nothing with it.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/march.h"
+#include "renderer/tracer.h"
+#include "scenes/grid.h"
+#include "truth/step_cloud.h"
+#include "truth/transport.h"
+
+/* `count` nodes along x, of which `copies` stand side by side around the world's middle, in 64 rows
+ * along z; 0: both without end. Bounds cut it off above and below, between two nodes that are the
+ * same. */
+static struct neph_grid *make_columns(const double *values, int count, double spacing_m,
+                                      double high_m, int copies)
+{
+    const int times = copies > 0 ? copies : 1, size[3] = {count * times, 2, copies > 0 ? 64 : 1};
+    const struct neph_vec3 origin_m = {-spacing_m * count * (times / 2), 0.0,
+                                       copies > 0 ? -32.0 * high_m : 0.0};
+    struct neph_grid *grid = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_grid_create(size, origin_m, (struct neph_vec3){spacing_m, high_m, high_m},
+                                    &grid, &diag),
+                   &diag);
+    const int nodes = size[0] * size[1] * size[2];
+    for (int i = 0; i < nodes; i++)
+        grid->values[i] = (float)values[i % size[0] % count];
+    grid->is_endless[0] = grid->is_endless[2] = copies == 0;
+    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
+    return grid;
+}
+
+static void set_stage(struct test_scene *test, struct neph_grid *grid, double high_m)
+{
+    test_scene_init(test);
+    test->key.position_m = (struct neph_vec3){130.0, 900.0, 20.0};
+    test->key.look_at_m = (struct neph_vec3){260.0, 0.0, -350.0};
+    struct neph_medium *cloud = test_add_cloud(test, NEPH_MEDIUM_GRID, 1.0);
+    cloud->grid = grid;
+    cloud->albedo = white;
+    cloud->bounds = (struct neph_bounds){{-1e6, 0.0, -1e6}, {1e6, high_m, 1e6}};
+    test->scene.scattering = NEPH_SCATTERING_SINGLE;
+}
+
+enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
+
+static const double columns[8] = {0.002, 0.004, 0.011, 0.02, 0.018, 0.0, 0.0, 0.001};
+
+static struct neph_image *march(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                enum neph_march_mode mode)
+{
+    const struct neph_march_params params = {.width_px = WIDTH,
+                                             .height_px = HEIGHT,
+                                             .steps = 64,
+                                             .transmittance = mode,
+                                             .sun = mode,
+                                             .sun_steps = 16,
+                                             .shortcuts = {.skip = mode == NEPH_MARCH_MARCHED}};
+    struct neph_march *made = NULL;
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_march_create(vulkan, scene, &params, &made, &diag), &diag);
+    neph_assert_ok(neph_march_frame(made, scene, 0.0, NULL, &image, NULL, &diag), &diag);
+    neph_march_destroy(made);
+    return image;
+}
+
+/* Mean over pixels of |a - b| over that of b. */
+static double distance(const struct neph_image *a, const struct neph_image *b, const char *channel)
+{
+    const float *x = neph_image_channel(a, channel), *y = neph_image_channel(b, channel);
+    double off = 0.0, sum = 0.0;
+    for (int i = 0; i < PIXELS; i++) {
+        off += fabs((double)x[i] - (double)y[i]);
+        sum += (double)y[i];
+    }
+    return off / sum;
+}
+
+/* 40 copies are as good as all where nothing beyond them is seen, and no sun comes from there. */
+static void test_a_march_sees_no_end(void **state)
+{
+    static const enum neph_march_mode modes[] = {NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED};
+    for (int n = 0; n < 2; n++) {
+        struct test_scene endless, finite;
+        struct neph_grid *all = make_columns(columns, 8, 50.0, 200.0, 0),
+                         *some = make_columns(columns, 8, 50.0, 200.0, 40);
+        set_stage(&endless, all, 200.0);
+        set_stage(&finite, some, 200.0);
+        struct neph_image *a = march(*state, &endless.scene, modes[n]),
+                          *b = march(*state, &finite.scene, modes[n]);
+        const double off = distance(a, b, "G"), through_off = distance(a, b, "transmittance.G");
+        print_message("%s: radiance %.2g, transmittance %.2g\n", n ? "marched" : "exact", off,
+                      through_off);
+        assert_true(off < 2e-5);
+        assert_true(through_off < 2e-5);
+        neph_image_destroy(b);
+        neph_image_destroy(a);
+        neph_grid_destroy(some);
+        neph_grid_destroy(all);
+    }
+}
+
+/* Sunlight scattered once, in double precision: the march's closed forms agree, and a ray that goes
+ * far has met what as many copies have. */
+static void test_exact_sees_no_end(void **state)
+{
+    (void)state;
+    struct test_scene endless, finite;
+    struct neph_grid *all = make_columns(columns, 8, 50.0, 200.0, 0),
+                     *some = make_columns(columns, 8, 50.0, 200.0, 40);
+    set_stage(&endless, all, 200.0);
+    set_stage(&finite, some, 200.0);
+    const struct neph_camera camera = neph_scene_camera(&endless.scene, 0.0);
+    for (int i = 0; i < PIXELS; i += neph_test_by_day(37, 5)) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
+                                                          i / WIDTH);
+        const struct neph_ray_light a = neph_transport_ray(&endless.scene, ray.origin_m,
+                                                           ray.direction),
+                                    b = neph_transport_ray(&finite.scene, ray.origin_m,
+                                                           ray.direction);
+        neph_assert_close(a.volume.g, b.volume.g, 1e-7, 1e-9);
+        neph_assert_close(a.transmittance.g, b.transmittance.g, 1e-9, 1e-12);
+    }
+    neph_grid_destroy(some);
+    neph_grid_destroy(all);
+}
+
+/* What lies in a box around all shapes has none here, and says so. */
+static void test_tables_refuse(void **state)
+{
+    struct test_scene test;
+    struct neph_grid *all = make_columns(columns, 8, 50.0, 200.0, 0);
+    set_stage(&test, all, 200.0);
+    const struct neph_march_params params = {
+        .width_px = 8,
+        .height_px = 8,
+        .steps = 8,
+        .shortcuts = {.sun_cache = true, .sun_cache_voxels = 16, .sun_cache_frames = 1}};
+    struct neph_march *made = NULL;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_march_create(*state, &test.scene, &params, &made, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "sun_cache=grid"));
+    assert_non_null(strstr(diag.message, "without end"));
+    neph_grid_destroy(all);
+}
+
+/* ---- the step cloud of I3RC ------------------------------------------------------------------ */
+
+enum { COLUMNS = 16, NODES = 32, SIDE = 16 };
+
+static const double period_m = 500.0, high_m = 250.0;
+
+/* Half a period of optical depth 2, half of 18; a step is a ramp between two nodes. `copies` as of
+ * make_columns(). */
+static struct neph_grid *make_step_cloud(int copies)
+{
+    double values[NODES];
+    for (int i = 0; i < NODES; i++)
+        values[i] = (i < NODES / 2 ? 2.0 : 18.0) / high_m;
+    return make_columns(values, NODES, period_m / NODES, high_m, copies);
+}
+
+/* Straight down on one period, from half a node before the first: halves of the period are halves
+ * of the picture. All orders, the sun 60 degrees from the zenith, its light towards -x. */
+static struct neph_image *trace_step_cloud(struct neph_vulkan *vulkan, int copies, int samples)
+{
+    struct neph_grid *grid = make_step_cloud(copies);
+    struct test_scene test;
+    set_stage(&test, grid, high_m);
+    struct neph_scene *scene = &test.scene;
+    scene->scattering = NEPH_SCATTERING_MULTIPLE;
+    scene->media[0].phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
+    scene->sun.direction = (struct neph_vec3){sqrt(0.75), 0.5, 0.0};
+    scene->sun.irradiance_w_per_m2 = white;
+    scene->background_w_per_m2_sr = make_grey(0.0);
+    scene->orthographic_height_m = period_m;
+    scene->camera_up = (struct neph_vec3){0.0, 0.0, -1.0};
+    const double middle_m = 0.5 * period_m - 0.5 * period_m / NODES;
+    test.key.position_m = (struct neph_vec3){middle_m, 1000.0, 0.0};
+    test.key.look_at_m = (struct neph_vec3){middle_m, 0.0, 0.0};
+    const struct neph_tracer_params params = {.width_px = SIDE,
+                                              .height_px = SIDE,
+                                              .seed = 11,
+                                              .samples = samples,
+                                              .time_limit_s = INFINITY};
+    struct neph_image *image = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_tracer_render(vulkan, scene, &params, &image, NULL, &diag), &diag);
+    neph_grid_destroy(grid);
+    return image;
+}
+
+static double half_mean(const struct neph_image *image, int half)
+{
+    const float *g = neph_image_channel(image, "G");
+    double sum = 0.0;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        if (i % SIDE / (SIDE / 2) == half)
+            sum += (double)g[i] / (SIDE * SIDE / 2);
+    return sum;
+}
+
+/* The same numbers, the same paths: what 30 periods and 64 rows have, but for the few that leave
+ * these. */
+static void test_paths_see_no_end(void **state)
+{
+    const int samples = neph_test_by_day(16, 256);
+    struct neph_image *endless = trace_step_cloud(*state, 0, samples),
+                      *finite = trace_step_cloud(*state, 30, samples);
+    for (int half = 0; half < 2; half++) {
+        const double a = half_mean(endless, half), b = half_mean(finite, half);
+        print_message("%s half: %.5f, of 30 periods %.5f\n", half ? "thick" : "thin", a, b);
+        neph_assert_close(a, b, 2e-3, 0.0);
+    }
+    neph_image_destroy(finite);
+    neph_image_destroy(endless);
+}
+
+/* Against columns that have no end either, and share no code with it: within four times the noise
+ * of halves, of which the tracer's, by four seeds, is 0.45 and 1.4 %. */
+static void test_the_step_cloud(void **state)
+{
+    neph_test_waits_for_the_night();
+    static const double noise[2] = {0.014, 0.0045};
+    double depths[COLUMNS];
+    struct neph_estimate nadir_per_sr[COLUMNS];
+    struct neph_step_cloud_fluxes fluxes;
+    struct neph_diag diag = {0};
+    for (int i = 0; i < COLUMNS; i++)
+        depths[i] = i < COLUMNS / 2 ? 18.0 : 2.0; /* its sun shines the other way */
+    const struct neph_step_cloud_params truth = {.column_count = COLUMNS,
+                                                 .optical_depths = depths,
+                                                 .column_width_m = period_m / COLUMNS,
+                                                 .thickness_m = high_m,
+                                                 .albedo = 1.0,
+                                                 .phase = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85},
+                                                 .sun_cosine = 0.5,
+                                                 .seed = 3,
+                                                 .photons = 2000000};
+    neph_assert_ok(neph_step_cloud_solve(&truth, &fluxes, nadir_per_sr, &diag), &diag);
+    struct neph_image *image = trace_step_cloud(*state, 0, 8192);
+    for (int half = 0; half < 2; half++) {
+        const double mean = half_mean(image, half);
+        double expected = 0.0, variance = 0.0;
+        for (int i = 0; i < COLUMNS / 2; i++) {
+            const struct neph_estimate *column = &nadir_per_sr[half ? i : COLUMNS / 2 + i];
+            expected += column->mean / (COLUMNS / 2);
+            variance += pow(column->standard_error / (COLUMNS / 2), 2);
+        }
+        print_message("%s half: %.5f of the tracer, %.5f +- %.5f\n", half ? "thick" : "thin", mean,
+                      expected, sqrt(variance));
+        neph_assert_close(mean, expected, 4.0 * noise[half], 4.0 * sqrt(variance));
+    }
+    neph_image_destroy(image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_march_sees_no_end), cmocka_unit_test(test_exact_sees_no_end),
+        cmocka_unit_test(test_tables_refuse),       cmocka_unit_test(test_paths_see_no_end),
+        cmocka_unit_test(test_the_step_cloud),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
