@@ -88,22 +88,14 @@ float sun_texels(SunWay way, vec3 place, vec3 point_m, float t_m)
     float growth = GROWS_SUN_RAYS ? frame.sun_growth : 1.0;
     float first_m = all_m * (GROWS_SUN_RAYS ? frame.sun_first_part : 1.0 / float(count));
     float next_m = 0.0, length_m = first_m, sum = 0.0;
-    if (ON_CPU) { // which goes through a turn for nobody where loops are left at their start
-        for (;;) {
-            sum += add_taps(place, way.per_m, point_m, 1, growth, next_m, length_m);
-            if (++i >= count)
-                break;
-        }
-    } else {
-        for (; i + 6 <= count; i += 6)
-            sum += add_taps(place, way.per_m, point_m, 6, growth, next_m, length_m);
-        if (i + 4 <= count) {
-            sum += add_taps(place, way.per_m, point_m, 4, growth, next_m, length_m);
-            i += 4;
-        }
-        for (; i < count; i++)
-            sum += add_taps(place, way.per_m, point_m, 1, growth, next_m, length_m);
+    for (; i + 6 <= count; i += 6)
+        sum += add_taps(place, way.per_m, point_m, 6, growth, next_m, length_m);
+    if (i + 4 <= count) {
+        sum += add_taps(place, way.per_m, point_m, 4, growth, next_m, length_m);
+        i += 4;
     }
+    for (; i < count; i++)
+        sum += add_taps(place, way.per_m, point_m, 1, growth, next_m, length_m);
     if (!SKIPS)
         density_evaluations += count;
     return GROWS_SUN_RAYS ? sum : first_m * sum;
@@ -176,65 +168,6 @@ float density_of(Block block, uint k)
     return k < 4u ? halves.x : halves.y;
 }
 
-// Of a view ray, whose first step's point is at `first` of the texture.
-struct TextureSteps {
-    vec3 first, step;
-    float first_m, step_m;
-    uint end;
-};
-
-// A step in which there is something.
-struct Lit {
-    uint step;
-    float density;
-};
-
-// Eight steps at a time, in a loop of its own: rays that have passed clear air do their lit steps
-// together.
-bool find_in_blocks(TextureSteps steps, ViewRay ray, inout uint next, inout Block block,
-                    out Lit lit)
-{
-    while (block.lit == 0u && next < steps.end) {
-        float t_m = steps.first_m + float(next) * steps.step_m;
-        fetch_block(steps.first + float(next) * steps.step, steps.step, t_m, steps.step_m, ray,
-                    steps.end - next, block);
-        next += 8u;
-    }
-    if (block.lit == 0u)
-        return false;
-    uint k = uint(findLSB(block.lit));
-    block.lit &= block.lit - 1u;
-    lit = Lit(next - 8u + k, density_of(block, k));
-    return true;
-}
-
-// One by one, of which there is one more: lavapipe waits for no sample.
-bool find_one(TextureSteps steps, ViewRay ray, inout uint next, out Lit lit)
-{
-    lit.density = 0.0;
-    for (;;) {
-        vec3 point_m = ray.origin_m +
-                       (steps.first_m + float(next) * steps.step_m) * ray.direction;
-        if (!SKIPS || !shapes_are_empty(point_m)) {
-            lit.density = grid_texture_at(0, steps.first + float(next) * steps.step);
-            density_evaluations++;
-            view_steps++;
-        }
-        next++;
-        if (lit.density > 0.0 || next >= steps.end)
-            break;
-    }
-    lit.step = next - 1u;
-    return lit.density > 0.0;
-}
-
-// The next of them; false: there is none left.
-bool find_lit(TextureSteps steps, ViewRay ray, inout uint next, inout Block block, out Lit lit)
-{
-    return ON_CPU ? find_one(steps, ray, next, lit)
-                  : find_in_blocks(steps, ray, next, block, lit);
-}
-
 // The steps of this run, as march() has them.
 void march_texture(ViewRay ray, Stretch stretch, float place, inout Sums sums)
 {
@@ -243,33 +176,36 @@ void march_texture(ViewRay ray, Stretch stretch, float place, inout Sums sums)
     float per_full_m = way.full_per_m * frame.media[0].extinction_color.x;
     float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
     float first_m = stretch.t0_m + place * step_m;
-    TextureSteps steps = TextureSteps(way.start + first_m * way.per_m, step_m * way.per_m, first_m,
-                                      step_m, own(run.end_step));
+    vec3 first = way.start + first_m * way.per_m, step = step_m * way.per_m;
     float depth = sums.scattered.value.w, through = transmittance(depth);
     float light = 0.0, distance_m = 0.0;
     sums.scattered.excess = vec4(0.0); // known, so that no register keeps it along the ray
     sums.depth = sum_zero();
-    uint next = own(run.first_step);
+    uint next = own(run.first_step), end = own(run.end_step);
     Block block;
     block.lit = 0u;
     for (;;) {
-        Lit lit;
-        if (!find_lit(steps, ray, next, block, lit))
+        // In a loop of its own: rays that have passed clear air do their lit steps together.
+        while (block.lit == 0u && next < end) {
+            float t_m = first_m + float(next) * step_m;
+            fetch_block(first + float(next) * step, step, t_m, step_m, ray, end - next, block);
+            next += 8u;
+        }
+        if (block.lit == 0u)
             break;
-        float i = float(lit.step), t_m = first_m + i * step_m;
-        float step_depth = per_full_m * step_m * lit.density;
+        uint k = uint(findLSB(block.lit));
+        block.lit &= block.lit - 1u;
+        float i = float(next - 8u + k), t_m = first_m + i * step_m;
+        float step_depth = per_full_m * step_m * density_of(block, k);
         float through_step = exp2(-PER_E * step_depth);
         float seen = through * lost_of(step_depth, through_step);
         vec3 point_m = view_point_m(ray, t_m);
         if (medium_sees_sun(point_m))
             light += seen * texture_light(per_full_m *
-                                          sun_texels(sun, steps.first + i * steps.step, point_m,
-                                                     t_m));
+                                          sun_texels(sun, first + i * step, point_m, t_m));
         distance_m += t_m * seen;
         depth += step_depth;
         through *= through_step;
-        if (ON_CPU && next >= steps.end)
-            break;
     }
     sums.scattered.value = vec4(sums.scattered.value.xyz + light * frame.sun_irradiance *
                                                                frame.media[0].albedo,
