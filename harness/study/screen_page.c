@@ -159,7 +159,8 @@ static void print_caption(const char *part, const struct neph_screen_truth *trut
     for (int i = 0; i < NEPH_SCREEN_REASONS; i++)
         if (truth->lost_by[i] > 0)
             fprintf(out, ", %d %s", truth->lost_by[i], reasons[i].name);
-    fprintf(out, "; no model can be nearer than %.2g %%</figcaption>", 100.0 * truth->beyond);
+    fprintf(out, "; what the picture shows of it is off by %.2g %%</figcaption>",
+            100.0 * truth->beyond);
 }
 
 static void print_scene(const struct neph_scene *scene, const struct neph_screen_scene *found,

@@ -168,49 +168,60 @@ float density_of(Block block, uint k)
     return k < 4u ? halves.x : halves.y;
 }
 
+// What a ray has come to, before all that is the same along it.
+struct TextureSums {
+    float light, distance_m, depth, through;
+};
+
+void add_lit_step(ViewRay ray, float t_m, vec3 place, float per_full_m, float step_depth,
+                  SunWay sun, inout TextureSums sums)
+{
+    float through_step = exp2(-PER_E * step_depth);
+    float seen = sums.through * lost_of(step_depth, through_step);
+    vec3 point_m = view_point_m(ray, t_m);
+    if (medium_sees_sun(point_m))
+        sums.light += seen * texture_light(per_full_m * sun_texels(sun, place, point_m, t_m));
+    sums.distance_m += t_m * seen;
+    sums.depth += step_depth;
+    sums.through *= through_step;
+}
+
+// All rays of a subgroup are in the same eight steps: what they sample lies close together. On an
+// H100 that is worth 5 %, more than it saves to let each go on to its own next lit step.
+void add_steps(ViewRay ray, float first_m, float step_m, TextureRay way, float per_full_m,
+               inout TextureSums sums)
+{
+    SunWay sun = sun_way(ray);
+    vec3 first = way.start + first_m * way.per_m, step = step_m * way.per_m;
+    uint end = own(run.end_step);
+    Block block;
+    for (uint i = own(run.first_step); i < end; i += 8u) {
+        float t_m = first_m + float(i) * step_m;
+        vec3 place = first + float(i) * step;
+        fetch_block(place, step, t_m, step_m, ray, end - i, block);
+        while (block.lit != 0u) {
+            uint k = uint(findLSB(block.lit));
+            block.lit &= block.lit - 1u;
+            add_lit_step(ray, t_m + float(k) * step_m, place + float(k) * step, per_full_m,
+                         per_full_m * step_m * density_of(block, k), sun, sums);
+        }
+    }
+}
+
 // The steps of this run, as march() has them.
 void march_texture(ViewRay ray, Stretch stretch, float place, inout Sums sums)
 {
     TextureRay way = texture_ray(ray.origin_m, ray.direction);
-    SunWay sun = sun_way(ray);
-    float per_full_m = way.full_per_m * frame.media[0].extinction_color.x;
     float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
-    float first_m = stretch.t0_m + place * step_m;
-    vec3 first = way.start + first_m * way.per_m, step = step_m * way.per_m;
-    float depth = sums.scattered.value.w, through = transmittance(depth);
-    float light = 0.0, distance_m = 0.0;
+    float depth = sums.scattered.value.w;
+    TextureSums own_sums = TextureSums(0.0, 0.0, depth, transmittance(depth));
     sums.scattered.excess = vec4(0.0); // known, so that no register keeps it along the ray
     sums.depth = sum_zero();
-    uint next = own(run.first_step), end = own(run.end_step);
-    Block block;
-    block.lit = 0u;
-    for (;;) {
-        // In a loop of its own: rays that have passed clear air do their lit steps together.
-        while (block.lit == 0u && next < end) {
-            float t_m = first_m + float(next) * step_m;
-            fetch_block(first + float(next) * step, step, t_m, step_m, ray, end - next, block);
-            next += 8u;
-        }
-        if (block.lit == 0u)
-            break;
-        uint k = uint(findLSB(block.lit));
-        block.lit &= block.lit - 1u;
-        float i = float(next - 8u + k), t_m = first_m + i * step_m;
-        float step_depth = per_full_m * step_m * density_of(block, k);
-        float through_step = exp2(-PER_E * step_depth);
-        float seen = through * lost_of(step_depth, through_step);
-        vec3 point_m = view_point_m(ray, t_m);
-        if (medium_sees_sun(point_m))
-            light += seen * texture_light(per_full_m *
-                                          sun_texels(sun, first + i * step, point_m, t_m));
-        distance_m += t_m * seen;
-        depth += step_depth;
-        through *= through_step;
-    }
-    sums.scattered.value = vec4(sums.scattered.value.xyz + light * frame.sun_irradiance *
-                                                               frame.media[0].albedo,
-                                depth);
-    sums.distance_m += distance_m;
+    add_steps(ray, stretch.t0_m + place * step_m, step_m, way,
+              way.full_per_m * frame.media[0].extinction_color.x, own_sums);
+    vec3 light = own_sums.light * frame.sun_irradiance * frame.media[0].albedo;
+    sums.scattered.value = vec4(sums.scattered.value.xyz + light, own_sums.depth);
+    sums.distance_m += own_sums.distance_m;
 }
 
 #endif

@@ -340,8 +340,6 @@ struct Row {
     vec3 mean;     // in taa_space
     vec3 scatter;  // squares of the distances from it
     float count;   // of those that count
-    vec3 own;      // the one in the middle
-    bool has_own;
 };
 
 vec3 near_columns, near_rows; // their product is nearness
@@ -368,10 +366,6 @@ Row row_at(ivec2 pixel)
         row.weighted += near_columns[i] * from.hdr_weight * vec4(from.colour, 1.0);
         seen[i] = to_space(from.colour);
         sum += seen[i];
-        if (i == 1) {
-            row.own = from.colour;
-            row.has_own = from.is_counted;
-        }
     }
     row.mean = row.scatter = vec3(0.0);
     if (is_held) {
@@ -400,11 +394,12 @@ Box variance_box(Row rows[3], vec3 filtered)
     return box_about(mean, part * scatter, filtered);
 }
 
-Film film_of(Row rows[3])
+Film film_of(ivec2 pixel, Row rows[3])
 {
     Film film;
-    film.own = rows[1].own;
-    film.has_own = rows[1].has_own;
+    Sample own = sample_at(pixel); // better read again than kept in registers
+    film.own = own.colour;
+    film.has_own = own.is_counted;
     vec4 sum = near_rows.x * rows[0].weighted + near_rows.y * rows[1].weighted +
                near_rows.z * rows[2].weighted;
     bool is_filtered = choice(RT_TAA_FILTER) != 0;
@@ -452,10 +447,10 @@ Window look_above(ivec2 pixel)
     return window;
 }
 
-Film film_in(Window window)
+Film film_in(ivec2 pixel, Window window)
 {
     if (goes_by_rows())
-        return film_of(window.rows);
+        return film_of(pixel, window.rows);
     return film_of(window.around);
 }
 

@@ -32,6 +32,15 @@
 
 const int TILE_PX = 16;
 
+// Where a pixel is kept. Threads that follow each other look at every fourth pixel of a row: those
+// lie side by side, all of a place in the tile before those of the next, so that what memory gives
+// at once is of use.
+ivec2 kept_pixel(ivec2 pixel)
+{
+    int in_tile = pixel.x & 3, whole = view_size().x >> 2, rest = view_size().x & 3;
+    return ivec2(in_tile * whole + min(in_tile, rest) + (pixel.x >> 2), pixel.y);
+}
+
 // Whether the scene behind one of the tile's texels is another one than in the frame before.
 bool is_other_scene(ivec2 tile)
 {
@@ -60,7 +69,7 @@ void forget(ivec2 tile)
     for (int i = 0; i < TILE_PX; i++) {
         ivec2 pixel = 4 * tile + ivec2(i & 3, i >> 2);
         if (pixel.x < view_size().x && pixel.y < view_size().y)
-            put_full(RT_KEPT_BEHIND, pixel, vec4(0.0));
+            put_full(RT_KEPT_BEHIND, kept_pixel(pixel), vec4(0.0));
     }
 }
 
@@ -105,7 +114,7 @@ Looks look_from(ivec2 tile, int first, int step)
         looks.pixels[k] = pixel;
         looks.are_there[k] = i < TILE_PX && pixel.x < view_size().x && pixel.y < view_size().y;
         looks.now[k] = kept(fetch_full(RT_BEHIND, pixel)).rgb;
-        looks.then[k] = limited(fetch_full(RT_KEPT_BEHIND, pixel)).rgb;
+        looks.then[k] = limited(fetch_full(RT_KEPT_BEHIND, kept_pixel(pixel))).rgb;
     }
     return looks;
 }
@@ -132,7 +141,7 @@ void remember(Looks looks, vec3 gain, inout float unlike)
             continue;
         float residue = residue_between(looks.now[k], looks.then[k], gain);
         unlike = residue > unlike ? residue : unlike;
-        put_full(RT_KEPT_BEHIND, looks.pixels[k], vec4(looks.now[k], 0.0));
+        put_full(RT_KEPT_BEHIND, kept_pixel(looks.pixels[k]), vec4(looks.now[k], 0.0));
     }
 }
 

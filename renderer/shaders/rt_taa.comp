@@ -88,7 +88,7 @@ void resolve(ivec2 pixel, bool is_there, inout Window window)
 {
     find_history(pixel);
     look_down(pixel, window);
-    vec4 made = resolved(pixel, pixel, film_in(window));
+    vec4 made = resolved(pixel, pixel, film_in(pixel, window));
     if (is_there)
         put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
 }

@@ -18,11 +18,47 @@ layout(std430, binding = 6) buffer SunCounters {
 
 const uint GROUND = 0; // of the solids
 
-vec3 sunlit_at(vec3 point_m)
+// How much of the sun arrives, and how much clouds on its way hand on, scattered.
+struct Sunlit {
+    vec3 seen;
+    float handed_on; // of the flux through a level plane
+};
+
+// What clouds are on the whole: the mean of all media.
+struct Clouds {
+    float g, albedo;
+};
+
+Clouds mean_clouds()
+{
+    vec2 sum = vec2(0.0);
+    for (uint m = 0u; m < media_count(); m++)
+        sum += vec2(mean_cosine_of(m), frame.media[m].albedo.g);
+    sum /= max(float(media_count()), 1.0);
+    return Clouds(sum.x, sum.y);
+}
+
+// The sunlight that leaves clouds downwards, without what comes straight through: Eddington's
+// transmittance of a layer (K. N. Liou, "An Introduction to Atmospheric Radiation", 2002, chapter
+// 6), of clouds that are as deep as they are long along the sun's rays, by the depth of the similar
+// isotropic medium; and what they absorb along a diffusion length.
+float handed_on(Clouds clouds, float depth, float mu)
+{
+    float similar = (1.0 - clouds.g) * depth;
+    float whole = (2.0 / 3.0 + mu + (2.0 / 3.0 - mu) * transmittance(similar)) /
+                  (4.0 / 3.0 + similar);
+    float loss = sqrt(3.0 * (1.0 - clouds.albedo) * (1.0 - clouds.albedo * clouds.g));
+    return max(whole * transmittance(loss * depth) - transmittance(depth), 0.0);
+}
+
+Sunlit sunlit_at(Clouds clouds, vec3 point_m)
 {
     is_in_shape = false; // a map is good enough
-    return sees_sun(point_m, GROUND) ? fraction_through(mapped_or_own_sun_depth(point_m))
-                                     : vec3(0.0);
+    if (!sees_sun(point_m, GROUND))
+        return Sunlit(vec3(0.0), 0.0);
+    vec3 depth = mapped_or_own_sun_depth(point_m);
+    float mu = max(sky_spot(point_m).sun_cosine, 0.0);
+    return Sunlit(fraction_through(depth), handed_on(clouds, depth.g, mu));
 }
 
 void main()
@@ -34,13 +70,16 @@ void main()
     uint column = index % columns, row = index / columns % rows;
     uint slice = 1u + index / (columns * rows);
     float near_m = sky_slice_m(slice - 1u), far_m = sky_slice_m(slice);
-    vec3 direction = sky_aerial_direction(column, row), sum = vec3(0.0);
+    vec3 direction = sky_aerial_direction(column, row);
+    vec4 sum = vec4(0.0);
+    Clouds clouds = mean_clouds();
     for (uint k = 0u; k < NEPH_GPU_SKY_SUN_SAMPLES; k++) {
         float part = (float(k) + 0.5) / float(NEPH_GPU_SKY_SUN_SAMPLES);
-        sum += sunlit_at(mix(near_m, far_m, part) * direction);
+        Sunlit sunlit = sunlit_at(clouds, mix(near_m, far_m, part) * direction);
+        sum += vec4(sunlit.seen, sunlit.handed_on);
     }
     sky_nodes[sky_aerial_node(column, row, slice) + VEIL_SHADE] =
-        vec4(sum / float(NEPH_GPU_SKY_SUN_SAMPLES), 0.0);
+        sum / float(NEPH_GPU_SKY_SUN_SAMPLES);
     ADD_64(counters.density_evaluations, density_evaluations);
     ADD_64(counters.closed_forms, closed_forms);
 }

@@ -163,7 +163,8 @@ class Realtime(unittest.TestCase):
                  for entry in engine["passes"] if entry["condition"] in settings]
         names.remove("motion")  # nothing moves here
         names.remove("lamp_peaks")  # and there are no froxels
-        self.assertEqual(len(names), 8)
+        names.remove("composition")  # on a CPU the upscale composes
+        self.assertEqual(len(names), 7)
         times = [stats[f"{name}_gpu_ms"] for name in names]
         self.assertTrue(all(t > 0 for t in times), times)
         # each is written with 15 digits

@@ -9,6 +9,7 @@
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
 #include "renderer/sky/split.h"
+#include "renderer/tracer.h"
 #include "scenes/solids.h"
 #include "truth/transport.h"
 
@@ -335,6 +336,54 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
     neph_scene_destroy(scene);
 }
 
+/* Air before a black wall under an overcast sky, the sun 45 degrees high: neither sun nor clear sky
+ * is left in the shade, all that it sends is light of clouds. The tables' idea of that is one of
+ * broken clouds, and within a third of the tracer; that of clear air is two and a half times it. */
+static void test_clouds_light_the_air_below(void **state)
+{
+    neph_test_waits_for_the_night();
+    struct neph_scene *scene = load("sky_aerial");
+    struct neph_march_params params = params_of(NEPH_MARCH_OCTAVES, 16);
+    params.sky.tables.field.orders = 8;
+    params.steps = 64;
+    scene->camera_keys[0].position_m = (struct neph_vec3){0.0, 400.0, 0.0};
+    scene->camera_keys[0].look_at_m = (struct neph_vec3){0.0, 400.0, -1.0};
+    scene->vertical_fov_rad = 0.2;
+    scene->sun.direction = neph_vec3_normalize((struct neph_vec3){0.3, 0.7071, -0.64});
+    scene->solid_count = 2;
+    scene->solids[0].albedo = make_grey(0.0);
+    scene->solids[1] = (struct neph_solid){.kind = NEPH_SOLID_BOX,
+                                           .box = {{-9e3, -50.0, -7e3}, {9e3, 1200.0, -6.8e3}}};
+    struct neph_medium *clouds = &scene->media[scene->medium_count++];
+    *clouds = make_homogeneous(0.024,
+                               (struct neph_bounds){{-4e4, 1500.0, -4e4}, {4e4, 2000.0, 4e4}});
+    clouds->albedo = white;
+    clouds->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.6};
+    const struct neph_tracer_params tracer = {.width_px = WIDTH,
+                                              .height_px = HEIGHT,
+                                              .seed = 3,
+                                              .samples = 256,
+                                              .time_limit_s = INFINITY};
+    struct neph_image *image = render(*state, scene, &params), *truth = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_tracer_render(*state, scene, &tracer, &truth, NULL, &diag), &diag);
+    float *a[3], *b[3];
+    assert_true(neph_image_rgb(image, NULL, a) && neph_image_rgb(truth, NULL, b));
+    for (int c = 0; c < 3; c++) {
+        double found = 0.0, expected = 0.0;
+        for (int i = 0; i < PIXELS; i++) {
+            const bool is_wall = neph_image_channel(image, "Z")[i] < 7.5e3f;
+            found += is_wall ? (double)a[c][i] : 0.0;
+            expected += is_wall ? (double)b[c][i] : 0.0;
+        }
+        print_message("channel %d under clouds: %.2f of the tracer's\n", c, found / expected);
+        neph_assert_close(found, expected, 0.35, 0.0);
+    }
+    neph_image_destroy(truth);
+    neph_image_destroy(image);
+    neph_scene_destroy(scene);
+}
+
 /* --- in real time ----------------------------------------------------------------------------- */
 
 static const char *const plain_words[] = {"split=four",   "ray_dither=none", "upscale_dither=none",
@@ -475,6 +524,7 @@ int main(void)
         cmocka_unit_test(test_without_clouds_it_is_the_sky),
         cmocka_unit_test(test_aerial_perspective_converges),
         cmocka_unit_test(test_the_sky_lights_a_thin_cloud),
+        cmocka_unit_test(test_clouds_light_the_air_below),
         cmocka_unit_test(test_realtime_has_the_same_sky),
         cmocka_unit_test(test_froxels_are_seen_through_the_air),
         cmocka_unit_test(test_says_what_it_cannot),

@@ -62,6 +62,15 @@ static bool is_other_scene(const struct twin *twin, int x, int y)
     return false;
 }
 
+/* Where in its row a pixel is kept. */
+static int kept_x(const struct neph_gpu_view *view, int x)
+{
+    int at = x / 4;
+    for (int before = 0; before < x % 4; before++)
+        at += ((int)view->size_px[0] - before + 3) / 4;
+    return at;
+}
+
 static void forget(const struct twin *twin, int x, int y)
 {
     const struct neph_gpu_view *view = twin->view;
@@ -72,7 +81,8 @@ static void forget(const struct twin *twin, int x, int y)
             twin_put_half(twin, RT_KEPT_RAY, 2 * x + i % 2, 2 * y + i / 2, nothing);
     for (int i = 0; i < TILE_PX; i++)
         if (4 * x + i % 4 < (int)view->size_px[0] && 4 * y + i / 4 < (int)view->size_px[1])
-            twin_put_full(twin, RT_KEPT_BEHIND, 4 * x + i % 4, 4 * y + i / 4, nothing);
+            twin_put_full(twin, RT_KEPT_BEHIND, kept_x(view, 4 * x + i % 4), 4 * y + i / 4,
+                          nothing);
 }
 
 static void look_at_medium(const struct twin *twin, int x, int y)
@@ -107,11 +117,11 @@ static void look_behind(const struct twin *twin, int x, int y)
             pixel_y >= (int)view->size_px[1])
             continue;
         twin_fetch_full(twin, RT_BEHIND, pixel_x, pixel_y, now[count]);
-        twin_fetch_full(twin, RT_KEPT_BEHIND, pixel_x, pixel_y, then[count]);
+        twin_fetch_full(twin, RT_KEPT_BEHIND, kept_x(view, pixel_x), pixel_y, then[count]);
         keep(now[count]);
         keep(then[count]);
         now[count][3] = 0.0f;
-        twin_put_full(twin, RT_KEPT_BEHIND, pixel_x, pixel_y, now[count]);
+        twin_put_full(twin, RT_KEPT_BEHIND, kept_x(view, pixel_x), pixel_y, now[count]);
         add(sum_now, now[count]);
         add(sum_then, then[count++]);
     }
