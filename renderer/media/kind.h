@@ -37,7 +37,7 @@ struct neph_gpu_kind {
     enum neph_status (*upload)(const struct neph_vulkan *vulkan, const struct neph_medium *medium,
                                uint32_t first, const struct neph_buffer *buffer,
                                struct neph_diag *diag);
-    /* The same with each value beside the one behind it, in a buffer twice as large. NULL: nobody
+    /* As upload, each value beside the one behind it, in a buffer twice as large. NULL: nobody
      * asks for its values in pairs. */
     enum neph_status (*upload_pairs)(const struct neph_vulkan *vulkan,
                                      const struct neph_medium *medium, uint32_t first,
