@@ -356,8 +356,9 @@ static VkResult create_pipeline(const struct neph_vulkan *vulkan, struct neph_ke
     return result;
 }
 
-/* Texels are a CPU's. Constants that a shader does not have become 0: they make no other kernel. (Words and order as in
- * the SPIR-V specification, 2.3 and 2.4: decorations come before the first type.) */
+/* Texels are a CPU's. Constants that a shader does not have become 0: they make no other kernel.
+ * (Words and order as in the SPIR-V specification, 2.3 and 2.4: decorations come before the first
+ * type.) */
 static struct neph_kernel_params own_params(const struct neph_vulkan *vulkan,
                                             const struct neph_kernel_params *params)
 {

@@ -265,6 +265,36 @@ static enum neph_status upload_data(const struct neph_vulkan *vulkan,
     return status;
 }
 
+/* For a CPU, which reads a texel in the time of a third of a word (neph_buffer_see_texels()). Grids
+ * that are too large twice over have none. */
+static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
+                                     const struct neph_medium *const *media,
+                                     struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    const size_t pair_bytes = 2 * sizeof(float);
+    const size_t most = vulkan->limits.maxStorageBufferRange / pair_bytes;
+    size_t count = 0, first = 0;
+    if (!gpu->is_on_cpu)
+        return NEPH_OK;
+    for (uint32_t m = 0; m < gpu->frame->medium_count; m++)
+        count += data_count(media[m], NEPH_GPU_VALUES);
+    gpu->has_pairs = count > 0 && count <= most;
+    enum neph_status status = upload(vulkan, NULL, 0, pair_bytes * (gpu->has_pairs ? count : 1),
+                                     "scene grids in pairs", &gpu->pairs, diag);
+    for (uint32_t m = 0; m < gpu->frame->medium_count && gpu->has_pairs && !status; m++) {
+        const size_t own = data_count(media[m], NEPH_GPU_VALUES);
+        if (own > 0)
+            status = neph_gpu_kind_of(media[m])->upload_pairs(vulkan, media[m], (uint32_t)first,
+                                                              &gpu->pairs, diag);
+        first += own;
+    }
+    if (!status)
+        status = neph_buffer_see_texels(vulkan, 2, &gpu->pairs, diag);
+    gpu->buffers[NEPH_GPU_VALUES_BUFFER].texels = gpu->pairs.texels;
+    gpu->pairs.texels = VK_NULL_HANDLE;
+    return status;
+}
+
 /* One cell for a medium whose density moves within its box. */
 static enum neph_status majorants_of(const struct neph_medium *medium, bool flows,
                                      struct neph_majorants **majorants, struct neph_diag *diag)
@@ -475,6 +505,12 @@ static void place_majorants(struct neph_gpu_scene *gpu)
     }
 }
 
+static void set_pairs(struct neph_gpu_scene *gpu)
+{
+    if (gpu->has_pairs)
+        gpu->constants[1] |= NEPH_GPU_PAIRS;
+}
+
 /* The first buffers, and which medium each of theirs is. */
 static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                  int width_px, int height_px, const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
@@ -493,6 +529,7 @@ static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, dou
     gpu->frame->solids_shade = solids_shade(scene, camera.position_m);
     if (gpu->frame->solids_shade || !gpu->is_on_cpu)
         gpu->constants[1] |= NEPH_GPU_SHADED;
+    set_pairs(gpu);
     place_majorants(gpu);
 }
 
@@ -513,7 +550,8 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     fill(gpu, scene, frame, width_px, height_px, media);
     status = upload_data(vulkan, media, NEPH_GPU_VALUES, gpu, diag);
     if (!status)
-        status = neph_buffer_see_texels(vulkan, 1, &gpu->buffers[NEPH_GPU_VALUES_BUFFER], diag);
+        status = upload_pairs(vulkan, media, gpu, diag);
+    set_pairs(gpu);
     if (!status && with_majorants)
         status = upload_majorants(vulkan, scene, media, gpu, diag);
     else if (!status)
@@ -552,6 +590,7 @@ void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_sc
     neph_texture_destroy(vulkan, &gpu->no_texture);
     for (int i = 0; i < NEPH_GPU_SCENE_BUFFERS; i++)
         neph_buffer_destroy(vulkan, &gpu->buffers[i]);
+    neph_buffer_destroy(vulkan, &gpu->pairs);
     gpu->frame = NULL;
 }
 

@@ -37,7 +37,8 @@ static inline uint64_t neph_gpu_solid_turns(uint64_t solid_count)
  * includes shaders/scene.glsl. */
 enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_UNIFORMS = 2, NEPH_GPU_SCENE_CONSTANTS = 2 };
 
-/* Which of them has the values of grids, which a CPU may see as texels of a word each, too. */
+/* Which of them has the values of grids. A CPU sees as its texels each value and the one behind it
+ * (NEPH_GPU_PAIRS). */
 enum { NEPH_GPU_VALUES_BUFFER = 2 };
 
 struct neph_gpu_scene {
@@ -45,13 +46,14 @@ struct neph_gpu_scene {
                                      dispatches. `steps` and `sun_steps` are left 0 */
     /* Frame, solids, values of grids, majorants, texels. */
     struct neph_buffer buffers[NEPH_GPU_SCENE_BUFFERS];
+    struct neph_buffer pairs; /* of the values of grids; of two zeros where there are none */
     /* One for each medium, for kernels that sample them (grid_textures.h), and what stands for
      * those that have none. */
     struct neph_texture textures[NEPH_GPU_MEDIA_MAX], no_texture;
     /* Specialization constants 0 and 1 of every such kernel: the kinds of media that are there, and
      * what else is known of the scene (NEPH_GPU_COLOURED and what follows it in constants.h). */
     uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
-    bool is_on_cpu;
+    bool is_on_cpu, has_pairs;
     /* Where the majorants of each medium lie, if there are any; they go with it. */
     struct neph_gpu_majorants {
         uint32_t size[3], first;

@@ -168,7 +168,8 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[2] = params->transmittance;
     constants[3] = params->sun;
     constants[4] = params->lighting;
-    constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u);
+    constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
+                   (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u);
 }
 
 static uint64_t least(uint64_t a, uint64_t b)

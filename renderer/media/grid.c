@@ -118,6 +118,30 @@ static enum neph_status upload(const struct neph_vulkan *vulkan, const struct ne
     return status;
 }
 
+/* Each value and the one behind it in its row. */
+static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
+                                     const struct neph_medium *medium, uint32_t first,
+                                     const struct neph_buffer *buffer, struct neph_diag *diag)
+{
+    int size[3];
+    neph_gpu_grid_size(medium->grid, size);
+    const size_t slab_count = (size_t)size[0] * (size_t)size[1];
+    float *slab = calloc(slab_count + 1, sizeof(*slab));
+    float *pairs = calloc(slab_count, 2 * sizeof(*pairs));
+    enum neph_status status = slab && pairs ? NEPH_OK : neph_fail_memory(diag);
+    for (int z = 0; z < size[2] && !status; z++) {
+        neph_gpu_grid_slab(medium, z, slab);
+        for (size_t i = 0; i < slab_count; i++)
+            memcpy(&pairs[2 * i], &slab[i], 2 * sizeof(*slab));
+        status = neph_buffer_upload(vulkan, buffer,
+                                    2 * (first + (size_t)z * slab_count) * sizeof(*slab), pairs,
+                                    2 * slab_count * sizeof(*slab), diag);
+    }
+    free(pairs);
+    free(slab);
+    return status;
+}
+
 static uint64_t integral_turns(const struct neph_medium *medium)
 {
     const int *size = medium->grid->size;
@@ -144,6 +168,7 @@ const struct neph_gpu_kind neph_gpu_grid = {
     .data = NEPH_GPU_VALUES,
     .data_count = data_count,
     .upload = upload,
+    .upload_pairs = upload_pairs,
     .integral_turns = integral_turns,
     .largest_per_m = largest_per_m,
     .skin_per_m = skin_per_m,

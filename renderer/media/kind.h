@@ -37,6 +37,11 @@ struct neph_gpu_kind {
     enum neph_status (*upload)(const struct neph_vulkan *vulkan, const struct neph_medium *medium,
                                uint32_t first, const struct neph_buffer *buffer,
                                struct neph_diag *diag);
+    /* As upload, each value beside the one behind it, in a buffer twice as large. NULL: nobody
+     * asks for its values in pairs. */
+    enum neph_status (*upload_pairs)(const struct neph_vulkan *vulkan,
+                                     const struct neph_medium *medium, uint32_t first,
+                                     const struct neph_buffer *buffer, struct neph_diag *diag);
     /* Loop turns (compute.h) of its line integral, at most. NULL: it has no loops. */
     uint64_t (*integral_turns)(const struct neph_medium *medium);
     /* The largest extinction anywhere [1/m]. NULL: `extinction_per_m`. */

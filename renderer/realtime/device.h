@@ -41,8 +41,8 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
                                        struct neph_rt_device *device, struct neph_diag *diag);
 void neph_rt_device_destroy(struct neph_rt_device *device);
 
-/* Another buffer for a target, all zero. Zero-initialise `buffer`; its owner destroys it, also after
- * an error. */
+/* Another buffer for a target, all zero. Zero-initialise `buffer`; its owner destroys it, also
+ * after an error. */
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
                                            struct neph_buffer *buffer, struct neph_diag *diag);
 

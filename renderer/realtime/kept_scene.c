@@ -22,7 +22,7 @@ static int place_count_of(const struct neph_gpu_view *view, int ring)
                                   : (int)view->settings[RT_TAA_JITTER_LENGTH];
 }
 
-/* Of fewer than two places the depth map has not been made twice, for now and for before. */
+/* Two places at least, for which the depth map has been made twice, for now and for before. */
 static bool may_keep(const struct neph_rt_device *device, int ring)
 {
     const struct neph_gpu_view *view = device->view;

@@ -33,7 +33,6 @@ layout(push_constant) uniform CeilingRun {
     uint sample_count;
 } run;
 
-#define grid_value(at) grid_values[at]
 #include "constants.h"
 const uint TRAITS = 0u;
 #include "grid.glsl"

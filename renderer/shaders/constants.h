@@ -27,6 +27,7 @@
 #define NEPH_GPU_LAMPS 16u // there are lights beside the sun
 #define NEPH_GPU_SHADED 32u // some solid may stand between a medium and the sun
 #define NEPH_GPU_ENDLESS 64u // some voxel grid has no end along some axis
+#define NEPH_GPU_PAIRS 128u // values of grids are there in pairs, too
 // Behind these, where there are no more than so many media: how many, and from KINDS_SHIFT on four
 // bits for each, the kind and above it 1 for two layers. Else 0, and the frame says.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4

@@ -4,7 +4,7 @@
 // lattice comes with a layer of zeros on every side, so that no lookup has to test for the border.
 // Along an axis without end that layer is the lattice's other side: cells 1 to `period` of it are
 // one period, and any other is one of these.
-// grid_value(), of one of them, is declared by the shader that includes this file.
+// `grid_values[]` is declared by the shader that includes this file.
 #ifndef NEPH_GRID_GLSL
 #define NEPH_GRID_GLSL
 
@@ -60,10 +60,15 @@ Cell grid_cell(Grid grid, uvec3 cell)
 {
     uint x = 1, y = grid.size.x, z = grid.size.x * grid.size.y;
     uint at = grid.first + cell.x + cell.y * y + cell.z * z;
-    return Cell(vec4(grid_value(at), grid_value(at + x), grid_value(at + y),
-                     grid_value(at + x + y)),
-                vec4(grid_value(at + z), grid_value(at + x + z), grid_value(at + y + z),
-                     grid_value(at + x + y + z)));
+#ifdef SEES_GRID_TEXELS
+    return Cell(vec4(grid_pair(at), grid_pair(at + y)),
+                vec4(grid_pair(at + z), grid_pair(at + y + z)));
+#else
+    return Cell(vec4(grid_values[at], grid_values[at + x], grid_values[at + y],
+                     grid_values[at + x + y]),
+                vec4(grid_values[at + z], grid_values[at + x + z], grid_values[at + y + z],
+                     grid_values[at + x + y + z]));
+#endif
 }
 
 float cell_density(Cell cell, vec3 at)
@@ -82,11 +87,11 @@ float grid_density(Grid grid, vec3 point_m)
     precise vec3 unwrapped = (point_m - grid.origin_m) * grid.nodes_per_m;
     precise vec3 at = grid_wrapped(grid, unwrapped);
     vec3 last = vec3(grid.size - 1);
-    if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, last)))
-        return 0.0;
-    vec3 cell = min(floor(at), last - 1.0);
+    bool is_within = all(greaterThanEqual(at, vec3(0.0))) && all(lessThanEqual(at, last));
+    vec3 cell = clamp(floor(at), vec3(0.0), last - 1.0);
     precise vec3 in_cell = at - cell;
-    return cell_density(grid_cell(grid, uvec3(cell)), in_cell);
+    float density = cell_density(grid_cell(grid, uvec3(cell)), in_cell);
+    return is_within ? density : 0.0; // a return before would keep Mesa from unrolling who asks
 }
 
 // The integral of the density over t in [t0, t1] [m], cell by cell (J. Amanatides and A. Woo,
@@ -205,7 +210,7 @@ float grid_random_node(Grid grid, vec3 point_m, uvec2 bits)
     vec3 at = clamp(grid_wrapped(grid, (point_m - grid.origin_m) * grid.nodes_per_m), vec3(0.0),
                     vec3(grid.size - 1) * 0.9999999);
     uvec3 node = min(uvec3(at + u), grid.size - 1); // the sum may round up
-    return grid_value(grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z));
+    return grid_values[grid.first + node.x + grid.size.x * (node.y + grid.size.y * node.z)];
 }
 
 #endif

@@ -192,8 +192,7 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         return;
     }
     Steps steps = view_steps_of(stretch);
-    uint i = own(run.first_step);
-    do {
+    for (uint i = own(run.first_step);;) {
         if (skips_steps() && !passes_clear()) {
             if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, own(run.end_step), i))
                 sums_add(sums, vec3(0.0), vec3(0.0)); // as in marched_optical_depth()
@@ -234,7 +233,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
             scattered = behind_veil(ray.direction, point_distance_m, scattered,
                                     through * fraction_lost(step_depth));
         sums_add(sums, scattered, step_depth);
-    } while (++i < own(run.end_step));
+        if (++i >= own(run.end_step))
+            break;
+    }
 }
 
 // Continue where the run before has ended.

@@ -127,8 +127,7 @@ float texture_optical_depth(vec3 origin_m, vec3 direction, Stretch stretch, uint
 {
     TextureRay ray = texture_ray(origin_m, direction);
     float sum = 0.0, next_m = stretch.t0_m, length_m = first_m;
-    uint i = 0;
-    do {
+    for (uint i = 0;;) {
         float densities[RAY_TAPS_MAX], lengths_m[RAY_TAPS_MAX];
         [[unroll]] for (uint k = 0; k < ray_taps(); k++) {
             float t_m = next_m + 0.5 * length_m;
@@ -143,7 +142,9 @@ float texture_optical_depth(vec3 origin_m, vec3 direction, Stretch stretch, uint
             density_evaluations += lengths_m[k] > 0.0 ? 1u : 0u;
         }
         i += ray_taps();
-    } while (i < count);
+        if (i >= count)
+            break;
+    }
     return ray.full_per_m * sum;
 }
 
@@ -160,8 +161,7 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
         return grey(frame.media[0].extinction_color) *
                texture_optical_depth(origin_m, direction, stretch, step_count, steps.step_m, 1.0);
     Sum sum = sum_zero();
-    uint i = 0;
-    do {
+    for (uint i = 0;;) {
         if (SKIPS && (kinds & FOG_KINDS) == 0u) {
             if (pass_empty_steps(steps, 0.5, origin_m, direction, step_count, i))
                 sum_add(sum, vec4(0.0));
@@ -170,7 +170,9 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
         }
         add_taps(kinds, origin_m, direction, steps, i, sum);
         i += taps();
-    } while (i < step_count);
+        if (i >= step_count)
+            break;
+    }
     return grey(sum.value.xyz);
 }
 
@@ -211,8 +213,7 @@ vec3 grown_sun_depth(uint kinds, vec3 point_m)
                texture_optical_depth(point_m, to_sun(), stretch, count, length_m,
                                      frame.sun_growth);
     Sum sum = sum_zero();
-    uint i = 0;
-    do {
+    for (uint i = 0;;) {
         vec3 tap_m = sun_tap_m(point_m, next_m + 0.5 * length_m, i);
         if (!SKIPS || (kinds & FOG_KINDS) != 0u || !shapes_are_empty(tap_m)) {
             sum_add(sum, vec4(sampled_extinctions_per_m(kinds, tap_m) * length_m, 0.0));
@@ -220,7 +221,9 @@ vec3 grown_sun_depth(uint kinds, vec3 point_m)
         }
         next_m += length_m;
         length_m *= frame.sun_growth;
-    } while (++i < count);
+        if (++i >= count)
+            break;
+    }
     return grey(sum.value.xyz);
 }
 
@@ -414,6 +417,8 @@ vec3 octave_scattering(vec3 optical_depth)
         [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++)
             scale *= frame.octave_factors;
     }
+    if (KEEPS_PHASES && !MANY_OCTAVES)
+        return sum; // not a turn for nobody
     for (uint i = KEEPS_PHASES ? KEPT_PHASES : 0; i < own(frame.octave_count); i++) {
         vec3 octave = vec3(0.0);
         [[unroll]] for (uint m = 0; m < media_count(); m++)

@@ -15,17 +15,15 @@ layout(std430, binding = 2) readonly buffer GridValues {
 #include "solids.glsl" // TRAITS, for all
 
 #ifdef SEES_GRID_TEXELS
-// The same, to be read by a CPU (neph_buffer_see_texels()).
-layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui) uniform readonly uimageBuffer grid_texels[1];
+// Each of them and the one behind it, to be read by a CPU (neph_buffer_see_texels()).
+layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
 
-float grid_value(uint at)
+vec2 grid_pair(uint at)
 {
-    if ((TRAITS & NEPH_GPU_ON_CPU) != 0u)
-        return uintBitsToFloat(imageLoad(grid_texels[0], int(at)).x);
-    return grid_values[at];
+    if ((TRAITS & NEPH_GPU_PAIRS) != 0u)
+        return uintBitsToFloat(imageLoad(grid_pairs[0], int(at)).xy);
+    return vec2(grid_values[at], grid_values[at + 1]);
 }
-#else
-#define grid_value(at) grid_values[at]
 #endif
 
 layout(std430, binding = 4) readonly buffer HorizonTexels {

@@ -364,7 +364,7 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
     return Upscaled(blend(taps.of, weights, nearest), chosen.distance_m);
 }
 
-// --- both over what is behind ---------------------------------------------------------------------
+// --- both over what is behind -----------------------------------------------------------------
 
 // As a volume is read again.
 vec4 as_kept(vec4 volume)
@@ -374,7 +374,7 @@ vec4 as_kept(vec4 volume)
                : volume;
 }
 
-// Where no other pass changes the volume before it is laid over what is behind it (rt_compose.comp).
+// Where no other pass changes the volume before it is laid over what is behind (rt_compose.comp).
 bool composes() { return choice(RT_COMPOSITION) == RT_COMPOSITION_UPSCALE; }
 
 void put_composed(ivec2 pixel, vec4 volume)

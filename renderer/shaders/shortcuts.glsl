@@ -16,6 +16,7 @@ const bool ENDS_EARLY = (SHORTCUTS & 4u) != 0u;
 const bool GROWS = (SHORTCUTS & 8u) != 0u;
 const bool GROWS_SUN_RAYS = (SHORTCUTS & 256u) != 0u; // or has them in a cone
 const bool CONES_SUN_RAYS = (SHORTCUTS & 512u) != 0u;
+const bool MANY_OCTAVES = (SHORTCUTS & 4096u) != 0u; // more than a ray keeps the phases of
 const bool SUNLIT_TEXTURE = (SHORTCUTS & 2048u) != 0u; // media emit nothing and see the sun
 const bool MAPS_SHADOW = (SHORTCUTS & 32u) != 0u && SHAPE_KINDS != 0u;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the device is told of a scene as a whole: whether some solid may shade some medium.
+ * What the device is told of a scene as a whole: whether some solid may shade some medium, and
+ * voxels in the way that a CPU reads them.
  */
 #include "tests/renderer/march_test.h"
 
@@ -78,11 +79,60 @@ static void test_the_ground_shades_no_cloud(void **state)
     assert_true(may_be_shaded(*state, &test.scene));
 }
 
+/* Each value and the one behind it, of two grids one after the other; in a row's last place there
+ * is nobody who asks. */
+static void test_a_cpu_has_voxels_in_pairs(void **state)
+{
+    const struct neph_vec3 origin_m = {-1, 0, -9}, spacing_m = {1, 1, 1};
+    uint64_t seed = 5;
+    struct neph_grid *grids[2] = {
+        random_lattice((int[3]){3, 4, 2}, origin_m, spacing_m, -0.2, &seed),
+        random_lattice((int[3]){2, 2, 3}, origin_m, spacing_m, 0.1, &seed)};
+    struct test_scene test;
+    struct neph_gpu_scene gpu = {.frame = NULL};
+    struct neph_buffer readback = {0};
+    struct neph_diag diag = {0};
+    test_scene_init(&test);
+    for (int i = 0; i < 2; i++)
+        test_add(&test, make_voxels(0.5, grids[i]));
+    neph_assert_ok(neph_gpu_scene_create(*state, &test.scene, 0.0, 8, 8, false, &gpu, &diag),
+                   &diag);
+    assert_int_equal((gpu.constants[1] & NEPH_GPU_PAIRS) != 0, gpu.is_on_cpu);
+    const size_t count = gpu.buffers[NEPH_GPU_VALUES_BUFFER].size_bytes / sizeof(float);
+    assert_int_equal(count, 5 * 6 * 4 + 4 * 4 * 5);
+    neph_assert_ok(neph_buffer_create(*state, NEPH_BUFFER_READBACK, 2 * count * sizeof(float),
+                                      "readback", &readback, &diag),
+                   &diag);
+    float *values = malloc(count * sizeof(*values));
+    neph_assert_ok(neph_buffer_download(*state, &gpu.buffers[NEPH_GPU_VALUES_BUFFER], &readback,
+                                        count * sizeof(float), &diag),
+                   &diag);
+    memcpy(values, readback.mapped, count * sizeof(*values));
+    if (gpu.is_on_cpu) {
+        neph_assert_ok(
+            neph_buffer_download(*state, &gpu.pairs, &readback, 2 * count * sizeof(float), &diag),
+            &diag);
+        const float *pairs = readback.mapped;
+        for (size_t i = 0; i < count; i++) {
+            const size_t row = i < 5 * 6 * 4 ? 5 : 4, place = i < 5 * 6 * 4 ? i : i - 5 * 6 * 4;
+            assert_true(pairs[2 * i] == values[i]);
+            if (place % row + 1 < row)
+                assert_true(pairs[2 * i + 1] == values[i + 1]);
+        }
+    }
+    free(values);
+    neph_buffer_destroy(*state, &readback);
+    neph_gpu_scene_destroy(*state, &gpu);
+    for (int i = 0; i < 2; i++)
+        neph_grid_destroy(grids[i]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_where_nothing_is_in_the_way_all_is_lit),
         cmocka_unit_test(test_the_ground_shades_no_cloud),
+        cmocka_unit_test(test_a_cpu_has_voxels_in_pairs),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }
