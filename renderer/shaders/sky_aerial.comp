@@ -20,9 +20,9 @@ layout(local_size_x = 64) in;
 const uint STEPS_OF_SLICE = 2, AT_ONCE = NEPH_GPU_SKY_SLICES_AT_ONCE;
 
 // What a part of a column adds: all light of clear air, that of it which is scattered once, what
-// shadows take of the latter, light of clouds; and what comes through.
+// shadows take of the latter, and those of clouds alone, light of clouds; and what comes through.
 struct Part {
-    vec3 light, once, shade_of_once, of_clouds, through;
+    vec3 light, once, shade_of_once, clouds_of_once, of_clouds, through;
 };
 
 shared Part parts[gl_WorkGroupSize.x];
@@ -65,19 +65,22 @@ vec3 light_of_clouds(SkyRay ray, Stretch stretch, vec3 through, float handed_on)
 // What is in the shade loses of these the part of the directions that clouds cover. Of clouds that
 // stand at random a slant ray meets as many more as its way is longer: where a mean T of the sun
 // comes through along its cosine, T^(2 cosine) does from all the sky, whose mean cosine is 1/2.
-// What clouds have in that place is their own light, light_of_clouds().
-vec3 shade_of_all(vec3 light, vec3 once, vec3 shade_of_once, float sun_cosine)
+// Solids cover little of the sky. What clouds have in that place is their own light,
+// light_of_clouds().
+vec3 shade_of_all(Part all, vec3 light, float sun_cosine)
 {
-    vec3 part = clamp(shade_of_once / max(once, vec3(1e-30)), 0.0, 1.0);
-    vec3 covered = 1.0 - pow(max(1.0 - part, vec3(1e-6)), vec3(2.0 * max(sun_cosine, 0.0)));
-    return min(shade_of_once + covered * part * max(light - once, vec3(0.0)), light);
+    const float LEAST_THROUGH = 1e-6;
+    vec3 part = clamp(all.clouds_of_once / max(all.once, vec3(1e-30)), 0.0, 1.0);
+    vec3 through = max(1.0 - part, vec3(LEAST_THROUGH));
+    vec3 covered = 1.0 - pow(through, vec3(2.0 * max(sun_cosine, 0.0)));
+    return min(all.shade_of_once + covered * part * max(light - all.once, vec3(0.0)), light);
 }
 
-Part part_of(SkyRay ray, uint slice, vec4 sunlit)
+Part part_of(SkyRay ray, uint slice, vec4 sunlit, float through_clouds)
 {
     float near_m = sky_slice_m(slice - 1u), far_m = sky_slice_m(slice);
     SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), FAR_M);
-    Part part = Part(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(1.0));
+    Part part = Part(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(1.0));
     for (uint k = 0u; k < STEPS_OF_SLICE; k++) {
         Stretch stretch = stretch_of(ray, mix(near_m, far_m, float(k) / float(STEPS_OF_SLICE)),
                                      mix(near_m, far_m, float(k + 1u) / float(STEPS_OF_SLICE)));
@@ -91,21 +94,22 @@ Part part_of(SkyRay ray, uint slice, vec4 sunlit)
         sky_step(ray, stretch.altitude_m, stretch.cosine, stretch.sun_cosine, stretch.length_m,
                  eye.scatters != 0u, eye.has_field != 0u, light);
     }
-    return Part(light.volume, part.once, (1.0 - sunlit.rgb) * part.once, part.of_clouds,
-                light.transmittance);
+    return Part(light.volume, part.once, (1.0 - sunlit.rgb) * part.once,
+                (1.0 - through_clouds) * part.once, part.of_clouds, light.transmittance);
 }
 
 Part before(Part near, Part far)
 {
     return Part(near.light + near.through * far.light, near.once + near.through * far.once,
                 near.shade_of_once + near.through * far.shade_of_once,
+                near.clouds_of_once + near.through * far.clouds_of_once,
                 near.of_clouds + near.through * far.of_clouds, near.through * far.through);
 }
 
 void keep(uint node, Part all, float sun_cosine)
 {
     vec3 light = max(all.light, vec3(0.0));
-    vec3 shade = shade_of_all(light, all.once, all.shade_of_once, sun_cosine);
+    vec3 shade = shade_of_all(all, light, sun_cosine);
     sky_nodes[node + VEIL_LIGHT] = vec4(light - shade + all.of_clouds, 0.0);
     sky_nodes[node + VEIL_THROUGH] = vec4(all.through, 0.0);
     sky_nodes[node + VEIL_SHADE] = vec4(shade - all.of_clouds, 0.0);
@@ -118,13 +122,14 @@ void main()
     uint column = index % eye.aerial_columns, row = index / eye.aerial_columns;
     bool is_there = row < eye.aerial_rows;
     SkyRay ray = sky_ray_along(eye.places[0], sky_aerial_direction(column, row));
-    Part all = Part(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(1.0));
+    Part all = Part(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(1.0));
     for (uint done = 0u; done < eye.aerial_slices; done += AT_ONCE) {
         uint slice = done + own + 1u, node = sky_aerial_node(column, row, slice);
         bool is_kept = is_there && slice <= eye.aerial_slices;
-        vec4 sunlit = is_kept && eye.is_shaded != 0u ? sky_nodes[node + VEIL_SHADE]
-                                                     : vec4(vec3(1.0), 0.0);
-        parts[gl_LocalInvocationIndex] = part_of(ray, slice, sunlit);
+        bool is_shaded = is_kept && eye.is_shaded != 0u;
+        vec4 sunlit = is_shaded ? sky_nodes[node + VEIL_SHADE] : vec4(vec3(1.0), 0.0);
+        float through = is_shaded ? sky_nodes[node + VEIL_THROUGH].a : 1.0;
+        parts[gl_LocalInvocationIndex] = part_of(ray, slice, sunlit, through);
         barrier();
         for (uint k = 0u; k < AT_ONCE; k++) {
             all = before(all, parts[first + k]);

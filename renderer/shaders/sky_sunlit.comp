@@ -18,10 +18,12 @@ layout(std430, binding = 6) buffer SunCounters {
 
 const uint GROUND = 0; // of the solids
 
-// How much of the sun arrives, and how much clouds on its way hand on, scattered.
+// How much of the sun arrives, how much clouds on its way hand on, scattered, and how much comes
+// through clouds, whatever solids do.
 struct Sunlit {
     vec3 seen;
     float handed_on; // of the flux through a level plane
+    float through;
 };
 
 // What clouds are on the whole: the mean of all media.
@@ -54,11 +56,11 @@ float handed_on(Clouds clouds, float depth, float mu)
 Sunlit sunlit_at(Clouds clouds, vec3 point_m)
 {
     is_in_shape = false; // a map is good enough
-    if (!sees_sun(point_m, GROUND))
-        return Sunlit(vec3(0.0), 0.0);
     vec3 depth = mapped_or_own_sun_depth(point_m);
-    float mu = max(sky_spot(point_m).sun_cosine, 0.0);
-    return Sunlit(fraction_through(depth), handed_on(clouds, depth.g, mu));
+    float mu = max(sky_spot(point_m).sun_cosine, 0.0), through = fraction_through(depth).g;
+    if (!sees_sun(point_m, GROUND))
+        return Sunlit(vec3(0.0), 0.0, through);
+    return Sunlit(fraction_through(depth), handed_on(clouds, depth.g, mu), through);
 }
 
 void main()
@@ -72,14 +74,17 @@ void main()
     float near_m = sky_slice_m(slice - 1u), far_m = sky_slice_m(slice);
     vec3 direction = sky_aerial_direction(column, row);
     vec4 sum = vec4(0.0);
+    float through = 0.0;
     Clouds clouds = mean_clouds();
     for (uint k = 0u; k < NEPH_GPU_SKY_SUN_SAMPLES; k++) {
         float part = (float(k) + 0.5) / float(NEPH_GPU_SKY_SUN_SAMPLES);
         Sunlit sunlit = sunlit_at(clouds, mix(near_m, far_m, part) * direction);
         sum += vec4(sunlit.seen, sunlit.handed_on);
+        through += sunlit.through;
     }
-    sky_nodes[sky_aerial_node(column, row, slice) + VEIL_SHADE] =
-        sum / float(NEPH_GPU_SKY_SUN_SAMPLES);
+    uint node = sky_aerial_node(column, row, slice);
+    sky_nodes[node + VEIL_SHADE] = sum / float(NEPH_GPU_SKY_SUN_SAMPLES);
+    sky_nodes[node + VEIL_THROUGH].a = through / float(NEPH_GPU_SKY_SUN_SAMPLES);
     ADD_64(counters.density_evaluations, density_evaluations);
     ADD_64(counters.closed_forms, closed_forms);
 }
