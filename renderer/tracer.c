@@ -198,7 +198,8 @@ enum binding {
 };
 
 /* What a device is given at once. More items are better used: a work group that has many of them
- * keeps all its threads busy for longer. They cost memory, 100 bytes each. */
+ * keeps all its threads busy for longer. They cost memory, 100 bytes each, and 64 more with a table
+ * of sunlight. */
 struct sizes {
     uint32_t chunk_items;               /* pixels of a chunk times samples of a round, at most */
     uint32_t queue_items, least_queues; /* of a work group, about; and at least so many of these */

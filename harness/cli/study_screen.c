@@ -103,12 +103,14 @@ static enum neph_status run(const struct request *request,
     struct neph_screen_study *study = calloc(1, sizeof(*study));
     char *folder = neph_path_join(request->shared.output, "store");
     char *page = neph_path_join(request->shared.output, "screen");
-    enum neph_status status = folder && study ? neph_store_open(folder, &store, diag)
-                                              : neph_fail_memory(diag);
+    enum neph_status status = folder && page && study ? neph_screen_page_claim(page, diag)
+                                                      : neph_fail_memory(diag);
+    if (!status)
+        status = neph_store_open(folder, &store, diag);
     if (!status)
         status = neph_screen_study_run(params, store, study, diag);
     if (!status)
-        status = page ? neph_screen_page_write(study, page, diag) : neph_fail_memory(diag);
+        status = neph_screen_page_write(study, page, diag);
     if (!status)
         status = print_results(request, study, diag);
     if (study)

@@ -171,14 +171,16 @@ enum neph_status neph_report_folder_take(const struct neph_report_folder *folder
     char *from = neph_path_join(folder->parent, name);
     char *to = neph_path_join(neph_report_folder_work(folder), name);
     char *page = from ? neph_path_join(from, "index.html") : NULL;
-    enum neph_status status = to && page ? NEPH_OK : neph_fail_memory(diag);
-    const bool found = !status && neph_path_exists(page);
+    char *marker = from ? neph_path_join(from, ".neph-owned") : NULL;
+    enum neph_status status = to && page && marker ? NEPH_OK : neph_fail_memory(diag);
+    const bool found = !status && neph_path_exists(page) && neph_path_exists(marker);
     if (found)
         status = neph_dir_create(to, diag);
     if (!status && found)
         status = link_tree(from, to, diag);
     if (!status)
         *is_there = found;
+    free(marker);
     free(page);
     free(to);
     free(from);

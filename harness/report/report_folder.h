@@ -22,9 +22,9 @@ void neph_report_folder_close(struct neph_report_folder *folder);
 /* The folder to draw into: empty at first, and removed at the end. */
 const char *neph_report_folder_work(const struct neph_report_folder *folder);
 
-/* A page of its own that lies beside the report, `name`/index.html: all that is in its folder
- * becomes part of what is drawn, as it is now. `*is_there`: false, and nothing is done, where there
- * is none. */
+/* A page of its own that lies beside the report, `name`/index.html in a folder that neph owns
+ * (base/owned.h): all that is in it becomes part of what is drawn, as it is now. `*is_there`:
+ * false, and nothing is done, where there is none. */
 enum neph_status neph_report_folder_take(const struct neph_report_folder *folder, const char *name,
                                          bool *is_there, struct neph_diag *diag);
 

@@ -2,6 +2,7 @@
 #include "harness/study/screen_page.h"
 
 #include "base/files.h"
+#include "base/owned.h"
 #include "base/png.h"
 #include "base/written.h"
 #include "harness/study/numbers_plot.h"
@@ -204,13 +205,17 @@ static void print_page(const void *what, FILE *out)
     fprintf(out, "</body>\n</html>\n");
 }
 
+enum neph_status neph_screen_page_claim(const char *folder, struct neph_diag *diag)
+{
+    static const struct neph_owned_kind kind = {.name = "screen", .version = 1};
+    return neph_owned_claim(folder, &kind, diag);
+}
+
 enum neph_status neph_screen_page_write(const struct neph_screen_study *study, const char *folder,
                                         struct neph_diag *diag)
 {
     char *text = NULL, *path = neph_path_join(folder, "index.html");
-    enum neph_status status = path ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
-    if (!status)
-        status = write_pictures(study, folder, diag);
+    enum neph_status status = path ? write_pictures(study, folder, diag) : neph_fail_memory(diag);
     if (!status && study->params->frame_count > 0)
         status = write_chart(study, folder, diag);
     if (!status)

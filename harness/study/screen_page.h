@@ -8,7 +8,10 @@
 
 #include "harness/study/screen_study.h"
 
-/* Into `folder`, which is made: index.html and SCENE_PART.png, and over frames screen.svg, what
+/* Make `folder` for the page, or take one of before: neph_owned_claim(), before minutes of work. */
+enum neph_status neph_screen_page_claim(const char *folder, struct neph_diag *diag);
+
+/* Into `folder`, which is claimed: index.html and SCENE_PART.png, and over frames screen.svg, what
  * models make of error, flicker and milliseconds over those of the first. The page opens from disk
  * alone. */
 enum neph_status neph_screen_page_write(const struct neph_screen_study *study, const char *folder,

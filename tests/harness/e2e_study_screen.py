@@ -160,6 +160,15 @@ class StudyScreen(unittest.TestCase):
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(words, done.stderr)
 
+    def test_a_folder_with_other_files_is_left_alone(self):
+        page = self.folder / "out/screen/index.html"
+        page.parent.mkdir(parents=True)
+        page.write_text("mine")
+        done = self.run_neph("surface_step", "--size", "4x4", "--samples", "2")
+        self.assertEqual(done.returncode, 64, done.stderr)
+        self.assertIn("name another folder with -o", done.stderr)
+        self.assertEqual(page.read_text(), "mine")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -219,6 +219,11 @@ static void test_a_page_beside_it_is_taken(void **state)
         neph_file_write(scratch_path(state, page, "out/screen/index.html"), "page", 4, &diag),
         &diag);
     publish(report, &validation);
+    assert_false(validation.has_screen); /* somebody else's */
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, page, "out/screen/.neph-owned"), "neph", 4, &diag),
+        &diag);
+    publish(report, &validation);
     publish(report, &validation);
     assert_true(validation.has_screen);
     inode_of(state, "out/report/screen/index.html");
