@@ -23,8 +23,11 @@ Solid known_solids[RT_SOLIDS_UNKNOWN];
 void know_solids()
 {
     if (are_known())
-        [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++)
+        [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
             known_solids[s] = solids[s];
+            known_solids[s].kind = own(solids[s].kind);
+            known_solids[s].albedo.w = uintBitsToFloat(own(floatBitsToUint(solids[s].albedo.w)));
+        }
 }
 
 // A choice among them is cheaper than to read one for each thread.
@@ -37,16 +40,19 @@ Solid known_solid(uint solid)
     return found;
 }
 
-// As clip_axis(), but for the branch.
+// As clip_axis(), without its branch, and but for t0 < t1, which once false stays so. Comparisons,
+// for a min() of lavapipe's asks for NaN, which there are none of.
 bool narrow_axis(float low, float high, float origin, float direction, inout float t0,
                  inout float t1)
 {
     bool is_parallel = abs(direction) < PARALLEL;
     float a = (low - origin) / direction;
     float b = (high - origin) / direction;
-    t0 = is_parallel ? t0 : max(t0, min(a, b));
-    t1 = is_parallel ? t1 : min(t1, max(a, b));
-    return is_parallel ? origin >= low && origin <= high : t0 < t1;
+    bool is_low_first = a < b;
+    float first = is_low_first ? a : b, second = is_low_first ? b : a;
+    t0 = !is_parallel && first > t0 ? first : t0;
+    t1 = !is_parallel && second < t1 ? second : t1;
+    return !is_parallel || (origin >= low && origin <= high);
 }
 
 // As solid_interval().
@@ -63,7 +69,7 @@ bool known_interval(uint s, vec3 origin_m, vec3 direction, out float t0_m, out f
     bool meets_x = narrow_axis(solid.low_m.x, solid.high_m.x, origin_m.x, direction.x, t0_m, t1_m);
     bool meets_y = narrow_axis(solid.low_m.y, solid.high_m.y, origin_m.y, direction.y, t0_m, t1_m);
     bool meets_z = narrow_axis(solid.low_m.z, solid.high_m.z, origin_m.z, direction.z, t0_m, t1_m);
-    return meets_x && meets_y && meets_z;
+    return meets_x && meets_y && meets_z && t0_m < t1_m;
 }
 
 // As sees_sun().
