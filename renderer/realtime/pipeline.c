@@ -105,10 +105,10 @@ static bool is_of_froxels(const struct neph_rt_pass *pass)
 /* Which of these are balls, a bit each. */
 static uint32_t known_balls(const struct neph_gpu_scene *scene)
 {
-    const struct neph_gpu_solid *solids = scene->buffers[1].mapped;
+    const struct neph_gpu_solids *all = scene->buffers[1].mapped;
     uint32_t balls = 0;
-    for (uint32_t s = 0; s < scene->frame->solid_count && s < 32; s++)
-        balls |= (solids[s].kind == NEPH_SOLID_SPHERE ? 1u : 0u) << s;
+    for (uint32_t s = 0; s < known_solids(scene) && s < 32; s++)
+        balls |= (all->solids[s].kind == NEPH_SOLID_SPHERE ? 1u : 0u) << s;
     return balls;
 }
 

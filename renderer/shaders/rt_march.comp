@@ -12,6 +12,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #define SEES_GRID_TEXELS
+#define KNOWS_SOLIDS
 #define MARCH_STARTS_LATE // behind froxels
 
 #include "realtime_march.glsl"
@@ -135,6 +136,7 @@ void put_marched(ivec2 tile, Ray ray, Sums sums)
 
 void main()
 {
+    know_solids();
     uint thread = gl_GlobalInvocationID.x;
     ivec2 tile = tile_of(int(run.first_ray + thread));
     if (thread >= run.ray_count || any(greaterThanEqual(tile, tile_count())))
