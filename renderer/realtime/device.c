@@ -236,7 +236,8 @@ enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
     enum neph_status status = NEPH_OK;
     float *settings = device->view->settings;
     const float steady = settings[RT_STEADY], solid_motion = settings[RT_SOLID_MOTION];
-    for (int kind = solid_motion == 0.0f ? MOVING : SOLIDS_MOVING; kind < KINDS && !status; kind++) {
+    for (int kind = solid_motion == 0.0f ? MOVING : SOLIDS_MOVING; kind < KINDS && !status;
+         kind++) {
         settings[RT_STEADY] = kind == STEADY ? RT_STEADY_KNOWN : steady;
         settings[RT_SOLID_MOTION] = kind == SOLIDS_MOVING ? solid_motion : 0.0f;
         if ((kind == STEADY && neph_rt_is_done_by_other(device->view, pass)) ||

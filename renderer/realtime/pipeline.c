@@ -220,8 +220,7 @@ static bool has_taa(const struct neph_realtime *realtime)
 /* Whether solids may move, and somebody wants to know how far. */
 static bool follows_solids(const struct neph_realtime *realtime, const struct neph_scene *scene)
 {
-    return choice_of(realtime, RT_SOLID_MOTION) != 0 && scene->mover_count > 0 &&
-           has_taa(realtime);
+    return choice_of(realtime, RT_SOLID_MOTION) != 0 && scene->mover_count > 0 && has_taa(realtime);
 }
 
 /* Which pass lays the volume over what is behind it. */

@@ -7,8 +7,8 @@
 // with the jitter (jittered_depth = on) makes the choice of slots flicker in front of a camera at
 // rest.
 //
-// Few solids are a loop that is unrolled, one for both rays (known_solids.glsl), and threads without
-// a pixel do the work of the last one.
+// Few solids are a loop that is unrolled, one for both rays (known_solids.glsl), and threads
+// without a pixel do the work of the last one.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
