@@ -16,7 +16,7 @@ struct neph_noisy_frame {
     double render_s;
 };
 
-/* Of the job with another number of samples and another seed. Finish it, failed or not. */
+/* The job with another number of samples and another seed. Finish the frame, failed or not. */
 enum neph_status neph_noisy_render(const struct neph_job *of, int samples, uint64_t seed,
                                    struct neph_noisy_frame *frame, struct neph_diag *diag);
 
