@@ -10,7 +10,7 @@
 
 #include "renderer/realtime/device.h"
 
-enum { NEPH_RT_KEPT_PLACES_MAX = 16, NEPH_RT_KEPT_TARGETS_MAX = 2, NEPH_RT_KEPT_RINGS = 2 };
+enum { NEPH_RT_KEPT_PLACES_MAX = 16, NEPH_RT_KEPT_TARGETS_MAX = 2, NEPH_RT_KEPT_RINGS = 3 };
 enum { NEPH_RT_KEPT_BYTES_MAX = 256 << 20 };
 
 /* The targets of as many pictures. */
@@ -38,6 +38,15 @@ enum neph_status neph_rt_kept_scene_take(struct neph_rt_kept_scene *kept,
                                          struct neph_rt_device *device, uint32_t picture,
                                          uint32_t alike, bool is_alone, uint32_t *given,
                                          struct neph_diag *diag);
+
+/* The same of the picture before anti-aliasing, where media only take light (neph_rt_device.is_dark)
+ * and nobody reads what lies between: rays without noise make it the same for each place of the
+ * jitter once all texels have taken theirs. Behind neph_rt_kept_scene_take(), when it is known
+ * whether the picture is read (RT_STEADY). */
+enum neph_status neph_rt_kept_scene_take_picture(struct neph_rt_kept_scene *kept,
+                                                 struct neph_rt_device *device, uint32_t picture,
+                                                 uint32_t alike, uint32_t *given,
+                                                 struct neph_diag *diag);
 
 /* Before the device goes, whose own targets stay with it. A zero one is fine. */
 void neph_rt_kept_scene_destroy(const struct neph_vulkan *vulkan, struct neph_rt_kept_scene *kept);
