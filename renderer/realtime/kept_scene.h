@@ -3,7 +3,8 @@
  * What passes make of solids alone, kept for as many pictures as it takes to come back: depths and
  * the radiance behind all media for each place of the jitter, which texel a tile marches for each
  * turn of its slots. Where nothing has moved and no light has changed since, the pass would make it
- * again to the last bit, and does not run; nor does the depth map.
+ * again to the last bit, and does not run; nor does the depth map. Where media send no light more
+ * is kept.
  */
 #ifndef NEPH_RENDERER_REALTIME_KEPT_SCENE_H
 #define NEPH_RENDERER_REALTIME_KEPT_SCENE_H
@@ -39,10 +40,10 @@ enum neph_status neph_rt_kept_scene_take(struct neph_rt_kept_scene *kept,
                                          uint32_t alike, bool is_alone, uint32_t *given,
                                          struct neph_diag *diag);
 
-/* The same of the picture before anti-aliasing, where media only take light (neph_rt_device.is_dark)
- * and nobody reads what lies between: rays without noise make it the same for each place of the
- * jitter once all texels have taken theirs. Behind neph_rt_kept_scene_take(), when it is known
- * whether the picture is read (RT_STEADY). */
+/* And the picture before anti-aliasing, where media only take light (neph_rt_device.is_dark) and
+ * nobody reads what lies between: rays without noise make it anew, to the last bit, for each place
+ * of the jitter once all texels have taken theirs. Behind neph_rt_kept_scene_take(), when it is
+ * known whether the picture is read (RT_STEADY). */
 enum neph_status neph_rt_kept_scene_take_picture(struct neph_rt_kept_scene *kept,
                                                  struct neph_rt_device *device, uint32_t picture,
                                                  uint32_t alike, uint32_t *given,

@@ -281,8 +281,7 @@ static bool is_dark(const struct neph_realtime *realtime)
                           march->lighting == NEPH_MARCH_TRACED;
     return is_solved && !has_more && !gpu->frame->scatters && !gpu->frame->scatters_lamps &&
            !gpu->frame->emits && view->settings[RT_GRADIENT] != 0.0f &&
-           view->settings[RT_JITTERED_DEPTH] == 0.0f &&
-           view->settings[RT_FROXEL_VOLUME] == 0.0f;
+           view->settings[RT_JITTERED_DEPTH] == 0.0f && view->settings[RT_FROXEL_VOLUME] == 0.0f;
 }
 
 /* Everything that depends on the size. */
