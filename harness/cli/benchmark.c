@@ -206,7 +206,7 @@ static enum neph_status apply_setting(struct both *both, const char *text, struc
                      text);
 }
 
-/* Whether an engine goes on; `*status`: why none does. One that cannot render the scene is noted. */
+/* Whether an engine goes on; `*status`: why none does. One that cannot render it is noted. */
 static bool can_go_on(const struct neph_job *job, struct both *both, enum neph_status *status,
                       struct neph_diag *diag)
 {

@@ -227,8 +227,8 @@ char *neph_settings_text(const struct neph_engine *engine, const struct neph_set
  * its defaults. NULL: that has no name. */
 const char *neph_settings_origin(const struct neph_engine *engine, const char *preset);
 
-/* "steps=64 sun=exact": what differs from a preset, or for NULL from the defaults. For the caller to
- * free; NULL when memory is short. */
+/* "steps=64 sun=exact": what differs from a preset, or for NULL from the defaults. For the caller
+ * to free; NULL when memory is short. */
 char *neph_settings_changes(const struct neph_engine *engine, const struct neph_settings *settings,
                             const char *preset);
 

@@ -104,7 +104,7 @@ static bool rests(const struct neph_scene *scene)
     return true;
 }
 
-/* Before a scene that rests: until the engine knows it, where it ever does, in `limit_s` at most. */
+/* Before a scene that rests: until the engine knows it, where it ever does, but at most 10 s. */
 static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();

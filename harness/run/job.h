@@ -82,8 +82,8 @@ const char *neph_outcome_name(enum neph_outcome outcome);
 /* Whether the engine was there and ought to have rendered it: that fails a run. */
 bool neph_outcome_is_broken(enum neph_outcome outcome);
 
-/* Whether the engine is there and models the scene of the shot's frame, before anything is rendered:
- * NEPH_ERR_UNSUPPORTED ("cannot: multiple scattering"), _UNAVAILABLE or _ENGINE. */
+/* Whether the engine is there and models the scene of the shot's frame, before anything is
+ * rendered: NEPH_ERR_UNSUPPORTED ("cannot: multiple scattering"), _UNAVAILABLE or _ENGINE. */
 enum neph_status neph_job_check(const struct neph_job *job, struct neph_diag *diag);
 
 /* For a verb of one engine, after a job has failed: where the engine cannot render the scene, the
