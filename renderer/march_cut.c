@@ -100,13 +100,19 @@ struct turns {
     uint64_t sun;     /* a sun ray through media */
 };
 
+/* Else optical depths are sums over steps, all of them. */
+static bool has_closed_forms(const struct neph_march_params *params)
+{
+    return params->transmittance == NEPH_MARCH_EXACT || params->sun == NEPH_MARCH_EXACT;
+}
+
 static struct turns turns_in(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                              const struct neph_march_params *params)
 {
     struct turns turns = {
         .solids = neph_gpu_solid_turns((uint64_t)scene->solid_count),
         .media = (uint64_t)scene->medium_count + 1,
-        .exact = gpu->optical_depth_turns,
+        .exact = has_closed_forms(params) ? gpu->optical_depth_turns : 0,
     };
     for (int i = 0; i < scene->medium_count; i++)
         turns.media += (uint64_t)scene->media[i].layer_count + 1;
