@@ -186,10 +186,15 @@ struct LookedUp {
     uint first, lit; // a bit for each
 };
 
-float looked_up_per_m(LookedUp steps, uint k)
+// The first of them that is lit, which is taken away.
+uint take_step(inout LookedUp steps)
 {
-    vec2 pair = k < 2u ? vec2(steps.per_m[0], steps.per_m[1]) : vec2(steps.per_m[2], steps.per_m[3]);
-    return (k & 1u) == 0u ? pair.x : pair.y;
+    uint k = uint(findLSB(steps.lit));
+    vec2 pair = (k & 2u) == 0u ? vec2(steps.per_m[0], steps.per_m[1])
+                               : vec2(steps.per_m[2], steps.per_m[3]);
+    met_per_m = (k & 1u) == 0u ? pair.x : pair.y;
+    steps.lit &= steps.lit - 1u;
+    return steps.first + k;
 }
 
 // From step `i` on, to where some ray finds something or to `end`.
@@ -219,6 +224,8 @@ void look_up_together(ViewRay ray, Steps steps, float place, uint end, inout uin
     }
 }
 
+// One step, onto the sums; of an only medium the extinction there was looked up where
+// passes_clear().
 void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
 {
     float step_m = step_length_m(steps, i);
@@ -271,6 +278,7 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
     Steps steps = view_steps_of(stretch);
     uint end = own(run.end_step), done = own(run.first_step);
     LookedUp found;
+    found.lit = 0u;
     for (uint i = own(run.first_step);;) {
         if (skips_steps() && !passes_clear()) {
             if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, end, i))
@@ -290,25 +298,21 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         } else {
             view_steps++;
         }
-        for (;;) {
+        for (;;) { // left at its end: lavapipe goes through a turn to there for nobody
+            bool is_lit = !marches_together() || found.lit != 0u;
             uint at = i;
-            if (marches_together()) {
-                uint k = uint(max(findLSB(found.lit), 0));
-                at = found.first + k;
-                met_per_m = looked_up_per_m(found, k);
-            }
-            if (!marches_together() || found.lit != 0u) {
+            if (marches_together())
+                at = take_step(found);
+            if (is_lit) {
                 if (marches_together() && at > done)
                     sums_add(sums, vec3(0.0), vec3(0.0));
                 march_step(ray, steps, at, place, sums);
                 done = at + 1;
             }
-            found.lit &= found.lit == 0u ? 0u : found.lit - 1u;
-            if (!marches_together() || found.lit == 0u)
+            if (found.lit == 0u)
                 break;
         }
-        if (!marches_together())
-            i++;
+        i += marches_together() ? 0u : 1u;
         if (i >= end)
             break;
     }

@@ -163,7 +163,7 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
         return vec3(0.0);
     Steps steps = equal_steps(stretch, step_count);
     if (has_only_texture())
-        return grey(extinction_color_of(0)) *
+        return grey(medium_color(0)) *
                texture_optical_depth(origin_m, direction, stretch, step_count, steps.step_m, 1.0);
     Sum sum = sum_zero();
     for (uint i = 0;;) {
@@ -214,7 +214,7 @@ vec3 grown_sun_depth(uint kinds, vec3 point_m)
     uint count = kept_sun_steps;
     float next_m = stretch.t0_m, length_m = frame.sun_first_part * (stretch.t1_m - stretch.t0_m);
     if (has_only_texture() && !CONES_SUN_RAYS)
-        return grey(extinction_color_of(0)) *
+        return grey(medium_color(0)) *
                texture_optical_depth(point_m, to_sun(), stretch, count, length_m,
                                      frame.sun_growth);
     Sum sum = sum_zero();
@@ -362,8 +362,8 @@ Mixture mixture_of(vec3 point_m, const bool is_known, float known_per_m)
         float density_per_m = is_known                  ? known_per_m
                               : only_fogs && !is_fog(m) ? 0.0
                                                         : sampled_extinction_per_m(m, point_m);
-        vec3 extinction_per_m = grey(extinction_color_of(m)) * density_per_m;
-        vec3 scattered_per_m = extinction_per_m * albedo_of(m);
+        vec3 extinction_per_m = grey(medium_color(m)) * density_per_m;
+        vec3 scattered_per_m = extinction_per_m * medium_albedo(m);
         if (MAPS_SHADOW && !is_fog(m) && density_per_m > 0.0)
             is_in_shape = true;
         mixture.extinction_per_m += extinction_per_m;

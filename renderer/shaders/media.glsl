@@ -199,49 +199,49 @@ struct KeptMedium {
                     frame.media[0].extinction_color, frame.media[0].extinction_per_m,
                     frame.media[0].shape);
 
-vec3 low_m_of(uint m)
+vec3 medium_low_m(uint m)
 {
     if (is_kept())
         return kept.low_m;
     return frame.media[m].low_m;
 }
 
-vec3 high_m_of(uint m)
+vec3 medium_high_m(uint m)
 {
     if (is_kept())
         return kept.high_m;
     return frame.media[m].high_m;
 }
 
-vec3 albedo_of(uint m)
+vec3 medium_albedo(uint m)
 {
     if (is_kept())
         return kept.albedo;
     return frame.media[m].albedo;
 }
 
-vec3 extinction_color_of(uint m)
+vec3 medium_color(uint m)
 {
     if (is_kept())
         return kept.extinction_color;
     return frame.media[m].extinction_color;
 }
 
-float full_extinction_per_m_of(uint m)
+float medium_full_per_m(uint m)
 {
     if (is_kept())
         return kept.extinction_per_m;
     return frame.media[m].extinction_per_m;
 }
 
-Shape shape_of(uint m)
+Shape medium_shape(uint m)
 {
     if (is_kept())
         return kept.shape;
     return frame.media[m].shape;
 }
 
-Grid grid_of(uint m)
+Grid medium_grid(uint m)
 {
     if (is_kept())
         return kept.shape.grid;
@@ -254,13 +254,13 @@ bool is_fog(uint m) { return has_fog() && is_among(FOG_KINDS, m); }
 
 bool clip_medium(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
 {
-    return clip_box(low_m_of(m), high_m_of(m), origin_m, direction, t0_m, t1_m);
+    return clip_box(medium_low_m(m), medium_high_m(m), origin_m, direction, t0_m, t1_m);
 }
 
 bool medium_contains(uint m, vec3 point_m)
 {
-    bool is_above = all(greaterThanEqual(point_m, low_m_of(m)));
-    bool is_below = all(lessThanEqual(point_m, high_m_of(m)));
+    bool is_above = all(greaterThanEqual(point_m, medium_low_m(m)));
+    bool is_below = all(lessThanEqual(point_m, medium_high_m(m)));
     return is_above && is_below;
 }
 
@@ -280,8 +280,8 @@ float medium_extinction_per_m(uint m, vec3 point_m)
         if (is_fog(m))
             extinction_per_m = fog_medium_extinction_per_m(m, point_m);
         else
-            extinction_per_m = full_extinction_per_m_of(m) *
-                               shape_density(kind_of(m), shape_of(m), point_m);
+            extinction_per_m = medium_full_per_m(m) *
+                               shape_density(kind_of(m), medium_shape(m), point_m);
     }
     return extinction_per_m;
 }

@@ -119,7 +119,7 @@ vec3 scene_extinction_per_m(uint kinds, vec3 point_m)
     [[unroll]] for (uint m = 0; m < media_count(); m++)
         if (is_among(kinds, m))
             extinction_per_m +=
-                extinction_color_of(m) * medium_extinction_per_m(m, point_m);
+                medium_color(m) * medium_extinction_per_m(m, point_m);
     return grey(extinction_per_m);
 }
 
