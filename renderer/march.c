@@ -291,8 +291,8 @@ static uint64_t ray_count_of(const struct neph_march_params *params)
            square_px;
 }
 
-/* In raster order, by the bits of a ray's place in its square, as shaders/march.comp has it; -1: the
- * ray is beyond the picture. */
+/* In raster order, by the bits of a ray's place in its square, as shaders/march.comp has it; -1:
+ * the ray is beyond the picture. */
 static int64_t pixel_of(const struct neph_march_params *params, uint64_t ray)
 {
     const uint64_t side = square_px, columns = squares_across(params->width_px);
