@@ -242,14 +242,12 @@ vec3 filtered_history(vec2 place_px)
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
     if (takes_at_once())
         return history_at_once(ivec2(floor(place_px)), ivec2(corner), columns, rows);
-    ivec2 first = ivec2(first_tap(columns), first_tap(rows));
-    ivec2 last = ivec2(last_tap(columns), last_tap(rows));
     vec3 sum = vec3(0.0);
-    for (int y = first.y; y <= last.y; y++)
-        for (int x = first.x; x <= last.x; x++) {
+    for (int y = first_tap(rows); y <= last_tap(rows); y++)
+        [[unroll]] for (int x = 0; x < 4; x++) {
             float weight = columns[x] * rows[y];
-            if (weight != 0.0)
-                sum += weight * fetch_picture(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
+            vec3 tap = fetch_picture(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
+            sum = weight != 0.0 ? sum + weight * tap : sum;
         }
     return sum;
 }
