@@ -250,10 +250,9 @@ void put_word_pair(int target, uint index, uvec2 pair)
         target_longs[target].words[index] = packUint2x32(pair);
 }
 
-// Element (x, y) of a target, in texels of the whole target. The caller keeps inside.
-vec4 fetch(int target, ivec2 texel)
+// An element of a target by its number. The caller keeps inside.
+vec4 fetch_at(int target, uint index)
 {
-    uint index = uint(texel.y * width_of(target) + texel.x);
     switch (format_of(target)) {
     case RT_R16F:
         return vec4(unpack(word(target, index) & 0xffffu).x, 0.0, 0.0, 0.0);
@@ -270,6 +269,12 @@ vec4 fetch(int target, ivec2 texel)
     default:
         return uintBitsToFloat(word_four(target, index));
     }
+}
+
+// Element (x, y), in texels of the whole target.
+vec4 fetch(int target, ivec2 texel)
+{
+    return fetch_at(target, uint(texel.y * width_of(target) + texel.x));
 }
 
 void put(int target, ivec2 texel, vec4 value)

@@ -138,22 +138,29 @@ const ivec2 AREA = BLOCK + 2; // with the pixels around
 shared vec4 area[AREA.x * AREA.y];
 ivec2 area_corner; // its first pixel
 
+const int ROWS_AT_ONCE = GROUP_THREADS / BLOCK.x, AREA_TURNS = AREA.y / ROWS_AT_ONCE;
+
+// A thread's pixels of the area: those of its column, and in a last turn one at the sides.
+ivec2 area_pixel(int thread, int turn)
+{
+    return turn < AREA_TURNS
+               ? ivec2(1 + thread % BLOCK.x, thread / BLOCK.x + turn * ROWS_AT_ONCE)
+               : ivec2((thread & 1) * (AREA.x - 1), min(thread >> 1, AREA.y - 1));
+}
+
 // By all threads of a group.
 void fetch_area(ivec2 first_pixel)
 {
     area_corner = first_pixel - 1;
-    const int count = AREA.x * AREA.y, turns = (count - 1) / GROUP_THREADS + 1;
     int thread = int(gl_LocalInvocationID.x);
-    vec3 colours[turns]; // all on their way before the first is looked at
-    [[unroll]] for (int k = 0; k < turns; k++) {
-        int i = min(thread + GROUP_THREADS * k, count - 1);
-        colours[k] = composed(area_corner + ivec2(i % AREA.x, i / AREA.x));
-    }
-    [[unroll]] for (int k = 0; k < turns; k++) {
+    vec3 colours[AREA_TURNS + 1]; // all on their way before the first is looked at
+    [[unroll]] for (int k = 0; k <= AREA_TURNS; k++)
+        colours[k] = composed(area_corner + area_pixel(thread, k));
+    [[unroll]] for (int k = 0; k <= AREA_TURNS; k++) {
         Sample seen = sample_of(colours[k]);
-        if (thread + GROUP_THREADS * k < count)
-            area[thread + GROUP_THREADS * k] =
-                seen.is_counted ? vec4(seen.colour, seen.hdr_weight) : vec4(0.0);
+        ivec2 at = area_pixel(thread, k);
+        area[at.x + AREA.x * at.y] =
+            seen.is_counted ? vec4(seen.colour, seen.hdr_weight) : vec4(0.0);
     }
     barrier();
 }

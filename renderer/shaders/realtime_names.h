@@ -223,9 +223,10 @@
 // Tiles along the side of the block that a work group of 64 marches.
 #define RT_MARCH_BLOCK 8
 
-// Texels of the block that a work group of 64 takes through the reconstruction on a GPU.
+// Texels of the block that a work group of 64 takes through the reconstruction on a GPU, two a
+// thread: the group's tiles are as many as half of its threads, which find what has changed there.
 #define RT_TEXEL_BLOCK_WIDTH 16
-#define RT_TEXEL_BLOCK_HEIGHT 4
+#define RT_TEXEL_BLOCK_HEIGHT 8
 
 // Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
 // colours take turns.

@@ -110,7 +110,8 @@ void load_rays(ivec2 tile)
         rays[i] = load_ray(tile, i);
 }
 
-// On a GPU a work group makes a block of texels. Its rays and those around are fetched once, into
+// On a GPU a work group makes a block of texels, two a thread. Its rays and those around are fetched
+// once, into
 // shared memory, where a ray can be picked by its number, too.
 const ivec2 BLOCK = ivec2(RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT);
 const ivec2 BLOCK_TILES = BLOCK / 2, AREA = BLOCK_TILES + 2;
@@ -285,7 +286,7 @@ float change_at_ray(ivec2 tile, int ray)
 // What has changed around a tile is found here where there is no pass for it: by a thread for each
 // tile of the block, and for what is behind by one of the group's other half, which is another
 // subgroup.
-const int BLOCK_TILE_COUNT = BLOCK_TILES.x * BLOCK_TILES.y;
+const int BLOCK_TILE_COUNT = BLOCK_TILES.x * BLOCK_TILES.y; // as many as threads of a half
 shared vec4 area_changes[BLOCK_TILE_COUNT];
 shared vec4 area_looks[4 * AREA.x * AREA.y];
 ivec2 area_corner; // its first tile
@@ -319,8 +320,6 @@ void find_changes(ivec2 first_tile)
     int thread = int(gl_LocalInvocationID.x), i = thread % half_group;
     ivec2 tile = first_tile + ivec2(i % BLOCK_TILES.x, i / BLOCK_TILES.x);
     bool is_there = all(lessThan(tile, tile_count()));
-    if (i >= BLOCK_TILE_COUNT)
-        return;
     if (thread < half_group) {
         vec4 change = change_of_medium(tile);
         area_changes[i] = change;
@@ -484,31 +483,11 @@ bool own_fresh_texel(out ivec2 half_pixel)
 // The texel of this thread; false when there is none left.
 bool own_texel(out ivec2 half_pixel)
 {
-    if (is_unread())
-        return own_fresh_texel(half_pixel);
-    if (!ON_GPU)
-        return own_element(half_size(), half_pixel);
-    ivec2 block = own_block(half_size(), BLOCK);
-    int thread = int(gl_LocalInvocationID.x);
-    half_pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x);
-    own_place = half_pixel / 2 - block / 2 + 1;
-    area_corner = block / 2 - 1;
-    if (shares_rays())
-        fetch_area(block / 2);
-    if (finds_change())
-        fetch_looks();
-    barrier();
-    if (finds_change())
-        find_changes(block / 2);
-    barrier();
-    return all(lessThan(half_pixel, half_size()));
+    return is_unread() ? own_fresh_texel(half_pixel) : own_element(half_size(), half_pixel);
 }
 
-void main()
+void make(ivec2 half_pixel)
 {
-    ivec2 half_pixel;
-    if (!own_texel(half_pixel))
-        return;
     ivec2 tile = half_pixel / 2;
     is_at_rest = history_rests();
     if (!shares_rays())
@@ -558,4 +537,40 @@ void main()
         value = stand_in(kind, half_pixel, nearest, own_m, is_sky(depth_m));
     }
     put_result(half_pixel, value, age, known_distance_m(distance_m));
+}
+
+// By all threads of a group: what its texels and tiles have in common.
+void prepare(ivec2 block)
+{
+    area_corner = block / 2 - 1;
+    if (shares_rays())
+        fetch_area(block / 2);
+    if (finds_change())
+        fetch_looks();
+    barrier();
+    if (finds_change())
+        find_changes(block / 2);
+    barrier();
+}
+
+void make_block()
+{
+    ivec2 block = own_block(half_size(), BLOCK);
+    int thread = int(gl_LocalInvocationID.x);
+    prepare(block);
+    [[dont_unroll]] for (int i = thread; i < BLOCK.x * BLOCK.y; i += GROUP_THREADS) {
+        ivec2 half_pixel = block + ivec2(i % BLOCK.x, i / BLOCK.x);
+        own_place = half_pixel / 2 - area_corner;
+        if (all(lessThan(half_pixel, half_size())))
+            make(half_pixel);
+    }
+}
+
+void main()
+{
+    ivec2 half_pixel;
+    if (ON_GPU && !is_unread())
+        make_block();
+    else if (own_texel(half_pixel))
+        make(half_pixel);
 }
