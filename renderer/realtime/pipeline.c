@@ -102,6 +102,22 @@ static bool is_of_froxels(const struct neph_rt_pass *pass)
     return pass->resolution == RT_FROXEL;
 }
 
+/* Which of these are balls, a bit each. */
+static uint32_t known_balls(const struct neph_gpu_scene *scene)
+{
+    const struct neph_gpu_solids *all = scene->buffers[1].mapped;
+    uint32_t balls = 0;
+    for (uint32_t s = 0; s < known_solids(scene) && s < 32; s++)
+        balls |= (all->solids[s].kind == NEPH_SOLID_SPHERE ? 1u : 0u) << s;
+    return balls;
+}
+
+/* Whether no medium sends light, as march.comp asks. */
+static bool is_dark(const struct neph_gpu_frame *frame)
+{
+    return !frame->scatters && !frame->emits && !frame->scatters_lamps;
+}
+
 static const struct neph_gpu_scene *seen_by(const struct neph_realtime *realtime,
                                             const struct neph_rt_pass *pass)
 {
@@ -150,6 +166,9 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     neph_march_constants(seen_by(realtime, pass), &march, params.constants);
     params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
     params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene.gpu);
+    params.constants[RT_BALLS_CONSTANT] = known_balls(&realtime->scene.gpu);
+    params.constants[RT_DARK_CONSTANT] = pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA &&
+                                         is_dark(realtime->scene.gpu.frame);
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
     return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }
@@ -193,9 +212,19 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
                                        &realtime->states, diag);
 }
 
+static bool has_taa(const struct neph_realtime *realtime)
+{
+    return choice_of(realtime, RT_TAA) != 0 && choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
+}
+
+/* Whether solids may move, and somebody wants to know how far. */
+static bool follows_solids(const struct neph_realtime *realtime, const struct neph_scene *scene)
+{
+    return choice_of(realtime, RT_SOLID_MOTION) != 0 && scene->mover_count > 0 && has_taa(realtime);
+}
+
 /* Which pass lays the volume over what is behind it. */
-static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view,
-                          bool has_taa)
+static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view)
 {
     const bool on_gpu = !realtime->vulkan->description.is_cpu;
     const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
@@ -203,7 +232,7 @@ static int composition_of(const struct neph_realtime *realtime, const struct nep
     if (composition == RT_COMPOSITION_AUTO)
         composition = on_gpu ? RT_COMPOSITION_TAA : RT_COMPOSITION_UPSCALE;
     if ((composition == RT_COMPOSITION_TAA &&
-         (!has_taa || view->settings[RT_TAA] != (float)RT_TAA_ON)) ||
+         (!has_taa(realtime) || view->settings[RT_TAA] != (float)RT_TAA_ON)) ||
         (composition == RT_COMPOSITION_UPSCALE && has_froxels))
         composition = RT_COMPOSITION_PASS;
     return composition;
@@ -221,12 +250,9 @@ static void set_hand_over(const struct neph_realtime *realtime, const struct nep
 static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
                    struct neph_gpu_view *view)
 {
-    const bool has_taa = choice_of(realtime, RT_TAA) != 0 &&
-                         choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
     const bool on_gpu = !realtime->vulkan->description.is_cpu;
-    if (scene->mover_count == 0 || !has_taa)
-        view->settings[RT_SOLID_MOTION] = 0.0f;
-    view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view, has_taa);
+    view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
+    view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
     if (on_gpu && choice_of(realtime, RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_AUTO &&
         choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
         choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
@@ -693,6 +719,15 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
     return now;
 }
 
+/* Where none of them has moved since the picture before all motions would come out as 0. Who flags
+ * movers knows them by their motions. */
+static void set_solid_motion(struct neph_realtime *realtime, const struct neph_scene *scene)
+{
+    struct neph_gpu_view *view = realtime->device.view;
+    const bool is_asked = view->settings[RT_TAA_ANTIGHOST] != 0.0f || !neph_rt_movers_rest(view);
+    view->settings[RT_SOLID_MOTION] = is_asked && follows_solids(realtime, scene);
+}
+
 /* What rays cannot tell of the sun: whether a look at the medium, four frames after the first, or
  * at what is behind it, as many as the jitter has places, sees what it does; and whether what the
  * override keeps from being marched has old light. */
@@ -774,6 +809,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     made.fill = &realtime->fills[slot];
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
+    set_solid_motion(realtime, frame->scene);
     set_suns(realtime, frame);
     status = set_steady(realtime, frame, is_mirrored, image, still, &made.given, diag);
     made.moment = march_moment(view, &now);

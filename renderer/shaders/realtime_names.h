@@ -199,9 +199,10 @@
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the
-// first that does (realtime_choices.glsl); how many solids the scene has, or that there are many
-// (rt_scene.comp); which of the driver's own conversions of halves are taken (renderer/halves.h);
-// whether the device is no CPU; whether camera, air and solids stand where they stood.
+// first that does (realtime_choices.glsl); how many solids the scene has, or that there are many,
+// and which of few are balls (known_solids.glsl); which of the driver's own conversions of halves
+// are taken (renderer/halves.h); whether the device is no CPU; what stands where it stood; whether
+// no medium shines (rt_march.comp).
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
@@ -211,7 +212,11 @@
 #define RT_HALVES_CONSTANT 29
 #define RT_ON_GPU_CONSTANT 30
 #define RT_RESTS_CONSTANT 31
-#define RT_CONSTANT_COUNT 32
+#define RT_RESTS_ALL 1u // camera, air and solids
+#define RT_RESTS_AIR 2u
+#define RT_BALLS_CONSTANT 32
+#define RT_DARK_CONSTANT 33
+#define RT_CONSTANT_COUNT 34
 
 // Pixels below each other that a thread of the anti-aliasing takes, whole tiles: each row that it
 // reads serves three of them.
@@ -223,8 +228,7 @@
 // Tiles along the side of the block that a work group of 64 marches.
 #define RT_MARCH_BLOCK 8
 
-// Texels of the block that a work group of 64 takes through the reconstruction on a GPU, two a
-// thread: the group's tiles are as many as half of its threads, which find what has changed there.
+// Texels of the block that a work group of 64 takes through the reconstruction on a GPU, two each.
 #define RT_TEXEL_BLOCK_WIDTH 16
 #define RT_TEXEL_BLOCK_HEIGHT 8
 

@@ -248,11 +248,11 @@ vec4 history_at_rest(ivec2 pixel)
 bool takes_at_once() { return ON_GPU && choice(RT_TAA_HISTORY) != RT_FILTER_NEAREST; }
 
 // Texels side by side, by the number of the first. A: that of the one asked for.
-vec4 history_row(uint index, vec4 columns, int first, bool is_second)
+vec4 history_row(int index, vec4 columns, int first, bool is_second)
 {
     vec4 texels[4], sum = vec4(0.0);
     [[unroll]] for (int x = first; x <= 3 - first; x++)
-        texels[x] = fetch_at(RT_TAA_BEFORE, index + uint(x));
+        texels[x] = fetch(RT_TAA_BEFORE, ivec2(index + x, 0));
     [[unroll]] for (int x = first; x <= 3 - first; x++)
         sum.rgb += columns[x] * texels[x].rgb;
     sum.a = is_second ? texels[2].a : texels[1].a;
@@ -272,10 +272,10 @@ vec4 history_at_once(ivec2 corner, vec2 way)
 {
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y), sum = vec4(0.0);
     ivec2 from = view_origin() + corner - 1;
-    uint index = uint(from.y * picture_row + from.x);
+    int index = from.y * picture_row + from.x;
     int first = choice(RT_TAA_HISTORY) == RT_FILTER_CATMULL_ROM ? 0 : 1;
     [[unroll]] for (int y = first; y <= 3 - first; y++) {
-        vec4 row = history_row(index + uint(y * picture_row), columns, first, way.x >= 0.5);
+        vec4 row = history_row(index + y * picture_row, columns, first, way.x >= 0.5);
         sum.rgb += rows[y] * row.rgb;
         sum.a = y == (way.y >= 0.5 ? 2 : 1) ? row.a : sum.a;
     }
@@ -286,14 +286,12 @@ vec4 history_at_once(ivec2 corner, vec2 way)
 vec3 history_one_by_one(ivec2 corner, vec2 way)
 {
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
-    ivec2 first = ivec2(first_tap(columns), first_tap(rows));
-    ivec2 last = ivec2(last_tap(columns), last_tap(rows));
     vec3 sum = vec3(0.0);
-    for (int y = first.y; y <= last.y; y++)
-        for (int x = first.x; x <= last.x; x++) {
+    for (int y = first_tap(rows); y <= last_tap(rows); y++)
+        [[unroll]] for (int x = 0; x < 4; x++) {
             float weight = columns[x] * rows[y];
-            if (weight != 0.0)
-                sum += weight * fetch_picture(RT_TAA_BEFORE, corner + ivec2(x, y) - 1).rgb;
+            vec3 tap = fetch_picture(RT_TAA_BEFORE, corner + ivec2(x, y) - 1).rgb;
+            sum = weight != 0.0 ? sum + weight * tap : sum;
         }
     return sum;
 }
