@@ -7,17 +7,12 @@
 #define NEPH_REALTIME_TAA_GLSL
 
 #include "random.glsl"
+#include "realtime_axes.glsl"
 #include "realtime_change.glsl"
 #include "realtime_film.glsl"
 #include "realtime_slots.glsl"
 
 // --- motion of the camera -------------------------------------------------------------------
-
-float dot_in_order(vec3 a, vec3 b)
-{
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
-}
 
 // The place at eye depth 1 of what a pixel's centre sees, without jitter.
 vec3 ray_through(vec2 centre_px)
@@ -123,33 +118,10 @@ bool is_steady()
     return is_at_rest && asks_for_change() && (is_known || is_seen);
 }
 
-// A way by the axes of the camera before: right and down in halves of its picture at eye depth 1,
-// and ahead.
-vec3 seen_before(vec3 way)
-{
-    return vec3(dot_in_order(way, view_before.right) / view_before.half_width,
-                -dot_in_order(way, view_before.up) / view_before.half_height,
-                dot_in_order(way, view_before.forward));
-}
-
-// On a GPU: what half a picture to the right, half a picture down and the way ahead are to the
-// camera before. Of one that has not turned all is exactly as it was.
-bool has_turned = !(view_now.right == view_before.right && view_now.up == view_before.up &&
-                    view_now.forward == view_before.forward &&
-                    view_now.half_width == view_before.half_width &&
-                    view_now.half_height == view_before.half_height);
-vec3 across_before = has_turned ? view_now.half_width * seen_before(view_now.right)
-                                : vec3(1.0, 0.0, 0.0);
-vec3 down_before = has_turned ? -view_now.half_height * seen_before(view_now.up)
-                              : vec3(0.0, 1.0, 0.0);
-vec3 ahead_before = has_turned ? seen_before(view_now.forward) : vec3(0.0, 0.0, 1.0);
-
 bool find_motion_by_axes(vec2 centre_px, float depth_m, vec3 from_m, out vec2 motion_px)
 {
     vec2 half_px = 0.5 * vec2(picture_px), from_middle = centre_px / half_px - 1.0;
-    precise vec3 seen = from_middle.x * across_before + from_middle.y * down_before +
-                        ahead_before -
-                        1.0 / depth_m * seen_before(from_m);
+    vec3 seen = seen_at(from_middle, depth_m, from_m);
     precise vec2 moved_px = half_px * (from_middle - 1.0 / seen.z * seen.xy);
     motion_px = moved_px;
     return seen.z > 0.0;
@@ -162,7 +134,7 @@ bool find_motion_by_axes(vec2 centre_px, float depth_m, vec3 from_m, out vec2 mo
 // picture all depths move alike, since its camera never turns (scenes/load_motion.c).
 bool find_motion(vec2 centre_px, vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
 {
-    if (ON_GPU && view_now.is_parallel == 0u)
+    if (goes_by_axes())
         return find_motion_by_axes(centre_px, depth_m, from_m, motion_px);
     precise vec3 ray_before = ray - from_m / view_spread(view_now, depth_m);
     float depth_before = view_spread(view_before, dot_in_order(ray_before, view_before.forward));
@@ -440,8 +412,8 @@ float round_by_chance(float value, float number)
     return (number < above_it ? below + 1.0 : below) * half_step;
 }
 
-// The same by whole numbers, for what is from 0 to 65504: a number of 13 bits is added to those that
-// a half has no room for. What is below 2^-14 is rounded as if it were as much above that.
+// The same by whole numbers, for what is from 0 to 65504: a number of 13 bits is added to those
+// that a half has no room for. What is below 2^-14 is rounded as if it were as much above that.
 float round_by_bits(float value, uint number)
 {
     bool is_below_normal = value < 6.103515625e-5;

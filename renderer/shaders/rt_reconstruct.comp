@@ -115,9 +115,8 @@ void load_rays(ivec2 tile)
         rays[i] = load_ray(tile, i);
 }
 
-// On a GPU a work group makes a block of texels, two a thread. Its rays and those around are fetched
-// once, into
-// shared memory, where a ray can be picked by its number, too.
+// On a GPU a work group makes a block of texels, two a thread. Its rays and those around are
+// fetched once, into shared memory, where a ray can be picked by its number, too.
 const ivec2 BLOCK = ivec2(RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT);
 const ivec2 BLOCK_TILES = BLOCK / 2, AREA = BLOCK_TILES + 2;
 shared vec4 area_values[AREA.x * AREA.y];
