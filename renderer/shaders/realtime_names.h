@@ -228,9 +228,9 @@
 // Tiles along the side of the block that a work group of 64 marches.
 #define RT_MARCH_BLOCK 8
 
-// Texels of the block that a work group of 64 takes through the reconstruction on a GPU, two each.
+// Texels of the block that a work group of 64 takes through the reconstruction on a GPU.
 #define RT_TEXEL_BLOCK_WIDTH 16
-#define RT_TEXEL_BLOCK_HEIGHT 8
+#define RT_TEXEL_BLOCK_HEIGHT 4
 
 // Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
 // colours take turns.

@@ -69,10 +69,6 @@ float depth_of_motion(ivec2 pixel, out vec3 moved_m)
 
 Change of_medium, of_behind; // around the column of this thread
 
-// A GPU that searches for history does so for all pixels of a thread before it looks at the frame:
-// what either needs of registers the other has not to wait for.
-bool keeps_pasts() { return ON_GPU && !ALL_REST; }
-
 bool asks_for_change() { return choice(RT_GRADIENT) != 0 && is_set(RT_TAA_AGE_MAX); }
 
 void find_change(ivec2 tile)
@@ -341,25 +337,17 @@ float frames_alike()
                setting(RT_TAA_JITTER_LENGTH) * lasting(of_behind.residue, limit));
 }
 
-// Better read again than kept in registers, where hardly anybody asks.
-vec3 gain_at(int target, ivec2 source, Change known)
-{
-    return keeps_pasts() ? change_of(target, source / 4).gain : known.gain;
-}
-
 // Where it rests history has the light of this frame, by the shares that both have in the pixel.
 vec3 relit(vec3 history, ivec2 source, Film film, float speed_px)
 {
     float motion = beyond(speed_px, setting(RT_TAA_REST_PX));
-    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || (ON_GPU && motion == 1.0))
-        return history;
-    vec3 gain_of_medium = gain_at(RT_CHANGE, source, of_medium);
-    vec3 gain_behind = gain_at(RT_CHANGE_BEHIND, source, of_behind);
-    if (ON_GPU && gain_of_medium == vec3(1.0) && gain_behind == vec3(1.0))
+    bool is_steady = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
+    bool is_idle = ON_GPU && (is_steady || motion == 1.0);
+    if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || is_idle)
         return history;
     vec3 colour = film.own;
     vec3 medium = hold(exposure * fetch_full(RT_VOLUME, source).rgb, vec3(0.0), colour);
-    vec3 then = medium / gain_of_medium + (colour - medium) / gain_behind;
+    vec3 then = medium / of_medium.gain + (colour - medium) / of_behind.gain;
     vec3 gain = mix(vec3(1.0), colour / then, greaterThan(then, vec3(0.0)));
     return mix(gain, vec3(1.0), motion) * history;
 }
@@ -467,39 +455,29 @@ bool is_responsive(ivec2 source)
            fetch_full(RT_VOLUME, source).a < 0.5;
 }
 
-// What a pixel showed in the frame before.
-struct Past {
-    vec4 found; // RGB, age
-    float speed_px;
-    bool is_there; // else nothing is known of it
-};
-
-Past past_of(ivec2 pixel, ivec2 source)
-{
-    Past past;
-    vec2 before_px;
-    bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
-    past.is_there = !is_reset && find_before(pixel, source, before_px, past.speed_px) &&
-                    !is_ghost(flags_movers() && is_at_mover(source), before_px) &&
-                    fetch_history(before_px, past.found);
-    return past;
-}
-
 // The colour of a pixel of the picture, which is made of the rendered ones around `source`, and its
 // age.
-vec4 resolved(ivec2 source, Film film, Past past)
+vec4 resolved(ivec2 pixel, ivec2 source, Film film)
 {
-    vec3 history = past.found.rgb, colour = film.colour;
-    float age = past.is_there ? past.found.a : asks_for_age() ? 1.0 : 0.0;
+    bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
+    vec2 before_px;
+    float speed_px;
+    vec4 found; // RGB, age
+    vec3 colour = film.colour;
+    bool at_mover = flags_movers() && is_at_mover(source);
+    bool has_history = !is_reset && find_before(pixel, source, before_px, speed_px) &&
+                       !is_ghost(at_mover, before_px) && fetch_history(before_px, found);
+    vec3 history = found.rgb;
+    float age = has_history ? found.a : asks_for_age() ? 1.0 : 0.0;
     if (!film.is_any) {
-        colour = past.is_there ? history : vec3(0.0);
-    } else if (past.is_there) {
-        history = relit(history, source, film, past.speed_px);
+        colour = has_history ? history : vec3(0.0);
+    } else if (has_history) {
+        history = relit(history, source, film, speed_px);
         float alpha = 0.0, part = 0.0;
         vec3 held = history;
         if (is_held) {
-            alpha = frame_weight(luma_4(colour), luma_4(history), past.speed_px);
-            part = unrest(past.speed_px);
+            alpha = frame_weight(luma_4(colour), luma_4(history), speed_px);
+            part = unrest(speed_px);
             held = hold_history(history, film.box);
         }
         alpha = weight_with_age(alpha, part, age);
@@ -509,7 +487,6 @@ vec4 resolved(ivec2 source, Film film, Past past)
     }
     if (!(ON_GPU && guarded()))
         colour = hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX));
-    bool at_mover = flags_movers() && is_at_mover(source);
     return vec4(guard(colour), at_mover ? float(RT_OF_MOVER) : age);
 }
 

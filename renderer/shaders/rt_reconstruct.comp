@@ -115,8 +115,8 @@ void load_rays(ivec2 tile)
         rays[i] = load_ray(tile, i);
 }
 
-// On a GPU a work group makes a block of texels, two a thread. Its rays and those around are
-// fetched once, into shared memory, where a ray can be picked by its number, too.
+// On a GPU a work group makes a block of texels. Its rays and those around are fetched once, into
+// shared memory, where a ray can be picked by its number, too.
 const ivec2 BLOCK = ivec2(RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT);
 const ivec2 BLOCK_TILES = BLOCK / 2, AREA = BLOCK_TILES + 2;
 shared vec4 area_values[AREA.x * AREA.y];
@@ -290,9 +290,10 @@ float change_at_ray(ivec2 tile, int ray)
 // What has changed around a tile is found here where there is no pass for it: by a thread for each
 // tile of the block, and for what is behind by one of the group's other half, which is another
 // subgroup.
-const int BLOCK_TILE_COUNT = BLOCK_TILES.x * BLOCK_TILES.y; // as many as threads of a half
+const int BLOCK_TILE_COUNT = BLOCK_TILES.x * BLOCK_TILES.y;
 shared vec4 area_changes[BLOCK_TILE_COUNT];
 shared vec4 area_looks[4 * AREA.x * AREA.y];
+shared uint area_seen[AREA.x * AREA.y]; // of the medium, and in the next two bits behind it
 ivec2 area_corner; // its first tile
 
 bool finds_change()
@@ -311,11 +312,24 @@ void fetch_looks()
 {
     for (int i = int(gl_LocalInvocationID.x); i < AREA.x * AREA.y; i += GROUP_THREADS) {
         ivec2 tile = area_corner + ivec2(i % AREA.x, i / AREA.x);
-        area_looks[i] = fetch_tile(RT_LOOK_NOW, tile);
-        area_looks[i + AREA.x * AREA.y] = fetch_tile(RT_LOOK_THEN, tile);
-        area_looks[i + 2 * AREA.x * AREA.y] = fetch_tile(RT_LOOK_BEHIND_NOW, tile);
-        area_looks[i + 3 * AREA.x * AREA.y] = fetch_tile(RT_LOOK_BEHIND_THEN, tile);
+        vec4 now = fetch_tile(RT_LOOK_NOW, tile), then = fetch_tile(RT_LOOK_THEN, tile);
+        vec4 behind_now = fetch_tile(RT_LOOK_BEHIND_NOW, tile);
+        vec4 behind_then = fetch_tile(RT_LOOK_BEHIND_THEN, tile);
+        area_looks[i] = now;
+        area_looks[i + AREA.x * AREA.y] = then;
+        area_looks[i + 2 * AREA.x * AREA.y] = behind_now;
+        area_looks[i + 3 * AREA.x * AREA.y] = behind_then;
+        area_seen[i] = seen_by(now, then) | seen_by(behind_now, behind_then) << 2;
     }
+}
+
+uint seen_around(ivec2 tile, int target_now)
+{
+    ivec2 first = tile - 1 - area_corner;
+    uint seen = 0u;
+    [[unroll]] for (int i = 0; i < 9; i++)
+        seen |= area_seen[first.x + i % 3 + AREA.x * (first.y + i / 3)];
+    return target_now == RT_LOOK_NOW ? seen : seen >> 2;
 }
 
 void find_changes(ivec2 first_tile)
@@ -324,6 +338,8 @@ void find_changes(ivec2 first_tile)
     int thread = int(gl_LocalInvocationID.x), i = thread % half_group;
     ivec2 tile = first_tile + ivec2(i % BLOCK_TILES.x, i / BLOCK_TILES.x);
     bool is_there = all(lessThan(tile, tile_count()));
+    if (i >= BLOCK_TILE_COUNT)
+        return;
     if (thread < half_group) {
         vec4 change = change_of_medium(tile);
         area_changes[i] = change;
@@ -487,11 +503,31 @@ bool own_fresh_texel(out ivec2 half_pixel)
 // The texel of this thread; false when there is none left.
 bool own_texel(out ivec2 half_pixel)
 {
-    return is_unread() ? own_fresh_texel(half_pixel) : own_element(half_size(), half_pixel);
+    if (is_unread())
+        return own_fresh_texel(half_pixel);
+    if (!ON_GPU)
+        return own_element(half_size(), half_pixel);
+    ivec2 block = own_block(half_size(), BLOCK);
+    int thread = int(gl_LocalInvocationID.x);
+    half_pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x);
+    own_place = half_pixel / 2 - block / 2 + 1;
+    area_corner = block / 2 - 1;
+    if (shares_rays())
+        fetch_area(block / 2);
+    if (finds_change())
+        fetch_looks();
+    barrier();
+    if (finds_change())
+        find_changes(block / 2);
+    barrier();
+    return all(lessThan(half_pixel, half_size()));
 }
 
-void make(ivec2 half_pixel)
+void main()
 {
+    ivec2 half_pixel;
+    if (!own_texel(half_pixel))
+        return;
     ivec2 tile = half_pixel / 2;
     is_at_rest = history_rests();
     if (!shares_rays())
@@ -541,40 +577,4 @@ void make(ivec2 half_pixel)
         value = stand_in(kind, half_pixel, nearest, own_m, is_sky(depth_m));
     }
     put_result(half_pixel, value, age, known_distance_m(distance_m));
-}
-
-// By all threads of a group: what its texels and tiles have in common.
-void prepare(ivec2 block)
-{
-    area_corner = block / 2 - 1;
-    if (shares_rays())
-        fetch_area(block / 2);
-    if (finds_change())
-        fetch_looks();
-    barrier();
-    if (finds_change())
-        find_changes(block / 2);
-    barrier();
-}
-
-void make_block()
-{
-    ivec2 block = own_block(half_size(), BLOCK);
-    int thread = int(gl_LocalInvocationID.x);
-    prepare(block);
-    [[dont_unroll]] for (int i = thread; i < BLOCK.x * BLOCK.y; i += GROUP_THREADS) {
-        ivec2 half_pixel = block + ivec2(i % BLOCK.x, i / BLOCK.x);
-        own_place = half_pixel / 2 - area_corner;
-        if (all(lessThan(half_pixel, half_size())))
-            make(half_pixel);
-    }
-}
-
-void main()
-{
-    ivec2 half_pixel;
-    if (ON_GPU && !is_unread())
-        make_block();
-    else if (own_texel(half_pixel))
-        make(half_pixel);
 }

@@ -50,36 +50,6 @@ void fetch_next(ivec2 pixel)
         next_history = fetch_picture(RT_TAA_BEFORE, pixel);
 }
 
-void look_at_tile(ivec2 tile)
-{
-    if (asks_for_change())
-        find_change(tile);
-    is_at_rest = rests();
-    is_held = !is_steady();
-}
-
-// Pasts of a block's pixels, each for its own thread. With a speed below 0: none.
-shared vec4 kept_found[BLOCK.x * BLOCK.y];
-shared float kept_speeds_px[BLOCK.x * BLOCK.y];
-
-int kept_place(int row) { return row * GROUP_THREADS + int(gl_LocalInvocationID.x); }
-
-void keep_pasts(ivec2 first)
-{
-    look_at_tile(first / TILE_PX);
-    [[dont_unroll]] for (int row = 0; row < COLUMN_PX; row++) {
-        Past past = past_of(first + ivec2(0, row), first + ivec2(0, row));
-        kept_found[kept_place(row)] = past.found;
-        kept_speeds_px[kept_place(row)] = past.is_there ? past.speed_px : -1.0;
-    }
-}
-
-Past kept_past(int row)
-{
-    float speed_px = kept_speeds_px[kept_place(row)];
-    return Past(kept_found[kept_place(row)], speed_px, speed_px >= 0.0);
-}
-
 // The first pixel of this thread's column; false when there is none left.
 bool own_column(ivec2 size, out ivec2 pixel)
 {
@@ -88,14 +58,20 @@ bool own_column(ivec2 size, out ivec2 pixel)
         int thread = int(gl_LocalInvocationID.x);
         pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x * COLUMN_PX);
         fetch_next(pixel);
-        if (keeps_pasts())
-            keep_pasts(pixel);
         fetch_area(block);
         return all(lessThan(pixel, size));
     }
     bool is_left = own_element(ivec2(size.x, (size.y - 1) / COLUMN_PX + 1), pixel);
     pixel.y *= COLUMN_PX;
     return is_left;
+}
+
+void look_at_tile(ivec2 tile)
+{
+    if (asks_for_change())
+        find_change(tile);
+    is_at_rest = rests();
+    is_held = !is_steady();
 }
 
 // A picture at rest whose history is fetched once, for its colour and its age.
@@ -112,8 +88,7 @@ void resolve(ivec2 pixel, bool is_there, inout Window window)
 {
     find_history(pixel);
     look_down(pixel, window);
-    Past past = keeps_pasts() ? kept_past(pixel.y % COLUMN_PX) : past_of(pixel, pixel);
-    vec4 made = resolved(pixel, film_in(pixel, window), past);
+    vec4 made = resolved(pixel, pixel, film_in(pixel, window));
     if (is_there)
         put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
 }
@@ -128,7 +103,7 @@ void main()
     if (!own_column(size, pixel))
         return;
     int end = min(pixel.y + COLUMN_PX, size.y);
-    if (ON_GPU && !keeps_pasts())
+    if (ON_GPU)
         look_at_tile(pixel / TILE_PX);
     Window window = look_above(pixel);
     do {

@@ -54,6 +54,6 @@ void main()
     if (asks_for_change())
         find_change(clamp(source, ivec2(0), view_size() - 1) / 4);
     is_at_rest = rests();
-    vec4 made = resolved(source, film_of(look_around(source)), past_of(pixel, source));
+    vec4 made = resolved(pixel, source, film_of(look_around(source)));
     put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(made.rgb, pixel), made.a));
 }

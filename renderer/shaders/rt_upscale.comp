@@ -364,55 +364,6 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
     return Upscaled(blend(taps.of, weights, nearest), chosen.distance_m);
 }
 
-// The same in fewer instructions, for a GPU: what is not used is farther away than anything.
-bool is_short()
-{
-    return rounds_to_halves() && choice(RT_UPSCALE) == RT_UPSCALE_BILATERAL &&
-           !is_set(RT_UPSCALE_CONTRAST) && choice(RT_UPSCALE_SAME_KIND) == 0;
-}
-
-float asked_depth_m(Tap tap) { return tap.is_used ? compared_depth_m(tap.depth_m) : FLOAT_MAX; }
-
-float asked_difference_m(Tap tap, float own_m)
-{
-    precise float difference_m = abs(own_m - asked_depth_m(tap));
-    return difference_m;
-}
-
-// None is within the limit: the volume of the nearest.
-vec4 volume_at(Taps taps, int in_quad, vec2 fraction, float own_m, float least_m)
-{
-    vec4 volume = NOTHING.volume;
-    [[unroll]] for (int i = 3; i >= 0; i--) {
-        Tap tap = taps.of[asked_tap(i, in_quad, fraction)];
-        if (tap.is_used && asked_difference_m(tap, own_m) == least_m)
-            volume = tap.volume;
-    }
-    return volume;
-}
-
-Upscaled upscaled_short(Taps taps, int in_quad, vec2 fraction, float scene_m)
-{
-    float own_m = compared_depth_m(scene_m), least_m = FLOAT_MAX, distance_m = 0.0, total = 0.0;
-    precise float limit_m = setting(RT_UPSCALE_DEPTH) * own_m;
-    vec4 sum = vec4(0.0);
-    [[unroll]] for (int i = 0; i < 4; i++) {
-        precise float margin_m = limit_m - asked_difference_m(taps.of[i], own_m);
-        float weight = place_weight(tap_offset(i), fraction) * max(margin_m, 0.0);
-        sum += weight * taps.of[i].volume;
-        total += weight;
-    }
-    [[unroll]] for (int i = 0; i < 4; i++) {
-        Tap tap = taps.of[asked_tap(i, in_quad, fraction)];
-        float difference_m = asked_difference_m(tap, own_m);
-        distance_m = difference_m < least_m ? tap.distance_m : distance_m;
-        least_m = min(difference_m, least_m);
-    }
-    if (total > 0.0)
-        return Upscaled(sum / total, distance_m);
-    return Upscaled(volume_at(taps, in_quad, fraction, own_m, least_m), distance_m);
-}
-
 // --- both over what is behind -----------------------------------------------------------------
 
 // As a volume is read again.
@@ -445,9 +396,7 @@ void main()
         if (i == 0 || !shares_taps())
             taps = fetch_taps(corner);
         precise vec2 fraction = place - vec2(corner);
-        float scene_m = fetch_full(RT_DEPTH, pixel).x;
-        Upscaled made = is_short() ? upscaled_short(taps, i, fraction, scene_m)
-                                   : upscaled(taps, i, fraction, scene_m);
+        Upscaled made = upscaled(taps, i, fraction, fetch_full(RT_DEPTH, pixel).x);
         if (all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, view_size()))) {
             if (!is_unread()) {
                 put_full(RT_VOLUME, pixel, made.volume);

@@ -817,7 +817,7 @@ static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
     for (size_t v = 0; v < sizeof(values) / sizeof(values[0]); v++) {
         const float value = (float)values[v];
         test.view.frame = (uint32_t)v;
-        for (size_t e = 0; e < 64 * 64; e++)
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
             test_set(&test, RT_COLOR, e, (float[4]){value, value, value});
         run(&test);
         twin_taa(&test.twin);
