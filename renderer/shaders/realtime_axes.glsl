@@ -37,8 +37,9 @@ vec3 ahead_before = has_turned ? seen_before(view_now.forward) : vec3(0.0, 0.0, 
 
 bool goes_by_axes() { return ON_GPU && view_now.is_parallel == 0u; }
 
-// Of what is `depth_m` deep at a place from the middle of the picture, in halves of it, and stood
-// `from_m` off in the frame before: its place there, times Z, which is above 0 before the camera.
+// The place in the frame before, times Z, of what is `depth_m` deep at a place now, and stood
+// `from_m` off then. Places are from the middle, in halves of a picture; Z is above 0 before the
+// camera.
 vec3 seen_at(vec2 from_middle, float depth_m, vec3 from_m)
 {
     precise vec3 seen = from_middle.x * across_before + from_middle.y * down_before +

@@ -38,8 +38,7 @@ uint seen_by(vec4 now, vec4 then)
            (now.a != 0.0 || (is_again && now.rgb != then.rgb) ? SEEN_UNLIKE : 0u);
 }
 
-// Of 3x3 tiles together; from where the pass has it, which may say SEEN_UNLIKE where it does not
-// know.
+// That of 3x3 tiles together, from where the pass has it; SEEN_UNLIKE where it does not know.
 uint seen_around(ivec2 tile, int target_now);
 
 ivec2 tile_around(ivec2 tile, int i) { return tile + ivec2(i % 3, i / 3) - 1; }

@@ -406,7 +406,7 @@ Box variance_box(Row rows[3], vec3 filtered)
     return box_about(mean, part * scatter, filtered);
 }
 
-// The same colour by colour.
+// That of all three at once, colour by colour.
 Box variance_box(ivec2 pixel, vec3 filtered)
 {
     vec3 sum = vec3(0.0), scatter = vec3(0.0);

@@ -400,8 +400,9 @@ float round_by_chance(float value, float number)
     return (number < above_it ? below + 1.0 : below) * half_step;
 }
 
-// The same by whole numbers, for what is from 0 to 65504: a number of 13 bits is added to those
-// that a half has no room for. What is below 2^-14 is rounded as if it were as much above that.
+// One of them by whole numbers, for what is from 0 to 65504: a number of 13 bits is added to those
+// that a half has no room for, which chooses alike. What is below 2^-14 is rounded as if it were as
+// much above that.
 float round_by_bits(float value, uint number)
 {
     bool is_below_normal = value < 6.103515625e-5;

@@ -111,8 +111,8 @@ static float depth_of_motion(const struct twin *twin, int x, int y, float moved_
 }
 
 /* Right and down in halves of the picture before at eye depth 1, and ahead. */
-static void seen_before(const struct neph_gpu_view_camera *before, const float way[3],
-                        float scale, float seen[3])
+static void seen_before(const struct neph_gpu_view_camera *before, const float way[3], float scale,
+                        float seen[3])
 {
     seen[0] = scale * (taa_dot(way, before->right) / before->half_width);
     seen[1] = scale * (-taa_dot(way, before->up) / before->half_height);
@@ -233,10 +233,10 @@ bool taa_find_before(const struct twin *twin, struct place at, float place_px[2]
     const bool has_wind = view->wind_m[0] != 0.0f || view->wind_m[1] != 0.0f ||
                           view->wind_m[2] != 0.0f;
     const bool is_carried = choice(twin, RT_TAA_MEDIUM) && choice(twin, RT_WIND) && has_wind;
-    const bool is_before = (is_carried && is_changing(twin, at.source_x, at.source_y) &&
-                            goes_with_medium(twin, at.source_x, at.source_y, centre_px, ray,
-                                             motion_px)) ||
-                           find_motion(twin, centre_px, ray, scene_m, from_m, motion_px);
+    const bool is_before =
+        (is_carried && is_changing(twin, at.source_x, at.source_y) &&
+         goes_with_medium(twin, at.source_x, at.source_y, centre_px, ray, motion_px)) ||
+        find_motion(twin, centre_px, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
     place_px[1] = centre_px[1] - motion_px[1];
     *speed_px = hypot(motion_px[0], motion_px[1]);
