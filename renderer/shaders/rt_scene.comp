@@ -71,8 +71,9 @@ void meet_solids(inout SightLine picture, inout SightLine steady)
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++)
             meet_both(s, picture, steady);
     } else {
-        for (uint s = 0; s < own(frame.solid_count); s++)
-            meet_both(s, picture, steady);
+        picture.hit = scene_hit(picture.ray.origin_m, picture.ray.direction);
+        if (choice(RT_JITTERED_DEPTH) == 0)
+            steady.hit = scene_hit(steady.ray.origin_m, steady.ray.direction);
     }
 }
 

@@ -75,7 +75,7 @@ bool sees_sun(vec3 point_m, uint except)
     float start_m = SHADOW_START * length(point_m);
 #ifdef KNOWS_SOLIDS
     if (are_known())
-        return known_let_sun(point_m, to_sun(), except, start_m);
+        return known_let_pass(point_m, to_sun(), start_m, ENDLESS_M, except);
 #endif
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, point_m, to_sun(), start_m, FAR_M);
@@ -103,6 +103,10 @@ bool medium_sees_sun(vec3 point_m)
 bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
+#ifdef KNOWS_SOLIDS
+    if (are_known())
+        return known_let_pass(point_m, direction, start_m, distance_m, except);
+#endif
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, point_m, direction, start_m, distance_m);
         for (uint s = block * BLOCK_SOLIDS; s < end; s++) {
