@@ -27,20 +27,6 @@ vec4 remembered(float before, vec4 change)
 // One of the four looks (RT_LOOK_*) at a tile, from where the pass has it.
 vec4 look_of(int target, ivec2 tile);
 
-// What a tile's two looks say at first sight: that one of them was a second one, and that something
-// is not as it was.
-const uint SEEN_AGAIN = 1u, SEEN_UNLIKE = 2u;
-
-uint seen_by(vec4 now, vec4 then)
-{
-    bool is_again = then.a > 0.0;
-    return (is_again ? SEEN_AGAIN : 0u) |
-           (now.a != 0.0 || (is_again && now.rgb != then.rgb) ? SEEN_UNLIKE : 0u);
-}
-
-// That of 3x3 tiles together, from where the pass has it; SEEN_UNLIKE where it does not know.
-uint seen_around(ivec2 tile, int target_now);
-
 ivec2 tile_around(ivec2 tile, int i) { return tile + ivec2(i % 3, i / 3) - 1; }
 
 struct Around {
@@ -88,9 +74,6 @@ vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, fl
     vec4 now[9], then[9];
     Around around = Around(vec3(0.0), vec3(0.0), false, true);
     float unlike = 0.0;
-    uint seen = ON_GPU ? seen_around(tile, target_now) : SEEN_UNLIKE;
-    if ((seen & SEEN_UNLIKE) == 0u)
-        return vec4(vec3(1.0), cannot_tell ? 1.0 : (seen & SEEN_AGAIN) != 0u ? 0.0 : unknown);
     if (ON_GPU) {
         [[dont_unroll]] for (int y = -1; y <= 1; y++) {
             LookRow row = look_row(tile + ivec2(0, y), target_now, target_then);

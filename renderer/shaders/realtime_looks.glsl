@@ -14,10 +14,7 @@ vec3 gain_between(vec3 now, vec3 then)
     for (int c = 0; c < 3; c++) {
         precise float of_channel = then[c] > 0.0 ? now[c] / then[c] : 1.0;
         float least = 1.0 - setting(RT_RELIGHT), most = 1.0 + setting(RT_RELIGHT);
-        gain[c] = ON_GPU               ? clamp(of_channel, least, most)
-                  : of_channel < least ? least
-                  : of_channel > most  ? most
-                                       : of_channel;
+        gain[c] = of_channel < least ? least : of_channel > most ? most : of_channel;
     }
     return gain;
 }
@@ -25,24 +22,15 @@ vec3 gain_between(vec3 now, vec3 then)
 // Not more than the largest half. A NaN becomes 0.
 vec4 limited(vec4 value)
 {
-    if (ON_GPU)
-        return clamp(value, vec4(0.0), vec4(HALF_MAX));
     vec4 below = mix(vec4(HALF_MAX), value, lessThan(value, vec4(HALF_MAX)));
     return mix(vec4(0.0), below, greaterThan(value, vec4(0.0)));
 }
 
 // What a half keeps of a value: a look that was not rounded is not the one that was kept, and what
 // rests would seem to change for ever.
-//
-// A driver leaves out its own two conversions where it sees that they follow each other, but not
-// with a number between them that only we know to be 0.
 vec4 kept(vec4 value)
 {
     vec4 seen = limited(value);
-    if (NATIVE_HALVES == (NEPH_HALVES_READ | NEPH_HALVES_WRITTEN)) {
-        uvec2 words = uvec2(pack(seen.xy), pack(seen.zw)) ^ (view.has_history >> 1);
-        return vec4(unpack(words.x), unpack(words.y));
-    }
     return vec4(from_halves(pack(seen.xy)), from_halves(pack(seen.zw)));
 }
 
@@ -51,8 +39,6 @@ ivec2 kept_place() { return ivec2(view_frame & 1u, view_frame >> 1 & 1u); }
 
 float largest(vec3 value)
 {
-    if (ON_GPU) // they are limited
-        return max(max(value.r, value.g), value.b);
     float most = value.r > value.g ? value.r : value.g;
     return most > value.b ? most : value.b;
 }
@@ -63,7 +49,7 @@ float residue_between(vec3 now, vec3 then, vec3 gain)
     precise vec3 expected = gain * then;
     precise vec3 difference = abs(now - expected);
     float of_now = largest(now), of_then = largest(expected);
-    float most = ON_GPU ? max(of_now, of_then) : of_now > of_then ? of_now : of_then;
+    float most = of_now > of_then ? of_now : of_then;
     precise float part = largest(difference) / most;
     return most > 0.0 ? part : 0.0;
 }

@@ -9,8 +9,6 @@
 #include "realtime_change_around.glsl"
 #include "realtime_pass.glsl"
 
-uint seen_around(ivec2 tile, int target_now) { return SEEN_UNLIKE; }
-
 vec4 look_of(int target, ivec2 tile) { return fetch_tile(target, tile); }
 
 void main()

@@ -296,7 +296,6 @@ float change_at_ray(ivec2 tile, int ray)
 const int BLOCK_TILE_COUNT = BLOCK_TILES.x * BLOCK_TILES.y;
 shared vec4 area_changes[BLOCK_TILE_COUNT];
 shared vec4 area_looks[4 * AREA.x * AREA.y];
-shared uint area_seen[AREA.x * AREA.y]; // of the medium, and in the next two bits behind it
 ivec2 area_corner; // its first tile
 
 bool finds_change()
@@ -315,24 +314,11 @@ void fetch_looks()
 {
     for (int i = int(gl_LocalInvocationID.x); i < AREA.x * AREA.y; i += GROUP_THREADS) {
         ivec2 tile = area_corner + ivec2(i % AREA.x, i / AREA.x);
-        vec4 now = fetch_tile(RT_LOOK_NOW, tile), then = fetch_tile(RT_LOOK_THEN, tile);
-        vec4 behind_now = fetch_tile(RT_LOOK_BEHIND_NOW, tile);
-        vec4 behind_then = fetch_tile(RT_LOOK_BEHIND_THEN, tile);
-        area_looks[i] = now;
-        area_looks[i + AREA.x * AREA.y] = then;
-        area_looks[i + 2 * AREA.x * AREA.y] = behind_now;
-        area_looks[i + 3 * AREA.x * AREA.y] = behind_then;
-        area_seen[i] = seen_by(now, then) | seen_by(behind_now, behind_then) << 2;
+        area_looks[i] = fetch_tile(RT_LOOK_NOW, tile);
+        area_looks[i + AREA.x * AREA.y] = fetch_tile(RT_LOOK_THEN, tile);
+        area_looks[i + 2 * AREA.x * AREA.y] = fetch_tile(RT_LOOK_BEHIND_NOW, tile);
+        area_looks[i + 3 * AREA.x * AREA.y] = fetch_tile(RT_LOOK_BEHIND_THEN, tile);
     }
-}
-
-uint seen_around(ivec2 tile, int target_now)
-{
-    ivec2 first = tile - 1 - area_corner;
-    uint seen = 0u;
-    [[unroll]] for (int i = 0; i < 9; i++)
-        seen |= area_seen[first.x + i % 3 + AREA.x * (first.y + i / 3)];
-    return target_now == RT_LOOK_NOW ? seen : seen >> 2;
 }
 
 void find_changes(ivec2 first_tile)
