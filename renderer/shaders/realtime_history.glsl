@@ -5,7 +5,6 @@
 #ifndef NEPH_REALTIME_HISTORY_GLSL
 #define NEPH_REALTIME_HISTORY_GLSL
 
-#include "realtime_axes.glsl"
 #include "realtime_box.glsl"
 #include "realtime_slots.glsl"
 
@@ -89,9 +88,9 @@ void add(History tap, float weight, bool is_about, inout Mean mean)
         extend(mean.range, tap.value);
 }
 
-// A GPU would wait for one tap after the other behind a branch. Of Catmull-Rom each is asked
-// before, whether it is void.
-bool takes_at_once() { return ON_GPU && choice(RT_HISTORY_FILTER) == RT_FILTER_BILINEAR; }
+// A GPU would wait for one tap after the other behind a branch, and a loop of lavapipe's carries
+// all of the mean through memory. Of Catmull-Rom each is asked before, whether it is void.
+bool takes_at_once() { return choice(RT_HISTORY_FILTER) == RT_FILTER_BILINEAR; }
 
 // The mean of the taps that are not void, with the age of the heaviest; void if all are. It is held
 // in the range of the four taps about the place: equal ones come out exactly, and Catmull-Rom does
@@ -143,27 +142,6 @@ vec2 ray_jitter_px(vec2 of_frame_px)
     return is_followed ? of_frame_px : vec2(0.0);
 }
 
-vec2 from_middle(vec2 place_px) { return 2.0 * place_px / vec2(size_px) - 1.0; }
-
-bool is_in_view(vec2 place_px)
-{
-    return all(greaterThanEqual(place_px, vec2(0.0))) &&
-           all(lessThanEqual(place_px, vec2(view_size())));
-}
-
-bool find_before_by_axes(vec2 place_px, float distance_m, out vec2 before_px)
-{
-    vec2 middle = from_middle(place_px);
-    vec2 aside = middle * vec2(view_now.half_width, view_now.half_height);
-    bool is_depth = choice(RT_REPROJECT_MEASURE) == RT_MEASURE_EYE;
-    float depth_m = is_depth ? distance_m : distance_m * inversesqrt(1.0 + dot(aside, aside));
-    vec3 from_m = view_before.position_m + (choice(RT_WIND) != 0 ? wind_m() : vec3(0.0));
-    vec3 seen = seen_at(middle, depth_m, from_m);
-    vec2 motion_px = 0.5 * vec2(size_px) * (1.0 / seen.z * seen.xy - middle);
-    before_px = place_px + motion_px - ray_jitter_px(jitter_before_px);
-    return seen.z > 0.0 && is_in_view(before_px);
-}
-
 // Where the medium was seen that now is `distance_m` away; false if nowhere. The motion is added to
 // the place, because both projections of a resting camera are rounded the same way (if no product
 // is fused into one of them alone): the history of a still image must not creep. In parallel rays
@@ -173,8 +151,6 @@ bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
     before_px = place_px;
     if (is_at_rest)
         return true;
-    if (goes_by_axes())
-        return find_before_by_axes(place_px, distance_m, before_px);
     ViewLine line = view_line_at(view_now, place_px);
     bool is_parallel = view_now.is_parallel != 0u;
     float length_m = is_parallel ? 0.0
@@ -186,7 +162,8 @@ bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
     vec3 seen = project(view_before, moved_m);
     precise vec2 motion_px = seen.xy - project(view_now, point_m).xy;
     before_px = place_px + motion_px - ray_jitter_px(jitter_before_px);
-    return (is_parallel || seen.z > 0.0) && is_in_view(before_px);
+    return (is_parallel || seen.z > 0.0) && all(greaterThanEqual(before_px, vec2(0.0))) &&
+           all(lessThanEqual(before_px, vec2(view_size())));
 }
 
 bool is_same_depth(float expected_m, float before_m)
@@ -212,8 +189,6 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
     float expected_m = setting(RT_SKY_M);
     if (is_at_rest && !is_sky(depth_m)) {
         expected_m = depth_m;
-    } else if (!is_sky(depth_m) && goes_by_axes()) {
-        expected_m = depth_m * seen_at(from_middle(place_px), depth_m, view_before.position_m).z;
     } else if (!is_sky(depth_m)) {
         ViewLine line = view_line_at(view_now, place_px);
         float length_m = depth_m / dot(line.direction, view_now.forward);

@@ -76,33 +76,20 @@ float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
     return area_depths_m[area_index(at)];
 }
 
-// What is_smooth() has fetched lies within a rim of the area. The rim's own depths by their number:
-// whole rows above and below, then what is left of it at both sides.
-const int SIDE = 2 * AREA, RIM = 2 * (HALO - 1), RIM_ROWS = 2 * RIM * SIDE;
-const int RIM_COUNT = RIM_ROWS + 2 * RIM * (SIDE - 2 * RIM);
-
-int beyond_middle(int at) { return at < RIM ? at : at + SIDE - 2 * RIM; }
-
-ivec2 rim_place(int i)
-{
-    int j = i - RIM_ROWS;
-    return j < 0 ? ivec2(i % SIDE, beyond_middle(i / SIDE))
-                 : ivec2(beyond_middle(j % (2 * RIM)), RIM + j / (2 * RIM));
-}
-
 // By all threads of a group: what four colours look at, one after the other, is fetched at once.
-void fetch_rim()
+void fetch_area_depths()
 {
-    const int turns = (RIM_COUNT - 1) / GROUP_THREADS + 1;
+    const int count = 4 * AREA * AREA, turns = (count - 1) / GROUP_THREADS + 1;
     int thread = int(gl_LocalInvocationID.x);
     float depths_m[turns];
     [[unroll]] for (int k = 0; k < turns; k++) {
-        int i = min(thread + GROUP_THREADS * k, RIM_COUNT - 1);
-        depths_m[k] = half_depth_m(max(2 * area_corner + rim_place(i), ivec2(0)), view_origin());
+        int i = min(thread + GROUP_THREADS * k, count - 1);
+        ivec2 half_pixel = 2 * area_corner + ivec2(i % (2 * AREA), i / (2 * AREA));
+        depths_m[k] = half_depth_m(max(half_pixel, ivec2(0)), view_origin());
     }
     [[unroll]] for (int k = 0; k < turns; k++)
-        area_depths_m[area_index(rim_place(min(thread + GROUP_THREADS * k, RIM_COUNT - 1)))] =
-            depths_m[k];
+        if (thread + GROUP_THREADS * k < count)
+            area_depths_m[thread + GROUP_THREADS * k] = depths_m[k];
     barrier();
 }
 
@@ -126,7 +113,7 @@ bool covers(float ray_m, float depth_m)
 shared uint least_depth, largest_depth;
 
 // Whether all of these stand for each other, so that no tile of the block overrides, whatever those
-// around choose; their own halo does not matter then. They are fetched, all but a rim of the area.
+// around choose; their own halo does not matter then. They are fetched.
 bool is_smooth()
 {
     const int side = 2 * (RT_COLOUR_BLOCK + 2), count = side * side;
@@ -281,7 +268,7 @@ void choose_block(bool may_override)
     if (has_area_depths()) {
         may_override = !is_smooth() && may_override;
         if (may_override) {
-            fetch_rim();
+            fetch_area_depths();
             share_rays();
         }
     }
