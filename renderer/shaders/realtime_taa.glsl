@@ -341,8 +341,8 @@ float frames_alike()
 vec3 relit(vec3 history, ivec2 source, Film film, float speed_px)
 {
     float motion = beyond(speed_px, setting(RT_TAA_REST_PX));
-    bool is_steady = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
-    bool is_idle = ON_GPU && (is_steady || motion == 1.0);
+    bool is_same = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
+    bool is_idle = is_same || (ON_GPU && motion == 1.0);
     if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || is_idle)
         return history;
     vec3 colour = film.own;

@@ -182,8 +182,8 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
     neph_realtime_destroy(read);
 }
 
-/* Where media only take light what is anti-aliased is made once for each place of the jitter, and no
- * ray marched again until something moves. */
+/* Where media only take light what is anti-aliased is made once for each place of the jitter, and
+ * no ray marched again until something moves. */
 static void test_what_takes_light_alone_is_made_once(void **state)
 {
     enum { PICTURES = 56, SUN_MOVES = 42, KEPT_AFTER = 18 };
