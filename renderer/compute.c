@@ -327,7 +327,7 @@ static VkResult create_module(struct neph_vulkan *vulkan, const struct neph_kern
     if (neph_specialize(params->spirv, params->spirv_size_bytes, params->constants,
                         params->constant_count, &specialized, &size_bytes, NULL))
         return VK_ERROR_OUT_OF_HOST_MEMORY;
-    if (vulkan->messenger)
+    if (vulkan->messenger && vulkan->description.is_cpu)
         check_loops(vulkan, params->name, specialized, size_bytes);
     const VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
