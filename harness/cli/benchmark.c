@@ -22,7 +22,7 @@
 struct request {
     struct neph_cli_shared shared;
     const char *engines, *preset, *chain;
-    double rung_s;
+    double rung_s, error; /* NaN: not given */
     int frame_count, voxels;
     bool without_ceilings;
 };
@@ -51,9 +51,12 @@ static const struct neph_cli_option options[] = {
      "Time this picture chain behind their pictures, in place of the scene's; off: none",
      NEPH_CLI_WORD, .at = offsetof(struct request, chain)},
     {.name = "size", .otherwise = "96x54"},
-    {"seconds", 0, "S", "About how long the last of four rungs takes, each half the one above it",
-     NEPH_CLI_REAL, .at = offsetof(struct request, rung_s), .otherwise = "4", .minimum = 0.01,
-     .maximum = 10000},
+    {"seconds", 0, "S",
+     "About how long the last of four rungs takes, each half the one above it (default: 4)",
+     NEPH_CLI_REAL, .at = offsetof(struct request, rung_s), .minimum = 0.01, .maximum = 10000},
+    {"error", 0, "E",
+     "In place of --seconds: rungs of each engine up to this relative RMSE, from three times it on",
+     NEPH_CLI_REAL, .at = offsetof(struct request, error), .minimum = 1e-4, .maximum = 1.0},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine; may be given several times"},
@@ -83,8 +86,8 @@ static const struct neph_cli_syntax syntax = {
         "(kernels compiled, grids read) apart; starting Blender itself is in neither. Intervals "
         "hold 95 %, from the scatter of the four rungs; keep the machine quiet. The bias is what "
         "no time removes. The time to a stated error, bias included, is interpolated between "
-        "rungs; "
-        "where it lies off the ladder, that is said.\n\n"
+        "rungs; where it lies off the ladder, that is said. With --error each engine climbs until "
+        "it is there, however long that takes.\n\n"
         "Engines march*, realtime and screen: pictures in flight one after the other (screen waits "
         "for each), nothing read "
         "back, after a second of warm-up: median, 10 % and 90 % of the time of a picture and of "
@@ -101,6 +104,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph benchmark slab_multiple_thin\n"
         "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
+        "  neph benchmark grid_cloud_multiple --error 0.01 --size 48x27\n"
         "  neph benchmark voxel_grid -e tracer,oracle --json\n"
         "  neph benchmark height_fog_up --set cycles:step=0.1\n"
         "  neph benchmark cloud_below -e march_octaves,realtime -p ours "
@@ -269,7 +273,8 @@ static void print_rmse_time(const struct neph_rmse_time *time, const struct neph
         [NEPH_RMSE_BEFORE] = " (before the ladder, extrapolated)",
         [NEPH_RMSE_BEYOND] = " (beyond the ladder, extrapolated)",
         [NEPH_RMSE_NEVER] = " never: its bias is larger",
-        [NEPH_RMSE_UNKNOWN] = " in a time that this ladder does not tell: take more --seconds"};
+        [NEPH_RMSE_UNKNOWN] =
+            " in a time that this ladder does not tell: take more --seconds, or --error"};
     printf("  %g %% error", 100.0 * time->rmse);
     if (!isnan(time->render_s))
         printf(" in %.4g s", time->render_s);
@@ -443,16 +448,26 @@ static json_t *json_of(const struct both *both)
                            "noise", neph_benchmark_json(&both->noise));
 }
 
+static struct neph_rungs_aim aim_of(const struct request *request)
+{
+    static const double usual_rung_s = 4.0;
+    if (!isnan(request->error))
+        return (struct neph_rungs_aim){.error = request->error};
+    return (struct neph_rungs_aim){.rung_s = isnan(request->rung_s) ? usual_rung_s
+                                                                    : request->rung_s};
+}
+
 static enum neph_status measure(const struct request *request, struct both *both,
                                 struct neph_diag *diag)
 {
     const bool quiet = request->shared.quiet || request->shared.json;
     enum neph_status status = NEPH_OK;
     both->frames.without_ceilings = request->without_ceilings;
+    both->noise.aim = aim_of(request);
     if (both->frames.engine_count > 0)
         status = neph_benchmark_frames_run(&both->frames, request->frame_count, quiet, diag);
     if (!status && both->noise.engine_count > 0)
-        status = neph_benchmark_run(&both->noise, request->rung_s, quiet, diag);
+        status = neph_benchmark_run(&both->noise, quiet, diag);
     return status;
 }
 
@@ -497,6 +512,8 @@ enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *dia
 {
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
+    if (!isnan(request.error) && !isnan(request.rung_s))
+        return neph_fail(diag, NEPH_ERR_USAGE, "--seconds and --error: one of them ends a ladder");
     struct neph_scene *scene = NULL;
     enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
     if (!status && request.voxels > 0)

@@ -3,14 +3,12 @@
 
 #include "base/threads.h"
 #include "harness/progress.h"
-#include "metrics/statistics.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-enum { SEEDS = 2, FIRST_SAMPLES = 8, REFERENCE_SEED = 1001 };
+enum { SEEDS = NEPH_NOISE_SEEDS, REFERENCE_SEED = 1001 };
 
 /* The 97.5 % quantile of Student's distribution, NEPH_BENCHMARK_RUNGS - 1 degrees of freedom. */
 static const double student_95 = 3.182;
@@ -28,70 +26,10 @@ bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size
     return !cannot;
 }
 
-/* --- frames ------------------------------------------------------------------------------- */
-
-struct frame {
-    struct neph_image *image;
-    const float *planes[3];
-    double render_s;
-};
-
-static enum neph_status render(const struct neph_job *of, int samples, uint64_t seed,
-                               struct frame *frame, struct neph_diag *diag)
-{
-    struct neph_job job = *of;
-    struct neph_cost cost;
-    float *planes[3];
-    job.shot.settings.values[neph_engine_samples(job.engine)] = samples;
-    job.shot.seed = seed;
-    const enum neph_status status = neph_job_render(&job, &frame->image, &cost, diag);
-    if (status)
-        return status;
-    frame->render_s = cost.render_s;
-    if (!neph_image_rgb(frame->image, NULL, planes))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "%s gave no radiance", job.engine->name);
-    for (int c = 0; c < 3; c++)
-        frame->planes[c] = planes[c];
-    return NEPH_OK;
-}
-
-static double value_of(const struct frame *frame, int channel, size_t pixel)
-{
-    return frame ? (double)frame->planes[channel][pixel] : 0.0;
-}
-
-/* Mean over pixels and channels of (a - r) (b - s); frames of NULL are black, but for a and b. */
-static double mean_cross(const struct frame *a, const struct frame *r, const struct frame *b,
-                         const struct frame *s)
-{
-    struct neph_sum sum = {0.0, 0.0};
-    const size_t count = neph_image_pixel_count(a->image);
-    for (int k = 0; k < 3; k++)
-        for (size_t p = 0; p < count; p++)
-            neph_sum_add(&sum, (value_of(a, k, p) - value_of(r, k, p)) *
-                                   (value_of(b, k, p) - value_of(s, k, p)));
-    return neph_sum_value(&sum) / (3.0 * (double)count);
-}
-
-static double mean_product(const struct frame *a, const struct frame *b, const struct frame *c)
-{
-    return mean_cross(a, b, a, c);
-}
-
-static double mean_radiance(const struct frame *frame)
-{
-    struct neph_sum sum = {0.0, 0.0};
-    const size_t count = neph_image_pixel_count(frame->image);
-    for (int k = 0; k < 3; k++)
-        for (size_t p = 0; p < count; p++)
-            neph_sum_add(&sum, (double)frame->planes[k][p]);
-    return neph_sum_value(&sum) / (3.0 * (double)count);
-}
-
 /* --- the reference ------------------------------------------------------------------------ */
 
 struct reference {
-    struct frame frames[SEEDS];
+    struct neph_noisy_frame frames[SEEDS];
     double square, mean; /* of the radiance, without the noise's part */
 };
 
@@ -100,97 +38,59 @@ static enum neph_status render_reference(struct neph_benchmark *benchmark, int s
 {
     enum neph_status status = NEPH_OK;
     for (int s = 0; s < SEEDS && !status; s++)
-        status = render(&benchmark->reference, samples, (uint64_t)(REFERENCE_SEED + s),
-                        &reference->frames[s], diag);
+        status = neph_noisy_render(&benchmark->reference, samples, (uint64_t)(REFERENCE_SEED + s),
+                                   &reference->frames[s], diag);
     if (status)
         return status;
-    const struct frame *r = &reference->frames[0], *s = &reference->frames[1];
-    const double difference = mean_product(r, s, s);
-    reference->square = 0.5 *
-                        (mean_product(r, NULL, NULL) + mean_product(s, NULL, NULL) - difference);
-    reference->mean = 0.5 * (mean_radiance(r) + mean_radiance(s));
+    const struct neph_noisy_frame *r = &reference->frames[0], *s = &reference->frames[1];
+    reference->square = neph_noisy_cross(r, NULL, s, NULL);
+    reference->mean = 0.5 * (neph_noisy_mean(r) + neph_noisy_mean(s));
     if (!(reference->square > 0.0))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "the scene is black: there is no noise");
     benchmark->reference_samples = samples;
-    benchmark->reference_noise = 0.5 * sqrt(difference / reference->square);
+    benchmark->reference_noise = sqrt(0.5 * neph_noisy_noise2(reference->frames) /
+                                      reference->square);
     return NEPH_OK;
 }
 
 /* --- the ladder --------------------------------------------------------------------------- */
 
-struct ladder {
-    int samples[NEPH_BENCHMARK_RUNGS];
+struct climb {
+    struct neph_rungs ladder;
     double start_s;
     double least_s[NEPH_BENCHMARK_RUNGS];       /* that a whole render took */
     double means[NEPH_BENCHMARK_RUNGS * SEEDS]; /* relative to the reference's */
 };
 
-static enum neph_status time_of(const struct neph_job *job, double samples, double *render_s,
-                                struct neph_diag *diag)
+static enum neph_status climb_rung(const struct neph_job *job, int rung,
+                                   const struct reference *reference, struct climb *climb,
+                                   struct neph_benchmark_rung *result, struct neph_diag *diag)
 {
-    struct frame frame = {.image = NULL};
-    const enum neph_status status = render(job, (int)samples, 1, &frame, diag);
-    *render_s = frame.render_s;
-    neph_image_destroy(frame.image);
-    return status;
-}
-
-/* From the time that few samples take to rungs that double up to `rung_s`, or beyond, when that is
- * the fewest samples of a ladder. What the fewest samples
- * take beyond their share is the start: kernels compiled, grids read. (The very first render is
- * left out: it fills caches.) */
-static enum neph_status plan(const struct neph_job *job, double rung_s, struct ladder *ladder,
-                             struct neph_diag *diag)
-{
-    const double most = job->engine->options[neph_engine_samples(job->engine)].maximum;
-    double samples = FIRST_SAMPLES, first_s, last_s, per_sample_s;
-    enum neph_status status = time_of(job, samples, &first_s, diag);
-    if (!status)
-        status = time_of(job, samples, &first_s, diag);
-    do {
-        samples *= 4.0;
-        if (!status)
-            status = time_of(job, samples, &last_s, diag);
-        if (status)
-            return status;
-        per_sample_s = fmax(1e-9, (last_s - first_s) / (samples - FIRST_SAMPLES));
-    } while (per_sample_s * samples < rung_s / 16.0 && 4.0 * samples <= most);
-    ladder->start_s = fmax(0.0, first_s - FIRST_SAMPLES * per_sample_s);
-    const double last = fmin(most, rung_s / per_sample_s);
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
-        const double rung = last / (1 << (NEPH_BENCHMARK_RUNGS - 1 - k));
-        const double least = FIRST_SAMPLES * (1 << k);
-        ladder->samples[k] = (int)fmax(least, FIRST_SAMPLES * round(rung / FIRST_SAMPLES));
-    }
-    return NEPH_OK;
-}
-
-static enum neph_status climb(const struct neph_job *job, int rung,
-                              const struct reference *reference, struct ladder *ladder,
-                              struct neph_benchmark_rung *result, struct neph_diag *diag)
-{
-    struct frame frames[SEEDS] = {{.image = NULL}};
+    struct neph_noisy_frame frames[SEEDS] = {{.image = NULL}};
     enum neph_status status = NEPH_OK;
-    *result = (struct neph_benchmark_rung){.samples = ladder->samples[rung]};
-    ladder->least_s[rung] = INFINITY;
+    *result = (struct neph_benchmark_rung){.samples = climb->ladder.samples[rung]};
+    climb->least_s[rung] = INFINITY;
     for (int s = 0; s < SEEDS && !status; s++) {
-        status = render(job, result->samples, (uint64_t)(2 + rung * SEEDS + s), &frames[s], diag);
+        status = neph_noisy_render(job, result->samples, (uint64_t)(2 + rung * SEEDS + s),
+                                   &frames[s], diag);
         if (status)
             break;
         result->render_s += frames[s].render_s / SEEDS; /* less the start: leave_start_out() */
-        ladder->least_s[rung] = fmin(ladder->least_s[rung], frames[s].render_s);
-        result->error2 += mean_product(&frames[s], &reference->frames[0], &reference->frames[1]) /
+        climb->least_s[rung] = fmin(climb->least_s[rung], frames[s].render_s);
+        result->error2 += neph_noisy_cross(&frames[s], &reference->frames[0], &frames[s],
+                                           &reference->frames[1]) /
                           (reference->square * SEEDS);
-        ladder->means[rung * SEEDS + s] = mean_radiance(&frames[s]) / reference->mean - 1.0;
+        climb->means[rung * SEEDS + s] = neph_noisy_mean(&frames[s]) / reference->mean - 1.0;
     }
     if (!status) {
-        result->noise2 = 0.5 * mean_product(&frames[0], &frames[1], &frames[1]) / reference->square;
-        result->bias2 = mean_cross(&frames[0], &reference->frames[0], &frames[1],
-                                   &reference->frames[1]) /
+        result->noise2 = neph_noisy_noise2(frames) / reference->square;
+        result->bias2 = neph_noisy_cross(&frames[0], &reference->frames[0], &frames[1],
+                                         &reference->frames[1]) /
                         reference->square;
+        neph_rungs_learn(job, rung, result->noise2, &climb->ladder);
     }
     for (int s = 0; s < SEEDS; s++)
-        neph_image_destroy(frames[s].image);
+        neph_noisy_finish(&frames[s]);
     return status;
 }
 
@@ -218,9 +118,8 @@ static double log_cost(const struct neph_benchmark_rung *rung)
     return log(fmax(rung->noise2 * rung->render_s, 1e-300));
 }
 
-const double neph_benchmark_rmses[NEPH_BENCHMARK_RMSES] = {0.03, 0.01};
-
-static void find_rmse_times(struct neph_benchmark_engine *engine)
+static void find_rmse_times(const double rmses[NEPH_BENCHMARK_RMSES],
+                            struct neph_benchmark_engine *engine)
 {
     struct neph_rmse_rung rungs[NEPH_BENCHMARK_RUNGS];
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
@@ -228,30 +127,29 @@ static void find_rmse_times(struct neph_benchmark_engine *engine)
                                            engine->rungs[k].error2, engine->rungs[k].bias2};
     engine->law = neph_rmse_law_of(rungs, NEPH_BENCHMARK_RUNGS);
     for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
-        engine->rmse_times[i] = neph_rmse_time_to(rungs, NEPH_BENCHMARK_RUNGS,
-                                                  neph_benchmark_rmses[i]);
+        engine->rmse_times[i] = neph_rmse_time_to(rungs, NEPH_BENCHMARK_RUNGS, rmses[i]);
 }
 
 /* The start was timed when the machine may have been busy, and no render is shorter than its start
  * and the share of its samples. */
-static void leave_start_out(struct ladder *ladder, struct neph_benchmark_rung *rungs)
+static void leave_start_out(struct climb *climb, struct neph_benchmark_rung *rungs)
 {
     const struct neph_benchmark_rung *first = &rungs[0], *last = &rungs[NEPH_BENCHMARK_RUNGS - 1];
     const double per_sample_s = fmax(1e-9, (last->render_s - first->render_s) /
                                                (last->samples - first->samples));
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
-        ladder->start_s = fmin(ladder->start_s,
-                               fmax(0.0, ladder->least_s[k] - rungs[k].samples * per_sample_s));
+        climb->start_s = fmin(climb->start_s,
+                              fmax(0.0, climb->least_s[k] - rungs[k].samples * per_sample_s));
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
-        rungs[k].render_s -= ladder->start_s;
+        rungs[k].render_s -= climb->start_s;
 }
 
 /* Rungs pair up: what else the machine did at the time, it did to both. */
-static void conclude(struct neph_benchmark *benchmark, struct ladder *ladders)
+static void conclude(struct neph_benchmark *benchmark, struct climb *climbs)
 {
     const double student_95_of_seeds = 2.365; /* 2 * 4 - 1 degrees of freedom */
     for (int e = 0; e < benchmark->engine_count; e++)
-        leave_start_out(&ladders[e], benchmark->engines[e].rungs);
+        leave_start_out(&climbs[e], benchmark->engines[e].rungs);
     for (int e = 0; e < benchmark->engine_count; e++) {
         struct neph_benchmark_engine *engine = &benchmark->engines[e];
         double costs[NEPH_BENCHMARK_RUNGS], times[NEPH_BENCHMARK_RUNGS];
@@ -259,16 +157,31 @@ static void conclude(struct neph_benchmark *benchmark, struct ladder *ladders)
             costs[k] = log_cost(&engine->rungs[k]);
             times[k] = costs[k] - log_cost(&benchmark->engines[0].rungs[k]);
         }
-        engine->start_s = ladders[e].start_s;
+        engine->start_s = climbs[e].start_s;
         engine->cost_s = exp_of(mean_of(costs, NEPH_BENCHMARK_RUNGS, student_95));
         engine->times = exp_of(mean_of(times, NEPH_BENCHMARK_RUNGS, student_95));
-        engine->bias = mean_of(ladders[e].means, NEPH_BENCHMARK_RUNGS * SEEDS, student_95_of_seeds);
-        find_rmse_times(engine);
+        engine->bias = mean_of(climbs[e].means, NEPH_BENCHMARK_RUNGS * SEEDS, student_95_of_seeds);
+        find_rmse_times(benchmark->rmses, engine);
     }
 }
 
+/* Steps of progress are of kinds that take alike long: the reference, then each engine's rungs. */
+static int kind_of(int engine, int rung)
+{
+    return 1 + engine * NEPH_BENCHMARK_RUNGS + rung;
+}
+
+/* What a rung takes follows from its samples, of which a rung may have told more. */
+static void expect_rungs(int engine, int from, const struct neph_rungs *ladder,
+                         struct neph_progress *progress)
+{
+    for (int k = from; k < NEPH_BENCHMARK_RUNGS; k++)
+        progress->kinds[kind_of(engine, k)].guess_s =
+            SEEDS * (ladder->start_s + ladder->samples[k] * ladder->per_sample_s);
+}
+
 static enum neph_status climb_all(struct neph_benchmark *benchmark,
-                                  const struct reference *reference, struct ladder *ladders,
+                                  const struct reference *reference, struct climb *climbs,
                                   struct neph_progress *progress, struct neph_diag *diag)
 {
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
@@ -276,51 +189,68 @@ static enum neph_status climb_all(struct neph_benchmark *benchmark,
             struct neph_benchmark_engine *engine = &benchmark->engines[e];
             char what[128];
             snprintf(what, sizeof(what), "%s, %d samples", engine->job.engine->name,
-                     ladders[e].samples[k]);
+                     climbs[e].ladder.samples[k]);
+            progress->kind = kind_of(e, k);
             neph_progress_begin(progress, what);
-            const enum neph_status status = climb(&engine->job, k, reference, &ladders[e],
-                                                  &engine->rungs[k], diag);
+            const enum neph_status status = climb_rung(&engine->job, k, reference, &climbs[e],
+                                                       &engine->rungs[k], diag);
             if (status)
                 return status;
-            neph_progress_step(progress, what, "rendered", engine->rungs[k].render_s);
+            expect_rungs(e, k + 1, &climbs[e].ladder, progress);
+            neph_progress_step(progress, what, "rendered", SEEDS * engine->rungs[k].render_s);
         }
     return NEPH_OK;
 }
 
 /* A reference of four times the samples of the tracer's last rung, so that its noise is small
  * beside any rung's (none of it is left in the means anyway). */
-static enum neph_status prepare(struct neph_benchmark *benchmark, double rung_s,
-                                struct ladder *ladders, struct reference *reference,
+static enum neph_status prepare(struct neph_benchmark *benchmark, struct climb *climbs,
+                                struct reference *reference, struct neph_progress *progress,
                                 struct neph_diag *diag)
 {
-    struct ladder of_reference;
-    enum neph_status status = plan(&benchmark->reference, 4.0 * rung_s, &of_reference, diag);
-    for (int e = 0; e < benchmark->engine_count && !status; e++)
-        status = plan(&benchmark->engines[e].job, rung_s, &ladders[e], diag);
-    if (!status)
-        status = render_reference(benchmark, of_reference.samples[NEPH_BENCHMARK_RUNGS - 1],
-                                  reference, diag);
-    return status;
+    const struct neph_rungs_aim aim = benchmark->aim;
+    const struct neph_rungs_aim of_reference = {4.0 * aim.rung_s, 0.5 * aim.error};
+    struct neph_rungs ladder;
+    enum neph_status status = neph_rungs_plan(&benchmark->reference, of_reference, &ladder, diag);
+    const int samples = ladder.samples[NEPH_BENCHMARK_RUNGS - 1];
+    for (int e = 0; e < benchmark->engine_count && !status; e++) {
+        status = neph_rungs_plan(&benchmark->engines[e].job, aim, &climbs[e].ladder, diag);
+        climbs[e].start_s = climbs[e].ladder.start_s;
+        expect_rungs(e, 0, &climbs[e].ladder, progress);
+    }
+    return status ? status : render_reference(benchmark, samples, reference, diag);
 }
 
-enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, double rung_s, bool quiet,
+/* A stated error, or 1 %, and three times that. */
+static void state_errors(struct neph_benchmark *benchmark)
+{
+    const double least = benchmark->aim.error > 0.0 ? benchmark->aim.error : 0.01;
+    benchmark->rmses[0] = 3.0 * least;
+    benchmark->rmses[1] = least;
+}
+
+enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet,
                                     struct neph_diag *diag)
 {
-    struct ladder ladders[NEPH_BENCHMARK_ENGINES_MAX];
+    struct climb climbs[NEPH_BENCHMARK_ENGINES_MAX];
     struct reference reference = {.square = 0.0};
-    struct neph_progress progress = neph_progress_start(quiet, 1 + NEPH_BENCHMARK_RUNGS *
-                                                                       benchmark->engine_count);
+    struct neph_progress progress = neph_progress_start(quiet, 1);
+    for (int e = 0; e < benchmark->engine_count; e++)
+        for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
+            neph_progress_expect(&progress, kind_of(e, k), 1, 0.0);
+    state_errors(benchmark);
     neph_progress_begin(&progress, "reference");
-    enum neph_status status = prepare(benchmark, rung_s, ladders, &reference, diag);
+    enum neph_status status = prepare(benchmark, climbs, &reference, &progress, diag);
     if (!status) {
-        neph_progress_step(&progress, "reference", "rendered", reference.frames[0].render_s);
-        status = climb_all(benchmark, &reference, ladders, &progress, diag);
+        neph_progress_step(&progress, "reference", "rendered",
+                           SEEDS * reference.frames[0].render_s);
+        status = climb_all(benchmark, &reference, climbs, &progress, diag);
     }
     neph_progress_end(&progress);
     for (int s = 0; s < SEEDS; s++)
-        neph_image_destroy(reference.frames[s].image);
+        neph_noisy_finish(&reference.frames[s]);
     if (!status)
-        conclude(benchmark, ladders);
+        conclude(benchmark, climbs);
     return status;
 }
 

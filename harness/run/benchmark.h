@@ -21,11 +21,13 @@
 
 #include "harness/run/job.h"
 #include "harness/run/rmse_time.h"
+#include "harness/run/rungs.h"
 
-enum { NEPH_BENCHMARK_RUNGS = 4, NEPH_BENCHMARK_ENGINES_MAX = 4, NEPH_BENCHMARK_RMSES = 2 };
-
-/* Errors to which times are given, relative, the largest first. */
-extern const double neph_benchmark_rmses[NEPH_BENCHMARK_RMSES];
+enum {
+    NEPH_BENCHMARK_RUNGS = NEPH_RUNGS,
+    NEPH_BENCHMARK_ENGINES_MAX = 4,
+    NEPH_BENCHMARK_RMSES = 2
+};
 
 struct neph_benchmark_rung {
     int samples;
@@ -46,10 +48,12 @@ struct neph_benchmark_engine {
     struct neph_benchmark_value times;  /* cost over that of the first engine */
     struct neph_benchmark_value bias;   /* of the mean radiance, relative; of all rungs and seeds */
     struct neph_rmse_law law;
-    struct neph_rmse_time rmse_times[NEPH_BENCHMARK_RMSES]; /* of neph_benchmark_rmses */
+    struct neph_rmse_time rmse_times[NEPH_BENCHMARK_RMSES]; /* of the rmses */
 };
 
 struct neph_benchmark {
+    struct neph_rungs_aim aim;          /* of each engine's ladder; the caller's */
+    double rmses[NEPH_BENCHMARK_RMSES]; /* to which times are given, relative, the largest first */
     int engine_count;
     struct neph_benchmark_engine engines[NEPH_BENCHMARK_ENGINES_MAX];
     struct neph_job reference;
@@ -60,10 +64,9 @@ struct neph_benchmark {
 /* False, with the reason in words, for engines without noise or without a number of samples. */
 bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size_t reason_size);
 
-/* Fill in the measurements. `benchmark` comes with `engine_count` jobs and the reference's job (of
- * the tracer), all of one scene and size, with a scratch folder that is theirs. The last rung takes
- * about `rung_s` seconds. */
-enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, double rung_s, bool quiet,
+/* Fill in the measurements. `benchmark` comes with its aim, `engine_count` jobs and the reference's
+ * job (of the tracer), all of one scene and size, with a scratch folder that is theirs. */
+enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet,
                                     struct neph_diag *diag);
 
 /* For the caller to free. */

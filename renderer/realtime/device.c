@@ -151,6 +151,19 @@ static uint32_t digit_of(int setting, float value)
     return value != 0.0f;
 }
 
+/* What stands where it stood. A GPU has fewer kernels. */
+static uint32_t rests_of(const struct neph_rt_device *device)
+{
+    const bool all_rest = neph_rt_view_rests(device->view);
+    const bool air_rests = all_rest || (!device->on_gpu && neph_rt_air_rests(device->view));
+    return (all_rest ? RT_RESTS_ALL : 0u) | (air_rests ? RT_RESTS_AIR : 0u);
+}
+
+static bool is_of_rest(int setting)
+{
+    return setting == RT_STEADY || setting == RT_SOLID_MOTION;
+}
+
 /* Specialization constants of shaders/realtime_choices.glsl. To passes with rays it is all one
  * whether anything moves: they, which take longest to compile, have one kernel. */
 static void set_choices(const struct neph_rt_device *device, const struct neph_rt_pass *pass,
@@ -160,10 +173,11 @@ static void set_choices(const struct neph_rt_device *device, const struct neph_r
     params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_HALVES_CONSTANT] = device->native_halves;
     params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
-    params->constants[RT_RESTS_CONSTANT] = !pass->rays && neph_rt_view_rests(device->view);
+    params->constants[RT_RESTS_CONSTANT] = pass->rays ? 0u : rests_of(device);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
+    params->constants[RT_DARK_CONSTANT] = device->is_dark;
     for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++)
-        if (s != RT_STEADY || !pass->rays)
+        if (!pass->rays || !is_of_rest(s))
             params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit_of(s, values[s]) << 4 * (s % 8);
 }
 
@@ -214,25 +228,30 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
 }
 
 /* Pictures that have kernels of their own. */
-enum { MOVING, AT_REST, STEADY, KINDS };
+enum { SOLIDS_MOVING, MOVING, AT_REST, STEADY, KINDS };
 
 enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
                                         const struct neph_rt_pass *pass, struct neph_diag *diag)
 {
     const struct neph_kernel *kernel;
     enum neph_status status = NEPH_OK;
-    const float steady = device->view->settings[RT_STEADY];
-    for (int kind = 0; kind < KINDS && !status; kind++) {
-        device->view->settings[RT_STEADY] = kind == STEADY ? RT_STEADY_KNOWN : steady;
-        if (kind == STEADY && neph_rt_is_done_by_other(device->view, pass))
+    float *settings = device->view->settings;
+    const float steady = settings[RT_STEADY], solid_motion = settings[RT_SOLID_MOTION];
+    for (int kind = solid_motion == 0.0f ? MOVING : SOLIDS_MOVING; kind < KINDS && !status;
+         kind++) {
+        settings[RT_STEADY] = kind == STEADY ? RT_STEADY_KNOWN : steady;
+        settings[RT_SOLID_MOTION] = kind == SOLIDS_MOVING ? solid_motion : 0.0f;
+        if ((kind == STEADY && neph_rt_is_done_by_other(device->view, pass)) ||
+            !neph_rt_holds(device->view, pass->condition))
             continue;
         struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
         struct neph_dispatch dispatch = {.group_count = 0};
         neph_rt_device_bind(device, pass, 0, &params, &dispatch);
-        params.constants[RT_RESTS_CONSTANT] = kind != MOVING;
+        params.constants[RT_RESTS_CONSTANT] = kind >= AT_REST ? RT_RESTS_ALL | RT_RESTS_AIR : 0u;
         status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
     }
-    device->view->settings[RT_STEADY] = steady;
+    settings[RT_STEADY] = steady;
+    settings[RT_SOLID_MOTION] = solid_motion;
     return status;
 }
 

@@ -89,11 +89,22 @@ static enum neph_status add_rays(const struct neph_gpu_march_run *run, void *con
     return neph_rt_submission_send(work->submission, diag);
 }
 
-/* Few enough for a shader to be compiled for. */
+/* Few enough for a shader to be compiled for; on a GPU those of a loop that is unrolled. */
+enum { GPU_SOLIDS_MAX = 32 };
+
 static uint32_t known_solids(const struct neph_gpu_scene *scene)
 {
     const uint32_t count = scene->frame->solid_count;
-    return count < RT_SOLIDS_UNKNOWN ? count : RT_SOLIDS_UNKNOWN;
+    const uint32_t most = scene->is_on_cpu ? RT_SOLIDS_UNKNOWN - 1 : GPU_SOLIDS_MAX;
+    return count <= most ? count : RT_SOLIDS_UNKNOWN;
+}
+
+/* Which of these are balls, a bit each. */
+static void set_known_balls(const struct neph_gpu_scene *scene, uint32_t balls[2])
+{
+    const struct neph_gpu_solids *all = scene->buffers[1].mapped;
+    for (uint32_t s = 0; s < scene->frame->solid_count && s < RT_SOLIDS_UNKNOWN - 1; s++)
+        balls[s / 32] |= (all->solids[s].kind == NEPH_SOLID_SPHERE ? 1u : 0u) << s % 32;
 }
 
 /* The light of froxels has its own eyes for a fog that is handed over to them: a medium there. */
@@ -150,6 +161,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     neph_march_constants(seen_by(realtime, pass), &march, params.constants);
     params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
     params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene.gpu);
+    set_known_balls(&realtime->scene.gpu, &params.constants[RT_BALLS_CONSTANT]);
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
     return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }
@@ -193,9 +205,19 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
                                        &realtime->states, diag);
 }
 
+static bool has_taa(const struct neph_realtime *realtime)
+{
+    return choice_of(realtime, RT_TAA) != 0 && choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
+}
+
+/* Whether solids may move, and somebody wants to know how far. */
+static bool follows_solids(const struct neph_realtime *realtime, const struct neph_scene *scene)
+{
+    return choice_of(realtime, RT_SOLID_MOTION) != 0 && scene->mover_count > 0 && has_taa(realtime);
+}
+
 /* Which pass lays the volume over what is behind it. */
-static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view,
-                          bool has_taa)
+static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view)
 {
     const bool on_gpu = !realtime->vulkan->description.is_cpu;
     const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
@@ -203,7 +225,7 @@ static int composition_of(const struct neph_realtime *realtime, const struct nep
     if (composition == RT_COMPOSITION_AUTO)
         composition = on_gpu ? RT_COMPOSITION_TAA : RT_COMPOSITION_UPSCALE;
     if ((composition == RT_COMPOSITION_TAA &&
-         (!has_taa || view->settings[RT_TAA] != (float)RT_TAA_ON)) ||
+         (!has_taa(realtime) || view->settings[RT_TAA] != (float)RT_TAA_ON)) ||
         (composition == RT_COMPOSITION_UPSCALE && has_froxels))
         composition = RT_COMPOSITION_PASS;
     return composition;
@@ -221,12 +243,9 @@ static void set_hand_over(const struct neph_realtime *realtime, const struct nep
 static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
                    struct neph_gpu_view *view)
 {
-    const bool has_taa = choice_of(realtime, RT_TAA) != 0 &&
-                         choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
     const bool on_gpu = !realtime->vulkan->description.is_cpu;
-    if (scene->mover_count == 0 || !has_taa)
-        view->settings[RT_SOLID_MOTION] = 0.0f;
-    view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view, has_taa);
+    view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
+    view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
     if (on_gpu && choice_of(realtime, RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_AUTO &&
         choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
         choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
@@ -247,6 +266,22 @@ static enum neph_status prepare_passes(struct neph_realtime *realtime, struct ne
             !neph_rt_is_done_by_other(view, pass) && realtime->device.on_gpu)
             status = neph_rt_device_prepare(&realtime->device, pass, diag);
     return status;
+}
+
+/* Whether rays see a transmittance of closed form alone, as march.comp asks: no medium sends light,
+ * so that there is no noise either. What has no gradient is as it was. */
+static bool is_dark(const struct neph_realtime *realtime)
+{
+    const struct neph_gpu_view *view = realtime->device.view;
+    const struct neph_march_params *march = &realtime->march;
+    const struct neph_gpu_scene *gpu = &realtime->scene.gpu;
+    const bool is_solved = march->transmittance == NEPH_MARCH_EXACT &&
+                           !(gpu->constants[0] & 1u << NEPH_MEDIUM_HORIZON);
+    const bool has_more = march->sky.is_on || march->fog.is_look ||
+                          march->lighting == NEPH_MARCH_TRACED;
+    return is_solved && !has_more && !gpu->frame->scatters && !gpu->frame->scatters_lamps &&
+           !gpu->frame->emits && view->settings[RT_GRADIENT] != 0.0f &&
+           view->settings[RT_JITTERED_DEPTH] == 0.0f && view->settings[RT_FROXEL_VOLUME] == 0.0f;
 }
 
 /* Everything that depends on the size. */
@@ -270,6 +305,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
                                        realtime->noise_ranks, &realtime->device, diag);
     realtime->device.specialises = true;
+    realtime->device.is_dark = !status && is_dark(realtime);
     if (!status)
         status = prepare_passes(realtime, diag);
     if (!status && (buffer_px[0] > size_px[0] || buffer_px[1] > size_px[1]))
@@ -512,6 +548,7 @@ static enum neph_status render_split(struct neph_realtime *realtime,
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
     enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
                                                     &made->moment, &realtime->scene, &cost, diag);
+    realtime->device.is_dark = is_dark(realtime);
     if (!status && frame->given && neph_rt_is_upsampled(&realtime->settings))
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                            "a given depth has the picture's pixels: set screen_percent=100");
@@ -693,6 +730,15 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
     return now;
 }
 
+/* Where none of them has moved since the picture before all motions would come out as 0. Who flags
+ * movers knows them by their motions. */
+static void set_solid_motion(struct neph_realtime *realtime, const struct neph_scene *scene)
+{
+    struct neph_gpu_view *view = realtime->device.view;
+    const bool is_asked = view->settings[RT_TAA_ANTIGHOST] != 0.0f || !neph_rt_movers_rest(view);
+    view->settings[RT_SOLID_MOTION] = is_asked && follows_solids(realtime, scene);
+}
+
 /* What rays cannot tell of the sun: whether a look at the medium, four frames after the first, or
  * at what is behind it, as many as the jitter has places, sees what it does; and whether what the
  * override keeps from being marched has old light. */
@@ -745,6 +791,10 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
         view->settings[RT_STEADY] = !is_read && neph_rt_may_be_unread(view, realtime->device.on_gpu)
                                         ? RT_STEADY_UNREAD
                                         : RT_STEADY_KNOWN;
+    if (!status)
+        status = neph_rt_kept_scene_take_picture(&realtime->kept, &realtime->device,
+                                                 realtime->frame_count,
+                                                 realtime->stillness.pictures, given, diag);
     return status;
 }
 
@@ -774,6 +824,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     made.fill = &realtime->fills[slot];
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
+    set_solid_motion(realtime, frame->scene);
     set_suns(realtime, frame);
     status = set_steady(realtime, frame, is_mirrored, image, still, &made.given, diag);
     made.moment = march_moment(view, &now);

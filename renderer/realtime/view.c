@@ -108,6 +108,23 @@ static bool is_same(const float a[3], const float b[3])
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
+bool neph_rt_air_rests(const struct neph_gpu_view *view)
+{
+    static const float nothing[3] = {0.0f, 0.0f, 0.0f};
+    return view->settings[RT_WIND] == 0.0f || is_same(view->wind_m, nothing);
+}
+
+bool neph_rt_movers_rest(const struct neph_gpu_view *view)
+{
+    bool rest = true;
+    for (uint32_t m = 0; m < view->mover_count; m++) {
+        const struct neph_gpu_mover *mover = &view->movers[m];
+        rest &= mover->cosine == 1.0f && mover->sine == 0.0f &&
+                is_same(mover->pivot_m, mover->pivot_before_m);
+    }
+    return rest;
+}
+
 bool neph_rt_view_rests(const struct neph_gpu_view *view)
 {
     static const float nothing[3] = {0.0f, 0.0f, 0.0f};
@@ -117,6 +134,5 @@ bool neph_rt_view_rests(const struct neph_gpu_view *view)
                               is_same(now->right, before->right) &&
                               now->half_width == before->half_width &&
                               now->half_height == before->half_height;
-    const bool air_rests = view->settings[RT_WIND] == 0.0f || is_same(view->wind_m, nothing);
-    return camera_rests && air_rests && view->settings[RT_SOLID_MOTION] == 0.0f;
+    return camera_rests && neph_rt_air_rests(view) && view->settings[RT_SOLID_MOTION] == 0.0f;
 }

@@ -32,7 +32,12 @@ void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, s
 void neph_rt_store(const struct neph_gpu_target *target, uint32_t *words, size_t index,
                    const float value[4]);
 
-/* Whether camera, air and solids stand where they stood in the frame before. */
+/* Whether the medium, as far as it is followed, and solids that may move stand where they stood in
+ * the frame before. */
+bool neph_rt_air_rests(const struct neph_gpu_view *view);
+bool neph_rt_movers_rest(const struct neph_gpu_view *view);
+
+/* Whether camera and air do, and solids need no motion vectors. */
 bool neph_rt_view_rests(const struct neph_gpu_view *view);
 
 #endif

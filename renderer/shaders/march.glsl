@@ -306,12 +306,12 @@ vec3 view_scattered(Sums sums, vec3 optical_depth, ViewRay ray, vec2 place_px)
 // Sunlight reflected by a Lambertian surface, towards anywhere.
 vec3 sunlit_radiance(Hit hit, vec3 point_m)
 {
-    vec3 albedo = solids[hit.solid].albedo.rgb;
-    float cosine = dot(solid_normal(solids[hit.solid], point_m), to_sun());
-    if (cosine <= 0.0 || albedo == vec3(0.0) ||
+    Solid solid = solid_at(hit.solid);
+    float cosine = dot(solid_normal(solid, point_m), to_sun());
+    if (cosine <= 0.0 || solid.albedo.rgb == vec3(0.0) ||
         own(frame.sun_irradiance == vec3(0.0)))
         return vec3(0.0);
-    return albedo / PI * cosine * sunlight(point_m, hit.solid);
+    return solid.albedo.rgb / PI * cosine * sunlight(point_m, hit.solid);
 }
 
 vec3 surface_radiance(Hit hit, vec3 point_m)

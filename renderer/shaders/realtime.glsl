@@ -124,9 +124,31 @@ layout(binding = NEPH_GPU_TEXELS_BINDING, rgba32ui)
 uniform readonly uimageBuffer target_texel_fours[KNOWN_TARGETS];
 #endif
 
+// lavapipe runs both sides of every branch, and skips what no thread wants of a loop alone; a GPU
+// keeps in registers what it finds without an index, and wants its loops known.
+layout(constant_id = RT_ON_GPU_CONSTANT) const bool ON_GPU = false;
+
+// Numbers of the view that alone decide a branch, as own() of frame.glsl has those of the frame:
+// lavapipe would compile a kernel anew, for milliseconds in each picture, that branches by them.
+uint of_thread(uint number)
+{
+    return ON_GPU ? number : number | gl_LocalInvocationIndex & 0x80000000u;
+}
+
+float of_thread(float number) { return uintBitsToFloat(of_thread(floatBitsToUint(number))); }
+
+vec3 of_thread(vec3 v) { return vec3(of_thread(v.x), of_thread(v.y), of_thread(v.z)); }
+
+ViewCamera of_thread(ViewCamera camera)
+{
+    camera.is_parallel = of_thread(camera.is_parallel);
+    camera.position_m = of_thread(camera.position_m);
+    return camera;
+}
+
 // The view once more, read at the start of main(): there lavapipe knows that all threads are at
 // work, and reads for all at once. Behind a return or a branch it reads for one after the other.
-ViewCamera view_now = view.now, view_before = view.before;
+ViewCamera view_now = of_thread(view.now), view_before = of_thread(view.before);
 float settings[RT_SETTING_COUNT] = view.settings;
 ivec2 origin_px = ivec2(view.origin_px[0], view.origin_px[1]);
 ivec2 size_px = ivec2(view.size_px[0], view.size_px[1]);
@@ -137,9 +159,9 @@ ivec2 half_size_px = ivec2(view.half_size_px[0], view.half_size_px[1]);
 ivec2 tiles = ivec2(view.tile_count[0], view.tile_count[1]);
 vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);
 vec2 jitter_before_px = vec2(view.jitter_before_px[0], view.jitter_before_px[1]);
-vec3 moved_by_wind_m = vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]);
-uint view_seed = view.seed, view_frame = view.frame;
-bool has_past = view.has_history != 0u, is_cut = view.is_cut != 0u;
+vec3 moved_by_wind_m = of_thread(vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]));
+uint view_seed = view.seed, view_frame = of_thread(view.frame);
+bool has_past = of_thread(view.has_history) != 0u, is_cut = of_thread(view.is_cut) != 0u;
 // Texels in a row of the targets of each resolution.
 int full_row = int(view.targets[RT_DEPTH].width);
 int picture_row = int(view.targets[RT_TAA_OUT].width);
@@ -148,7 +170,7 @@ int quarter_row = int(view.targets[RT_TILE].width);
 int froxel_row = int(view.targets[RT_FROXELS].width);
 
 int choice(int index) { return SPECIALISED ? known_choice(index) : int(settings[index]); }
-float setting(int index) { return settings[index]; } // of one that is a number
+float setting(int index) { return of_thread(settings[index]); } // of one that is a number
 // Whether a number is other than 0, where that is "never" or "off".
 bool is_set(int index) { return SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0; }
 
@@ -178,12 +200,10 @@ int format_of(int target)
 }
 
 layout(constant_id = RT_HALVES_CONSTANT) const uint NATIVE_HALVES = 0;
-// lavapipe runs both sides of every branch, and skips what no thread wants of a loop alone; a GPU
-// keeps in registers what it finds without an index, and wants its loops known.
-layout(constant_id = RT_ON_GPU_CONSTANT) const bool ON_GPU = false;
 // What a picture at rest spares is most of the search for its history: where that is known no
 // instruction of it is there, and lavapipe does not run it for nothing.
-layout(constant_id = RT_RESTS_CONSTANT) const bool ALL_REST = false;
+layout(constant_id = RT_RESTS_CONSTANT) const uint RESTS = 0;
+const bool ALL_REST = (RESTS & RT_RESTS_ALL) != 0u, AIR_RESTS = (RESTS & RT_RESTS_AIR) != 0u;
 
 // By the driver's own conversions where they are known to be right (renderer/halves.h).
 vec2 unpack(uint word)
@@ -403,7 +423,7 @@ bool camera_rests()
            view_now.half_height == view_before.half_height;
 }
 
-bool air_rests() { return ALL_REST || choice(RT_WIND) == 0 || wind_m() == vec3(0.0); }
+bool air_rests() { return AIR_RESTS || choice(RT_WIND) == 0 || wind_m() == vec3(0.0); }
 
 // What the width of the picture grows with: the depth, or nothing.
 float view_spread(ViewCamera camera, float depth) { return camera.is_parallel != 0u ? 1.0 : depth; }

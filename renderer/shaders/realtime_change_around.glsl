@@ -111,7 +111,7 @@ vec4 change_of_medium(ivec2 tile)
 {
     float before = fetch_tile(RT_CHANGE, tile).a; // on its way as early as can be
     return remembered(before, change_around(tile, RT_LOOK_NOW, RT_LOOK_THEN, 4.0, 1.0,
-                                            view.strobes_medium != 0u));
+                                            of_thread(view.strobes_medium) != 0u));
 }
 
 vec4 change_behind(ivec2 tile)
@@ -119,7 +119,7 @@ vec4 change_behind(ivec2 tile)
     float before = fetch_tile(RT_CHANGE_BEHIND, tile).a;
     return remembered(before, change_around(tile, RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN,
                                             setting(RT_TAA_JITTER_LENGTH), 0.0,
-                                            view.strobes_behind != 0u));
+                                            of_thread(view.strobes_behind) != 0u));
 }
 
 #endif

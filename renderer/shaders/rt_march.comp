@@ -12,12 +12,17 @@
 #extension GL_GOOGLE_include_directive : require
 
 #define SEES_GRID_TEXELS
+#define KNOWS_SOLIDS
 #define MARCH_STARTS_LATE // behind froxels
 
 #include "realtime_march.glsl"
 
 #include "realtime_dither.glsl"
 #include "realtime_slots.glsl"
+
+// With a closed-form transmittance and no light of the media there is nothing to march for
+// (march.comp).
+layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
 
 struct Ray {
     ViewRay view;
@@ -83,8 +88,50 @@ vec3 optical_depth_behind(Ray ray, Sums sums)
                      : marched_depth(sums);
 }
 
+// Where a beam is lost, on average, in a medium that is the same all along its way, as a part of
+// that: (1 / tau) - 1 / (e^tau - 1).
+float mean_place(float optical_depth)
+{
+    float of_one = phi(optical_depth);
+    float place = ((1.0 + optical_depth) * of_one - 1.0) / (optical_depth * of_one);
+    return optical_depth > 1e-3 ? place : 0.5; // the difference cancels; off by less than 1e-4
+}
+
+// That of a march as if the media were the same all along their stretch.
+float dark_distance_m(Ray ray, vec3 optical_depth)
+{
+    float depth = min(mean(optical_depth), OPAQUE);
+    Stretch stretch = scene_stretch(ray.view.origin_m, ray.view.direction, ray.length_m);
+    return depth > 0.0 ? mix(stretch.t0_m, stretch.t1_m, mean_place(depth)) : FAR_M;
+}
+
+void put_ray(ivec2 tile, vec4 value, float distance_m, float length_m)
+{
+    float end_m = min(min(length_m, setting(RT_SKY_M)), HALF_MAX);
+    put_tile(RT_RAY, tile, value);
+    put_tile(RT_RAY_DISTANCE, tile, vec4(min(distance_m, end_m)));
+}
+
+void put_dark(ivec2 tile, Ray ray)
+{
+    vec3 optical_depth = exact_optical_depth(ray.view.origin_m, ray.view.direction, ray.length_m);
+    put_ray(tile, vec4(vec3(0.0), fraction_through(optical_depth).x),
+            dark_distance_m(ray, optical_depth), ray.length_m);
+}
+
+void put_marched(ivec2 tile, Ray ray, Sums sums)
+{
+    vec3 optical_depth = choice(RT_FROXEL_VOLUME) == 0
+                             ? view_optical_depth(ray.view, ray.length_m, sums)
+                             : optical_depth_behind(ray, sums);
+    put_ray(tile, vec4(view_scattered(sums, optical_depth, ray.view, ray.place_px),
+                       fraction_through(optical_depth).x),
+            view_distance_m(sums), ray.length_m);
+}
+
 void main()
 {
+    know_solids();
     uint thread = gl_GlobalInvocationID.x;
     ivec2 tile = tile_of(int(run.first_ray + thread));
     if (thread >= run.ray_count || any(greaterThanEqual(tile, tile_count())))
@@ -93,18 +140,16 @@ void main()
     if (choice(RT_FROXEL_VOLUME) != 0)
         march_from_m = setting(RT_FROXEL_END_M) / dot(ray.view.direction, camera.forward);
     Sums sums = sums_at_start(thread);
-    march(ray.view, ray.length_m, ray.place, sums);
+    if (!IS_DARK)
+        march(ray.view, ray.length_m, ray.place, sums);
     if (run.end_step < own(frame.steps)) {
         sums_keep(thread, sums);
         return;
     }
-    vec3 optical_depth = choice(RT_FROXEL_VOLUME) == 0
-                             ? view_optical_depth(ray.view, ray.length_m, sums)
-                             : optical_depth_behind(ray, sums);
-    put_tile(RT_RAY, tile, vec4(view_scattered(sums, optical_depth, ray.view, ray.place_px),
-                                fraction_through(optical_depth).x));
-    float end_m = min(min(ray.length_m, setting(RT_SKY_M)), HALF_MAX);
-    put_tile(RT_RAY_DISTANCE, tile, vec4(min(view_distance_m(sums), end_m)));
+    if (IS_DARK)
+        put_dark(tile, ray);
+    else
+        put_marched(tile, ray, sums);
     if (!UNCOUNTED && gl_LocalInvocationIndex == 0u)
         atomicAdd(counters.rays, rays_of_square(tile));
     count_cost();

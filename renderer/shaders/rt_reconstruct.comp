@@ -39,6 +39,9 @@
 
 const float AGE_MAX = 255.0;
 
+// A ray that sees transmittance alone has no noise: it is worth as much as all that went before it.
+layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
+
 struct Ray {
     vec4 value;    // radiance of the medium in W/(m2 sr), transmittance
     float depth_m; // of the scene, where the ray ends
@@ -72,10 +75,12 @@ ivec2 gathered_texel(ivec2 tile, ivec2 offset)
 }
 
 // The half-resolution texel that a tile's ray goes through.
-ivec2 ray_half_pixel(ivec2 tile)
+ivec2 ray_half_pixel(ivec2 tile, float slot)
 {
-    return min(2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x)), half_size() - 1);
+    return min(2 * tile + slot_place(int(slot)), half_size() - 1);
 }
+
+ivec2 ray_half_pixel(ivec2 tile) { return ray_half_pixel(tile, fetch_tile(RT_TILE, tile).x); }
 
 bool asks_for_kinds()
 {
@@ -83,24 +88,27 @@ bool asks_for_kinds()
            choice(RT_FALLBACK_REJECTED) == RT_FALLBACK_BILATERAL;
 }
 
-float ray_depth_m(ivec2 tile, int ray)
+// `found`: what the tile index has of it.
+float ray_depth_m(ivec2 tile, int ray, vec4 found)
 {
     ivec2 offset = AROUND[ray];
     bool is_gathered = choice(RT_GATHER) == RT_GATHER_NORMALISED && offset.x + offset.y != 0;
     precise float depth_m = TILE_UNIT_M * (is_gathered
                                                ? fetch(RT_TILE, gathered_texel(tile, offset)).y
-                                               : fetch_tile(RT_TILE, ray_tile(tile, ray)).y);
+                                               : found.y);
     return depth_m;
 }
 
 Ray load_ray(ivec2 tile, int i)
 {
+    ivec2 from = ray_tile(tile, i);
+    vec4 found = fetch_tile(RT_TILE, from);
     Ray ray;
-    ray.value = fetch_tile(RT_RAY, ray_tile(tile, i));
-    ray.depth_m = ray_depth_m(tile, i);
+    ray.value = fetch_tile(RT_RAY, from);
+    ray.depth_m = ray_depth_m(tile, i, found);
     ray.is_usable = !checks_validity() || is_sound(ray.value);
     ray.is_sky = asks_for_kinds() &&
-                 is_sky(fetch_half(RT_HALF_DEPTH, ray_half_pixel(ray_tile(tile, i))).x);
+                 is_sky(fetch_half(RT_HALF_DEPTH, ray_half_pixel(from, found.x)).x);
     return ray;
 }
 
@@ -547,8 +555,8 @@ void main()
     float age = history.is_void ? 1.0 : history.age;
     vec4 value = value_of(is_fresh ? 0 : nearest);
     if (is_fresh && !history.is_void) {
-        age = min(history.age + 1.0, AGE_MAX);
-        value = blend_fresh(history.value, value, fresh_weight(age, part));
+        age = IS_DARK ? AGE_MAX : min(history.age + 1.0, AGE_MAX);
+        value = blend_fresh(history.value, value, IS_DARK ? 1.0 : fresh_weight(age, part));
     } else if (!history.is_void) {
         if (is_set(RT_HISTORY_AGE_MAX) && part < 1.0)
             age = max(part * min(age, setting(RT_HISTORY_AGE_MAX)), 1.0);

@@ -7,17 +7,15 @@
 // with the jitter (jittered_depth = on) makes the choice of slots flicker in front of a camera at
 // rest.
 //
-// lavapipe reads what all threads share once for all of them where it knows them to be at work,
-// before any branch, and thread by thread behind one: so few solids are a loop that is unrolled,
-// one for both rays, and threads without a pixel do the work of the last one.
+// Few solids are a loop that is unrolled, one for both rays (known_solids.glsl), and threads
+// without a pixel do the work of the last one.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
 #define SEES_GRID_TEXELS
+#define KNOWS_SOLIDS
 
 #include "realtime_march.glsl"
-
-layout(constant_id = RT_SOLIDS_CONSTANT) const uint KNOWN_SOLIDS = RT_SOLIDS_UNKNOWN;
 
 struct SightLine {
     ViewRay ray;
@@ -30,13 +28,26 @@ SightLine sight_line(Camera camera, vec2 place_px)
 }
 
 // As scene_hit() takes the nearest.
+void take_nearest(bool meets, float t0_m, float t1_m, uint s, inout SightLine line)
+{
+    float t_m = t0_m > 0.0 ? t0_m : t1_m;
+    bool is_nearer = meets && t_m > 0.0 && t_m < line.hit.t_m;
+    line.hit.t_m = is_nearer ? t_m : line.hit.t_m;
+    line.hit.solid = is_nearer ? s : line.hit.solid;
+}
+
 void meet(Solid solid, uint s, inout SightLine line)
 {
     float t0_m, t1_m;
     bool meets = solid_interval(solid, line.ray.origin_m, line.ray.direction, t0_m, t1_m);
-    float t_m = t0_m > 0.0 ? t0_m : t1_m;
-    if (meets && t_m > 0.0 && t_m < line.hit.t_m)
-        line.hit = Hit(t_m, s);
+    take_nearest(meets, t0_m, t1_m, s, line);
+}
+
+void meet_known(uint s, inout SightLine line)
+{
+    float t0_m, t1_m;
+    bool meets = known_interval(s, line.ray.origin_m, line.ray.direction, t0_m, t1_m);
+    take_nearest(meets, t0_m, t1_m, s, line);
 }
 
 void meet_both(uint s, inout SightLine picture, inout SightLine steady)
@@ -50,17 +61,25 @@ void meet_both(uint s, inout SightLine picture, inout SightLine steady)
 
 void meet_solids(inout SightLine picture, inout SightLine steady)
 {
-    if (KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
+    if (are_known()) {
+        [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
+            meet_known(s, picture);
+            if (choice(RT_JITTERED_DEPTH) == 0)
+                meet_known(s, steady);
+        }
+    } else if (KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++)
             meet_both(s, picture, steady);
     } else {
-        for (uint s = 0; s < own(frame.solid_count); s++)
-            meet_both(s, picture, steady);
+        picture.hit = scene_hit(picture.ray.origin_m, picture.ray.direction);
+        if (choice(RT_JITTERED_DEPTH) == 0)
+            steady.hit = scene_hit(steady.ray.origin_m, steady.ray.direction);
     }
 }
 
 void main()
 {
+    know_solids();
     uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
     int ray = int(run.first_ray + thread);
     if (KNOWN_SOLIDS != 0u)

@@ -16,6 +16,19 @@ vec3 grey(vec3 channels)
 
 // --- solids ---------------------------------------------------------------------------------
 
+#ifdef KNOWS_SOLIDS
+#include "known_solids.glsl"
+#endif
+
+Solid solid_at(uint solid)
+{
+#ifdef KNOWS_SOLIDS
+    if (are_known())
+        return known_solid(solid);
+#endif
+    return solids[solid];
+}
+
 struct Hit {
     float t_m;  // FAR_M when nothing is hit
     uint solid; // NO_SOLID when nothing is hit
@@ -60,6 +73,10 @@ const float SHADOW_START = 1e-6;
 bool sees_sun(vec3 point_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
+#ifdef KNOWS_SOLIDS
+    if (are_known())
+        return known_let_pass(point_m, to_sun(), start_m, ENDLESS_M, except);
+#endif
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, point_m, to_sun(), start_m, FAR_M);
         for (uint s = block * BLOCK_SOLIDS; s < end; s++) {
@@ -86,6 +103,10 @@ bool medium_sees_sun(vec3 point_m)
 bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
+#ifdef KNOWS_SOLIDS
+    if (are_known())
+        return known_let_pass(point_m, direction, start_m, distance_m, except);
+#endif
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, point_m, direction, start_m, distance_m);
         for (uint s = block * BLOCK_SOLIDS; s < end; s++) {

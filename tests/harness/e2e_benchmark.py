@@ -101,6 +101,22 @@ class Benchmark(unittest.TestCase):
         for words in ("  3 % error", "  1 % error", "noise^2 falls as time^"):
             self.assertEqual(done.stdout.count(words), 2, done.stdout)
 
+    def test_a_ladder_up_to_a_stated_error(self):
+        """Both errors that are reported lie on it, whatever the machine's speed."""
+        done, _ = benchmark("gaussian_blob", "--voxels", "12", "-e", "oracle", "--size", "32x18",
+                            "--error", "0.01", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        engine, = json.loads(done.stdout)["engines"]
+        self.assertEqual([(t["rmse"], t["found"]) for t in engine["rmse_times"]],
+                         [(0.03, "within"), (0.01, "within")])
+        samples = [rung["samples"] for rung in engine["rungs"]]
+        self.assertTrue(all(b >= 2 * a for a, b in zip(samples, samples[1:])), samples)
+
+    def test_one_thing_ends_a_ladder(self):
+        done, _ = benchmark("gaussian_blob", "--error", "0.01", "--seconds", "1")
+        self.assertEqual(done.returncode, 64)
+        self.assertIn("--seconds and --error", done.stderr)
+
     def passes(self, scene, *settings):
         """Of fixed, by name: their milliseconds a picture."""
         words = [word for setting in settings for word in ("-s", f"realtime:{setting}")]

@@ -392,7 +392,7 @@ static void scene_movers(struct movers *stage)
 
 struct watch {
     const struct neph_scene *scene;
-    int frame, checked, moving;
+    int frame, pictures, checked, moving;
 };
 
 /* Against where the C has the points, hit by hit; what grazes a rim may be either. */
@@ -403,6 +403,7 @@ static void check_motion(struct neph_rt_device *device, const struct neph_rt_pas
     struct neph_diag diag = {0};
     if (strcmp(pass->name, "motion") != 0)
         return;
+    watch->pictures++;
     const size_t size = neph_rt_device_words(device, RT_MOVED);
     uint32_t *words = malloc(size * sizeof(*words));
     neph_assert_ok(neph_rt_device_download(device, RT_MOVED, words, &diag), &diag);
@@ -438,6 +439,7 @@ static void check_motion(struct neph_rt_device *device, const struct neph_rt_pas
     free(words);
 }
 
+/* A first picture has nothing that has moved, and nobody looks for it. */
 static void test_motion_is_that_of_the_solids(void **state)
 {
     struct movers stage;
@@ -449,10 +451,40 @@ static void test_motion_is_that_of_the_solids(void **state)
     for (watch.frame = 0; watch.frame < 4; watch.frame++)
         neph_image_destroy(next(realtime, &stage.test.scene, watch.frame, NULL));
     print_message("%d of %d pixels agree, %d of them of solids\n", watch.checked,
-                  4 * WIDTH_PX * HEIGHT_PX, watch.moving);
-    assert_true(watch.checked >= 4 * WIDTH_PX * HEIGHT_PX - 8);
-    assert_true(watch.moving > 4 * WIDTH_PX * HEIGHT_PX / 20);
+                  3 * WIDTH_PX * HEIGHT_PX, watch.moving);
+    assert_int_equal(watch.pictures, 3);
+    assert_true(watch.checked >= 3 * WIDTH_PX * HEIGHT_PX - 6);
+    assert_true(watch.moving > 3 * WIDTH_PX * HEIGHT_PX / 20);
     neph_realtime_destroy(realtime);
+}
+
+/* What may move and rests costs and shows what it would if it could not move at all: behind
+ * the last of its keys. */
+static void test_movers_that_rest_are_none(void **state)
+{
+    enum { RESTING = 8, PICTURES = 12 };
+    struct movers stage;
+    struct neph_scene *still = NULL;
+    struct neph_diag diag = {0};
+    const struct neph_settings settings = preset("ours", NULL);
+    const int motion = (int)(neph_rt_pass_named("motion") - neph_rt_passes);
+    scene_movers(&stage);
+    neph_assert_ok(neph_scene_at(&stage.test.scene, RESTING, &still, &diag), &diag);
+    struct neph_realtime *resting = open_realtime(*state, &stage.test.scene, &settings);
+    struct neph_realtime *bare = open_realtime(*state, still, &settings);
+    for (int i = 0; i < PICTURES; i++) {
+        struct neph_realtime_stats stats;
+        const int frame = RESTING + i; /* the last of the keys and behind it */
+        struct neph_image *a = next(resting, &stage.test.scene, frame, &stats);
+        struct neph_image *b = next(bare, still, frame, NULL);
+        assert_int_equal(stats.pass_traffic_bytes[motion], 0);
+        assert_true(largest_difference(a, b) == 0.0);
+        neph_image_destroy(b);
+        neph_image_destroy(a);
+    }
+    neph_realtime_destroy(bare);
+    neph_realtime_destroy(resting);
+    neph_scene_destroy(still);
 }
 
 static double rmse_to(struct neph_vulkan *vulkan, const struct neph_scene *scene, int frame,
@@ -538,6 +570,7 @@ int main(void)
         cmocka_unit_test(test_no_other_picture_in_flight),
         cmocka_unit_test(test_pictures_do_not_know_where_the_world_lies),
         cmocka_unit_test(test_motion_is_that_of_the_solids),
+        cmocka_unit_test(test_movers_that_rest_are_none),
         cmocka_unit_test(test_anti_aliasing_follows_solids),
         cmocka_unit_test(test_what_stands_still_costs_nothing),
     };

@@ -593,9 +593,12 @@ static void test_few_and_many_solids_look_alike(void **state)
     struct test_scene test;
     test_scene_init(&test);
     struct neph_solid solids[RT_SOLIDS_UNKNOWN];
-    for (int i = 0; i < RT_SOLIDS_UNKNOWN; i++)
+    for (int i = 0; i < RT_SOLIDS_UNKNOWN; i++) {
         solids[i] = i % 2 ? make_sphere(-8.0 + 0.5 * i, 1.0, -12.0 - i % 5, 0.6)
                           : make_box(-8.0 + 0.5 * i, 0.0, -15.0, -7.8 + 0.5 * i, 4.0, -14.0);
+        if (i % 4 == 2)
+            solids[i].turn = (struct neph_turn){i / 4 % 3, cos(0.1 * i), sin(0.1 * i)};
+    }
     test.scene.solids = solids;
     struct neph_settings settings = preset("fixed");
     set(&settings, "taa=off");
@@ -615,6 +618,67 @@ static void test_few_and_many_solids_look_alike(void **state)
     }
 }
 
+/* A wall that only takes light, across the view. */
+static void scene_dark(struct test_scene *test)
+{
+    test_scene_init(test);
+    struct neph_medium *wall = test_add(
+        test, make_homogeneous(0.4, (struct neph_bounds){{-50, -50, -11}, {50, 50, -8}}));
+    wall->albedo = (struct neph_rgb){0.0, 0.0, 0.0};
+}
+
+/* Whatever the angle of a ray is, its way to the wall over that through it is 8 over 3, and T tells
+ * the latter, L. The mean of t over what is lost along it is t0 + L (1 / tau - 1 / (e^tau - 1)). */
+static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                       void *context)
+{
+    int *checked = context;
+    struct neph_diag diag = {0};
+    if (strcmp(pass->name, "march") != 0)
+        return;
+    const int targets[2] = {RT_RAY, RT_RAY_DISTANCE};
+    uint32_t *words[2];
+    for (int t = 0; t < 2; t++) {
+        const size_t count = neph_rt_device_words(device, targets[t]);
+        words[t] = malloc(count * sizeof(uint32_t));
+        neph_assert_ok(neph_rt_device_download(device, targets[t], words[t], &diag), &diag);
+    }
+    const struct neph_gpu_target *shape = &device->view->targets[RT_RAY];
+    for (size_t i = 0; i < (size_t)shape->width * shape->height; i++) {
+        float ray[4], distance[4];
+        neph_rt_load(shape, words[0], i, ray);
+        neph_rt_load(&device->view->targets[RT_RAY_DISTANCE], words[1], i, distance);
+        const double tau = -log((double)ray[3]), way_m = tau / 0.4;
+        const double expected_m = way_m * (8.0 / 3.0 + 1.0 / tau - 1.0 / expm1(tau));
+        assert_true(ray[0] == 0.0f && ray[1] == 0.0f && ray[2] == 0.0f);
+        assert_true(way_m > 2.999);
+        assert_true(fabs(distance[0] - expected_m) < 1e-5 * expected_m);
+        ++*checked;
+    }
+    free(words[1]);
+    free(words[0]);
+}
+
+/* Where nothing shines nothing is marched, here as in `march`, and T is as good as there. */
+static void test_what_does_not_shine_is_not_marched(void **state)
+{
+    struct test_scene test;
+    struct neph_realtime_stats stats;
+    int checked = 0;
+    scene_dark(&test);
+    struct neph_settings settings = preset("ours");
+    set(&settings, "color_format=float");
+    set(&settings, "depth_format=float");
+    set(&settings, "taa=off");
+    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    neph_realtime_observe(realtime, check_dark, &checked);
+    neph_image_destroy(next(realtime, &test.scene, 0, &stats));
+    assert_int_equal(checked, ((WIDTH_PX + 3) / 4) * ((HEIGHT_PX + 3) / 4));
+    assert_int_equal(stats.view_steps, 0);
+    assert_int_equal(stats.rays, checked);
+    neph_realtime_destroy(realtime);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -632,6 +696,7 @@ int main(void)
         cmocka_unit_test(test_coloured_extinction_is_refused),
         cmocka_unit_test(test_given_depth),
         cmocka_unit_test(test_few_and_many_solids_look_alike),
+        cmocka_unit_test(test_what_does_not_shine_is_not_marched),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/rungs.h"
+
+#include <math.h>
+
+enum { FIRST_SAMPLES = 8, PROBE_SEED = 501 };
+
+/* By an error: how long the last rung of the ladder that the noise is guessed by takes. */
+static const double probe_rung_s = 2.0;
+
+/* Parts of the stated error that rungs are meant to have: it, and three times it, lie between two
+ * of them, with room for what two seeds do not know of a noise. */
+static const double error_parts[NEPH_RUNGS] = {3.6, 2.2, 1.35, 0.85};
+
+static double most_samples(const struct neph_job *job)
+{
+    return job->engine->options[neph_engine_samples(job->engine)].maximum;
+}
+
+static enum neph_status time_of(const struct neph_job *job, double samples, double *render_s,
+                                struct neph_diag *diag)
+{
+    struct neph_noisy_frame frame;
+    const enum neph_status status = neph_noisy_render(job, (int)samples, 1, &frame, diag);
+    *render_s = frame.render_s;
+    neph_noisy_finish(&frame);
+    return status;
+}
+
+/* What the fewest samples take beyond their share is the start: kernels compiled, grids read. (The
+ * very first render is left out: it fills caches.) */
+static enum neph_status time_samples(const struct neph_job *job, double rung_s,
+                                     struct neph_rungs *rungs, struct neph_diag *diag)
+{
+    double samples = FIRST_SAMPLES, first_s, last_s;
+    enum neph_status status = time_of(job, samples, &first_s, diag);
+    if (!status)
+        status = time_of(job, samples, &first_s, diag);
+    do {
+        samples *= 4.0;
+        if (!status)
+            status = time_of(job, samples, &last_s, diag);
+        if (status)
+            return status;
+        rungs->per_sample_s = fmax(1e-9, (last_s - first_s) / (samples - FIRST_SAMPLES));
+    } while (rungs->per_sample_s * samples < rung_s / 16.0 && 4.0 * samples <= most_samples(job));
+    rungs->start_s = fmax(0.0, first_s - FIRST_SAMPLES * rungs->per_sample_s);
+    return NEPH_OK;
+}
+
+/* Rungs that double up to `rung_s`, or beyond, when that is the fewest samples of a ladder. */
+static void go_by_time(const struct neph_job *job, double rung_s, struct neph_rungs *rungs)
+{
+    const double last = fmin(most_samples(job), rung_s / rungs->per_sample_s);
+    for (int k = 0; k < NEPH_RUNGS; k++) {
+        const double rung = last / (1 << (NEPH_RUNGS - 1 - k));
+        const double least = FIRST_SAMPLES * (1 << k);
+        rungs->samples[k] = (int)fmax(least, FIRST_SAMPLES * round(rung / FIRST_SAMPLES));
+    }
+}
+
+/* Samples for the rungs from `from` on, where `samples` gave a noise: its square falls as
+ * 1 / samples. Each rung is at least twice the one before. */
+static void go_by_error(const struct neph_job *job, int from, double samples, double noise2,
+                        struct neph_rungs *rungs)
+{
+    for (int k = from; k < NEPH_RUNGS; k++) {
+        const double wanted = error_parts[k] * rungs->aim.error;
+        const double most = most_samples(job) / (1 << (NEPH_RUNGS - 1 - k));
+        const double needed = fmin(most, samples * noise2 / (wanted * wanted));
+        const int least = k == 0 ? FIRST_SAMPLES : 2 * rungs->samples[k - 1];
+        const int rounded = FIRST_SAMPLES * (int)round(needed / FIRST_SAMPLES);
+        rungs->samples[k] = rounded > least ? rounded : least;
+    }
+}
+
+static enum neph_status probe_noise(const struct neph_job *job, int samples, double *noise2,
+                                    struct neph_diag *diag)
+{
+    struct neph_noisy_frame frames[NEPH_NOISE_SEEDS] = {{.image = NULL}};
+    enum neph_status status = NEPH_OK;
+    for (int s = 0; s < NEPH_NOISE_SEEDS && !status; s++)
+        status = neph_noisy_render(job, samples, (uint64_t)(PROBE_SEED + s), &frames[s], diag);
+    if (!status) {
+        const double square = neph_noisy_cross(&frames[0], NULL, &frames[1], NULL);
+        *noise2 = square > 0.0 ? neph_noisy_noise2(frames) / square : 0.0;
+    }
+    for (int s = 0; s < NEPH_NOISE_SEEDS; s++)
+        neph_noisy_finish(&frames[s]);
+    return status;
+}
+
+enum neph_status neph_rungs_plan(const struct neph_job *job, struct neph_rungs_aim aim,
+                                 struct neph_rungs *rungs, struct neph_diag *diag)
+{
+    const double rung_s = aim.error > 0.0 ? probe_rung_s : aim.rung_s;
+    *rungs = (struct neph_rungs){.aim = aim};
+    enum neph_status status = time_samples(job, rung_s, rungs, diag);
+    if (status)
+        return status;
+    go_by_time(job, rung_s, rungs);
+    if (aim.error > 0.0) {
+        const int samples = rungs->samples[0];
+        double noise2;
+        status = probe_noise(job, samples, &noise2, diag);
+        if (!status)
+            go_by_error(job, 0, samples, noise2, rungs);
+    }
+    return status;
+}
+
+void neph_rungs_learn(const struct neph_job *job, int rung, double noise2, struct neph_rungs *rungs)
+{
+    if (rungs->aim.error > 0.0)
+        go_by_error(job, rung + 1, rungs->samples[rung], noise2, rungs);
+}

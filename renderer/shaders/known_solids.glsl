@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+//
+// Few solids, known before the shader is compiled: how many, and which of them are balls. lavapipe
+// reads what all threads share once for all of them where it knows them to be at work, before any
+// branch, and thread by thread behind one; it runs both sides of every branch; and a loop that it
+// cannot unroll goes on until the last thread has left it. So all are read at the start of main(),
+// and met one after the other without a branch.
+#ifndef NEPH_KNOWN_SOLIDS_GLSL
+#define NEPH_KNOWN_SOLIDS_GLSL
+
+#extension GL_EXT_control_flow_attributes : require
+
+#include "realtime_names.h"
+
+layout(constant_id = RT_SOLIDS_CONSTANT) const uint KNOWN_SOLIDS = RT_SOLIDS_UNKNOWN;
+// Which are balls, a bit each.
+layout(constant_id = RT_BALLS_CONSTANT) const uint KNOWN_BALLS = ~0u;
+layout(constant_id = RT_BALLS_CONSTANT + 1) const uint MORE_KNOWN_BALLS = ~0u;
+
+const float ENDLESS_M = 3.0e38; // beyond all
+
+// On a GPU they would fill its registers.
+bool are_known() { return ON_CPU && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN; }
+
+Solid known_solids[RT_SOLIDS_UNKNOWN];
+
+void know_solids()
+{
+    if (are_known())
+        [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
+            known_solids[s] = solids[s];
+            known_solids[s].kind = own(solids[s].kind);
+            known_solids[s].albedo.w = uintBitsToFloat(own(floatBitsToUint(solids[s].albedo.w)));
+        }
+}
+
+// A choice among them is cheaper than to read one for each thread.
+Solid known_solid(uint solid)
+{
+    Solid found = known_solids[0];
+    [[unroll]] for (uint s = 1; s < KNOWN_SOLIDS; s++)
+        if (s == solid)
+            found = known_solids[s];
+    return found;
+}
+
+// As clip_axis(), without its branch, and but for t0 < t1, which once false stays so. Comparisons,
+// for a min() of lavapipe's asks for NaN, which there are none of.
+bool narrow_axis(float low, float high, float origin, float direction, inout float t0,
+                 inout float t1)
+{
+    bool is_parallel = abs(direction) < PARALLEL;
+    float a = (low - origin) / direction;
+    float b = (high - origin) / direction;
+    bool is_low_first = a < b;
+    float first = is_low_first ? a : b, second = is_low_first ? b : a;
+    t0 = !is_parallel && first > t0 ? first : t0;
+    t1 = !is_parallel && second < t1 ? second : t1;
+    return !is_parallel || (origin >= low && origin <= high);
+}
+
+// As solid_interval().
+bool known_interval(uint s, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
+{
+    Solid solid = known_solids[s];
+    if (((s < 32u ? KNOWN_BALLS : MORE_KNOWN_BALLS) >> (s & 31u) & 1u) != 0u)
+        return ball_interval(solid, origin_m, direction, t0_m, t1_m);
+    bool turns = is_turned(solid);
+    origin_m = turns ? own_point(solid, origin_m) : origin_m;
+    direction = turns ? turned(solid, direction, -solid.albedo.w) : direction;
+    t0_m = -FAR_M;
+    t1_m = FAR_M;
+    bool meets_x = narrow_axis(solid.low_m.x, solid.high_m.x, origin_m.x, direction.x, t0_m, t1_m);
+    bool meets_y = narrow_axis(solid.low_m.y, solid.high_m.y, origin_m.y, direction.y, t0_m, t1_m);
+    bool meets_z = narrow_axis(solid.low_m.z, solid.high_m.z, origin_m.z, direction.z, t0_m, t1_m);
+    return meets_x && meets_y && meets_z && t0_m < t1_m;
+}
+
+// As sees_point(): whether nothing is in the way up to a distance.
+bool known_let_pass(vec3 point_m, vec3 direction, float start_m, float distance_m, uint except)
+{
+    bool let_pass = true;
+    [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
+        float t0_m, t1_m;
+        bool meets = known_interval(s, point_m, direction, t0_m, t1_m);
+        let_pass = let_pass && !(s != except && meets && t1_m > start_m && t0_m < distance_m);
+    }
+    return let_pass;
+}
+
+#endif
