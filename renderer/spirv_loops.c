@@ -238,7 +238,7 @@ static bool is_loaded_anew(const struct search *search, size_t load)
     return class == CLASS_INPUT || class == CLASS_UNIFORM || class == CLASS_PUSH_CONSTANT;
 }
 
-/* Of an instruction that is no phi. */
+/* Any instruction but a phi. */
 static void judge(struct search *search, size_t at)
 {
     const struct neph_spirv_module *module = &search->module;
