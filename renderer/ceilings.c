@@ -219,10 +219,32 @@ static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const str
     return status;
 }
 
+/* Each node and the one behind it, which a CPU reads in one (neph_buffer_see_texels()). */
+static enum neph_status fill_pairs(const struct neph_vulkan *vulkan, struct neph_buffer *pairs,
+                                   struct neph_diag *diag)
+{
+    const size_t node_count = (size_t)grid_side * grid_side * grid_side;
+    const size_t bytes = 2 * node_count * sizeof(float);
+    float *nodes = malloc(bytes);
+    enum neph_status status = nodes ? NEPH_OK : neph_fail_memory(diag);
+    for (size_t i = 0; i < 2 * node_count && !status; i++)
+        nodes[i] = node_value(i / 2 + i % 2);
+    if (!status)
+        status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, "samples in pairs", pairs,
+                                    diag);
+    if (!status)
+        status = neph_buffer_upload(vulkan, pairs, 0, nodes, bytes, diag);
+    if (!status)
+        status = neph_buffer_see_texels(vulkan, 2, pairs, diag);
+    free(nodes);
+    return status;
+}
+
 /* Where samples come from, all of it bound. */
 struct sampled {
     const struct sizes *sizes;
     struct neph_buffer buffers[sample_buffers];
+    struct neph_buffer pairs; /* of a CPU */
     struct neph_texture texture;
 };
 
@@ -236,9 +258,10 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
         .spirv_size_bytes = sizeof(samples_spirv),
         .buffer_count = sample_buffers,
         .image_count = 1,
+        .texels_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_ceiling_run),
-        .constant_count = 2,
-        .constants = {by_texture, waits},
+        .constant_count = 3,
+        .constants = {by_texture, waits, vulkan->description.is_cpu},
     };
     const struct sizes *sizes = sampled->sizes;
     const struct neph_gpu_ceiling_run run = {grid_side, sizes->sample_count};
@@ -308,6 +331,10 @@ static enum neph_status measure_samples(struct neph_vulkan *vulkan, const struct
                                     &sampled.buffers[i], diag);
     if (!status)
         status = fill_samples(vulkan, sizes, sampled.buffers, diag);
+    if (!status && vulkan->description.is_cpu)
+        status = fill_pairs(vulkan, &sampled.pairs, diag);
+    sampled.buffers[0].texels = sampled.pairs.texels;
+    sampled.pairs.texels = VK_NULL_HANDLE;
     if (!status)
         status = run_buffer(vulkan, &sampled, seconds, ceilings, diag);
     if (!status)
@@ -315,6 +342,7 @@ static enum neph_status measure_samples(struct neph_vulkan *vulkan, const struct
     ceilings->grid_side = grid_side;
     for (int i = 0; i < sample_buffers; i++)
         neph_buffer_destroy(vulkan, &sampled.buffers[i]);
+    neph_buffer_destroy(vulkan, &sampled.pairs);
     return status;
 }
 

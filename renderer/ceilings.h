@@ -13,9 +13,11 @@
 #include <stddef.h>
 
 struct neph_ceilings {
-    double copy_bytes_per_s;     /* read and written, each counted */
-    size_t copy_bytes;           /* of each of the two buffers: more than caches hold */
-    double buffer_samples_per_s; /* grid_density() of shaders/grid.glsl, from a storage buffer */
+    double copy_bytes_per_s; /* read and written, each counted */
+    size_t copy_bytes;       /* of each of the two buffers: more than caches hold */
+    /* grid_density() of shaders/grid.glsl, from a storage buffer; of a CPU from texels of two
+     * nodes, as marches read them. */
+    double buffer_samples_per_s;
     double texture_samples_per_s[NEPH_TEXEL_FORMAT_COUNT]; /* of the same, by the texture unit; NaN:
                                                               not measured, or it does not filter
                                                               that format */

@@ -291,13 +291,14 @@ static uint64_t ray_count_of(const struct neph_march_params *params)
            square_px;
 }
 
-/* In raster order; -1: the ray is beyond the picture. */
+/* In raster order, by the bits of a ray's place in its square, as shaders/march.comp has it; -1:
+ * the ray is beyond the picture. */
 static int64_t pixel_of(const struct neph_march_params *params, uint64_t ray)
 {
     const uint64_t side = square_px, columns = squares_across(params->width_px);
     const uint64_t square = ray / (side * side), own = ray % (side * side);
-    const uint64_t x = side * (square % columns) + own % side;
-    const uint64_t y = side * (square / columns) + own / side;
+    const uint64_t x = side * (square % columns) + ((own & 3) | (own >> 1 & 4));
+    const uint64_t y = side * (square / columns) + ((own >> 2 & 1) | (own >> 3 & 6));
     return x < (uint64_t)params->width_px && y < (uint64_t)params->height_px
                ? (int64_t)(y * (uint64_t)params->width_px + x)
                : -1;

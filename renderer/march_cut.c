@@ -100,13 +100,19 @@ struct turns {
     uint64_t sun;     /* a sun ray through media */
 };
 
+/* Else optical depths are sums over steps, all of them. */
+static bool has_closed_forms(const struct neph_march_params *params)
+{
+    return params->transmittance == NEPH_MARCH_EXACT || params->sun == NEPH_MARCH_EXACT;
+}
+
 static struct turns turns_in(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                              const struct neph_march_params *params)
 {
     struct turns turns = {
         .solids = neph_gpu_solid_turns((uint64_t)scene->solid_count),
         .media = (uint64_t)scene->medium_count + 1,
-        .exact = gpu->optical_depth_turns,
+        .exact = has_closed_forms(params) ? gpu->optical_depth_turns : 0,
     };
     for (int i = 0; i < scene->medium_count; i++)
         turns.media += (uint64_t)scene->media[i].layer_count + 1;
@@ -148,14 +154,11 @@ static uint32_t shortcut_bits(const struct neph_march_params *params)
            (neph_march_sky_lights(params) ? 128u : 0u) | (params->fog.is_look ? 1024u : 0u);
 }
 
-/* Where light is the sun's alone, and of octaves no more than a ray keeps the phases of. Not on a
- * CPU: lavapipe goes through a turn of a loop that is left at its start for nobody, here 19 samples
- * a lit step beside the 7 that count, and is slower by four times. */
+/* Where light is the sun's alone, and of octaves no more than a ray keeps the phases of. */
 static bool is_sunlit_texture(const struct neph_gpu_scene *gpu,
                               const struct neph_march_params *params)
 {
-    return !gpu->is_on_cpu && params->shortcuts.grid_texture && gpu->frame->scatters &&
-           !gpu->frame->emits &&
+    return params->shortcuts.grid_texture && gpu->frame->scatters && !gpu->frame->emits &&
            (params->lighting != NEPH_MARCH_OCTAVES ||
             gpu->frame->octave_count <= NEPH_GPU_KEPT_PHASES);
 }

@@ -33,13 +33,25 @@ layout(push_constant) uniform CeilingRun {
     uint sample_count;
 } run;
 
-#include "constants.h"
-const uint TRAITS = 0u;
-#include "grid.glsl"
-
 layout(constant_id = 0) const bool TEXTURE = false;
 // Whether each place depends on the sample before it, as nothing may be looked up ahead then.
 layout(constant_id = 1) const bool WAITS = false;
+// Whether values are there in pairs, too, as media.glsl has them for a CPU.
+layout(constant_id = 2) const bool PAIRS = false;
+
+#define SEES_GRID_TEXELS
+#include "constants.h"
+layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
+
+vec2 grid_pair(uint at)
+{
+    if (PAIRS)
+        return uintBitsToFloat(imageLoad(grid_pairs[0], int(at)).xy);
+    return vec2(grid_values[at], grid_values[at + 1]);
+}
+
+const uint TRAITS = 0u;
+#include "grid.glsl"
 
 layout(binding = NEPH_GPU_IMAGES_BINDING) uniform sampler3D grid_textures[1];
 

@@ -118,7 +118,16 @@ vec3 own(vec3 v)
     return uintBitsToFloat(uvec3(own(bits.x), own(bits.y), own(bits.z)));
 }
 
-vec3 to_sun() { return own(frame.sun_direction); }
+// A number of the frame costs lavapipe some 24 instructions, for it is gathered for each lane: what
+// is asked at every step is read once for a thread. To a GPU it costs nothing.
+vec3 kept_sun_direction = own(frame.sun_direction);
+
+vec3 to_sun()
+{
+    if (ON_CPU)
+        return kept_sun_direction;
+    return frame.sun_direction;
+}
 
 struct Camera {
     vec3 right;

@@ -41,14 +41,14 @@ float grid_texture_at(uint m, vec3 place)
 
 vec3 grid_texture_place(uint m, vec3 point_m)
 {
-    vec3 at = (point_m - frame.media[m].shape.grid.origin_m) *
-              frame.media[m].shape.grid.nodes_per_m;
-    return (at + 0.5) * frame.media[m].shape.grid.texel;
+    Grid grid = medium_grid(m);
+    vec3 at = (point_m - grid.origin_m) * grid.nodes_per_m;
+    return (at + 0.5) * grid.texel;
 }
 
 float grid_texture_density(uint m, vec3 point_m)
 {
-    return frame.media[m].shape.grid.full * grid_texture_at(m, grid_texture_place(m, point_m));
+    return medium_grid(m).full * grid_texture_at(m, grid_texture_place(m, point_m));
 }
 
 // A ray as the texture of an only medium sees it: three products and sums a sample. Its places are
@@ -60,10 +60,9 @@ struct TextureRay {
 
 TextureRay texture_ray(vec3 origin_m, vec3 direction)
 {
-    return TextureRay(grid_texture_place(0, origin_m),
-                      direction * frame.media[0].shape.grid.nodes_per_m *
-                          frame.media[0].shape.grid.texel,
-                      frame.media[0].extinction_per_m * frame.media[0].shape.grid.full);
+    Grid grid = medium_grid(0);
+    return TextureRay(grid_texture_place(0, origin_m), direction * grid.nodes_per_m * grid.texel,
+                      medium_full_per_m(0) * grid.full);
 }
 
 float texture_ray_density(TextureRay ray, float t_m)
@@ -78,7 +77,7 @@ float sampled_extinction_per_m(uint m, vec3 point_m)
 {
     if (samples_textures() && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m))) {
         // Whether or not it counts, without a branch: samples are on their way before it is known.
-        float per_m = frame.media[m].extinction_per_m * grid_texture_density(m, point_m);
+        float per_m = medium_full_per_m(m) * grid_texture_density(m, point_m);
         return mix(0.0, per_m, medium_contains(m, point_m));
     }
     return medium_extinction_per_m(m, point_m);
@@ -91,7 +90,7 @@ vec3 sampled_extinctions_per_m(uint kinds, vec3 point_m)
     [[unroll]] for (uint m = 0; m < media_count(); m++)
         if (is_among(kinds, m))
             extinction_per_m +=
-                frame.media[m].extinction_color * sampled_extinction_per_m(m, point_m);
+                medium_color(m) * sampled_extinction_per_m(m, point_m);
     return grey(extinction_per_m);
 }
 

@@ -18,6 +18,8 @@
 #ifndef NEPH_MARCH_GLSL
 #define NEPH_MARCH_GLSL
 
+#extension GL_KHR_shader_subgroup_vote : require
+
 #include "march_lamps.glsl"
 #include "march_run.glsl"
 
@@ -106,7 +108,7 @@ bool passes_clear()
     return KNOWN_MEDIA == 1u && VIEW_MARCHED == KINDS && !has_fog() && LIGHTING != HORIZON;
 }
 
-float met_per_m = -1.0; // extinction at the step that was looked up last
+float met_per_m = 0.0; // extinction at the step that was looked up last
 
 // Go on to the first step at whose point there is something, or to `end`.
 void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uint i)
@@ -170,6 +172,88 @@ bool pass_clear(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 
 bool is_dark(vec3 through) { return all(lessThan(through, vec3(frame.early_out))); }
 
+// --- rays of a subgroup in the same steps --------------------------------------------------------
+
+// lavapipe goes through what one of its eight lanes wants with all of them, and what a ray looks up
+// while the others are in the medium it looks up alone. So where clear air is passed rays look up
+// the same steps, go on together until one of them finds something, and do what they found.
+bool marches_together() { return ON_CPU && passes_clear() && !SKIPS && !ENDS_EARLY; }
+
+// Steps that were looked up at once, and those of them in which there is something.
+const uint TOGETHER = 4;
+struct LookedUp {
+    float per_m[TOGETHER];
+    uint first, lit; // a bit for each
+};
+
+// The first of them that is lit, which is taken away.
+uint take_step(inout LookedUp steps)
+{
+    uint k = uint(findLSB(steps.lit));
+    vec2 pair = (k & 2u) == 0u ? vec2(steps.per_m[0], steps.per_m[1])
+                               : vec2(steps.per_m[2], steps.per_m[3]);
+    met_per_m = (k & 1u) == 0u ? pair.x : pair.y;
+    steps.lit &= steps.lit - 1u;
+    return steps.first + k;
+}
+
+// From step `i` on, to where some ray finds something or to `end`.
+void look_up_together(ViewRay ray, Steps steps, float place, uint end, inout uint i,
+                      inout LookedUp found)
+{
+    TextureRay way;
+    if (has_only_texture())
+        way = texture_ray(ray.origin_m, ray.direction);
+    for (;;) {
+        found.first = i;
+        found.lit = 0u;
+        [[unroll]] for (uint k = 0; k < TOGETHER; k++) {
+            float t_m = step_point_m(steps, i + k, place);
+            found.per_m[k] = has_only_texture()
+                                 ? way.full_per_m * texture_ray_density(way, t_m)
+                                 : sampled_extinction_per_m(0, view_point_m(ray, t_m));
+            if (found.per_m[k] > 0.0 && i + k < end)
+                found.lit |= 1u << k;
+        }
+        uint count = min(TOGETHER, end - i);
+        density_evaluations += count;
+        view_steps += count;
+        i += count;
+        if (i == end || subgroupAny(found.lit != 0u))
+            break;
+    }
+}
+
+// One step, onto the sums; of an only medium the extinction there was looked up where
+// passes_clear().
+void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
+{
+    float step_m = step_length_m(steps, i);
+    vec3 start_m = view_point_m(ray, step_start_m(steps, i));
+    float point_distance_m = step_point_m(steps, i, place);
+    vec3 point_m = view_point_m(ray, point_distance_m);
+    Mixture mixture = mixture_of(point_m, passes_clear(), met_per_m);
+    vec3 step_depth = mixture.marched_per_m * step_m;
+    if (TRANSMITTANCE == EXACT)
+        step_depth += exact_optical_depth(start_m, ray.direction, step_m);
+    vec3 through = fraction_through(marched_depth(sums));
+    sums.distance_m += point_distance_m * mean(through * fraction_lost(step_depth));
+    vec3 scattered = vec3(0.0);
+    if (kept_scatters)
+        scattered = SCALES_VIEW
+                        ? scaled_light(mixture, point_m, marched_depth(sums), step_depth)
+                        : step_light(mixture, point_m, step_m, step_depth) * through;
+    if (LAMPS && own(frame.scatters_lamps) != 0)
+        scattered += lamps_light(mixture, ray, step_start_m(steps, i), step_m, step_depth) *
+                     through;
+    if (kept_emits)
+        scattered += mixture.glow * fraction_lost(step_depth) * through;
+    if (HAS_VEIL && step_depth != vec3(0.0))
+        scattered = behind_veil(ray.direction, point_distance_m, scattered,
+                                through * fraction_lost(step_depth));
+    sums_add(sums, scattered, step_depth);
+}
+
 // March the steps of this run along a view ray of some length, onto the sums. The medium is looked
 // at `place` (0..1) of each step.
 //
@@ -192,50 +276,48 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         return;
     }
     Steps steps = view_steps_of(stretch);
+    uint end = own(run.end_step), done = own(run.first_step);
+    LookedUp found;
+    found.lit = 0u;
     for (uint i = own(run.first_step);;) {
         if (skips_steps() && !passes_clear()) {
-            if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, own(run.end_step), i))
+            if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, end, i))
                 sums_add(sums, vec3(0.0), vec3(0.0)); // as in marched_optical_depth()
-            if (i == own(run.end_step))
+            if (i == end)
                 break;
         }
         if (ENDS_EARLY && is_dark(fraction_through(marched_depth(sums))))
             break;
-        if (passes_clear()) {
-            if (pass_clear(ray, steps, place, own(run.end_step), i))
+        if (marches_together()) {
+            look_up_together(ray, steps, place, end, i, found);
+        } else if (passes_clear()) {
+            if (pass_clear(ray, steps, place, end, i))
                 sums_add(sums, vec3(0.0), vec3(0.0));
-            if (i == own(run.end_step))
+            if (i == end)
                 break;
         } else {
             view_steps++;
         }
-        float step_m = step_length_m(steps, i);
-        vec3 start_m = view_point_m(ray, step_start_m(steps, i));
-        float point_distance_m = step_point_m(steps, i, place);
-        vec3 point_m = view_point_m(ray, point_distance_m);
-        Mixture mixture = mixture_of(point_m, met_per_m);
-        vec3 step_depth = mixture.marched_per_m * step_m;
-        if (TRANSMITTANCE == EXACT)
-            step_depth += exact_optical_depth(start_m, ray.direction, step_m);
-        vec3 through = fraction_through(marched_depth(sums));
-        sums.distance_m += point_distance_m * mean(through * fraction_lost(step_depth));
-        vec3 scattered = vec3(0.0);
-        if (own(frame.scatters) != 0)
-            scattered = SCALES_VIEW
-                            ? scaled_light(mixture, point_m, marched_depth(sums), step_depth)
-                            : step_light(mixture, point_m, step_m, step_depth) * through;
-        if (LAMPS && own(frame.scatters_lamps) != 0)
-            scattered += lamps_light(mixture, ray, step_start_m(steps, i), step_m, step_depth) *
-                         through;
-        if (own(frame.emits) != 0)
-            scattered += mixture.glow * fraction_lost(step_depth) * through;
-        if (HAS_VEIL && step_depth != vec3(0.0))
-            scattered = behind_veil(ray.direction, point_distance_m, scattered,
-                                    through * fraction_lost(step_depth));
-        sums_add(sums, scattered, step_depth);
-        if (++i >= own(run.end_step))
+        for (;;) { // left at its end: lavapipe goes through a turn to there for nobody
+            bool is_lit = !marches_together() || found.lit != 0u;
+            uint at = i;
+            if (marches_together())
+                at = take_step(found);
+            if (is_lit) {
+                if (marches_together() && at > done)
+                    sums_add(sums, vec3(0.0), vec3(0.0));
+                march_step(ray, steps, at, place, sums);
+                done = at + 1;
+            }
+            if (found.lit == 0u)
+                break;
+        }
+        i += marches_together() ? 0u : 1u;
+        if (i >= end)
             break;
     }
+    if (marches_together() && done < end)
+        sums_add(sums, vec3(0.0), vec3(0.0));
 }
 
 // Continue where the run before has ended.

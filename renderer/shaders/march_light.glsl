@@ -62,6 +62,11 @@ const uint SUN_MARCHED = KINDS & (SUN == EXACT ? OPEN_KINDS : ~0u);
 
 const uint FITTED_OCTAVES = NEPH_GPU_FITTED_OCTAVES;
 
+// Read once for a thread, as to_sun().
+uint kept_sun_steps = own(frame.sun_steps), kept_octave_count = own(frame.octave_count);
+vec3 kept_octave_factors = frame.octave_factors;
+bool kept_emits = own(frame.emits) != 0, kept_scatters = own(frame.scatters) != 0;
+
 // What this pixel has cost.
 uint density_evaluations = 0;
 uint closed_forms = 0;
@@ -99,10 +104,29 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
 // together, for a GPU would wait for one after the other. What is looked up behind the end is not
 // added. Where empty steps are passed it is not known which come next.
 const uint TAPS_MAX = 3;
-uint taps() { return samples_textures() && !SKIPS ? TAPS_MAX : 1; }
+const bool TAPS_IN_TURN = ON_CPU && KNOWN_MEDIA == 1u && KINDS == 1u << MEDIUM_GRID;
+uint taps() { return SKIPS ? 1 : TAPS_IN_TURN ? 2 : samples_textures() ? TAPS_MAX : 1; }
+
+// One after the other, which in an only grid spares a CPU every other turn of a loop. Elsewhere the
+// loops within would turn more often than a dispatch may (renderer/march_cut.c).
+void add_taps_in_turn(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, inout Sum sum)
+{
+    [[unroll]] for (uint k = 0; k < taps(); k++) {
+        vec3 extinction_per_m = sampled_extinctions_per_m(
+            kinds, origin_m + step_point_m(steps, i + k, 0.5) * direction);
+        if (i + k < steps.count) {
+            sum_add(sum, vec4(extinction_per_m * steps.step_m, 0.0));
+            density_evaluations++;
+        }
+    }
+}
 
 void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, inout Sum sum)
 {
+    if (TAPS_IN_TURN) {
+        add_taps_in_turn(kinds, origin_m, direction, steps, i, sum);
+        return;
+    }
     vec3 extinction_per_m[TAPS_MAX];
     [[unroll]] for (uint k = 0; k < taps(); k++)
         extinction_per_m[k] = sampled_extinctions_per_m(
@@ -158,7 +182,7 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
         return vec3(0.0);
     Steps steps = equal_steps(stretch, step_count);
     if (has_only_texture())
-        return grey(frame.media[0].extinction_color) *
+        return grey(medium_color(0)) *
                texture_optical_depth(origin_m, direction, stretch, step_count, steps.step_m, 1.0);
     Sum sum = sum_zero();
     for (uint i = 0;;) {
@@ -194,7 +218,7 @@ vec3 sun_tap_m(vec3 point_m, float t_m, uint i)
     vec3 right, up;
     frame_across(to_sun(), right, up);
     float angle = 2.39996323 * float(i);
-    float width_m = t_m * frame.sun_cone * sqrt((float(i) + 0.5) / float(own(frame.sun_steps)));
+    float width_m = t_m * frame.sun_cone * sqrt((float(i) + 0.5) / float(kept_sun_steps));
     return tap_m + width_m * (cos(angle) * right + sin(angle) * up);
 }
 
@@ -206,10 +230,10 @@ vec3 grown_sun_depth(uint kinds, vec3 point_m)
     Stretch stretch = scene_stretch(kinds, point_m, to_sun(), FAR_M);
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
-    uint count = own(frame.sun_steps);
+    uint count = kept_sun_steps;
     float next_m = stretch.t0_m, length_m = frame.sun_first_part * (stretch.t1_m - stretch.t0_m);
     if (has_only_texture() && !CONES_SUN_RAYS)
-        return grey(frame.media[0].extinction_color) *
+        return grey(medium_color(0)) *
                texture_optical_depth(point_m, to_sun(), stretch, count, length_m,
                                      frame.sun_growth);
     Sum sum = sum_zero();
@@ -231,7 +255,7 @@ vec3 marched_sun_depth(uint kinds, vec3 point_m)
 {
     return GROWS_SUN_RAYS ? grown_sun_depth(kinds, point_m)
                            : marched_optical_depth(kinds, point_m, to_sun(), FAR_M,
-                                                   own(frame.sun_steps));
+                                                   kept_sun_steps);
 }
 
 vec3 sun_optical_depth(vec3 point_m)
@@ -322,11 +346,11 @@ void keep_phases()
     float contribution = 1.0, part = 1.0; // a^i, c^i
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
         kept_phases_per_sr[i] = 0.0;
-        if (i < own(frame.octave_count))
+        if (i < kept_octave_count)
             kept_phases_per_sr[i] = contribution * flattened_phase_per_sr(0, part);
         if (sums_channels())
-            contribution *= frame.octave_factors.x;
-        part *= frame.octave_factors.z;
+            contribution *= kept_octave_factors.x;
+        part *= kept_octave_factors.z;
     }
 }
 
@@ -344,10 +368,10 @@ void look_along(ViewRay ray)
 // Where there is no extinction, nothing scatters or emits: guards all divisions by it.
 const vec3 LEAST = vec3(1e-37);
 
-// `known_per_m`: the extinction of an only medium there, where that was looked up; else below 0.
-Mixture mixture_of(vec3 point_m, float known_per_m)
+// `known_per_m`: the extinction of an only medium there, where it `is_known` (to the compiler, too:
+// lavapipe would look it up for nobody).
+Mixture mixture_of(vec3 point_m, const bool is_known, float known_per_m)
 {
-    bool is_known = known_per_m >= 0.0;
     bool only_fogs = !is_known && SKIPS && shapes_are_empty(point_m);
     if (!is_known && (!only_fogs || has_fog()))
         density_evaluations++;
@@ -357,8 +381,8 @@ Mixture mixture_of(vec3 point_m, float known_per_m)
         float density_per_m = is_known                  ? known_per_m
                               : only_fogs && !is_fog(m) ? 0.0
                                                         : sampled_extinction_per_m(m, point_m);
-        vec3 extinction_per_m = grey(frame.media[m].extinction_color) * density_per_m;
-        vec3 scattered_per_m = extinction_per_m * frame.media[m].albedo;
+        vec3 extinction_per_m = grey(medium_color(m)) * density_per_m;
+        vec3 scattered_per_m = extinction_per_m * medium_albedo(m);
         if (MAPS_SHADOW && !is_fog(m) && density_per_m > 0.0)
             is_in_shape = true;
         mixture.extinction_per_m += extinction_per_m;
@@ -367,7 +391,7 @@ Mixture mixture_of(vec3 point_m, float known_per_m)
         mixture.scattering += scattered_per_m * phase_towards_camera_per_sr[m];
         if (NEEDS_MEDIA)
             scattering_per_m[m] = scattered_per_m;
-        if (own(frame.emits) != 0)
+        if (kept_emits)
             mixture.glow += (frame.media[m].glow - mixture.glow) *
                             (extinction_per_m / max(mixture.extinction_per_m, LEAST));
     }
@@ -376,7 +400,7 @@ Mixture mixture_of(vec3 point_m, float known_per_m)
     return mixture;
 }
 
-Mixture mixture_at(vec3 point_m) { return mixture_of(point_m, -1.0); }
+Mixture mixture_at(vec3 point_m) { return mixture_of(point_m, false, 0.0); }
 
 // --- octaves --------------------------------------------------------------------------------
 
@@ -387,9 +411,9 @@ vec3 kept_octave_scattering(vec3 optical_depth)
     vec2 scale = vec2(1.0); // a^i, b^i
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
         vec3 octave = scattering_per_m[0] * kept_phases_per_sr[i];
-        if (i < own(frame.octave_count))
+        if (i < kept_octave_count)
             sum += scale.x * octave * fraction_through(scale.y * optical_depth);
-        scale *= frame.octave_factors.xy;
+        scale *= kept_octave_factors.xy;
     }
     return sum;
 }
@@ -399,9 +423,9 @@ vec3 summed_octave_scattering(float optical_depth)
 {
     float sum = 0.0, attenuation = 1.0; // b^i
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
-        if (i < own(frame.octave_count))
+        if (i < kept_octave_count)
             sum += kept_phases_per_sr[i] * transmittance(attenuation * optical_depth);
-        attenuation *= frame.octave_factors.y;
+        attenuation *= kept_octave_factors.y;
     }
     return sum * scattering_per_m[0];
 }
@@ -415,16 +439,16 @@ vec3 octave_scattering(vec3 optical_depth)
         sum = sums_channels() ? summed_octave_scattering(optical_depth.x)
                               : kept_octave_scattering(optical_depth);
         [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++)
-            scale *= frame.octave_factors;
+            scale *= kept_octave_factors;
     }
     if (KEEPS_PHASES && !MANY_OCTAVES)
         return sum; // not a turn for nobody
-    for (uint i = KEEPS_PHASES ? KEPT_PHASES : 0; i < own(frame.octave_count); i++) {
+    for (uint i = KEEPS_PHASES ? KEPT_PHASES : 0; i < kept_octave_count; i++) {
         vec3 octave = vec3(0.0);
         [[unroll]] for (uint m = 0; m < media_count(); m++)
             octave += scattering_per_m[m] * flattened_phase_per_sr(m, scale.z);
         sum += scale.x * octave * fraction_through(scale.y * optical_depth);
-        scale *= frame.octave_factors;
+        scale *= kept_octave_factors;
     }
     return sum;
 }

@@ -17,7 +17,7 @@ bool marches_texture()
     bool is_sunlit = SUNLIT_TEXTURE && has_only_texture() && !LAMPS && !HAS_VEIL && !COLOURED;
     bool is_summed = TRANSMITTANCE == MARCHED && SUN == MARCHED && !CACHES_SUN && !MAPS_SHADOW;
     bool has_equal_steps = !ENDS_EARLY && !GROWS && !CONES_SUN_RAYS;
-    return is_sunlit && is_summed && has_equal_steps &&
+    return is_sunlit && is_summed && has_equal_steps && !(ON_CPU && SKIPS) &&
            (LIGHTING == SINGLE || LIGHTING == TRACED || LIGHTING == OCTAVES);
 }
 
@@ -78,13 +78,58 @@ float add_taps(vec3 place, vec3 per_m, vec3 point_m, const uint count, float gro
     return sum;
 }
 
+// All steps are equal, six samples at a time: a loop that lavapipe leaves at its end alone.
+float equal_taps(vec3 place, vec3 per_m, uint count, float step_m)
+{
+    vec3 step = step_m * per_m;
+    float sum = 0.0;
+    for (uint i = 0;;) {
+        vec3 first = place + (float(i) + 0.5) * step;
+        [[unroll]] for (uint k = 0; k < RAY_TAPS_MAX; k++) {
+            float density = grid_texture_at(0, first + float(k) * step);
+            sum += i + k < count ? density : 0.0;
+        }
+        i += RAY_TAPS_MAX;
+        if (i >= count)
+            break;
+    }
+    return step_m * sum;
+}
+
+float grown_taps(vec3 place, vec3 per_m, uint count, float first_m)
+{
+    float sum = 0.0, next_m = 0.0, length_m = first_m;
+    for (uint i = 0;;) {
+        [[unroll]] for (uint k = 0; k < RAY_TAPS_MAX; k++) {
+            float density = grid_texture_at(0, place + (next_m + 0.5 * length_m) * per_m);
+            sum += i + k < count ? length_m * density : 0.0;
+            next_m += length_m;
+            length_m *= frame.sun_growth;
+        }
+        i += RAY_TAPS_MAX;
+        if (i >= count)
+            break;
+    }
+    return sum;
+}
+
+float all_taps(SunWay way, vec3 place, float all_m)
+{
+    uint count = kept_sun_steps;
+    density_evaluations += count;
+    return GROWS_SUN_RAYS ? grown_taps(place, way.per_m, count, all_m * frame.sun_first_part)
+                          : equal_taps(place, way.per_m, count, all_m / float(count));
+}
+
 // Sum of density times length, in full densities and metres, towards the sun from a place of the
 // texture.
 float sun_texels(SunWay way, vec3 place, vec3 point_m, float t_m)
 {
     vec3 exits_m = way.exit_m + t_m * way.exit_per_m;
     float all_m = max(min(exits_m.x, min(exits_m.y, exits_m.z)), 0.0);
-    uint count = own(frame.sun_steps), i = 0;
+    if (ON_CPU)
+        return all_taps(way, place, all_m);
+    uint count = kept_sun_steps, i = 0;
     float growth = GROWS_SUN_RAYS ? frame.sun_growth : 1.0;
     float first_m = all_m * (GROWS_SUN_RAYS ? frame.sun_first_part : 1.0 / float(count));
     float next_m = 0.0, length_m = first_m, sum = 0.0;
@@ -103,16 +148,23 @@ float sun_texels(SunWay way, vec3 place, vec3 point_m, float t_m)
 
 const float PER_E = 1.44269504; // log2(e)
 
+// Numbers that small are 0 on a CPU: below 2^-126 each costs it some hundred instructions' time.
+const float LEAST_EXPONENT = -60.0;
+float through_of(float exponent)
+{
+    return ON_CPU && exponent < LEAST_EXPONENT ? 0.0 : exp2(exponent);
+}
+
 // What comes to a place of sunlight, times phase functions [1/sr].
 float texture_light(float sun_depth)
 {
     float exponent = -PER_E * sun_depth;
     if (LIGHTING != OCTAVES)
-        return phase_towards_camera_per_sr[0] * exp2(exponent);
+        return phase_towards_camera_per_sr[0] * through_of(exponent);
     float sum = 0.0;
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
-        sum += kept_phases_per_sr[i] * exp2(exponent);
-        exponent *= frame.octave_factors.y;
+        sum += kept_phases_per_sr[i] * through_of(exponent);
+        exponent *= kept_octave_factors.y;
     }
     return sum;
 }
@@ -127,17 +179,20 @@ float lost_of(float x, float through)
     return x < 0.125 ? thin : 1.0 - through;
 }
 
-// Eight steps, and in which of them there is something.
+// Eight steps, of a CPU four, and in which of them there is something.
+const uint BLOCK_STEPS = 8;
 struct Block {
-    float densities[8];
+    float densities[BLOCK_STEPS];
     uint lit;
 };
+
+uint block_steps() { return ON_CPU ? 4 : BLOCK_STEPS; }
 
 void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, uint count,
                  inout Block block)
 {
     block.lit = 0u;
-    [[unroll]] for (uint k = 0; k < 8; k++) {
+    [[unroll]] for (uint k = 0; k < block_steps(); k++) {
         bool is_empty = SKIPS && shapes_are_empty(ray.origin_m +
                                                   (t_m + float(k) * step_m) * ray.direction);
         block.densities[k] = is_empty ? 0.0 : grid_texture_at(0, place + float(k) * step);
@@ -146,13 +201,13 @@ void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, ui
             view_steps++;
         }
     }
-    [[unroll]] for (uint k = 0; k < 8; k++)
+    [[unroll]] for (uint k = 0; k < block_steps(); k++)
         block.lit |= block.densities[k] > 0.0 ? 1u << k : 0u;
-    if (count < 8u)
+    if (count < block_steps())
         block.lit &= (1u << count) - 1u;
     if (!SKIPS) {
-        density_evaluations += min(count, 8u);
-        view_steps += min(count, 8u);
+        density_evaluations += min(count, block_steps());
+        view_steps += min(count, block_steps());
     }
 }
 
@@ -160,6 +215,11 @@ void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, ui
 float density_of(Block block, uint k)
 {
     bool is_odd = (k & 1u) != 0u, is_upper = (k & 2u) != 0u;
+    if (ON_CPU) {
+        vec2 pair = is_odd ? vec2(block.densities[1], block.densities[3])
+                           : vec2(block.densities[0], block.densities[2]);
+        return is_upper ? pair.y : pair.x;
+    }
     vec4 pairs = is_odd ? vec4(block.densities[1], block.densities[3], block.densities[5],
                                block.densities[7])
                         : vec4(block.densities[0], block.densities[2], block.densities[4],
@@ -184,6 +244,8 @@ void add_lit_step(ViewRay ray, float t_m, vec3 place, float per_full_m, float st
     sums.distance_m += t_m * seen;
     sums.depth += step_depth;
     sums.through *= through_step;
+    if (ON_CPU && sums.through < 1e-18)
+        sums.through = 0.0;
 }
 
 // All rays of a subgroup are in the same eight steps: what they sample lies close together. On an
@@ -195,16 +257,30 @@ void add_steps(ViewRay ray, float first_m, float step_m, TextureRay way, float p
     vec3 first = way.start + first_m * way.per_m, step = step_m * way.per_m;
     uint end = own(run.end_step);
     Block block;
-    for (uint i = own(run.first_step); i < end; i += 8u) {
-        float t_m = first_m + float(i) * step_m;
-        vec3 place = first + float(i) * step;
-        fetch_block(place, step, t_m, step_m, ray, end - i, block);
-        while (block.lit != 0u) {
-            uint k = uint(findLSB(block.lit));
-            block.lit &= block.lit - 1u;
-            add_lit_step(ray, t_m + float(k) * step_m, place + float(k) * step, per_full_m,
-                         per_full_m * step_m * density_of(block, k), sun, sums);
+    for (uint i = own(run.first_step);;) {
+        float t_m;
+        vec3 place;
+        for (;;) { // on a CPU on to where some ray finds something
+            t_m = first_m + float(i) * step_m;
+            place = first + float(i) * step;
+            fetch_block(place, step, t_m, step_m, ray, end - i, block);
+            i += block_steps();
+            if (!ON_CPU || i >= end || subgroupAny(block.lit != 0u))
+                break;
         }
+        for (;;) { // a GPU leaves it at its start; lavapipe would do the rest of a turn for nobody
+            if (!ON_CPU && block.lit == 0u)
+                break;
+            uint k = uint(findLSB(block.lit));
+            if (!ON_CPU || block.lit != 0u)
+                add_lit_step(ray, t_m + float(k) * step_m, place + float(k) * step, per_full_m,
+                             per_full_m * step_m * density_of(block, k), sun, sums);
+            block.lit &= block.lit - 1u;
+            if (ON_CPU && block.lit == 0u)
+                break;
+        }
+        if (i >= end)
+            break;
     }
 }
 

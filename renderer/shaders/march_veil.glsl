@@ -75,10 +75,12 @@ float fog_look_sun_depth(vec3 point_m)
     return LN2 * fog_look_depth(frame.fog_look, rise_m, to_sun().y, FAR_M);
 }
 
+vec3 kept_irradiance = frame.sun_irradiance; // read once for a thread, as to_sun()
+
 // Sunlight that comes to a place through what veils it [W/m^2].
 vec3 sun_at(vec3 point_m)
 {
-    vec3 irradiance = frame.sun_irradiance;
+    vec3 irradiance = kept_irradiance;
     if (HAS_SKY) {
         SkySpot spot = sky_spot(point_m);
         irradiance *= sky_sun_transmittance(spot.altitude_m, spot.sun_cosine);

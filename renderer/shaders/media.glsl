@@ -189,19 +189,79 @@ uint layer_count_of(uint m)
                             : own(frame.media[m].layer_count);
 }
 
+// What all steps of a ray ask of an only medium, read once for a thread of a CPU as to_sun() is.
+bool is_kept() { return ON_CPU && KNOWN_MEDIA == 1u; }
+
+struct KeptMedium {
+    vec3 low_m, high_m, albedo, extinction_color;
+    float extinction_per_m;
+    Shape shape;
+} kept = KeptMedium(frame.media[0].low_m, frame.media[0].high_m, frame.media[0].albedo,
+                    frame.media[0].extinction_color, frame.media[0].extinction_per_m,
+                    frame.media[0].shape);
+
+vec3 medium_low_m(uint m)
+{
+    if (is_kept())
+        return kept.low_m;
+    return frame.media[m].low_m;
+}
+
+vec3 medium_high_m(uint m)
+{
+    if (is_kept())
+        return kept.high_m;
+    return frame.media[m].high_m;
+}
+
+vec3 medium_albedo(uint m)
+{
+    if (is_kept())
+        return kept.albedo;
+    return frame.media[m].albedo;
+}
+
+vec3 medium_color(uint m)
+{
+    if (is_kept())
+        return kept.extinction_color;
+    return frame.media[m].extinction_color;
+}
+
+float medium_full_per_m(uint m)
+{
+    if (is_kept())
+        return kept.extinction_per_m;
+    return frame.media[m].extinction_per_m;
+}
+
+Shape medium_shape(uint m)
+{
+    if (is_kept())
+        return kept.shape;
+    return frame.media[m].shape;
+}
+
+Grid medium_grid(uint m)
+{
+    if (is_kept())
+        return kept.shape.grid;
+    return frame.media[m].shape.grid;
+}
+
 bool is_among(uint kinds, uint m) { return (kinds & (1u << kind_of(m))) != 0u; }
 
 bool is_fog(uint m) { return has_fog() && is_among(FOG_KINDS, m); }
 
 bool clip_medium(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
 {
-    return clip_box(frame.media[m].low_m, frame.media[m].high_m, origin_m, direction, t0_m, t1_m);
+    return clip_box(medium_low_m(m), medium_high_m(m), origin_m, direction, t0_m, t1_m);
 }
 
 bool medium_contains(uint m, vec3 point_m)
 {
-    bool is_above = all(greaterThanEqual(point_m, frame.media[m].low_m));
-    bool is_below = all(lessThanEqual(point_m, frame.media[m].high_m));
+    bool is_above = all(greaterThanEqual(point_m, medium_low_m(m)));
+    bool is_below = all(lessThanEqual(point_m, medium_high_m(m)));
     return is_above && is_below;
 }
 
@@ -221,8 +281,8 @@ float medium_extinction_per_m(uint m, vec3 point_m)
         if (is_fog(m))
             extinction_per_m = fog_medium_extinction_per_m(m, point_m);
         else
-            extinction_per_m = frame.media[m].extinction_per_m *
-                               shape_density(kind_of(m), frame.media[m].shape, point_m);
+            extinction_per_m = medium_full_per_m(m) *
+                               shape_density(kind_of(m), medium_shape(m), point_m);
     }
     return extinction_per_m;
 }

@@ -302,8 +302,8 @@ static void test_clear_air_adds_nothing(void **state)
 /* A grey texture that is the only medium has a march of its own (shaders/march_texture.glsl),
  * beside another medium behind the camera that of all media: steps that are no multiple of eight,
  * all lengths of a remainder of six taps, steps that grow, a sun along an axis, a solid in its
- * way, more octaves than a ray keeps, light that the media send by themselves. It is a GPU's, so
- * the device is taken for one. */
+ * way, more octaves than a ray keeps, light that the media send by themselves. A CPU has a form of
+ * its own, in which rays look up the same steps, so the device is taken for a GPU as well. */
 static void test_a_texture_has_its_own_march(void **state)
 {
     static const struct {
@@ -330,7 +330,7 @@ static void test_a_texture_has_its_own_march(void **state)
     neph_medium_drift(&test.scene.media[1], (struct neph_vec3){0.0, 0.0, 200.0});
     const size_t count = (size_t)neph_test_by_day(2, sizeof(cases) / sizeof(cases[0]));
     for (size_t i = 0; i < count; i++) {
-        struct neph_march_stats own_stats, plain_stats;
+        struct neph_march_stats here_stats, own_stats, plain_stats;
         struct neph_march_params params = marched;
         params.lighting = cases[i].lighting;
         params.steps = cases[i].steps;
@@ -347,6 +347,7 @@ static void test_a_texture_has_its_own_march(void **state)
         test.scene.medium_count = 2;
         struct neph_image *all = render(*state, &test.scene, &params, NULL);
         test.scene.medium_count = 1;
+        struct neph_image *here = render(vulkan, &test.scene, &params, &here_stats);
         vulkan->description.is_cpu = false;
         struct neph_image *own = render(vulkan, &test.scene, &params, &own_stats);
         params.shortcuts.skip = true;
@@ -355,15 +356,21 @@ static void test_a_texture_has_its_own_march(void **state)
         params.shortcuts.skip = params.shortcuts.grid_texture = false;
         struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
         const double off = largest_difference(all, own);
+        const double off_here = largest_difference(all, here);
         const double off_skipped = largest_difference(own, skipped);
-        print_message("%zu: off by %.2e, with cells skipped by %.2e\n", i, off, off_skipped);
+        print_message("%zu: off by %.2e, here by %.2e, with cells skipped by %.2e\n", i, off,
+                      off_here, off_skipped);
         assert_true(off < 1e-5 && largest_difference(plain, own) > 0.0);
+        assert_true(off_here < 1e-5);
         assert_true(off_skipped < 1e-6); /* a driver may fuse either otherwise */
         assert_int_equal(own_stats.density_evaluations, plain_stats.density_evaluations);
         assert_int_equal(own_stats.view_steps, plain_stats.view_steps);
+        assert_int_equal(here_stats.density_evaluations, plain_stats.density_evaluations);
+        assert_int_equal(here_stats.view_steps, plain_stats.view_steps);
         neph_image_destroy(plain);
         neph_image_destroy(skipped);
         neph_image_destroy(own);
+        neph_image_destroy(here);
         neph_image_destroy(all);
     }
     destroy_two(two);

@@ -3,8 +3,9 @@
  * How a march is cut: whatever the device's speed, each ray gets each of its steps once and in
  * order, and a dispatch is what the device does in the time it is meant to have.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
+#include "renderer/compute.h"
 #include "renderer/march_cut.h"
 
 #include <math.h>
@@ -21,6 +22,11 @@ static struct neph_march_cut new_cut(void)
                                    .steps = 10,
                                    .turns_per_step = 7,
                                    .turns_per_dispatch = 3};
+}
+
+static uint64_t turns_of_thread(const struct neph_march_cut *cut)
+{
+    return cut->steps * cut->turns_per_step + cut->turns_per_dispatch;
 }
 
 struct marched {
@@ -99,9 +105,35 @@ static void test_without_a_clock_nothing_changes(void **state)
     assert_int_equal(cut.rays, RAYS_MAX);
 }
 
+/* A grid's closed form walks through cells, which a march that sums over steps alone never does: it
+ * is not cut into steps for that. */
+static void test_closed_forms_count_where_there_are_some(void **state)
+{
+    (void)state;
+    static const enum neph_march_mode modes[] = {NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED};
+    const struct neph_vulkan vulkan = {.description.is_cpu = true,
+                                       .limits.maxComputeWorkGroupCount = {65535}};
+    const struct neph_gpu_scene gpu = {.optical_depth_turns = 1200};
+    struct test_scene test;
+    test_scene_init(&test);
+    test_add_medium(&test, 0.1, 0.0, 0.0);
+    for (int i = 0; i < 4; i++) {
+        const struct neph_march_params params = {
+            .steps = 64, .sun_steps = 6, .transmittance = modes[i % 2], .sun = modes[i / 2]};
+        struct neph_march_cut cut;
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_march_cut_make(&vulkan, &test.scene, &gpu, &params, RAYS, &cut, &diag),
+                       &diag);
+        assert_int_equal(cut.step_count, 64);
+        assert_int_equal(cut.steps == 64, i == 3);
+        assert_true(turns_of_thread(&cut) <= NEPH_KERNEL_LOOP_TURNS_MAX);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_closed_forms_count_where_there_are_some),
         cmocka_unit_test(test_each_ray_makes_each_step_once),
         cmocka_unit_test(test_a_dispatch_takes_its_time),
         cmocka_unit_test(test_without_a_clock_nothing_changes),
