@@ -335,7 +335,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SKIP] = NEPH_OPTION_SKIP,
     [RT_EARLY_OUT] = NEPH_OPTION_EARLY_OUT,
     [RT_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,
-    [RT_DEPTH_GROWTH] = NEPH_OPTION_DEPTH_GROWTH,
     [RT_GRID_SAMPLING] = NEPH_OPTION_GRID_SAMPLING,
     [RT_GRID_FORMAT] = NEPH_OPTION_GRID_FORMAT,
 
@@ -507,5 +506,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "change, it does not look, and what it would decide is left out; unasked: it looks. The "
         "same bits on a CPU; on a GPU single pixels differ by up to 0.4 %, why is not known"),
     [RT_FOG] = NEPH_OPTION_FOG,
+    [RT_DEPTH_GROWTH] = NEPH_OPTION_DEPTH_GROWTH,
     {.name = NULL},
 };
