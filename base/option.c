@@ -193,18 +193,31 @@ static void print_number(char text[32], double value)
         snprintf(text, 32, "%.17g", value);
 }
 
-char *neph_options_text(const struct neph_option *options, const struct neph_settings *settings)
+static bool is_same(double a, double b)
+{
+    return a == b || (isnan(a) && isnan(b));
+}
+
+char *neph_options_changes(const struct neph_option *options, const struct neph_settings *settings,
+                           const struct neph_settings *from)
 {
     char *text = neph_format("%s", "");
     for (int i = 0; text && options[i].name; i++) {
         char number[32];
+        if (from && is_same(settings->values[i], from->values[i]))
+            continue;
         print_number(number, settings->values[i]);
         const char *value = options[i].kind == NEPH_OPTION_CHOICE
                                 ? options[i].choices[(int)settings->values[i]]
                                 : number;
-        char *longer = neph_format("%s%s%s=%s", text, i ? " " : "", options[i].name, value);
+        char *longer = neph_format("%s%s%s=%s", text, text[0] ? " " : "", options[i].name, value);
         free(text);
         text = longer;
     }
     return text;
+}
+
+char *neph_options_text(const struct neph_option *options, const struct neph_settings *settings)
+{
+    return neph_options_changes(options, settings, NULL);
 }

@@ -63,4 +63,8 @@ enum neph_status neph_options_preset(const struct neph_option *options, const ch
  * double. For the caller to free; NULL when memory is short. */
 char *neph_options_text(const struct neph_option *options, const struct neph_settings *settings);
 
+/* So, but only what differs from other settings; `from` NULL: all. */
+char *neph_options_changes(const struct neph_option *options, const struct neph_settings *settings,
+                           const struct neph_settings *from);
+
 #endif

@@ -4,7 +4,9 @@
 #include "renderer/device_memory.h"
 #include "renderer/pipeline_cache.h"
 #include "renderer/specialize.h"
+#include "renderer/spirv_loops.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -300,16 +302,33 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
     return vulkan->api.vkCreatePipelineLayout(vulkan->device, &layout, NULL, &kernel->layout);
 }
 
+/* As a validation layer would: what lavapipe does not do as the shader says. */
+static void check_loops(struct neph_vulkan *vulkan, const char *name, const uint32_t *words,
+                        size_t size_bytes)
+{
+    struct neph_spirv_lost lost;
+    if (!neph_spirv_find_lost(words, size_bytes, &lost) || !lost.value)
+        return;
+    if (vulkan->message_count++ == 0)
+        snprintf(vulkan->first_message, sizeof(vulkan->first_message),
+                 "shader %s: value %%%u of a turn of the loop at %%%u is asked for after the loop, "
+                 "where lavapipe has lost it: carry it from turn to turn, or leave the loop at its "
+                 "start (renderer/spirv_loops.h)",
+                 name, lost.value, lost.header);
+}
+
 /* A shader that knows its constants: to lavapipe that is a third to a half of the work of a
  * pipeline, and the driver of an H100 took 25 s for the whole of march.comp. */
-static VkResult create_module(const struct neph_vulkan *vulkan,
-                              const struct neph_kernel_params *params, VkShaderModule *module)
+static VkResult create_module(struct neph_vulkan *vulkan, const struct neph_kernel_params *params,
+                              VkShaderModule *module)
 {
     uint32_t *specialized = NULL;
     size_t size_bytes = params->spirv_size_bytes;
     if (neph_specialize(params->spirv, params->spirv_size_bytes, params->constants,
                         params->constant_count, &specialized, &size_bytes, NULL))
         return VK_ERROR_OUT_OF_HOST_MEMORY;
+    if (vulkan->messenger && vulkan->description.is_cpu)
+        check_loops(vulkan, params->name, specialized, size_bytes);
     const VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
         .codeSize = size_bytes,
@@ -320,7 +339,7 @@ static VkResult create_module(const struct neph_vulkan *vulkan,
     return result;
 }
 
-static VkResult create_pipeline(const struct neph_vulkan *vulkan, struct neph_kernel *kernel,
+static VkResult create_pipeline(struct neph_vulkan *vulkan, struct neph_kernel *kernel,
                                 const struct neph_kernel_params *params)
 {
     VkShaderModule module;

@@ -7,6 +7,7 @@
 #include "base/threads.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/progress.h"
 #include "harness/run/benchmark.h"
 #include "harness/run/benchmark_frames.h"
 #include "renderer/shortcuts.h"
@@ -22,9 +23,17 @@
 struct request {
     struct neph_cli_shared shared;
     const char *engines, *preset, *chain;
-    double rung_s, error; /* NaN: not given */
-    int frame_count, voxels;
+    double rung_s, error;    /* NaN: not given */
+    int frame_count, voxels; /* 0: not given */
     bool without_ceilings;
+};
+
+enum { ENGINES_MAX = NEPH_BENCHMARK_ENGINES_MAX + NEPH_BENCHMARK_FRAMES_ENGINES_MAX };
+
+/* An engine that was asked for and cannot render the scene. */
+struct left_out {
+    const char *engine;
+    struct neph_diag why;
 };
 
 /* Engines with noise, and those whose pictures can be in flight. */
@@ -34,6 +43,8 @@ struct both {
     struct neph_showing showing; /* of the frames, where there is a chain */
     struct neph_engine_info noise_infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
     struct neph_engine_info frame_infos[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
+    int left_out_count;
+    struct left_out left_out[ENGINES_MAX];
 };
 
 static const struct neph_cli_option options[] = {
@@ -41,9 +52,9 @@ static const struct neph_cli_option options[] = {
      "Engines; of those with noise the first is the one that the others are measured by",
      NEPH_CLI_WORD, .at = offsetof(struct request, engines), .otherwise = "tracer,cycles"},
     {"frames", 0, "N",
-     "How many pictures of march*, realtime and screen are timed, in 10 s at most",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "200",
-     .minimum = 1, .maximum = NEPH_BENCHMARK_FRAMES_MAX},
+     "How many pictures of march*, realtime and screen are timed, in 10 s at most (default: 200)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .minimum = 1,
+     .maximum = NEPH_BENCHMARK_FRAMES_MAX},
     {"preset", 'p', "NAME",
      "Engines realtime and screen: a set of settings by name, before any --set", NEPH_CLI_WORD,
      .at = offsetof(struct request, preset)},
@@ -90,8 +101,9 @@ static const struct neph_cli_syntax syntax = {
         "it is there, however long that takes.\n\n"
         "Engines march*, realtime and screen: pictures in flight one after the other (screen waits "
         "for each), nothing read "
-        "back, after a second of warm-up: median, 10 % and 90 % of the time of a picture and of "
-        "its passes on the device. Beside them the error (rel_rmse against the march of "
+        "back, after a second of warm-up, and where the scene rests until that is known: median, "
+        "10 % and 90 % of the time of a picture and of its passes on the device. Beside them the "
+        "error (rel_rmse against the march of "
         "the same lighting at its defaults), and what part the pass gets of what the device can "
         "do at most: bytes copied, or voxel grids sampled from a buffer or, with "
         "grid_sampling=texture, by the texture unit, measured in the same run. Samples are also "
@@ -175,9 +187,10 @@ static enum neph_status add_engine(const char *name, const struct neph_scene *sc
     const int e = (*count)++;
     struct neph_job *job = flies ? &both->frames.engines[e].job : &both->noise.engines[e].job;
     fill_job(engine, scene, request, flies ? &both->frame_infos[e] : &both->noise_infos[e], job);
-    return request->preset && engine->presets
-               ? neph_settings_preset(engine, request->preset, &job->shot.settings, diag)
-               : NEPH_OK;
+    const char *preset = engine->presets ? request->preset : NULL;
+    *(flies ? &both->frames.engines[e].preset
+            : &both->noise.engines[e].preset) = neph_settings_origin(engine, preset);
+    return preset ? neph_settings_preset(engine, preset, &job->shot.settings, diag) : NEPH_OK;
 }
 
 static enum neph_status apply_setting(struct both *both, const char *text, struct neph_diag *diag)
@@ -191,6 +204,49 @@ static enum neph_status apply_setting(struct both *both, const char *text, struc
     }
     return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': ENGINE:KEY=VALUE of one of the engines",
                      text);
+}
+
+/* Whether an engine goes on; `*status`: why none does. One that cannot render it is noted. */
+static bool can_go_on(const struct neph_job *job, struct both *both, enum neph_status *status,
+                      struct neph_diag *diag)
+{
+    struct neph_diag why = {.line = 0};
+    if (*status)
+        return false;
+    *status = neph_job_explain(job, neph_job_check(job, &why), &why);
+    if (*status == NEPH_ERR_UNSUPPORTED) {
+        const char *lighting = neph_engine_other_lighting(job->engine, job->shot.scene,
+                                                          &job->shot.settings);
+        if (lighting)
+            neph_hint(&why, "-s %s:lighting=%s", job->engine->name, lighting);
+        both->left_out[both->left_out_count++] = (struct left_out){job->engine->name, why};
+        *status = NEPH_OK;
+        return false;
+    }
+    if (*status)
+        *diag = why;
+    return !*status;
+}
+
+/* Those that cannot do not stop the others. */
+static enum neph_status leave_out(struct both *both, struct neph_diag *diag)
+{
+    struct neph_benchmark_engine *noise = both->noise.engines;
+    struct neph_benchmark_frames_engine *frames = both->frames.engines;
+    int noisy = 0, flying = 0;
+    enum neph_status status = NEPH_OK;
+    for (int e = 0; e < both->noise.engine_count; e++)
+        if (can_go_on(&noise[e].job, both, &status, diag))
+            noise[noisy++] = noise[e];
+    for (int e = 0; e < both->frames.engine_count; e++)
+        if (can_go_on(&frames[e].job, both, &status, diag))
+            frames[flying++] = frames[e];
+    both->noise.engine_count = noisy;
+    both->frames.engine_count = flying;
+    if (status || noisy + flying > 0)
+        return status;
+    *diag = both->left_out[0].why;
+    return NEPH_ERR_UNSUPPORTED;
 }
 
 static bool any_has_presets(const struct both *both)
@@ -245,6 +301,8 @@ static enum neph_status fill_both(const struct request *request, const struct ne
     for (int i = 0; i < request->shared.settings.count && !status; i++)
         status = apply_setting(both, request->shared.settings.list[i], diag);
     if (!status)
+        status = leave_out(both, diag);
+    if (!status)
         status = find_chain(request, scene, both, diag);
     if (!status)
         fill_job(neph_engine_find("tracer"), scene, request,
@@ -254,13 +312,23 @@ static enum neph_status fill_both(const struct request *request, const struct ne
 
 /* --- results ------------------------------------------------------------------------------ */
 
+/* "settings: preset ours, steps=8", "settings: defaults": what differs from these. */
+static void print_settings(const struct neph_job *job, const char *preset)
+{
+    char *changes = neph_settings_changes(job->engine, &job->shot.settings, preset);
+    printf("settings: %s%s%s%s\n", preset ? "preset " : "defaults", preset ? preset : "",
+           changes && changes[0] ? ", " : "", changes ? changes : "");
+    free(changes);
+}
+
 static void print_engine(const struct neph_benchmark_engine *engine)
 {
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
         const struct neph_benchmark_rung *rung = &engine->rungs[k];
-        printf("%-8s %8d %10.3f %10.3f%% %10.3f%% %14.4g\n", engine->job.engine->name,
-               rung->samples, rung->render_s, 100.0 * sqrt(rung->noise2),
-               100.0 * sqrt(fmax(0.0, rung->error2)), rung->noise2 * rung->render_s);
+        printf("%-8s %8d %10.3f %10.3g %10.3f%% %10.3f%% %14.4g\n", engine->job.engine->name,
+               rung->samples, rung->render_s, 1e-6 * neph_benchmark_paths_per_s(engine, k),
+               100.0 * sqrt(rung->noise2), 100.0 * sqrt(fmax(0.0, rung->error2)),
+               rung->noise2 * rung->render_s);
     }
 }
 
@@ -272,7 +340,7 @@ static void print_rmse_time(const struct neph_rmse_time *time, const struct neph
         [NEPH_RMSE_WITHIN] = "",
         [NEPH_RMSE_BEFORE] = " (before the ladder, extrapolated)",
         [NEPH_RMSE_BEYOND] = " (beyond the ladder, extrapolated)",
-        [NEPH_RMSE_NEVER] = " never: its bias is larger",
+        [NEPH_RMSE_NEVER] = " never: it and the references part by more than that",
         [NEPH_RMSE_UNKNOWN] =
             " in a time that this ladder does not tell: take more --seconds, or --error"};
     printf("  %g %% error", 100.0 * time->rmse);
@@ -303,8 +371,13 @@ static void print_benchmark(const struct neph_benchmark *benchmark)
     printf("%s, %d x %d, %d cores; reference: tracer, 2 x %d samples, noise %.2g %%\n",
            shot->scene->name, shot->width_px, shot->height_px, neph_processor_count(),
            benchmark->reference_samples, 100.0 * benchmark->reference_noise);
-    printf("%-8s %8s %10s %11s %11s %14s\n", "engine", "samples", "seconds", "noise", "error",
-           "noise^2 x time");
+    for (int e = 0; e < benchmark->engine_count; e++) {
+        const struct neph_job *job = &benchmark->engines[e].job;
+        printf("%s: %s; %s; ", job->engine->name, job->info->device, job->info->version);
+        print_settings(job, benchmark->engines[e].preset);
+    }
+    printf("%-8s %8s %10s %10s %11s %11s %14s\n", "engine", "samples", "seconds", "M paths/s",
+           "noise", "error", "noise^2 x time");
     for (int e = 0; e < benchmark->engine_count; e++)
         print_engine(&benchmark->engines[e]);
     for (int e = 0; e < benchmark->engine_count; e++) {
@@ -342,14 +415,15 @@ static void print_pass(const struct neph_benchmark_frames *benchmark,
     if (isfinite(pass->traffic_bytes))
         printf("  %.4g MB", 1e-6 * pass->traffic_bytes);
     if (isfinite(pass->density_evaluations))
-        printf("  %.4g M evaluations, %.4g M/s", 1e-6 * pass->density_evaluations,
-               1e-6 * pass->density_evaluations / pass->gpu_s.median);
+        printf("  %.4g M evaluations%s%s, %.4g M/s", 1e-6 * pass->density_evaluations,
+               pass->with[0] ? " with " : "", pass->with,
+               1e-6 * pass->density_evaluations / pass->evaluation_s);
     if (isfinite(share))
         printf("  %.2g %% of the ceiling of %s", 100.0 * share, limit);
     if (isfinite(one.chain_share))
-        printf(
-            ", %.2g %% of those that wait for each other; one takes as long as %.3g multiply-adds",
-            100.0 * one.chain_share, one.multiply_adds);
+        printf(", %.2g %% of those that wait for each other", 100.0 * one.chain_share);
+    if (isfinite(one.multiply_adds))
+        printf("; one takes as long as %.3g multiply-adds", one.multiply_adds);
     printf("\n");
 }
 
@@ -368,10 +442,20 @@ static void print_chain(const struct neph_post_params *params,
     printf("\n");
 }
 
+/* Where pictures of two kinds are in one median, that is said. */
+static void print_steady(const struct neph_benchmark_frames_engine *engine)
+{
+    if (engine->steady_from == 0)
+        printf("  the scene rests, and that was known: these are steady pictures (steady=auto)\n");
+    else if (engine->steady_from > 0)
+        printf("  of two kinds: steady from picture %d on, when it was known that the scene rests "
+               "(steady=auto)\n",
+               engine->steady_from + 1);
+}
+
 static void print_flight(const struct neph_benchmark_frames *benchmark,
                          const struct neph_benchmark_frames_engine *engine)
 {
-    char *settings = neph_settings_text(engine->job.engine, &engine->job.shot.settings);
     printf("%s: %d pictures, %.4g a second with an error of %.3g %% of %s\n",
            engine->job.engine->name, engine->frame_count, 1.0 / engine->mean_s,
            100.0 * engine->error, engine->reference->name);
@@ -387,9 +471,10 @@ static void print_flight(const struct neph_benchmark_frames *benchmark,
         print_pass(benchmark, engine, &engine->passes[p]);
     if (benchmark->showing)
         print_chain(&benchmark->showing->params, engine);
-    printf("  first picture after %.3g s; %.4g MB of the device's memory; %s\n", engine->first_s,
-           1e-6 * (double)engine->device_bytes, settings ? settings : "");
-    free(settings);
+    print_steady(engine);
+    printf("  first picture after %.3g s; %.4g MB of the device's memory; ", engine->first_s,
+           1e-6 * (double)engine->device_bytes);
+    print_settings(&engine->job, engine->preset);
 }
 
 static void print_ceilings(const struct neph_ceilings *ceilings)
@@ -418,11 +503,31 @@ static void print_frames(const struct neph_benchmark_frames *benchmark)
     if (isfinite(benchmark->cpu_clock_hz))
         printf("clock %.3g GHz\n", 1e-9 * benchmark->cpu_clock_hz);
     else
-        printf("clock not known\n");
+        printf("clock not known%s\n",
+               benchmark->without_ceilings ? "" : ", multiply-adds are its measure");
     if (!benchmark->without_ceilings)
         print_ceilings(&benchmark->ceilings);
     for (int e = 0; e < benchmark->engine_count; e++)
         print_flight(benchmark, &benchmark->engines[e]);
+}
+
+static void print_left_out(const struct both *both)
+{
+    for (int i = 0; i < both->left_out_count; i++) {
+        const struct neph_diag *why = &both->left_out[i].why;
+        printf("%s%s%s\n", why->message, why->hint[0] ? "; " : "", why->hint);
+    }
+}
+
+static json_t *left_out_json(const struct both *both)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < both->left_out_count; i++) {
+        const struct left_out *out = &both->left_out[i];
+        neph_json_add(&list, json_pack("{s:s, s:s, s:s}", "engine", out->engine, "reason",
+                                       out->why.message, "hint", out->why.hint));
+    }
+    return list;
 }
 
 /* --- running ------------------------------------------------------------------------------ */
@@ -437,7 +542,7 @@ static void set_scratch(struct both *both, const char *path)
 }
 
 /* One document for each kind; both in one where there are both. */
-static json_t *json_of(const struct both *both)
+static json_t *measured_json(const struct both *both)
 {
     if (both->frames.engine_count == 0)
         return neph_benchmark_json(&both->noise);
@@ -446,6 +551,13 @@ static json_t *json_of(const struct both *both)
                ? frames
                : json_pack("{s:s, s:o, s:o}", "format", "neph-benchmark-both-1", "frames", frames,
                            "noise", neph_benchmark_json(&both->noise));
+}
+
+static json_t *json_of(const struct both *both)
+{
+    json_t *json = measured_json(both);
+    neph_json_set(&json, "cannot", left_out_json(both));
+    return json;
 }
 
 static struct neph_rungs_aim aim_of(const struct request *request)
@@ -457,15 +569,30 @@ static struct neph_rungs_aim aim_of(const struct request *request)
                                                                     : request->rung_s};
 }
 
+/* What was asked for of engines of a kind that is not there. */
+static void warn_of_idle(const struct request *request, const struct both *both)
+{
+    if (both->noise.engine_count == 0 && !(isnan(request->error) && isnan(request->rung_s)))
+        neph_progress_warn("--%s has no effect: none of the engines has noise",
+                           isnan(request->error) ? "seconds" : "error");
+    if (both->frames.engine_count == 0 && request->frame_count > 0)
+        neph_progress_warn("--frames has no effect: none of the engines' pictures can be in "
+                           "flight");
+}
+
 static enum neph_status measure(const struct request *request, struct both *both,
                                 struct neph_diag *diag)
 {
+    static const int usual_frame_count = 200;
     const bool quiet = request->shared.quiet || request->shared.json;
     enum neph_status status = NEPH_OK;
+    warn_of_idle(request, both);
     both->frames.without_ceilings = request->without_ceilings;
     both->noise.aim = aim_of(request);
     if (both->frames.engine_count > 0)
-        status = neph_benchmark_frames_run(&both->frames, request->frame_count, quiet, diag);
+        status = neph_benchmark_frames_run(
+            &both->frames, request->frame_count > 0 ? request->frame_count : usual_frame_count,
+            quiet, diag);
     if (!status && both->noise.engine_count > 0)
         status = neph_benchmark_run(&both->noise, quiet, diag);
     return status;
@@ -480,6 +607,7 @@ static enum neph_status print(const struct request *request, const struct both *
         print_frames(&both->frames);
     if (both->noise.engine_count > 0)
         print_benchmark(&both->noise);
+    print_left_out(both);
     return NEPH_OK;
 }
 

@@ -62,7 +62,7 @@ static void print_help(FILE *out)
 
 static void print_diag(const char *verb, enum neph_status status, const struct neph_diag *diag)
 {
-    if (diag->file[0] && diag->line > 0)
+    if (diag->file[0] && diag->line > 0 && status != NEPH_ERR_INTERRUPTED)
         fprintf(stderr, "%s:%d:%d: %s\n", diag->file, diag->line, diag->column, diag->message);
     else
         fprintf(stderr, "neph %s: %s\n", verb,

@@ -437,6 +437,7 @@ static enum neph_status render_frames(const struct request *request, struct neph
         job->shot.frame++;
     }
     neph_progress_end(&progress);
+    neph_job_explain(job, status, diag);
     neph_job_close(job);
     neph_shown_close(&run.shown);
     neph_sequence_finish(&run.depths);

@@ -108,6 +108,22 @@ void neph_settings_meet(const struct neph_engine *engine, const struct neph_scen
         (void)neph_settings_set(engine, settings, "sky=tables", NULL);
 }
 
+const char *neph_engine_other_lighting(const struct neph_engine *engine,
+                                       const struct neph_scene *scene,
+                                       const struct neph_settings *settings)
+{
+    const int lighting = neph_option_find(engine->options, "lighting");
+    const char *const *words = lighting < 0 ? NULL : engine->options[lighting].choices;
+    for (int i = 0; words && words[i]; i++) {
+        struct neph_settings other = *settings;
+        char ignored[256];
+        other.values[lighting] = i;
+        if (engine->can_render(scene, &other, ignored, sizeof(ignored)))
+            return words[i];
+    }
+    return NULL;
+}
+
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
                     const char *name)
 {
@@ -123,4 +139,21 @@ int neph_engine_samples(const struct neph_engine *engine)
 char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings)
 {
     return neph_options_text(engine->options, settings);
+}
+
+const char *neph_settings_origin(const struct neph_engine *engine, const char *preset)
+{
+    const struct neph_preset *named = engine->presets;
+    while (!preset && named && named->name && named->assignments[0])
+        named++;
+    return preset || !named ? preset : named->name;
+}
+
+char *neph_settings_changes(const struct neph_engine *engine, const struct neph_settings *settings,
+                            const char *preset)
+{
+    struct neph_settings from = neph_settings_default(engine);
+    if (preset && neph_settings_preset(engine, preset, &from, NULL))
+        return NULL;
+    return neph_options_changes(engine->options, settings, &from);
 }

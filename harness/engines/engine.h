@@ -182,6 +182,12 @@ struct neph_engine {
  * driver or program is called. */
 void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info);
 
+/* The first choice of its option "lighting" with which an engine can render a scene that it cannot
+ * with these settings: "octaves". NULL: there is none. */
+const char *neph_engine_other_lighting(const struct neph_engine *engine,
+                                       const struct neph_scene *scene,
+                                       const struct neph_settings *settings);
+
 /* Every option at its default. */
 struct neph_settings neph_settings_default(const struct neph_engine *engine);
 
@@ -216,6 +222,15 @@ int neph_engine_samples(const struct neph_engine *engine);
 
 /* "steps=64 sun=exact", canonical: all options, table order. For the caller to free. */
 char *neph_settings_text(const struct neph_engine *engine, const struct neph_settings *settings);
+
+/* The preset that an engine's settings began as: the one of this name, or for NULL the one that is
+ * its defaults. NULL: that has no name. */
+const char *neph_settings_origin(const struct neph_engine *engine, const char *preset);
+
+/* "steps=64 sun=exact": what differs from a preset, or for NULL from the defaults. For the caller
+ * to free; NULL when memory is short. */
+char *neph_settings_changes(const struct neph_engine *engine, const struct neph_settings *settings,
+                            const char *preset);
 
 const char *neph_rung_name(enum neph_rung rung);
 

@@ -17,6 +17,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char *const modes[] = {"exact", "marched", NULL};
 static const char *const rays[] = {"1",  "2",  "4",   "8",   "16",
@@ -353,16 +354,30 @@ static struct neph_march_veils veils_of(const struct neph_settings *settings)
                                      neph_fog_for_march((int)settings->values[OPTION_FOG])};
 }
 
+/* Where single scattering is too little, the reason says who has more. */
+static bool can_render(enum neph_march_lighting lighting, const struct neph_scene *scene,
+                       const struct neph_settings *settings, char *reason, size_t reason_size)
+{
+    struct neph_march_veils veils = {.sky = false};
+    char ignored[256];
+    if (settings)
+        veils = veils_of(settings);
+    if (neph_march_can_render_under(scene, veils, lighting, reason, reason_size))
+        return true;
+    const size_t used = strlen(reason);
+    if (lighting == NEPH_MARCH_SINGLE &&
+        neph_march_can_render_under(scene, veils, NEPH_MARCH_OCTAVES, ignored, sizeof(ignored)))
+        snprintf(reason + used, reason_size - used, "; march_octaves could");
+    return false;
+}
+
 /* What an engine is for its lighting: the functions of its table. */
 #define FUNCTIONS_OF(name_, lighting_)                                                             \
     static bool can_render_##name_(const struct neph_scene *scene,                                 \
                                    const struct neph_settings *settings, char *reason,             \
                                    size_t reason_size)                                             \
     {                                                                                              \
-        struct neph_march_veils veils = {.sky = false};                                            \
-        if (settings)                                                                              \
-            veils = veils_of(settings);                                                            \
-        return neph_march_can_render_under(scene, veils, lighting_, reason, reason_size);          \
+        return can_render(lighting_, scene, settings, reason, reason_size);                        \
     }                                                                                              \
     static enum neph_status render_##name_(const struct neph_shot *shot,                           \
                                            struct neph_image **frame, struct neph_cost *cost,      \

@@ -302,15 +302,20 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     if (neph_realtime_can_render(scene, settings, reason, reason_size))
         return true;
     const char *const *lightings = neph_rt_options[RT_LIGHTING].choices;
+    bool some = false;
     for (int i = 0; lightings[i]; i++) {
         struct neph_settings other = *settings;
         char ignored[256];
         other.values[RT_LIGHTING] = i;
         if (neph_realtime_can_render(scene, &other, ignored, sizeof(ignored))) {
             const size_t used = strlen(reason);
-            snprintf(reason + used, reason_size - used, "; lighting=%s could", lightings[i]);
+            snprintf(reason + used, reason_size - used, "%s%s",
+                     some ? ", " : "; lighting=", lightings[i]);
+            some = true;
         }
     }
+    const size_t used = strlen(reason);
+    snprintf(reason + used, reason_size - used, "%s", some ? " could" : "");
     return false;
 }
 

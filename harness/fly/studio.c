@@ -74,7 +74,7 @@ static enum neph_status take_seat(struct neph_studio *studio, struct seat *seat,
     seat->job.info = &seat->info;
     const enum neph_status status = neph_job_open(&seat->job, diag);
     if (status)
-        return status;
+        return neph_job_explain(&seat->job, status, diag);
     if (studio->live.job.engine)
         neph_job_close(&studio->live.job);
     studio->live = *seat;

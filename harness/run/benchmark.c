@@ -254,6 +254,13 @@ enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet
     return status;
 }
 
+double neph_benchmark_paths_per_s(const struct neph_benchmark_engine *engine, int rung)
+{
+    const struct neph_shot *shot = &engine->job.shot;
+    return (double)engine->rungs[rung].samples * shot->width_px * shot->height_px /
+           engine->rungs[rung].render_s;
+}
+
 /* --- JSON --------------------------------------------------------------------------------- */
 
 static json_t *value_json(struct neph_benchmark_value v)
@@ -285,18 +292,24 @@ static json_t *engine_json(const struct neph_benchmark_engine *engine)
     json_t *rungs = json_array();
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
         const struct neph_benchmark_rung *rung = &engine->rungs[k];
-        neph_json_add(&rungs, json_pack("{s:i, s:f, s:f, s:f, s:f}", "samples", rung->samples,
-                                        "render_s", rung->render_s, "noise2", rung->noise2,
-                                        "error2", rung->error2, "bias2", rung->bias2));
+        neph_json_add(&rungs,
+                      json_pack("{s:i, s:f, s:o, s:f, s:f, s:f}", "samples", rung->samples,
+                                "render_s", rung->render_s, "paths_per_s",
+                                neph_json_number(neph_benchmark_paths_per_s(engine, k)), "noise2",
+                                rung->noise2, "error2", rung->error2, "bias2", rung->bias2));
     }
     char *settings = neph_settings_text(engine->job.engine, &engine->job.shot.settings);
-    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:f, s:o, s:o, s:o, s:o, s:o, s:o}", "engine",
-                             engine->job.engine->name, "version", engine->job.info->version,
-                             "device", engine->job.info->device, "settings",
-                             settings ? settings : "", "start_s", engine->start_s, "rungs", rungs,
-                             "cost_s", value_json(engine->cost_s), "times",
+    char *changes = neph_settings_changes(engine->job.engine, &engine->job.shot.settings,
+                                          engine->preset);
+    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:s?, s:s, s:f, s:o, s:o, s:o, s:o, s:o, s:o}",
+                             "engine", engine->job.engine->name, "version",
+                             engine->job.info->version, "device", engine->job.info->device,
+                             "settings", settings ? settings : "", "preset", engine->preset,
+                             "changes", changes ? changes : "", "start_s", engine->start_s, "rungs",
+                             rungs, "cost_s", value_json(engine->cost_s), "times",
                              value_json(engine->times), "bias", value_json(engine->bias), "law",
                              law_json(&engine->law), "rmse_times", rmse_times_json(engine));
+    free(changes);
     free(settings);
     return json;
 }

@@ -42,6 +42,7 @@ struct neph_benchmark_value {
 
 struct neph_benchmark_engine {
     struct neph_job job; /* its engine, settings and shot */
+    const char *preset;  /* the caller's: what its settings began as (neph_settings_origin) */
     double start_s;      /* of a render whose samples take no time; starting Blender is not in it */
     struct neph_benchmark_rung rungs[NEPH_BENCHMARK_RUNGS];
     struct neph_benchmark_value cost_s; /* noise2 * render_s: the time to a relative noise of 1 */
@@ -68,6 +69,9 @@ bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size
  * job (of the tracer), all of one scene and size, with a scratch folder that is theirs. */
 enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet,
                                     struct neph_diag *diag);
+
+/* Samples of all pixels that a rung makes in a second. */
+double neph_benchmark_paths_per_s(const struct neph_benchmark_engine *engine, int rung);
 
 /* For the caller to free. */
 json_t *neph_benchmark_json(const struct neph_benchmark *benchmark);

@@ -22,7 +22,17 @@ static const double warm_up_s = 1.0, limit_s = 10.0;
 /* A GPU's clock takes its time to rise, and lavapipe's has none. */
 static const double cpu_ceiling_s = 0.25, gpu_ceiling_s = 1.0;
 
-enum { WARM_UP_FRAMES = 16 }; /* four turns of the four frames: a history */
+enum {
+    WARM_UP_FRAMES = 16, /* four turns of the four frames: a history */
+    REST_FRAMES = 8,     /* looked at together */
+    REST_FRAMES_MAX = 512
+};
+
+static bool is_on(const struct neph_job *job, const char *option)
+{
+    const double value = neph_setting(job->engine, &job->shot.settings, option);
+    return !isnan(value) && value != 0.0;
+}
 
 /* --- what they took ----------------------------------------------------------------------- */
 
@@ -56,6 +66,22 @@ static void conclude_pass(const struct neph_flown *flown, int pass, double *room
         };
 }
 
+/* The first of these pictures from which on the gradient need not look (steady=auto); -1: none. */
+static int steady_from(const struct neph_job *job, const struct neph_flown *flown)
+{
+    int pass = 0, from = flown->count;
+    if (!is_on(job, "gradient") || flown->count == 0)
+        return -1;
+    while (pass < flown->costs[0].pass_count &&
+           strcmp(flown->costs[0].passes[pass].name, "gradient") != 0)
+        pass++;
+    if (pass == flown->costs[0].pass_count)
+        return -1;
+    while (from > 0 && flown->costs[from - 1].passes[pass].gpu_s == 0.0)
+        from--;
+    return from < flown->count ? from : -1;
+}
+
 static void conclude(const struct neph_flown *flown, double *room,
                      struct neph_benchmark_frames_engine *engine)
 {
@@ -64,9 +90,37 @@ static void conclude(const struct neph_flown *flown, double *room,
     engine->gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, gpu_s), room);
     engine->cpu_s = spread_at(flown, offsetof(struct neph_flight_cost, cpu_s), room);
     engine->frame_s = neph_spread_of(flown->frame_s, flown->count);
+    engine->steady_from = steady_from(&engine->job, flown);
     engine->pass_count = 0;
     for (int pass = 0; pass < flown->costs[0].pass_count; pass++)
         conclude_pass(flown, pass, room, engine);
+}
+
+static bool rests(const struct neph_scene *scene)
+{
+    for (int i = 1; i < scene->frame_count; i++)
+        if (!neph_scene_is_same_moment(scene, 0, i))
+            return false;
+    return true;
+}
+
+/* Before a scene that rests: until the engine knows it, where it ever does, but at most 10 s. */
+static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct neph_diag *diag)
+{
+    const double start_s = neph_wall_s();
+    struct neph_flight_cost costs[REST_FRAMES];
+    double frame_s[REST_FRAMES];
+    enum neph_status status = NEPH_OK;
+    if (!is_on(job, "gradient") || is_on(job, "steady") || !rests(job->shot.scene))
+        return NEPH_OK;
+    for (int sent = 0; sent < REST_FRAMES_MAX && neph_wall_s() - start_s < limit_s && !status;
+         sent += REST_FRAMES) {
+        struct neph_flown flown = {.costs = costs, .frame_s = frame_s};
+        status = neph_flight_fly(job, picture, 1, REST_FRAMES, limit_s, &flown, diag);
+        if (!status && steady_from(job, &flown) >= 0)
+            break;
+    }
+    return status;
 }
 
 static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine, long *picture,
@@ -82,6 +136,8 @@ static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine,
     if (!status)
         status = neph_flight_fly(&engine->job, picture, WARM_UP_FRAMES, NEPH_BENCHMARK_FRAMES_MAX,
                                  warm_up_s, NULL, diag);
+    if (!status)
+        status = come_to_rest(&engine->job, picture, diag);
     if (!status)
         status = neph_flight_fly(&engine->job, picture, 1, frame_count, limit_s, &flown, diag);
     if (!status)
@@ -162,20 +218,31 @@ static struct neph_benchmark_pass *pass_named(struct neph_benchmark_frames_engin
     return NULL;
 }
 
-/* A picture has one count of all its evaluations: that of the march alone, unless the pass "scene"
- * lights solids, or sun or wind make a sun cache or a shadow map be filled again. */
-static bool march_alone_evaluates(struct neph_benchmark_frames_engine *engine)
+/* A pass whose evaluations are in the count of the march. */
+static void add_evaluator(const struct neph_benchmark_pass *pass, struct neph_benchmark_pass *march)
 {
-    const struct neph_shot *shot = &engine->job.shot;
-    const struct neph_option *options = engine->job.engine->options;
-    const int cache = neph_option_find(options, "sun_cache");
-    const int map = neph_option_find(options, "cloud_shadow");
-    const bool lights = pass_named(engine, "scene") && shot->scene->solid_count > 0 &&
-                        (shot->scene->sun.present || shot->scene->light_count > 0);
-    const bool fills = ((cache >= 0 && shot->settings.values[cache] != 0.0) ||
-                        (map >= 0 && shot->settings.values[map] != 0.0)) &&
-                       neph_scene_moves(shot->scene);
-    return !lights && !fills;
+    const size_t used = strlen(march->with);
+    snprintf(march->with + used, sizeof(march->with) - used, "%s%s", used ? ", " : "", pass->name);
+    march->evaluation_s += pass->gpu_s.median;
+}
+
+/* A picture has one count of all its evaluations: that of the march, of the pass "scene" where it
+ * lights solids, and of a sun cache or a shadow map where sun or wind make it be filled again. */
+static void find_evaluators(struct neph_benchmark_frames_engine *engine,
+                            struct neph_benchmark_pass *march)
+{
+    const struct neph_scene *scene = engine->job.shot.scene;
+    const struct neph_benchmark_pass *lit = pass_named(engine, "scene");
+    const struct neph_benchmark_pass *map = pass_named(engine, "cloud shadow");
+    const bool fills = neph_scene_moves(scene);
+    march->evaluation_s = march->gpu_s.median;
+    if (lit && scene->solid_count > 0 && (scene->sun.present || scene->light_count > 0))
+        add_evaluator(lit, march);
+    if (map && fills)
+        add_evaluator(map, march);
+    if (fills &&
+        (is_on(&engine->job, "sun_cache") || (!map && is_on(&engine->job, "cloud_shadow"))))
+        march->density_evaluations = NAN;
 }
 
 static void take_counts(const struct neph_image *image, struct neph_benchmark_frames_engine *engine)
@@ -185,7 +252,8 @@ static void take_counts(const struct neph_image *image, struct neph_benchmark_fr
     struct neph_benchmark_pass *march = pass_named(engine, "march");
     if (march && count) {
         march->is_march = true;
-        march->density_evaluations = march_alone_evaluates(engine) ? json_number_value(count) : NAN;
+        march->density_evaluations = json_number_value(count);
+        find_evaluators(engine, march);
     }
     json_decref(stats);
 }
@@ -378,14 +446,16 @@ double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
         [NEPH_TEXEL_R8] = "r8 texture samples",
     };
     const struct neph_ceilings *ceilings = &benchmark->ceilings;
-    const double s = pass->gpu_s.median;
     const int format = texel_format_of(&engine->job);
-    if (!benchmark->samples_grids || !pass->is_march || pass->density_evaluations == 0.0) {
+    if (!pass->is_march) {
         *limit = "copies";
-        return pass->traffic_bytes / s / ceilings->copy_bytes_per_s;
+        return pass->traffic_bytes / pass->gpu_s.median / ceilings->copy_bytes_per_s;
     }
+    *limit = NULL;
+    if (!benchmark->samples_grids || pass->density_evaluations == 0.0)
+        return NAN;
     *limit = format < 0 ? "buffer samples" : textures[format];
-    return pass->density_evaluations / s /
+    return pass->density_evaluations / pass->evaluation_s /
            (format < 0 ? ceilings->buffer_samples_per_s : ceilings->texture_samples_per_s[format]);
 }
 
@@ -396,12 +466,13 @@ neph_benchmark_evaluation(const struct neph_benchmark_frames *benchmark,
 {
     const struct neph_ceilings *ceilings = &benchmark->ceilings;
     const int format = texel_format_of(&engine->job);
-    const double per_s = pass->density_evaluations / pass->gpu_s.median;
-    if (!benchmark->samples_grids || !pass->is_march || pass->density_evaluations == 0.0)
+    const double per_s = pass->density_evaluations / pass->evaluation_s;
+    if (!pass->is_march || pass->density_evaluations == 0.0)
         return (struct neph_benchmark_evaluation){NAN, NAN};
+    const double chain_per_s = format < 0 ? ceilings->buffer_chain_per_s
+                                          : ceilings->texture_chain_per_s[format];
     return (struct neph_benchmark_evaluation){
-        .chain_share = per_s / (format < 0 ? ceilings->buffer_chain_per_s
-                                           : ceilings->texture_chain_per_s[format]),
+        .chain_share = benchmark->samples_grids ? per_s / chain_per_s : NAN,
         .multiply_adds = ceilings->multiply_adds_per_s / per_s,
     };
 }
@@ -425,12 +496,12 @@ static json_t *passes_json(const struct neph_benchmark_frames *benchmark,
         const struct neph_benchmark_evaluation one = neph_benchmark_evaluation(benchmark, engine,
                                                                                pass);
         neph_json_add(&passes,
-                      json_pack("{s:s, s:o, s:o, s:o, s:s, s:o, s:o, s:o}", "pass", pass->name,
-                                "gpu_s", spread_json(pass->gpu_s), "traffic_bytes",
+                      json_pack("{s:s, s:o, s:o, s:o, s:s, s:s?, s:o, s:o, s:o}", "pass",
+                                pass->name, "gpu_s", spread_json(pass->gpu_s), "traffic_bytes",
                                 neph_json_number(pass->traffic_bytes), "density_evaluations",
-                                neph_json_number(pass->density_evaluations), "ceiling", limit,
-                                "share", neph_json_number(share), "chain_share",
-                                neph_json_number(one.chain_share), "multiply_adds",
+                                neph_json_number(pass->density_evaluations), "evaluations_with",
+                                pass->with, "ceiling", limit, "share", neph_json_number(share),
+                                "chain_share", neph_json_number(one.chain_share), "multiply_adds",
                                 neph_json_number(one.multiply_adds)));
     }
     return passes;
@@ -451,15 +522,19 @@ static json_t *engine_json(const struct neph_benchmark_frames *benchmark,
 {
     const struct neph_job *job = &engine->job;
     char *settings = neph_settings_text(job->engine, &job->shot.settings);
+    char *changes = neph_settings_changes(job->engine, &job->shot.settings, engine->preset);
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:s, s:f, s:I, s:i, s:f, s:o, s:o, s:o, s:o, s:s, s:o, s:o}", "engine",
-        job->engine->name, "version", job->info->version, "device", job->info->device, "settings",
-        settings ? settings : "", "first_s", engine->first_s, "device_bytes",
-        (json_int_t)engine->device_bytes, "frames", engine->frame_count, "mean_s", engine->mean_s,
-        "frame_s", spread_json(engine->frame_s), "gpu_s", spread_json(engine->gpu_s), "cpu_s",
-        spread_json(engine->cpu_s), "passes", passes_json(benchmark, engine), "reference",
-        engine->reference->name, "error", neph_json_number(engine->error), "chain",
-        chain_json(benchmark, engine));
+        "{s:s, s:s, s:s, s:s, s:s?, s:s, s:f, s:I, s:i, s:i, s:f, s:o, s:o, s:o, s:o, s:s, s:o, "
+        "s:o}",
+        "engine", job->engine->name, "version", job->info->version, "device", job->info->device,
+        "settings", settings ? settings : "", "preset", engine->preset, "changes",
+        changes ? changes : "", "first_s", engine->first_s, "device_bytes",
+        (json_int_t)engine->device_bytes, "frames", engine->frame_count, "steady_from",
+        engine->steady_from, "mean_s", engine->mean_s, "frame_s", spread_json(engine->frame_s),
+        "gpu_s", spread_json(engine->gpu_s), "cpu_s", spread_json(engine->cpu_s), "passes",
+        passes_json(benchmark, engine), "reference", engine->reference->name, "error",
+        neph_json_number(engine->error), "chain", chain_json(benchmark, engine));
+    free(changes);
     free(settings);
     return json;
 }

@@ -3,7 +3,8 @@
  * How fast engines without noise make pictures in a row: after a second of warm-up pictures follow
  * each other as in a game, a few on their way to the device at once and nothing of them read back.
  * Beside each speed stand its error and what the device can do at most (renderer/ceilings.h), both
- * measured in the same run.
+ * measured in the same run. Where a scene rests the warm-up goes on until the engine knows it
+ * (renderer/realtime/stillness.h), so that a median is not of two kinds of pictures.
  */
 #ifndef NEPH_HARNESS_RUN_BENCHMARK_FRAMES_H
 #define NEPH_HARNESS_RUN_BENCHMARK_FRAMES_H
@@ -19,15 +20,20 @@ struct neph_benchmark_pass {
     struct neph_spread gpu_s;
     double traffic_bytes;       /* of targets; NaN: not known */
     bool is_march;              /* it evaluates the media's density */
-    double density_evaluations; /* of the picture that was counted; NaN: it has none, or they are
-                                   not known apart from those of other passes */
+    double density_evaluations; /* of the picture that was counted; NaN: it has none, or with those
+                                   of something that has no time of its own */
+    double evaluation_s;        /* median time of the passes that made these */
+    char with[64];              /* those beside this one: "scene, cloud shadow"; empty: none */
 };
 
 struct neph_benchmark_frames_engine {
     struct neph_job job;   /* its engine, settings and shot */
+    const char *preset;    /* the caller's: what its settings began as (neph_settings_origin) */
     double first_s;        /* from nothing to the first picture on the CPU */
     uint64_t device_bytes; /* the most memory of the device that it had until these were timed */
     int frame_count;       /* timed */
+    int steady_from;       /* the first of these from which on the engine knew that nothing changes;
+                              -1: none */
     double mean_s;         /* from the first's departure to the last at home, by their number */
     struct neph_spread frame_s; /* of the wall clock, from one picture to the next */
     struct neph_spread gpu_s;   /* of all passes; NaN: the device has no clock */
@@ -56,17 +62,18 @@ struct neph_benchmark_frames {
 enum neph_status neph_benchmark_frames_run(struct neph_benchmark_frames *benchmark, int frame_count,
                                            bool quiet, struct neph_diag *diag);
 
-/* What part a pass of an engine gets of the ceiling that limits it: of samples when it samples
- * grids, by a buffer or by the texture unit as the engine is set, else of copies; NaN: not known.
- * `*limit` names it. */
+/* What part a pass of an engine gets of the ceiling that limits it: a march through grids alone of
+ * samples, by a buffer or by the texture unit as the engine is set, any other march of none that is
+ * measured, all else of copies; NaN: not known. `*limit` names it, or is NULL. */
 double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
                             const struct neph_benchmark_frames_engine *engine,
                             const struct neph_benchmark_pass *pass, const char **limit);
 
-/* What a density evaluation of a march through grids takes, beside what the device can do; NaN: not
- * known, or no such pass. */
+/* What a density evaluation of a march takes, beside what the device can do; NaN: not known, or no
+ * such pass. */
 struct neph_benchmark_evaluation {
-    double chain_share; /* of the rate of samples that wait for each other (struct neph_ceilings) */
+    double chain_share;   /* of the rate of samples that wait for each other (struct neph_ceilings);
+                           NaN where not all evaluations are samples of grids, too */
     double multiply_adds; /* that the device can make in the time of one: what all else around the
                              sample may cost before arithmetic is what the pass waits for */
 };

@@ -178,6 +178,22 @@ static enum neph_status check_possible(const struct neph_job *job, struct neph_d
     return NEPH_OK;
 }
 
+enum neph_status neph_job_explain(const struct neph_job *job, enum neph_status status,
+                                  struct neph_diag *diag)
+{
+    if (status != NEPH_ERR_UNSUPPORTED || !diag || strncmp(diag->message, "cannot: ", 8) != 0)
+        return status;
+    const struct neph_diag before = *diag;
+    const char *lighting = neph_engine_other_lighting(job->engine, job->shot.scene,
+                                                      &job->shot.settings);
+    neph_fail(diag, status, "%s %s", job->engine->name, before.message);
+    if (lighting)
+        neph_hint(diag, "-s lighting=%s", lighting);
+    else
+        neph_hint(diag, "%s", before.hint);
+    return status;
+}
+
 enum neph_status neph_job_open(struct neph_job *job, struct neph_diag *diag)
 {
     if (!job->engine->sequence)
@@ -233,6 +249,17 @@ static enum neph_status name_full_disk(enum neph_status status, const struct nep
               before.message);
     neph_hint(diag, "%s", before.hint);
     return NEPH_ERR_IO;
+}
+
+enum neph_status neph_job_check(const struct neph_job *job, struct neph_diag *diag)
+{
+    struct neph_job held = *job;
+    struct neph_scene *still = NULL;
+    enum neph_status status = hold_scene(job->engine, &held.shot, &still, diag);
+    if (!status)
+        status = check_possible(&held, diag);
+    neph_scene_destroy(still);
+    return status;
 }
 
 enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct neph_image **frame,

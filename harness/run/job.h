@@ -82,6 +82,15 @@ const char *neph_outcome_name(enum neph_outcome outcome);
 /* Whether the engine was there and ought to have rendered it: that fails a run. */
 bool neph_outcome_is_broken(enum neph_outcome outcome);
 
+/* Whether the engine is there and models the scene of the shot's frame, before anything is
+ * rendered: NEPH_ERR_UNSUPPORTED ("cannot: multiple scattering"), _UNAVAILABLE or _ENGINE. */
+enum neph_status neph_job_check(const struct neph_job *job, struct neph_diag *diag);
+
+/* For a verb of one engine, after a job has failed: where the engine cannot render the scene, the
+ * words say which engine, and with which setting it could. Returns `status`. */
+enum neph_status neph_job_explain(const struct neph_job *job, enum neph_status status,
+                                  struct neph_diag *diag);
+
 /* For who cannot do without the frame: NEPH_OK when it was rendered, else NEPH_ERR_UNSUPPORTED,
  * _UNAVAILABLE, _ENGINE, _TIMEOUT or _INTERRUPTED, with the reason as its words. */
 enum neph_status neph_outcome_check(enum neph_outcome outcome, const char *reason,

@@ -175,6 +175,7 @@ static void set_choices(const struct neph_rt_device *device, const struct neph_r
     params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
     params->constants[RT_RESTS_CONSTANT] = pass->rays ? 0u : rests_of(device);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
+    params->constants[RT_DARK_CONSTANT] = device->is_dark;
     for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++)
         if (!pass->rays || !is_of_rest(s))
             params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit_of(s, values[s]) << 4 * (s % 8);

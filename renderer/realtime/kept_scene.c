@@ -1,7 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/kept_scene.h"
 
+#include "renderer/realtime/unread.h"
+
 enum { TURNS = 4 }; /* of a tile's slots */
+
+enum { SCENE, TILES, PICTURE };
+
+/* Pictures until rays without noise have been taken twice by all texels that have any. */
+enum { SETTLED = 2 * TURNS };
 
 static const struct {
     int targets[NEPH_RT_KEPT_TARGETS_MAX], target_count;
@@ -14,6 +21,13 @@ static const struct {
      NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_BEHIND) | NEPH_RT_BIT(RT_STEADY_DEPTH) |
          NEPH_RT_BIT(RT_HALF_DEPTH)},
     {{RT_TILE}, 1, TURNS, NEPH_RT_BIT(RT_TILE)},
+    {{RT_COLOR},
+     1,
+     0,
+     NEPH_RT_BIT(RT_RAY) | NEPH_RT_BIT(RT_RAY_DISTANCE) | NEPH_RT_BIT(RT_HISTORY) |
+         NEPH_RT_BIT(RT_HISTORY_STATE) | NEPH_RT_BIT(RT_CHANGE) | NEPH_RT_BIT(RT_CHANGE_BEHIND) |
+         NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_VOLUME_DISTANCE) |
+         NEPH_RT_BIT(RT_COLOR)},
 };
 
 static int place_count_of(const struct neph_gpu_view *view, int ring)
@@ -97,10 +111,23 @@ enum neph_status neph_rt_kept_scene_take(struct neph_rt_kept_scene *kept,
                                          struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int ring = 0; ring < NEPH_RT_KEPT_RINGS && !status; ring++)
+    for (int ring = SCENE; ring <= TILES && !status; ring++)
         status = take(&kept->rings[ring], device, ring, picture, alike,
                       is_alone && !device->view->resting, given, diag);
     return status;
+}
+
+enum neph_status neph_rt_kept_scene_take_picture(struct neph_rt_kept_scene *kept,
+                                                 struct neph_rt_device *device, uint32_t picture,
+                                                 uint32_t alike, uint32_t *given,
+                                                 struct neph_diag *diag)
+{
+    struct neph_rt_kept_ring *ring = &kept->rings[PICTURE];
+    const bool is_settled = device->is_dark && neph_rt_is_unread(device->view) && alike >= SETTLED;
+    if (ring->place_count == 0 && !is_settled)
+        return NEPH_OK;
+    return take(ring, device, PICTURE, picture, is_settled ? alike - SETTLED : 0, is_settled, given,
+                diag);
 }
 
 void neph_rt_kept_scene_destroy(const struct neph_vulkan *vulkan, struct neph_rt_kept_scene *kept)

@@ -503,8 +503,8 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_STEADY] = CHOICE(
         "steady", RT_STEADY_AUTO, steadies,
         "auto: where nothing that is looked at has changed for so long that gradient=on sees no "
-        "change, it does not look, and what it would decide is left out; unasked: it looks. The "
-        "same bits on a CPU; on a GPU single pixels differ by up to 0.4 %, why is not known"),
+        "change, it does not look, and what it would decide is left out; unasked: it looks. Same "
+        "bits"),
     [RT_FOG] = NEPH_OPTION_FOG,
     [RT_DEPTH_GROWTH] = NEPH_OPTION_DEPTH_GROWTH,
     {.name = NULL},

@@ -89,33 +89,28 @@ static enum neph_status add_rays(const struct neph_gpu_march_run *run, void *con
     return neph_rt_submission_send(work->submission, diag);
 }
 
-/* Few enough for a shader to be compiled for. */
+/* Few enough for a shader to be compiled for; on a GPU those of a loop that is unrolled. */
+enum { GPU_SOLIDS_MAX = 32 };
+
 static uint32_t known_solids(const struct neph_gpu_scene *scene)
 {
     const uint32_t count = scene->frame->solid_count;
-    return count < RT_SOLIDS_UNKNOWN ? count : RT_SOLIDS_UNKNOWN;
+    const uint32_t most = scene->is_on_cpu ? RT_SOLIDS_UNKNOWN - 1 : GPU_SOLIDS_MAX;
+    return count <= most ? count : RT_SOLIDS_UNKNOWN;
+}
+
+/* Which of these are balls, a bit each. */
+static void set_known_balls(const struct neph_gpu_scene *scene, uint32_t balls[2])
+{
+    const struct neph_gpu_solids *all = scene->buffers[1].mapped;
+    for (uint32_t s = 0; s < scene->frame->solid_count && s < RT_SOLIDS_UNKNOWN - 1; s++)
+        balls[s / 32] |= (all->solids[s].kind == NEPH_SOLID_SPHERE ? 1u : 0u) << s % 32;
 }
 
 /* The light of froxels has its own eyes for a fog that is handed over to them: a medium there. */
 static bool is_of_froxels(const struct neph_rt_pass *pass)
 {
     return pass->resolution == RT_FROXEL;
-}
-
-/* Which of these are balls, a bit each. */
-static uint32_t known_balls(const struct neph_gpu_scene *scene)
-{
-    const struct neph_gpu_solids *all = scene->buffers[1].mapped;
-    uint32_t balls = 0;
-    for (uint32_t s = 0; s < known_solids(scene) && s < 32; s++)
-        balls |= (all->solids[s].kind == NEPH_SOLID_SPHERE ? 1u : 0u) << s;
-    return balls;
-}
-
-/* Whether no medium sends light, as march.comp asks. */
-static bool is_dark(const struct neph_gpu_frame *frame)
-{
-    return !frame->scatters && !frame->emits && !frame->scatters_lamps;
 }
 
 static const struct neph_gpu_scene *seen_by(const struct neph_realtime *realtime,
@@ -166,9 +161,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
     neph_march_constants(seen_by(realtime, pass), &march, params.constants);
     params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
     params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene.gpu);
-    params.constants[RT_BALLS_CONSTANT] = known_balls(&realtime->scene.gpu);
-    params.constants[RT_DARK_CONSTANT] = pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA &&
-                                         is_dark(realtime->scene.gpu.frame);
+    set_known_balls(&realtime->scene.gpu, &params.constants[RT_BALLS_CONSTANT]);
     const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
     return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }
@@ -275,6 +268,22 @@ static enum neph_status prepare_passes(struct neph_realtime *realtime, struct ne
     return status;
 }
 
+/* Whether rays see a transmittance of closed form alone, as march.comp asks: no medium sends light,
+ * so that there is no noise either. What has no gradient is as it was. */
+static bool is_dark(const struct neph_realtime *realtime)
+{
+    const struct neph_gpu_view *view = realtime->device.view;
+    const struct neph_march_params *march = &realtime->march;
+    const struct neph_gpu_scene *gpu = &realtime->scene.gpu;
+    const bool is_solved = march->transmittance == NEPH_MARCH_EXACT &&
+                           !(gpu->constants[0] & 1u << NEPH_MEDIUM_HORIZON);
+    const bool has_more = march->sky.is_on || march->fog.is_look ||
+                          march->lighting == NEPH_MARCH_TRACED;
+    return is_solved && !has_more && !gpu->frame->scatters && !gpu->frame->scatters_lamps &&
+           !gpu->frame->emits && view->settings[RT_GRADIENT] != 0.0f &&
+           view->settings[RT_JITTERED_DEPTH] == 0.0f && view->settings[RT_FROXEL_VOLUME] == 0.0f;
+}
+
 /* Everything that depends on the size. */
 static enum neph_status create_sized(struct neph_realtime *realtime, const struct neph_scene *scene,
                                      struct neph_diag *diag)
@@ -296,6 +305,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
                                        realtime->noise_ranks, &realtime->device, diag);
     realtime->device.specialises = true;
+    realtime->device.is_dark = !status && is_dark(realtime);
     if (!status)
         status = prepare_passes(realtime, diag);
     if (!status && (buffer_px[0] > size_px[0] || buffer_px[1] > size_px[1]))
@@ -538,6 +548,7 @@ static enum neph_status render_split(struct neph_realtime *realtime,
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
     enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
                                                     &made->moment, &realtime->scene, &cost, diag);
+    realtime->device.is_dark = is_dark(realtime);
     if (!status && frame->given && neph_rt_is_upsampled(&realtime->settings))
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                            "a given depth has the picture's pixels: set screen_percent=100");
@@ -780,6 +791,10 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
         view->settings[RT_STEADY] = !is_read && neph_rt_may_be_unread(view, realtime->device.on_gpu)
                                         ? RT_STEADY_UNREAD
                                         : RT_STEADY_KNOWN;
+    if (!status)
+        status = neph_rt_kept_scene_take_picture(&realtime->kept, &realtime->device,
+                                                 realtime->frame_count,
+                                                 realtime->stillness.pictures, given, diag);
     return status;
 }
 

@@ -13,7 +13,11 @@
 #include "realtime_names.h"
 
 layout(constant_id = RT_SOLIDS_CONSTANT) const uint KNOWN_SOLIDS = RT_SOLIDS_UNKNOWN;
-layout(constant_id = RT_BALLS_CONSTANT) const uint KNOWN_BALLS = ~0u; // bit s: solid s is one
+// Which are balls, a bit each.
+layout(constant_id = RT_BALLS_CONSTANT) const uint KNOWN_BALLS = ~0u;
+layout(constant_id = RT_BALLS_CONSTANT + 1) const uint MORE_KNOWN_BALLS = ~0u;
+
+const float ENDLESS_M = 3.0e38; // beyond all
 
 // On a GPU they would fill its registers.
 bool are_known() { return ON_CPU && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN; }
@@ -59,7 +63,7 @@ bool narrow_axis(float low, float high, float origin, float direction, inout flo
 bool known_interval(uint s, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
 {
     Solid solid = known_solids[s];
-    if ((KNOWN_BALLS >> s & 1u) != 0u)
+    if (((s < 32u ? KNOWN_BALLS : MORE_KNOWN_BALLS) >> (s & 31u) & 1u) != 0u)
         return ball_interval(solid, origin_m, direction, t0_m, t1_m);
     bool turns = is_turned(solid);
     origin_m = turns ? own_point(solid, origin_m) : origin_m;
@@ -72,16 +76,16 @@ bool known_interval(uint s, vec3 origin_m, vec3 direction, out float t0_m, out f
     return meets_x && meets_y && meets_z && t0_m < t1_m;
 }
 
-// As sees_sun().
-bool known_let_sun(vec3 point_m, vec3 direction, uint except, float start_m)
+// As sees_point(): whether nothing is in the way up to a distance.
+bool known_let_pass(vec3 point_m, vec3 direction, float start_m, float distance_m, uint except)
 {
-    bool sees = true;
+    bool let_pass = true;
     [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
         float t0_m, t1_m;
         bool meets = known_interval(s, point_m, direction, t0_m, t1_m);
-        sees = sees && !(s != except && meets && t1_m > start_m);
+        let_pass = let_pass && !(s != except && meets && t1_m > start_m && t0_m < distance_m);
     }
-    return sees;
+    return let_pass;
 }
 
 #endif

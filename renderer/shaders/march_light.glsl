@@ -104,9 +104,11 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
 // together, for a GPU would wait for one after the other. What is looked up behind the end is not
 // added. Where empty steps are passed it is not known which come next.
 const uint TAPS_MAX = 3;
-uint taps() { return SKIPS ? 1 : ON_CPU ? 2 : samples_textures() ? TAPS_MAX : 1; }
+const bool TAPS_IN_TURN = ON_CPU && KNOWN_MEDIA == 1u && KINDS == 1u << MEDIUM_GRID;
+uint taps() { return SKIPS ? 1 : TAPS_IN_TURN ? 2 : samples_textures() ? TAPS_MAX : 1; }
 
-// One after the other, which spares a CPU every other turn of a loop.
+// One after the other, which in an only grid spares a CPU every other turn of a loop. Elsewhere the
+// loops within would turn more often than a dispatch may (renderer/march_cut.c).
 void add_taps_in_turn(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, inout Sum sum)
 {
     [[unroll]] for (uint k = 0; k < taps(); k++) {
@@ -121,7 +123,7 @@ void add_taps_in_turn(uint kinds, vec3 origin_m, vec3 direction, Steps steps, ui
 
 void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, inout Sum sum)
 {
-    if (ON_CPU) {
+    if (TAPS_IN_TURN) {
         add_taps_in_turn(kinds, origin_m, direction, steps, i, sum);
         return;
     }

@@ -106,7 +106,8 @@ struct Medium {
 
 // --- shapes: by value, for who asks often reads them once -------------------------------------
 
-// Whether a shape is of a kind: the compiler knows where the scene has no other.
+// Whether a shape is of a kind: the compiler knows where the scene has no other. A fog is no shape:
+// asked of one, the answer is that of the only kind of shape.
 bool is_a(uint kind, uint shape_kind)
 {
     return has_kind(kind) && (SHAPE_KINDS == 1u << kind || shape_kind == kind);

@@ -10,6 +10,18 @@
 
 #include "realtime.glsl"
 
+// All four depths on their way at once; held at the far sides alone, which odd sizes have no
+// second pixel at.
+float mapped_at_once_m(ivec2 half_pixel, bool nearest)
+{
+    ivec2 first = view_origin() + 2 * half_pixel;
+    ivec2 second = min(first + 1, view_origin() + view_size() - 1);
+    float a_m = fetch(RT_STEADY_DEPTH, first).x, b_m = fetch(RT_STEADY_DEPTH, second).x;
+    float c_m = fetch(RT_STEADY_DEPTH, ivec2(second.x, first.y)).x;
+    float d_m = fetch(RT_STEADY_DEPTH, ivec2(first.x, second.y)).x;
+    return nearest ? min(min(a_m, b_m), min(c_m, d_m)) : max(max(a_m, b_m), max(c_m, d_m));
+}
+
 // The depth of a texel of the view [m].
 float mapped_depth_m(ivec2 half_pixel)
 {
@@ -17,6 +29,8 @@ float mapped_depth_m(ivec2 half_pixel)
     bool nearest = choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_NEAREST ||
                    (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_CHECKERBOARD && is_white) ||
                    (choice(RT_DEPTH_MAP) == RT_DEPTH_MAP_REVERSED && !is_white);
+    if (ON_GPU)
+        return mapped_at_once_m(half_pixel, nearest);
     float chosen_m = fetch_full(RT_STEADY_DEPTH, 2 * half_pixel).x;
     for (int i = 1; i < 4; i++) {
         float depth_m = fetch_full(RT_STEADY_DEPTH, 2 * half_pixel + ivec2(i & 1, i >> 1)).x;

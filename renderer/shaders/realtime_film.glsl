@@ -103,6 +103,8 @@ Box box_about(vec3 mean, vec3 variance, vec3 filtered)
 {
     vec3 reach = box_scale * setting(RT_TAA_SIGMA) * sqrt(variance);
     vec3 low = mean - reach, high = mean + reach;
+    if (ON_GPU && guarded()) // all are numbers, where there is a colour
+        return Box(min(low, filtered), max(high, filtered));
     return Box(mix(low, filtered, lessThan(filtered, low)),
                mix(high, filtered, greaterThan(filtered, high)));
 }
@@ -138,22 +140,29 @@ const ivec2 AREA = BLOCK + 2; // with the pixels around
 shared vec4 area[AREA.x * AREA.y];
 ivec2 area_corner; // its first pixel
 
+const int ROWS_AT_ONCE = GROUP_THREADS / BLOCK.x, AREA_TURNS = AREA.y / ROWS_AT_ONCE;
+
+// A thread's pixels of the area: those of its column, and in a last turn one at the sides.
+ivec2 area_pixel(int thread, int turn)
+{
+    return turn < AREA_TURNS
+               ? ivec2(1 + thread % BLOCK.x, thread / BLOCK.x + turn * ROWS_AT_ONCE)
+               : ivec2((thread & 1) * (AREA.x - 1), min(thread >> 1, AREA.y - 1));
+}
+
 // By all threads of a group.
 void fetch_area(ivec2 first_pixel)
 {
     area_corner = first_pixel - 1;
-    const int count = AREA.x * AREA.y, turns = (count - 1) / GROUP_THREADS + 1;
     int thread = int(gl_LocalInvocationID.x);
-    vec3 colours[turns]; // all on their way before the first is looked at
-    [[unroll]] for (int k = 0; k < turns; k++) {
-        int i = min(thread + GROUP_THREADS * k, count - 1);
-        colours[k] = composed(area_corner + ivec2(i % AREA.x, i / AREA.x));
-    }
-    [[unroll]] for (int k = 0; k < turns; k++) {
+    vec3 colours[AREA_TURNS + 1]; // all on their way before the first is looked at
+    [[unroll]] for (int k = 0; k <= AREA_TURNS; k++)
+        colours[k] = composed(area_corner + area_pixel(thread, k));
+    [[unroll]] for (int k = 0; k <= AREA_TURNS; k++) {
         Sample seen = sample_of(colours[k]);
-        if (thread + GROUP_THREADS * k < count)
-            area[thread + GROUP_THREADS * k] =
-                seen.is_counted ? vec4(seen.colour, seen.hdr_weight) : vec4(0.0);
+        ivec2 at = area_pixel(thread, k);
+        area[at.x + AREA.x * at.y] =
+            seen.is_counted ? vec4(seen.colour, seen.hdr_weight) : vec4(0.0);
     }
     barrier();
 }
@@ -352,6 +361,9 @@ vec3 nearness_along(float jitter)
 
 float part_of_one(float count) { return count > 0.0 ? 1.0 / count : 0.0; }
 
+// Where all rests hardly a pixel has a box. What rows had for it would take registers from all.
+bool rows_have_boxes() { return !ALL_REST; }
+
 Row row_at(ivec2 pixel)
 {
     Row row;
@@ -368,7 +380,7 @@ Row row_at(ivec2 pixel)
         sum += seen[i];
     }
     row.mean = row.scatter = vec3(0.0);
-    if (is_held) {
+    if (is_held && rows_have_boxes()) {
         row.mean = part_of_one(row.count) * sum;
         [[unroll]] for (int i = 0; i < 3; i++)
             row.scatter += counts[i] * (seen[i] - row.mean) * (seen[i] - row.mean);
@@ -394,6 +406,26 @@ Box variance_box(Row rows[3], vec3 filtered)
     return box_about(mean, part * scatter, filtered);
 }
 
+// That of all three at once, colour by colour.
+Box variance_box(ivec2 pixel, vec3 filtered)
+{
+    vec3 sum = vec3(0.0), scatter = vec3(0.0);
+    float count = 0.0;
+    [[dont_unroll]] for (int i = 0; i < 9; i++) {
+        Sample from = sample_at(pixel + offset_of(i));
+        sum += to_space(from.colour);
+        count += from.is_counted ? 1.0 : 0.0;
+    }
+    float part = part_of_one(count);
+    vec3 mean = part * sum;
+    [[dont_unroll]] for (int i = 0; i < 9; i++) {
+        Sample from = sample_at(pixel + offset_of(i));
+        vec3 difference = to_space(from.colour) - mean;
+        scatter += from.is_counted ? difference * difference : vec3(0.0);
+    }
+    return box_about(mean, part * scatter, filtered);
+}
+
 Film film_of(ivec2 pixel, Row rows[3])
 {
     Film film;
@@ -406,7 +438,8 @@ Film film_of(ivec2 pixel, Row rows[3])
     film.colour = is_filtered ? 1.0 / sum.a * sum.rgb : film.own;
     film.is_any = is_filtered ? rows[0].count + rows[1].count + rows[2].count > 0.0 : film.has_own;
     if (is_held)
-        film.box = variance_box(rows, to_space(film.colour));
+        film.box = rows_have_boxes() ? variance_box(rows, to_space(film.colour))
+                                     : variance_box(pixel, to_space(film.colour));
     return film;
 }
 

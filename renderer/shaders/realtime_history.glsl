@@ -88,9 +88,9 @@ void add(History tap, float weight, bool is_about, inout Mean mean)
         extend(mean.range, tap.value);
 }
 
-// A GPU would wait for one tap after the other behind a branch. Of Catmull-Rom each is asked
-// before, whether it is void.
-bool takes_at_once() { return ON_GPU && choice(RT_HISTORY_FILTER) == RT_FILTER_BILINEAR; }
+// A GPU would wait for one tap after the other behind a branch, and a loop of lavapipe's carries
+// all of the mean through memory. Of Catmull-Rom each is asked before, whether it is void.
+bool takes_at_once() { return choice(RT_HISTORY_FILTER) == RT_FILTER_BILINEAR; }
 
 // The mean of the taps that are not void, with the age of the heaviest; void if all are. It is held
 // in the range of the four taps about the place: equal ones come out exactly, and Catmull-Rom does

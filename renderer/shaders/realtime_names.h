@@ -204,21 +204,21 @@
 // first that does (realtime_choices.glsl); how many solids the scene has, or that there are many,
 // and which of few are balls (known_solids.glsl); which of the driver's own conversions of halves
 // are taken (renderer/halves.h); whether the device is no CPU; what stands where it stood; whether
-// no medium shines (rt_march.comp).
+// rays see transmittance alone (rt_march.comp).
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_CHOICE_CONSTANT 8
 #define RT_CHOICE_CONSTANT_COUNT 20
 #define RT_SOLIDS_CONSTANT 28
-#define RT_SOLIDS_UNKNOWN 33 // and from there on: looked at one by one
+#define RT_SOLIDS_UNKNOWN 65 // and from there on: looked at block by block
 #define RT_HALVES_CONSTANT 29
 #define RT_ON_GPU_CONSTANT 30
 #define RT_RESTS_CONSTANT 31
 #define RT_RESTS_ALL 1u // camera, air and solids
 #define RT_RESTS_AIR 2u
-#define RT_BALLS_CONSTANT 32
-#define RT_DARK_CONSTANT 33
-#define RT_CONSTANT_COUNT 34
+#define RT_BALLS_CONSTANT 32 // and the next
+#define RT_DARK_CONSTANT 34
+#define RT_CONSTANT_COUNT 35
 
 // Pixels below each other that a thread of the anti-aliasing takes, whole tiles: each row that it
 // reads serves three of them.

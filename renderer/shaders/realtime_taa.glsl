@@ -7,17 +7,12 @@
 #define NEPH_REALTIME_TAA_GLSL
 
 #include "random.glsl"
+#include "realtime_axes.glsl"
 #include "realtime_change.glsl"
 #include "realtime_film.glsl"
 #include "realtime_slots.glsl"
 
 // --- motion of the camera -------------------------------------------------------------------
-
-float dot_in_order(vec3 a, vec3 b)
-{
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
-}
 
 // The place at eye depth 1 of what a pixel's centre sees, without jitter.
 vec3 ray_through(vec2 centre_px)
@@ -119,13 +114,24 @@ bool is_steady()
     return is_at_rest && asks_for_change() && (is_known || is_seen);
 }
 
+bool find_motion_by_axes(vec2 centre_px, float depth_m, vec3 from_m, out vec2 motion_px)
+{
+    vec2 half_px = 0.5 * vec2(picture_px), from_middle = centre_px / half_px - 1.0;
+    vec3 seen = seen_at(from_middle, depth_m, from_m);
+    precise vec2 moved_px = half_px * (from_middle - 1.0 / seen.z * seen.xy);
+    motion_px = moved_px;
+    return seen.z > 0.0;
+}
+
 // How far what is `depth_m` deep has come in the picture since the frame before, when it stood
 // `from_m` off from where it is now, as seen by the camera; false when it was behind that. Lengths
 // are divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
 // difference of two places found alike: it is exactly 0 for a camera at rest. In an orthographic
 // picture all depths move alike, since its camera never turns (scenes/load_motion.c).
-bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
+bool find_motion(vec2 centre_px, vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
 {
+    if (goes_by_axes())
+        return find_motion_by_axes(centre_px, depth_m, from_m, motion_px);
     precise vec3 ray_before = ray - from_m / view_spread(view_now, depth_m);
     float depth_before = view_spread(view_before, dot_in_order(ray_before, view_before.forward));
     precise vec2 moved_px =
@@ -141,14 +147,16 @@ const float HARDLY_SEEN = 0.0625; // what moves by itself, behind a medium that 
 // what moves by itself, and before the sky, which has nothing that could smear; not at the rim of
 // what is before the medium. A mix of both motions is that of neither: it drags solids along in the
 // haze before them. False, too, where the medium was behind the camera.
-bool goes_with_medium(ivec2 pixel, vec3 ray, float scene_m, bool has_moved, out vec2 motion_px)
+bool goes_with_medium(ivec2 pixel, vec2 centre_px, vec3 ray, float scene_m, bool has_moved,
+                      out vec2 motion_px)
 {
     float through = fetch_full(RT_VOLUME, pixel).a;
     float distance_m = fetch_full(RT_VOLUME_DISTANCE, pixel).x;
     float most = has_moved ? HARDLY_SEEN : is_sky(scene_m) ? 1.0 : 0.5;
     bool is_seen = through >= 0.0 && through < most && distance_m > 0.0 && distance_m < FAR_M;
     precise float depth_m = distance_m / sqrt(dot_in_order(ray, ray));
-    return is_seen && depth_m < scene_m && find_motion(ray, depth_m, medium_from_m(), motion_px);
+    return is_seen && depth_m < scene_m &&
+           find_motion(centre_px, ray, depth_m, medium_from_m(), motion_px);
 }
 
 // The place in the frame before of what a pixel shows, by the depths about its source; false when
@@ -169,8 +177,8 @@ bool find_before(ivec2 pixel, ivec2 source, out vec2 place_px, out float speed_p
     precise vec3 from_m = view_before.position_m + moved_m;
     bool is_mover = moved_m != vec3(0.0);
     bool is_before = (follows_medium() &&
-                      goes_with_medium(source, ray, scene_m, is_mover, motion_px)) ||
-                     find_motion(ray, has_moved ? scene_m : FAR_M, from_m, motion_px);
+                      goes_with_medium(source, centre_px, ray, scene_m, is_mover, motion_px)) ||
+                     find_motion(centre_px, ray, has_moved ? scene_m : FAR_M, from_m, motion_px);
     precise vec2 before_px = centre_px - motion_px;
     place_px = before_px;
     speed_px = length(motion_px);
@@ -207,72 +215,88 @@ vec4 history_at_rest(ivec2 pixel)
 
 bool takes_at_once() { return ON_GPU && choice(RT_TAA_HISTORY) != RT_FILTER_NEAREST; }
 
-// A row of texels and their weights along x. One without a weight is left to the second, which has
-// some: what is no number there counts as little as elsewhere.
-vec3 history_row(ivec2 corner, int y, vec4 columns, int first)
+// Texels side by side, by the number of the first. A: that of the one asked for.
+vec4 history_row(int index, vec4 columns, int first, bool is_second)
 {
-    vec3 texels[4], sum = vec3(0.0);
+    vec4 texels[4], sum = vec4(0.0);
     [[unroll]] for (int x = first; x <= 3 - first; x++)
-        texels[x] = fetch_picture(RT_TAA_BEFORE,
-                                  corner + ivec2(columns[x] == 0.0 ? 1 : x, y) - 1).rgb;
+        texels[x] = fetch(RT_TAA_BEFORE, ivec2(index + x, 0));
     [[unroll]] for (int x = first; x <= 3 - first; x++)
-        sum += columns[x] * texels[x];
+        sum.rgb += columns[x] * texels[x].rgb;
+    sum.a = is_second ? texels[2].a : texels[1].a;
     return sum;
 }
 
-float age_at_once; // of what history_at_once() has found
-
-// Without a branch, behind which a GPU would wait for one texel after the other.
-vec3 history_at_once(ivec2 pixel, ivec2 corner, vec4 columns, vec4 rows)
+// Whether all of a place's 4x4 texels have a weight and are in the picture.
+bool has_all(ivec2 corner, vec2 way)
 {
-    vec3 sum = vec3(0.0);
-    age_at_once = fetch_picture(RT_TAA_BEFORE, pixel).a;
+    return all(notEqual(way, vec2(0.0))) && all(greaterThan(corner, ivec2(0))) &&
+           all(lessThan(corner, picture_size() - 2));
+}
+
+// Without a branch, behind which a GPU would wait for one texel after the other. With the age of
+// the nearest.
+vec4 history_at_once(ivec2 corner, vec2 way)
+{
+    vec4 columns = filter_weights(way.x), rows = filter_weights(way.y), sum = vec4(0.0);
+    ivec2 from = view_origin() + corner - 1;
+    int index = from.y * picture_row + from.x;
     int first = choice(RT_TAA_HISTORY) == RT_FILTER_CATMULL_ROM ? 0 : 1;
-    [[unroll]] for (int y = first; y <= 3 - first; y++)
-        sum += rows[y] * history_row(corner, rows[y] == 0.0 ? 1 : y, columns, first);
+    [[unroll]] for (int y = first; y <= 3 - first; y++) {
+        vec4 row = history_row(index + y * picture_row, columns, first, way.x >= 0.5);
+        sum.rgb += rows[y] * row.rgb;
+        sum.a = y == (way.y >= 0.5 ? 2 : 1) ? row.a : sum.a;
+    }
     return sum;
 }
 
-vec3 filtered_history(vec2 place_px)
+// Those that have a weight.
+vec3 history_one_by_one(ivec2 corner, vec2 way)
 {
-    precise vec2 corner = floor(place_px - 0.5);
-    precise vec2 way = place_px - 0.5 - corner;
-    if (is_at_rest)
-        return history_at_rest(ivec2(corner)).rgb;
     vec4 columns = filter_weights(way.x), rows = filter_weights(way.y);
-    if (takes_at_once())
-        return history_at_once(ivec2(floor(place_px)), ivec2(corner), columns, rows);
     vec3 sum = vec3(0.0);
     for (int y = first_tap(rows); y <= last_tap(rows); y++)
         [[unroll]] for (int x = 0; x < 4; x++) {
             float weight = columns[x] * rows[y];
-            vec3 tap = fetch_picture(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
+            vec3 tap = fetch_picture(RT_TAA_BEFORE, corner + ivec2(x, y) - 1).rgb;
             sum = weight != 0.0 ? sum + weight * tap : sum;
         }
     return sum;
 }
 
-// False when the guard finds the history void.
-bool fetch_history(vec2 place_px, out vec3 history)
+bool asks_for_age() { return is_set(RT_TAA_AGE_MAX); }
+
+// RGB: filtered, A: of the nearest texel, where somebody asks.
+vec4 filtered_history(vec2 place_px)
 {
-    history = filtered_history(place_px);
-    if (choice(RT_TAA_PRE_EXPOSURE) != 0)
-        history *= exposure / exposure_before;
-    bool is_sound = !guarded() || is_finite(history);
-    history = guard(history);
-    return is_sound;
+    precise vec2 corner = floor(place_px - 0.5);
+    precise vec2 way = place_px - 0.5 - corner;
+    if (is_at_rest || (takes_at_once() && way == vec2(0.0)))
+        return history_at_rest(ivec2(corner));
+    if (takes_at_once() && has_all(ivec2(corner), way))
+        return history_at_once(ivec2(corner), way);
+    float age = asks_for_age() ? fetch_picture(RT_TAA_BEFORE, ivec2(floor(place_px))).a : 0.0;
+    return vec4(history_one_by_one(ivec2(corner), way), age);
 }
 
-// How many frames the pixel at a place is the mean of. That of a mover has no age.
-float age_at(vec2 place_px)
+// How many frames a pixel of the history is the mean of. That of a mover has no age.
+float age_of(float kept)
 {
-    if (!is_set(RT_TAA_AGE_MAX))
+    if (!asks_for_age())
         return 0.0;
-    ivec2 pixel = ivec2(floor(place_px));
-    float age = is_at_rest        ? history_at_rest(pixel).a
-                : takes_at_once() ? age_at_once
-                                  : fetch_picture(RT_TAA_BEFORE, pixel).a;
-    return age >= 1.0 && age != float(RT_OF_MOVER) ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
+    return kept >= 1.0 && kept != float(RT_OF_MOVER) ? min(kept, setting(RT_TAA_AGE_MAX)) : 1.0;
+}
+
+// A: its age. False when the guard finds the history void.
+bool fetch_history(vec2 place_px, out vec4 history)
+{
+    history = filtered_history(place_px);
+    history.a = age_of(history.a);
+    if (choice(RT_TAA_PRE_EXPOSURE) != 0)
+        history.rgb *= exposure / exposure_before;
+    bool is_sound = !guarded() || is_finite(history.rgb);
+    history.rgb = guard(history.rgb);
+    return is_sound;
 }
 
 // --- the blend ----------------------------------------------------------------------------------
@@ -282,7 +306,8 @@ vec3 hold_history(vec3 history, Box box)
     if (choice(RT_TAA_BOX) == RT_BOX_NONE)
         return history;
     vec3 value = to_space(history);
-    vec3 held = hold(value, box.low, box.high);
+    bool is_plain = goes_by_rows() && guarded(); // limits that never cross
+    vec3 held = is_plain ? clamp(value, box.low, box.high) : hold(value, box.low, box.high);
     return held == value ? history : from_space(held);
 }
 
@@ -316,8 +341,8 @@ float frames_alike()
 vec3 relit(vec3 history, ivec2 source, Film film, float speed_px)
 {
     float motion = beyond(speed_px, setting(RT_TAA_REST_PX));
-    bool is_steady = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
-    bool is_idle = ON_GPU && (is_steady || motion == 1.0);
+    bool is_same = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
+    bool is_idle = is_same || (ON_GPU && motion == 1.0);
     if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || is_idle)
         return history;
     vec3 colour = film.own;
@@ -351,8 +376,9 @@ float weight_with_age(float alpha, float unrest, inout float age)
 
 vec3 blend(vec3 frame, vec3 history, float alpha)
 {
-    float of_frame = alpha * hdr_weight(frame);
-    float of_history = (1.0 - alpha) * hdr_weight(history);
+    bool is_short = ON_GPU && !ALL_REST && choice(RT_TAA_HDR_WEIGHT) != 0; // each times the other's
+    float of_frame = alpha * (is_short ? luma_4(history) + 4.0 : hdr_weight(frame));
+    float of_history = (1.0 - alpha) * (is_short ? luma_4(frame) + 4.0 : hdr_weight(history));
     float weight = of_frame / (of_frame + of_history);
     return weight == 1.0 ? frame : history + weight * (frame - history);
 }
@@ -374,13 +400,29 @@ float round_by_chance(float value, float number)
     return (number < above_it ? below + 1.0 : below) * half_step;
 }
 
+// One of them by whole numbers, for what is from 0 to 65504: a number of 13 bits is added to those
+// that a half has no room for, which chooses alike. What is below 2^-14 is rounded as if it were as
+// much above that.
+float round_by_bits(float value, uint number)
+{
+    bool is_below_normal = value < 6.103515625e-5;
+    precise float above = value + 6.103515625e-5;
+    uint bits = floatBitsToUint(is_below_normal ? above : value) + (~number >> 19);
+    float rounded = uintBitsToFloat(bits & ~0x1fffu);
+    return is_below_normal ? rounded - 6.103515625e-5 : rounded;
+}
+
 vec3 round_to_format(vec3 colour, ivec2 pixel)
 {
     if (choice(RT_TAA_FORMAT) != RT_FORMAT_HALF ||
         choice(RT_TAA_ROUNDING) != RT_ROUNDING_STOCHASTIC)
         return colour;
     // The hash's first number is the white dither's (renderer/dither.h).
-    vec3 numbers = uniform_from(pcg4d(uvec4(pixel, view_frame, view_seed)).yzw);
+    uvec3 bits = pcg4d(uvec4(pixel, view_frame, view_seed)).yzw;
+    if (ON_GPU && guarded())
+        return vec3(round_by_bits(colour.r, bits.x), round_by_bits(colour.g, bits.y),
+                    round_by_bits(colour.b, bits.z));
+    vec3 numbers = uniform_from(bits);
     return vec3(round_by_chance(colour.r, numbers.x), round_by_chance(colour.g, numbers.y),
                 round_by_chance(colour.b, numbers.z));
 }
@@ -421,11 +463,13 @@ vec4 resolved(ivec2 pixel, ivec2 source, Film film)
     bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
     vec2 before_px;
     float speed_px;
-    vec3 history, colour = film.colour;
+    vec4 found; // RGB, age
+    vec3 colour = film.colour;
     bool at_mover = flags_movers() && is_at_mover(source);
     bool has_history = !is_reset && find_before(pixel, source, before_px, speed_px) &&
-                       !is_ghost(at_mover, before_px) && fetch_history(before_px, history);
-    float age = has_history ? age_at(before_px) : is_set(RT_TAA_AGE_MAX) ? 1.0 : 0.0;
+                       !is_ghost(at_mover, before_px) && fetch_history(before_px, found);
+    vec3 history = found.rgb;
+    float age = has_history ? found.a : asks_for_age() ? 1.0 : 0.0;
     if (!film.is_any) {
         colour = has_history ? history : vec3(0.0);
     } else if (has_history) {
@@ -442,8 +486,9 @@ vec4 resolved(ivec2 pixel, ivec2 source, Film film)
             alpha = max(alpha, 0.25);
         colour = blend(colour, part == 1.0 ? held : mix(history, held, part), alpha);
     }
-    return vec4(guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX))),
-                at_mover ? float(RT_OF_MOVER) : age);
+    if (!(ON_GPU && guarded()))
+        colour = hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX));
+    return vec4(guard(colour), at_mover ? float(RT_OF_MOVER) : age);
 }
 
 #endif

@@ -208,9 +208,11 @@ void main()
     bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
     vec2 before_px;
     float speed_px;
-    vec3 history, colour;
+    vec4 found; // RGB, age
+    vec3 colour;
     bool has_history = !is_reset && find_before(pixel, source, before_px, speed_px) &&
-                       !is_uncovered(pixel, source, before_px) && fetch_history(before_px, history);
+                       !is_uncovered(pixel, source, before_px) && fetch_history(before_px, found);
+    vec3 history = found.rgb;
     vec2 lock = lock_of(has_history, before_px, around);
     float weight = 0.0, seen = coverage;
     if (!upsample(around, colour)) {

@@ -20,6 +20,8 @@
 #include "realtime_dither.glsl"
 #include "realtime_slots.glsl"
 
+// With a closed-form transmittance and no light of the media there is nothing to march for
+// (march.comp).
 layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
 
 struct Ray {
@@ -86,13 +88,6 @@ vec3 optical_depth_behind(Ray ray, Sums sums)
                      : marched_depth(sums);
 }
 
-// With a closed-form transmittance and no light of the media there is nothing to march for
-// (march.comp).
-bool is_known_dark()
-{
-    return IS_DARK && IS_SOLVED && !HAS_VEIL && choice(RT_FROXEL_VOLUME) == 0;
-}
-
 // Where a beam is lost, on average, in a medium that is the same all along its way, as a part of
 // that: (1 / tau) - 1 / (e^tau - 1).
 float mean_place(float optical_depth)
@@ -145,13 +140,13 @@ void main()
     if (choice(RT_FROXEL_VOLUME) != 0)
         march_from_m = setting(RT_FROXEL_END_M) / dot(ray.view.direction, camera.forward);
     Sums sums = sums_at_start(thread);
-    if (!is_known_dark())
+    if (!IS_DARK)
         march(ray.view, ray.length_m, ray.place, sums);
     if (run.end_step < own(frame.steps)) {
         sums_keep(thread, sums);
         return;
     }
-    if (is_known_dark())
+    if (IS_DARK)
         put_dark(tile, ray);
     else
         put_marched(tile, ray, sums);

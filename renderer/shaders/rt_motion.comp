@@ -6,6 +6,8 @@
 // those of the picture, jitter and all (rt_scene.comp).
 #extension GL_GOOGLE_include_directive : require
 
+#define KNOWS_SOLIDS
+
 #include "march_run.glsl"
 #include "scene.glsl"
 
@@ -42,6 +44,7 @@ vec3 moved_m(uint solid, vec3 point_m, out float is_mover)
 
 void main()
 {
+    know_solids();
     uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
     ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
     ViewRay ray = camera_ray_at(frame_camera(), vec2(pixel) + 0.5 + jitter_px);

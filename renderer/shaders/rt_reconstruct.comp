@@ -39,6 +39,9 @@
 
 const float AGE_MAX = 255.0;
 
+// A ray that sees transmittance alone has no noise: it is worth as much as all that went before it.
+layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
+
 struct Ray {
     vec4 value;    // radiance of the medium in W/(m2 sr), transmittance
     float depth_m; // of the scene, where the ray ends
@@ -552,8 +555,8 @@ void main()
     float age = history.is_void ? 1.0 : history.age;
     vec4 value = value_of(is_fresh ? 0 : nearest);
     if (is_fresh && !history.is_void) {
-        age = min(history.age + 1.0, AGE_MAX);
-        value = blend_fresh(history.value, value, fresh_weight(age, part));
+        age = IS_DARK ? AGE_MAX : min(history.age + 1.0, AGE_MAX);
+        value = blend_fresh(history.value, value, IS_DARK ? 1.0 : fresh_weight(age, part));
     } else if (!history.is_void) {
         if (is_set(RT_HISTORY_AGE_MAX) && part < 1.0)
             age = max(part * min(age, setting(RT_HISTORY_AGE_MAX)), 1.0);

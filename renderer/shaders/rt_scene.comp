@@ -7,8 +7,8 @@
 // with the jitter (jittered_depth = on) makes the choice of slots flicker in front of a camera at
 // rest.
 //
-// Few solids are a loop that is unrolled, one for both rays (known_solids.glsl), and threads
-// without a pixel do the work of the last one.
+// Few solids are a loop that is unrolled (known_solids.glsl), and threads without a pixel do the
+// work of the last one.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -28,51 +28,28 @@ SightLine sight_line(Camera camera, vec2 place_px)
 }
 
 // As scene_hit() takes the nearest.
-void take_nearest(bool meets, float t0_m, float t1_m, uint s, inout SightLine line)
-{
-    float t_m = t0_m > 0.0 ? t0_m : t1_m;
-    bool is_nearer = meets && t_m > 0.0 && t_m < line.hit.t_m;
-    line.hit.t_m = is_nearer ? t_m : line.hit.t_m;
-    line.hit.solid = is_nearer ? s : line.hit.solid;
-}
-
 void meet(Solid solid, uint s, inout SightLine line)
 {
     float t0_m, t1_m;
     bool meets = solid_interval(solid, line.ray.origin_m, line.ray.direction, t0_m, t1_m);
-    take_nearest(meets, t0_m, t1_m, s, line);
+    float t_m = t0_m > 0.0 ? t0_m : t1_m;
+    if (meets && t_m > 0.0 && t_m < line.hit.t_m)
+        line.hit = Hit(t_m, s);
 }
 
-void meet_known(uint s, inout SightLine line)
-{
-    float t0_m, t1_m;
-    bool meets = known_interval(s, line.ray.origin_m, line.ray.direction, t0_m, t1_m);
-    take_nearest(meets, t0_m, t1_m, s, line);
-}
-
-void meet_both(uint s, inout SightLine picture, inout SightLine steady)
-{
-    Solid solid = solids[s];
-    solid.kind = own(solid.kind);
-    meet(solid, s, picture);
-    if (choice(RT_JITTERED_DEPTH) == 0)
-        meet(solid, s, steady);
-}
-
+// Few solids on a GPU are read once for both rays.
 void meet_solids(inout SightLine picture, inout SightLine steady)
 {
-    if (are_known()) {
+    if (!ON_CPU && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
-            meet_known(s, picture);
+            meet(solids[s], s, picture);
             if (choice(RT_JITTERED_DEPTH) == 0)
-                meet_known(s, steady);
+                meet(solids[s], s, steady);
         }
-    } else if (KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
-        [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++)
-            meet_both(s, picture, steady);
     } else {
-        for (uint s = 0; s < own(frame.solid_count); s++)
-            meet_both(s, picture, steady);
+        picture.hit = scene_hit(picture.ray.origin_m, picture.ray.direction);
+        if (choice(RT_JITTERED_DEPTH) == 0)
+            steady.hit = scene_hit(steady.ray.origin_m, steady.ray.direction);
     }
 }
 

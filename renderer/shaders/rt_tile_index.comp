@@ -40,11 +40,15 @@ bool is_sequential() { return choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL; }
 const int HALO = 3, AREA = RT_COLOUR_BLOCK + 2 * HALO;
 shared int area_slots[AREA * AREA]; // of a block and its halo, as far as they are chosen
 shared float area_depths_m[4 * AREA * AREA]; // of all slots, row by row of half-resolution texels
+shared float area_rays_m[AREA * AREA]; // as compared: of the slots that are chosen so far
 
 ivec2 area_corner; // its first tile; on a GPU
 
 // A tile's own depths may lie elsewhere (tile_origin).
 bool has_area_depths() { return choice(RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW; }
+
+// Whether rays are found by their place in an area.
+bool shares_rays() { return ON_GPU && is_sequential() && has_area_depths(); }
 
 // Whether the depth map is made here, by each group for its block.
 bool makes_depth_map() { return choice(RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_TILE_INDEX; }
@@ -66,7 +70,7 @@ int area_index(ivec2 at) { return at.x + 2 * AREA * at.y; }
 float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
 {
     ivec2 half_pixel = 2 * tile + slot_place(slot);
-    if (!(ON_GPU && is_sequential() && has_area_depths()))
+    if (!shares_rays())
         return half_depth_m(half_pixel, origin_px);
     ivec2 at = half_pixel - 2 * area_corner;
     return area_depths_m[area_index(at)];
@@ -101,7 +105,8 @@ bool covers(float ray_m, float depth_m)
 {
     precise float difference_m = abs(depth_m - ray_m);
     precise float allowed_m = setting(RT_OVERRIDE_DEPTH) * ray_m;
-    return is_finite(ray_m) && is_finite(depth_m) && difference_m < allowed_m;
+    bool are_finite = choice(RT_FAR) != RT_FAR_INFINITE || (is_finite(ray_m) && is_finite(depth_m));
+    return are_finite && difference_m < allowed_m;
 }
 
 // Depths of the block and the tiles next to it, as whole numbers, which are ordered like them.
@@ -167,6 +172,16 @@ int neighbour_slot(ivec2 tile)
     return is_known ? known_slot(tile) : default_slot(tile);
 }
 
+// A block's are in shared memory, for all tiles that look at them.
+float neighbour_ray_m(ivec2 neighbour)
+{
+    if (shares_rays()) {
+        ivec2 at = neighbour - area_corner;
+        return area_rays_m[at.x + AREA * at.y];
+    }
+    return compared_depth_m(slot_depth_m(neighbour, neighbour_slot(neighbour), view_origin()));
+}
+
 int overridden_slot(ivec2 tile, float depths_m[4])
 {
     int nearest = 0, farthest = 0;
@@ -181,8 +196,7 @@ int overridden_slot(ivec2 tile, float depths_m[4])
         if (i == 4)
             continue;
         ivec2 neighbour = clamp(tile + ivec2(i % 3, i / 3) - 1, ivec2(0), tile_count() - 1);
-        float ray_m = compared_depth_m(
-            slot_depth_m(neighbour, neighbour_slot(neighbour), view_origin()));
+        float ray_m = neighbour_ray_m(neighbour);
         near_is_covered = near_is_covered || covers(ray_m, compared_depth_m(depths_m[nearest]));
         far_is_covered = far_is_covered || covers(ray_m, compared_depth_m(depths_m[farthest]));
     }
@@ -225,8 +239,23 @@ void choose_colour(int thread)
     ivec2 tile = area_corner + at;
     bool is_within = all(greaterThanEqual(at, ivec2(colour))) &&
                      all(lessThan(at, ivec2(AREA - int(colour))));
-    if (thread < side * side && is_within && is_tile(tile))
-        area_slots[at.x + AREA * at.y] = overridden_slot(tile, tile_depths(tile).of_slots_m);
+    if (!(thread < side * side && is_within && is_tile(tile)))
+        return;
+    int slot = overridden_slot(tile, tile_depths(tile).of_slots_m);
+    area_slots[at.x + AREA * at.y] = slot;
+    if (shares_rays())
+        area_rays_m[at.x + AREA * at.y] =
+            compared_depth_m(slot_depth_m(tile, slot, view_origin()));
+}
+
+// Those of the slots whose turn it is, before the first colour; by all threads of a group.
+void share_rays()
+{
+    for (int i = int(gl_LocalInvocationID.x); i < AREA * AREA; i += GROUP_THREADS) {
+        ivec2 tile = area_corner + ivec2(i % AREA, i / AREA);
+        area_rays_m[i] = compared_depth_m(slot_depth_m(tile, default_slot(tile), view_origin()));
+    }
+    barrier();
 }
 
 // The block of this work group.
@@ -238,8 +267,10 @@ void choose_block(bool may_override)
     area_corner = first - HALO;
     if (has_area_depths()) {
         may_override = !is_smooth() && may_override;
-        if (may_override)
+        if (may_override) {
             fetch_area_depths();
+            share_rays();
+        }
     }
     if (makes_depth_map())
         put_depth_map();

@@ -46,9 +46,30 @@ uint block_end(uint block, vec3 origin_m, vec3 direction, float t0_m, float t1_m
 
 uint block_count() { return (own(frame.solid_count) + BLOCK_SOLIDS - 1) / BLOCK_SOLIDS; }
 
+#ifdef KNOWS_SOLIDS
+// As scene_hit().
+Hit known_hit(vec3 origin_m, vec3 direction)
+{
+    Hit hit = Hit(FAR_M, NO_SOLID);
+    [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
+        float t0_m, t1_m;
+        bool meets = known_interval(s, origin_m, direction, t0_m, t1_m);
+        float t_m = t0_m > 0.0 ? t0_m : t1_m;
+        bool is_nearer = meets && t_m > 0.0 && t_m < hit.t_m;
+        hit.t_m = is_nearer ? t_m : hit.t_m;
+        hit.solid = is_nearer ? s : hit.solid;
+    }
+    return hit;
+}
+#endif
+
 // Nearest surface with t > 0; from inside a solid that is its far side.
 Hit scene_hit(vec3 origin_m, vec3 direction)
 {
+#ifdef KNOWS_SOLIDS
+    if (are_known())
+        return known_hit(origin_m, direction);
+#endif
     Hit hit = Hit(FAR_M, NO_SOLID);
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, origin_m, direction, 0.0, hit.t_m);
@@ -75,7 +96,7 @@ bool sees_sun(vec3 point_m, uint except)
     float start_m = SHADOW_START * length(point_m);
 #ifdef KNOWS_SOLIDS
     if (are_known())
-        return known_let_sun(point_m, to_sun(), except, start_m);
+        return known_let_pass(point_m, to_sun(), start_m, ENDLESS_M, except);
 #endif
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, point_m, to_sun(), start_m, FAR_M);
@@ -103,6 +124,10 @@ bool medium_sees_sun(vec3 point_m)
 bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
+#ifdef KNOWS_SOLIDS
+    if (are_known())
+        return known_let_pass(point_m, direction, start_m, distance_m, except);
+#endif
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, point_m, direction, start_m, distance_m);
         for (uint s = block * BLOCK_SOLIDS; s < end; s++) {

@@ -22,7 +22,10 @@ layout(std430, binding = 14) buffer Ways {
 
 uint way_of(uint pixel, uint m) { return pixel * frame.medium_count + m; }
 
-bool has_way(uint m) { return !OPEN && !ENDLESS && is_a(MEDIUM_GRID, frame.media[m].kind); }
+bool has_way(uint m)
+{
+    return !OPEN && !ENDLESS && !is_fog(m) && is_a(MEDIUM_GRID, frame.media[m].kind);
+}
 
 float way_edge_m(uint way, uint i)
 {

@@ -49,6 +49,13 @@ static void test_text_has_all_settings_and_reads_back(void **state)
                    &diag);
     neph_assert_ok(neph_options_set(options, "x", "steps=64", &settings, &diag), &diag);
     expect_text(&settings, "steps=64 width_m=0.30000000000000004 colour=green");
+    const struct neph_settings from = neph_options_default(options);
+    char *changes = neph_options_changes(options, &settings, &from);
+    assert_string_equal(changes, "steps=64 width_m=0.30000000000000004");
+    free(changes);
+    changes = neph_options_changes(options, &from, &from);
+    assert_string_equal(changes, "");
+    free(changes);
 }
 
 static void test_wrong_settings_are_refused_with_what_is_allowed(void **state)

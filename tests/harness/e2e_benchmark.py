@@ -121,16 +121,54 @@ class Benchmark(unittest.TestCase):
         """Of fixed, by name: their milliseconds a picture."""
         words = [word for setting in settings for word in ("-s", f"realtime:{setting}")]
         done, _ = benchmark(scene, "-e", "realtime", "--preset", "fixed", "--size", "32x18",
-                            "--frames", "8", "--seconds", "0.02", "--json", *words)
+                            "--frames", "8", "--json", *words)
         self.assertEqual(done.returncode, 0, done.stderr)
-        engine, = json.loads(done.stdout)["engines"]
+        found = json.loads(done.stdout)
+        engine, = found["engines"]
+        self.check_arithmetic(engine, found["ceilings"])
         return {p["pass"]: 1e3 * p["gpu_s"]["median"] for p in engine["passes"]}
+
+    def check_arithmetic(self, engine, ceilings):
+        """In the time of all passes whose evaluations are counted, whatever the density is."""
+        march, = [p for p in engine["passes"] if p["pass"] == "march"]
+        names = ["march", *filter(None, march["evaluations_with"].split(", "))]
+        seconds = sum(p["gpu_s"]["median"] for p in engine["passes"] if p["pass"] in names)
+        self.assertAlmostEqual(march["multiply_adds"] * march["density_evaluations"] /
+                               (ceilings["multiply_adds_per_s"] * seconds), 1.0, places=9)
 
     def test_a_shadow_map_has_a_line_of_its_own(self):
         """Under a sun that moves all of it is filled for each picture."""
         passes = self.passes("shadow_crawl", "cloud_shadow=map", "sun=marched",
                              "cloud_shadow_texels=64")
         self.assertGreater(passes["cloud shadow"], 0.0)
+
+    def test_a_scene_that_rests_is_timed_when_that_is_known(self):
+        """However few pictures are timed; all are of one kind."""
+        done, _ = benchmark("gaussian_blob", "-e", "realtime", "-p", "ours", "--size", "32x18",
+                            "--frames", "3", "--json", "--seconds", "1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("--seconds has no effect", done.stderr)
+        found = json.loads(done.stdout)
+        engine, = found["engines"]
+        march, = [p for p in engine["passes"] if p["pass"] == "march"]
+        self.check_arithmetic(engine, found["ceilings"])
+        self.assertEqual((march["ceiling"], march["share"], march["chain_share"]),
+                         (None, None, None))  # of a formula: no samples
+        self.assertEqual((engine["preset"], engine["changes"], engine["steady_from"]),
+                         ("ours", "", 0))
+        self.assertNotIn("gradient", [p["pass"] for p in engine["passes"]])
+
+    def test_who_cannot_does_not_stop_the_others(self):
+        done, _ = benchmark("cloud_below", "-e", "realtime,march,tracer", "--size", "16x9",
+                            "--seconds", "0.02", "--frames", "2", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("--frames has no effect", done.stderr)
+        found = json.loads(done.stdout)
+        self.assertEqual([e["engine"] for e in found["engines"]], ["tracer"])
+        self.assertEqual([(e["engine"], e["hint"]) for e in found["cannot"]],
+                         [("realtime", "-s realtime:lighting=octaves"), ("march", "")])
+        self.assertEqual(found["cannot"][1]["reason"],
+                         "march cannot: multiple scattering; march_octaves could")
 
     @night.of_the_night
     def test_froxels_have_lines_of_their_own(self):
@@ -148,7 +186,13 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(left, [])
         document = json.loads(done.stdout)
         self.assertEqual(document["format"], "neph-benchmark-both-1")
-        self.assertEqual([e["engine"] for e in document["noise"]["engines"]], ["tracer"])
+        self.assertEqual(document["cannot"], [])
+        tracer, = document["noise"]["engines"]
+        self.assertEqual((tracer["engine"], tracer["preset"], tracer["changes"]),
+                         ("tracer", None, ""))
+        for rung in tracer["rungs"]:
+            self.assertAlmostEqual(rung["paths_per_s"] * rung["render_s"] /
+                                   (32 * 18 * rung["samples"]), 1.0, places=9)
         flown = document["frames"]
         self.assertEqual(flown["format"], "neph-benchmark-frames-1")
         for ceiling in ("copy_bytes_per_s", "buffer_samples_per_s", "buffer_chain_per_s",
@@ -161,6 +205,9 @@ class Benchmark(unittest.TestCase):
         chains = flown["ceilings"]["texture_chain_per_s"]
         self.assertEqual((chains["r32f"], chains["r16f"]), (None, None))
         march, realtime = flown["engines"]
+        self.assertEqual((march["preset"], march["changes"]), (None, ""))
+        self.assertEqual((realtime["preset"], realtime["changes"]),
+                         ("fixed", "transmittance=marched grid_sampling=texture grid_format=r8"))
         self.assertEqual(march["error"], 0.0)  # its defaults are the reference
         self.assertGreater(realtime["error"], 0.0)
         self.assertLess(realtime["error"], error_of_black("voxel_grid", "32x18"))
@@ -234,7 +281,7 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(json.loads(done.stdout)["size_px"], [48, 27])
 
     @night.of_the_night
-    def test_evaluations_of_several_passes_are_no_share_of_one(self):
+    def test_evaluations_of_several_passes_are_in_the_time_of_all(self):
         ground = ("solids: [box: {min_m: [-9, -2, -9], max_m: [9, -1, 9], albedo: [1, 1, 1]}]\n"
                   "media:\n")
         with tempfile.TemporaryDirectory() as folder:
@@ -245,11 +292,15 @@ class Benchmark(unittest.TestCase):
             done, _ = benchmark(scene, "-e", "realtime", "--size", "32x18", "--frames", "1",
                                 "--preset", "fixed", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
-        march, = [p for p in json.loads(done.stdout)["engines"][0]["passes"]
-                  if p["pass"] == "march"]
-        self.assertEqual(march["ceiling"], "buffer samples")
-        self.assertIsNone(march["density_evaluations"])
-        self.assertIsNone(march["share"])
+        found = json.loads(done.stdout)
+        march, scene = [[p for p in found["engines"][0]["passes"] if p["pass"] == name][0]
+                        for name in ("march", "scene")]
+        self.assertEqual((march["ceiling"], march["evaluations_with"]),
+                         ("buffer samples", "scene"))
+        seconds = march["gpu_s"]["median"] + scene["gpu_s"]["median"]
+        self.assertAlmostEqual(march["share"] * seconds *
+                               found["ceilings"]["buffer_samples_per_s"] /
+                               march["density_evaluations"], 1.0, places=9)
 
     def test_wrong_requests_are_refused_in_words(self):
         for arguments, code, word in (

@@ -151,7 +151,7 @@ static void test_tables_refuse(void **state)
 
 /* ---- the step cloud of I3RC ------------------------------------------------------------------ */
 
-enum { COLUMNS = 16, NODES = 32, SIDE = 16 };
+enum { NODES = 32, COLUMNS = 8 * NODES, ACROSS = 128, DEEP = 2, SEEN = ACROSS * DEEP };
 
 static const double period_m = 500.0, high_m = 250.0;
 
@@ -178,13 +178,13 @@ static struct neph_image *trace_step_cloud(struct neph_vulkan *vulkan, int copie
     scene->sun.direction = (struct neph_vec3){sqrt(0.75), 0.5, 0.0};
     scene->sun.irradiance_w_per_m2 = white;
     scene->background_w_per_m2_sr = make_grey(0.0);
-    scene->orthographic_height_m = period_m;
+    scene->orthographic_height_m = period_m * DEEP / ACROSS;
     scene->camera_up = (struct neph_vec3){0.0, 0.0, -1.0};
     const double middle_m = 0.5 * period_m - 0.5 * period_m / NODES;
     test.key.position_m = (struct neph_vec3){middle_m, 1000.0, 0.0};
     test.key.look_at_m = (struct neph_vec3){middle_m, 0.0, 0.0};
-    const struct neph_tracer_params params = {.width_px = SIDE,
-                                              .height_px = SIDE,
+    const struct neph_tracer_params params = {.width_px = ACROSS,
+                                              .height_px = DEEP,
                                               .seed = 11,
                                               .samples = samples,
                                               .time_limit_s = INFINITY};
@@ -199,9 +199,9 @@ static double half_mean(const struct neph_image *image, int half)
 {
     const float *g = neph_image_channel(image, "G");
     double sum = 0.0;
-    for (int i = 0; i < SIDE * SIDE; i++)
-        if (i % SIDE / (SIDE / 2) == half)
-            sum += (double)g[i] / (SIDE * SIDE / 2);
+    for (int i = 0; i < SEEN; i++)
+        if (i % ACROSS / (ACROSS / 2) == half)
+            sum += (double)g[i] / (SEEN / 2);
     return sum;
 }
 
@@ -221,18 +221,29 @@ static void test_paths_see_no_end(void **state)
     neph_image_destroy(endless);
 }
 
+/* The same ramps in steps of an eighth of a node: with walls in their place the thin half is 7 %
+ * darker. Its sun shines the other way, and so the thick half comes first. */
+static double depth_of_column(int column)
+{
+    const double at = (column + 0.5) * NODES / COLUMNS - 0.5, low = floor(at);
+    const int from = ((int)low + NODES) % NODES, to = ((int)low + 1) % NODES;
+    const double first = from < NODES / 2 ? 18.0 : 2.0, second = to < NODES / 2 ? 18.0 : 2.0;
+    return first + (at - low) * (second - first);
+}
+
 /* Against columns that have no end either, and share no code with it: within four times the noise
- * of halves, of which the tracer's, by four seeds of half the samples, is 1.8 and 0.3 %. */
+ * of halves, of which the tracer's, by its own word, is 0.9 and 0.45 %. Rays stand so close that
+ * four of them lie in a ramp; 16 in all saw none of it. */
 static void test_the_step_cloud(void **state)
 {
     neph_test_waits_for_the_night();
-    static const double noise[2] = {0.018, 0.003};
+    static const double noise[2] = {0.009, 0.0045};
     double depths[COLUMNS];
     struct neph_estimate nadir_per_sr[COLUMNS];
     struct neph_step_cloud_fluxes fluxes;
     struct neph_diag diag = {0};
     for (int i = 0; i < COLUMNS; i++)
-        depths[i] = i < COLUMNS / 2 ? 18.0 : 2.0; /* its sun shines the other way */
+        depths[i] = depth_of_column(i);
     const struct neph_step_cloud_params truth = {.column_count = COLUMNS,
                                                  .optical_depths = depths,
                                                  .column_width_m = period_m / COLUMNS,

@@ -666,7 +666,7 @@ static void test_what_does_not_shine_is_not_marched(void **state)
     struct neph_realtime_stats stats;
     int checked = 0;
     scene_dark(&test);
-    struct neph_settings settings = preset("fixed");
+    struct neph_settings settings = preset("ours");
     set(&settings, "color_format=float");
     set(&settings, "depth_format=float");
     set(&settings, "taa=off");

@@ -137,15 +137,16 @@ static void test_no_bit_is_another(void **state)
     neph_realtime_destroy(asked);
 }
 
-/* Bytes of the upscale, which keeps no volume where nobody reads it. */
-static uint64_t fly(struct neph_realtime *realtime, const struct neph_scene *scene, int frame)
+/* A picture in flight: the bytes of a pass. The upscale keeps no volume where nobody reads it. */
+static uint64_t fly(struct neph_realtime *realtime, const struct neph_scene *scene, int frame,
+                    const char *pass)
 {
     struct neph_realtime_stats stats;
     struct neph_diag diag = {0};
     const struct neph_realtime_frame picture = {scene, frame, NULL};
     neph_assert_ok(neph_realtime_render(realtime, &picture, NULL, NULL, &diag), &diag);
     neph_assert_ok(neph_realtime_home(realtime, &stats, &diag), &diag);
-    return stats.pass_traffic_bytes[neph_rt_pass_named("upscale") - neph_rt_passes];
+    return stats.pass_traffic_bytes[neph_rt_pass_named(pass) - neph_rt_passes];
 }
 
 /* Pictures in flight, of which some are read, each beside one after pictures that all were. The sun
@@ -168,7 +169,7 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
             render(sent, &test.scene, frame, &b);
             assert_same_bits(a, b, frame);
         } else {
-            const uint64_t bytes = fly(sent, &test.scene, frame);
+            const uint64_t bytes = fly(sent, &test.scene, frame, "upscale");
             most_bytes = bytes > most_bytes ? bytes : most_bytes;
             assert_int_equal(bytes < most_bytes, frame >= KNOWN_AFTER);
             unread += bytes < most_bytes;
@@ -179,6 +180,39 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
     assert_true(unread >= 14);
     neph_realtime_destroy(sent);
     neph_realtime_destroy(read);
+}
+
+/* Where media only take light what is anti-aliased is made once for each place of the jitter, and
+ * no ray marched again until something moves. */
+static void test_what_takes_light_alone_is_made_once(void **state)
+{
+    enum { PICTURES = 56, SUN_MOVES = 42, KEPT_AFTER = 18 };
+    struct test_scene test;
+    int kept = 0;
+    fence_scene(&test);
+    test.scene.media[0].albedo = (struct neph_rgb){0.0, 0.0, 0.0};
+    struct neph_realtime *unasked = open_realtime(*state, &test.scene, "steady=unasked");
+    struct neph_realtime *sent = open_realtime(*state, &test.scene, "steady=auto");
+    for (int frame = 0; frame < PICTURES; frame++) {
+        struct neph_image *a = NULL, *b = NULL;
+        if (frame == SUN_MOVES)
+            test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
+        render(unasked, &test.scene, frame, &a);
+        if (frame % 7 == 5 || frame >= SUN_MOVES) {
+            render(sent, &test.scene, frame, &b);
+            assert_same_bits(a, b, frame);
+        } else {
+            const bool is_kept = fly(sent, &test.scene, frame, "march") == 0;
+            assert_int_equal(is_kept && frame >= KEPT_AFTER, is_kept);
+            kept += is_kept;
+        }
+        neph_image_destroy(b);
+        neph_image_destroy(a);
+    }
+    print_message("%d pictures were kept\n", kept);
+    assert_true(kept >= 10);
+    neph_realtime_destroy(sent);
+    neph_realtime_destroy(unasked);
 }
 
 /* --- passes ---------------------------------------------------------------------------------- */
@@ -293,6 +327,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_bit_is_another),
         cmocka_unit_test(test_what_nobody_reads_is_no_other_picture),
+        cmocka_unit_test(test_what_takes_light_alone_is_made_once),
         cmocka_unit_test(test_passes_that_know_do_as_those_that_look),
         cmocka_unit_test(test_what_is_not_known),
     };

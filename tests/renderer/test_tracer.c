@@ -275,6 +275,13 @@ static void scene_horizon(struct test_scene *test)
     test->key.look_at_m = (struct neph_vec3){0.0, 6.0, -10.0};
 }
 
+/* Around what scene_grid() and scene_gaussian() have, with air before and behind. */
+static void add_bank(struct test_scene *test, double falloff_per_m)
+{
+    struct neph_medium *bank = test_add_medium(test, 0.3, falloff_per_m, 0.5);
+    bank->bounds = (struct neph_bounds){{-3.0, -1.0, -7.0}, {3.0, 4.0, -0.5}};
+}
+
 static const struct {
     const char *name;
     void (*build)(struct test_scene *);
@@ -458,6 +465,30 @@ static void test_without_scattering_the_rest_is_exact(void **state)
     teardown(&test);
 }
 
+/* Kernels know which kinds of media there are, and leave out what the others would need: each shape
+ * by itself in each kind of fog, thin enough that a float32 knows its transmittance. */
+static void test_shapes_in_fog_attenuate_exactly(void **state)
+{
+    static void (*const shapes[])(struct test_scene *) = {scene_grid, scene_gaussian, scene_shell};
+    static const double falloffs_per_m[] = {0.0, 0.3};
+    for (size_t s = 0; s < (size_t)neph_test_by_day(1, COUNT(shapes)); s++)
+        for (size_t f = 0; f < COUNT(falloffs_per_m); f++) {
+            struct test_scene test;
+            char name[64];
+            test_scene_init(&test);
+            shapes[s](&test);
+            test.scene.media[0].extinction_per_m *= 0.1;
+            add_bank(&test, falloffs_per_m[f]);
+            test.scene.scattering = NEPH_SCATTERING_NONE;
+            const struct neph_tracer_params params = params_of(32, 18, 8);
+            struct neph_image *frame = render(*state, &test, &params, NULL);
+            snprintf(name, sizeof(name), "shape %zu in fog %zu", s, f);
+            judge(name, compare(&test, frame, exact_single, NULL), 0.0);
+            neph_image_destroy(frame);
+            teardown(&test);
+        }
+}
+
 /* Against the oracle, whose frame has chances of its own. */
 static void judge_by_oracle(struct neph_vulkan *vulkan, const char *name,
                             const struct test_scene *test, int samples, int oracle_samples)
@@ -489,6 +520,17 @@ static void test_clouds_are_those_of_the_oracle(void **state)
         judge_by_oracle(*state, clouds[s].name, &test, is_slow ? 128 : 256, is_slow ? 128 : 256);
         teardown(&test);
     }
+}
+
+static void test_a_grid_in_fog_is_that_of_the_oracle(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_grid(&test);
+    add_bank(&test, 0.3);
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    judge_by_oracle(*state, "grid in fog", &test, 128, 128);
+    teardown(&test);
 }
 
 /* Light scattered once, the guess of its place among all that there is: colour, fog, a solid that
@@ -1055,7 +1097,9 @@ int main(void)
         cmocka_unit_test(test_procedural_clouds_against_the_light),
         cmocka_unit_test(test_the_last_bit_decides_little),
         cmocka_unit_test(test_without_scattering_the_rest_is_exact),
+        cmocka_unit_test(test_shapes_in_fog_attenuate_exactly),
         cmocka_unit_test(test_clouds_are_those_of_the_oracle),
+        cmocka_unit_test(test_a_grid_in_fog_is_that_of_the_oracle),
         cmocka_unit_test(test_guessed_clouds_are_those_of_the_oracle),
         cmocka_unit_test(test_spikes_are_those_of_the_oracle),
         cmocka_unit_test(test_no_light_is_no_target_reached),

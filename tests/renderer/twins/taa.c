@@ -110,10 +110,52 @@ static float depth_of_motion(const struct twin *twin, int x, int y, float moved_
     return nearest_m[0];
 }
 
-static bool find_motion(const struct neph_gpu_view *view, const float ray[3], float depth_m,
-                        const float from_m[3], float motion_px[2])
+/* Right and down in halves of the picture before at eye depth 1, and ahead. */
+static void seen_before(const struct neph_gpu_view_camera *before, const float way[3], float scale,
+                        float seen[3])
+{
+    seen[0] = scale * (taa_dot(way, before->right) / before->half_width);
+    seen[1] = scale * (-taa_dot(way, before->up) / before->half_height);
+    seen[2] = scale * taa_dot(way, before->forward);
+}
+
+static bool has_turned(const struct neph_gpu_view *view)
 {
     const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
+    return memcmp(now->right, before->right, sizeof(now->right)) != 0 ||
+           memcmp(now->up, before->up, sizeof(now->up)) != 0 ||
+           memcmp(now->forward, before->forward, sizeof(now->forward)) != 0 ||
+           now->half_width != before->half_width || now->half_height != before->half_height;
+}
+
+/* By what this frame's axes are to the camera before. */
+static bool find_motion_by_axes(const struct neph_gpu_view *view, const float centre_px[2],
+                                float depth_m, const float from_m[3], float motion_px[2])
+{
+    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
+    float across[3] = {1, 0, 0}, down[3] = {0, 1, 0}, ahead[3] = {0, 0, 1}, from[3], seen[3];
+    if (has_turned(view)) {
+        seen_before(before, now->right, now->half_width, across);
+        seen_before(before, now->up, -now->half_height, down);
+        seen_before(before, now->forward, 1.0f, ahead);
+    }
+    seen_before(before, from_m, 1.0f / depth_m, from);
+    const float half_px[2] = {0.5f * (float)view->picture_px[0], 0.5f * (float)view->picture_px[1]};
+    const float middle[2] = {centre_px[0] / half_px[0] - 1.0f, centre_px[1] / half_px[1] - 1.0f};
+    for (int c = 0; c < 3; c++)
+        seen[c] = middle[0] * across[c] + middle[1] * down[c] + ahead[c] - from[c];
+    for (int axis = 0; axis < 2; axis++)
+        motion_px[axis] = half_px[axis] * (middle[axis] - 1.0f / seen[2] * seen[axis]);
+    return seen[2] > 0.0f;
+}
+
+static bool find_motion(const struct twin *twin, const float centre_px[2], const float ray[3],
+                        float depth_m, const float from_m[3], float motion_px[2])
+{
+    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
+    if (twin->on_gpu && !now->is_parallel)
+        return find_motion_by_axes(view, centre_px, depth_m, from_m, motion_px);
     const float spread_m = spread(now, depth_m);
     float ray_before[3], here[2], there[2];
     for (int c = 0; c < 3; c++)
@@ -150,8 +192,8 @@ static bool is_changing(const struct twin *twin, int x, int y)
 
 /* The medium is what is seen, and before the solids around, and is known to have been before the
  * camera. What moves by itself is seen through more of it. */
-static bool goes_with_medium(const struct twin *twin, int x, int y, const float ray[3],
-                             float motion_px[2])
+static bool goes_with_medium(const struct twin *twin, int x, int y, const float centre_px[2],
+                             const float ray[3], float motion_px[2])
 {
     const struct neph_gpu_view *view = twin->view;
     float volume[4], distance[4], from_m[3], moved_m[4];
@@ -165,7 +207,7 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
     const float most = is_mover ? 0.0625f : scene_m >= NEPH_GPU_FAR_M ? 1.0f : 0.5f;
     return volume[3] >= 0.0f && volume[3] < most && distance[0] > 0.0f &&
            distance[0] < NEPH_GPU_FAR_M && depth_m < scene_m &&
-           find_motion(view, ray, depth_m, from_m, motion_px);
+           find_motion(twin, centre_px, ray, depth_m, from_m, motion_px);
 }
 
 void taa_ray_through(const struct neph_gpu_view *view, int x, int y, float ray[3])
@@ -191,9 +233,10 @@ bool taa_find_before(const struct twin *twin, struct place at, float place_px[2]
     const bool has_wind = view->wind_m[0] != 0.0f || view->wind_m[1] != 0.0f ||
                           view->wind_m[2] != 0.0f;
     const bool is_carried = choice(twin, RT_TAA_MEDIUM) && choice(twin, RT_WIND) && has_wind;
-    const bool is_before = (is_carried && is_changing(twin, at.source_x, at.source_y) &&
-                            goes_with_medium(twin, at.source_x, at.source_y, ray, motion_px)) ||
-                           find_motion(view, ray, scene_m, from_m, motion_px);
+    const bool is_before =
+        (is_carried && is_changing(twin, at.source_x, at.source_y) &&
+         goes_with_medium(twin, at.source_x, at.source_y, centre_px, ray, motion_px)) ||
+        find_motion(twin, centre_px, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
     place_px[1] = centre_px[1] - motion_px[1];
     *speed_px = hypot(motion_px[0], motion_px[1]);

@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/spirv_loops.h"
+
+#include "renderer/spirv.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    OP_TYPE_FIRST = 19,
+    OP_TYPE_POINTER = 32,
+    OP_TYPE_LAST = 39,
+    OP_STORE = 62,
+    OP_VECTOR_SHUFFLE = 79,
+    OP_COMPOSITE_EXTRACT = 81,
+    OP_COMPOSITE_INSERT = 82,
+};
+
+/* Storage classes that no thread writes: of these a thread that has left reads what it has read. */
+enum { CLASS_INPUT = 1, CLASS_UNIFORM = 2, CLASS_PUSH_CONSTANT = 9 };
+
+struct definition {
+    size_t at; /* the word; 0: not seen yet */
+    int block; /* or NEPH_SPIRV_NO_BLOCK */
+    bool is_type;
+    /* In the loop in work: */
+    bool is_carried; /* a turn hands it to the next */
+    bool is_other;   /* asked once more by a thread that has left, it is something else */
+    bool is_lost;    /* and so it is after the loop */
+};
+
+/* In the loop in work. */
+struct place {
+    bool is_in;
+    bool is_early;    /* the loop may be left behind it, in the same turn */
+    bool is_continue; /* of the continue construct */
+};
+
+struct search {
+    struct neph_spirv_module module;
+    struct definition *definitions; /* owned, by id */
+    struct place *places;           /* owned, by block */
+    int header, merge, target;      /* the loop in work: blocks */
+    bool reads_on;                  /* its continue construct loads something */
+};
+
+/* --- the module ------------------------------------------------------------------------------- */
+
+static bool has_result(const struct search *search, size_t at)
+{
+    const uint32_t *words = search->module.words + at;
+    return neph_spirv_length(&search->module, at) >= 3 && words[1] < search->module.id_count &&
+           search->definitions[words[1]].is_type;
+}
+
+static void define(struct search *search, size_t at, int block)
+{
+    const uint32_t operation = neph_spirv_operation(&search->module, at);
+    const uint32_t *words = search->module.words + at;
+    if (operation >= OP_TYPE_FIRST && operation <= OP_TYPE_LAST)
+        search->definitions[words[1]] = (struct definition){
+            .at = at, .block = NEPH_SPIRV_NO_BLOCK, .is_type = true};
+    else if (has_result(search, at))
+        search->definitions[words[2]] = (struct definition){.at = at, .block = block};
+}
+
+static void define_all(struct search *search)
+{
+    const struct neph_spirv_module *module = &search->module;
+    for (size_t at = NEPH_SPIRV_HEADER_WORDS; at < module->functions;
+         at += neph_spirv_length(module, at))
+        define(search, at, NEPH_SPIRV_NO_BLOCK);
+    for (int b = 0; b < module->block_count; b++)
+        for (size_t at = module->blocks[b].at; at < module->blocks[b].end;
+             at += neph_spirv_length(module, at))
+            define(search, at, b);
+}
+
+/* Words of an instruction that may be ids; numbers follow, or, of OP_EXT_INST, lie between. */
+struct operands {
+    size_t at, end;
+};
+
+static struct operands operands_of(const struct search *search, size_t at)
+{
+    const size_t length = neph_spirv_length(&search->module, at);
+    struct operands operands = {has_result(search, at) ? 3 : 1, length};
+    switch (neph_spirv_operation(&search->module, at)) {
+    case OP_SWITCH:
+        operands.end = 2;
+        break;
+    case OP_STORE:
+        operands.end = 3;
+        break;
+    case OP_LOAD:
+    case OP_COMPOSITE_EXTRACT:
+        operands.end = 4;
+        break;
+    case OP_VECTOR_SHUFFLE:
+    case OP_COMPOSITE_INSERT:
+        operands.end = 5;
+        break;
+    case OP_EXT_INST:
+        operands.at = 5;
+        break;
+    default:
+        break;
+    }
+    if (operands.end > length)
+        operands.end = length;
+    return operands;
+}
+
+/* Words of a terminator that are labels. */
+struct ways {
+    size_t at, end, step;
+};
+
+static struct ways ways_of(const struct search *search, int block)
+{
+    const size_t at = search->module.blocks[block].terminator;
+    switch (neph_spirv_operation(&search->module, at)) {
+    case OP_BRANCH:
+        return (struct ways){at + 1, at + 2, 1};
+    case OP_BRANCH_CONDITIONAL:
+        return (struct ways){at + 2, at + 4, 1};
+    case OP_SWITCH:
+        return (struct ways){at + 2, at + neph_spirv_length(&search->module, at), 2};
+    default:
+        return (struct ways){at, at, 1};
+    }
+}
+
+static int block_at(const struct search *search, size_t word)
+{
+    return search->module.ids[search->module.words[word]].block;
+}
+
+static bool is_within(const struct search *search, uint32_t id)
+{
+    return id < search->module.id_count && search->definitions[id].at != 0 &&
+           search->definitions[id].block != NEPH_SPIRV_NO_BLOCK &&
+           search->places[search->definitions[id].block].is_in;
+}
+
+/* --- the loop in work ------------------------------------------------------------------------- */
+
+/* A loop's blocks come after its header, and each goes back to it without the merge block. */
+static bool goes_around(const struct search *search, int block)
+{
+    for (struct ways way = ways_of(search, block); way.at < way.end; way.at += way.step) {
+        const int to = block_at(search, way.at);
+        if (to == search->header || (to != search->merge && search->places[to].is_in))
+            return true;
+    }
+    return false;
+}
+
+static bool leaves(const struct search *search, int block)
+{
+    for (struct ways way = ways_of(search, block); way.at < way.end; way.at += way.step) {
+        const int to = block_at(search, way.at);
+        if (!search->places[to].is_in || (to != search->header && search->places[to].is_early))
+            return true;
+    }
+    return false;
+}
+
+static void find_blocks(struct search *search)
+{
+    const int count = search->module.block_count;
+    struct place *places = search->places;
+    memset(places, 0, (size_t)count * sizeof(*places));
+    places[search->header].is_in = true;
+    for (bool has_news = true; has_news;) {
+        has_news = false;
+        for (int b = count - 1; b > search->header; b--)
+            if (b != search->merge && !places[b].is_in && goes_around(search, b))
+                has_news = places[b].is_in = true;
+    }
+    for (bool has_news = true; has_news;) {
+        has_news = false;
+        for (int b = count - 1; b >= search->header; b--)
+            if (places[b].is_in && !places[b].is_early && leaves(search, b))
+                has_news = places[b].is_early = true;
+    }
+}
+
+static void find_continue(struct search *search)
+{
+    const struct neph_spirv_module *module = &search->module;
+    search->reads_on = false;
+    search->places[search->target].is_continue = true;
+    for (int b = search->target; b < module->block_count; b++) {
+        if (!search->places[b].is_continue)
+            continue;
+        for (struct ways way = ways_of(search, b); way.at < way.end; way.at += way.step)
+            if (block_at(search, way.at) > search->target)
+                search->places[block_at(search, way.at)].is_continue = true;
+        for (size_t at = module->blocks[b].at; at < module->blocks[b].terminator;
+             at += neph_spirv_length(module, at))
+            search->reads_on |= neph_spirv_operation(module, at) == OP_LOAD;
+    }
+}
+
+/* --- what is lost ----------------------------------------------------------------------------- */
+
+/* What a turn hands to the next for a phi of the header; 0: nothing. */
+static uint32_t handed_on(const struct search *search, size_t phi)
+{
+    const uint32_t *words = search->module.words + phi;
+    for (size_t i = 3; i + 1 < neph_spirv_length(&search->module, phi); i += 2)
+        if (search->places[search->module.ids[words[i + 1]].block].is_in)
+            return words[i];
+    return 0;
+}
+
+/* The phi holds what the next turn starts from as soon as that is made: before the loop is left,
+ * some way on. Where the continue construct is next to nothing, Mesa makes a choice of the phi, of
+ * the last turn's and the first value, which nobody carries. */
+static void judge_header_phi(struct search *search, size_t at)
+{
+    struct definition *phi = &search->definitions[search->module.words[at + 2]];
+    const uint32_t next = handed_on(search, at);
+    if (next == search->module.words[at + 2] || !is_within(search, next))
+        return;
+    const struct place *place = &search->places[search->definitions[next].block];
+    phi->is_other = place->is_early;
+    phi->is_lost = phi->is_other && !place->is_continue && !search->reads_on;
+}
+
+static bool is_loaded_anew(const struct search *search, size_t load)
+{
+    const uint32_t *words = search->module.words;
+    const size_t pointer = search->definitions[words[load + 3]].at;
+    const size_t type = search->definitions[words[pointer + 1]].at;
+    const uint32_t class = words[type + 2];
+    return class == CLASS_INPUT || class == CLASS_UNIFORM || class == CLASS_PUSH_CONSTANT;
+}
+
+/* Any instruction but a phi. */
+static void judge(struct search *search, size_t at)
+{
+    const struct neph_spirv_module *module = &search->module;
+    struct definition *definition = &search->definitions[module->words[at + 2]];
+    definition->is_other = !neph_spirv_is_pure(module, at) ||
+                           (neph_spirv_operation(module, at) == OP_LOAD &&
+                            !is_loaded_anew(search, at));
+    const struct operands operands = operands_of(search, at);
+    for (size_t i = operands.at; i < operands.end; i++)
+        if (is_within(search, module->words[at + i]))
+            definition->is_other |= search->definitions[module->words[at + i]].is_other;
+    definition->is_lost = definition->is_other && !definition->is_carried;
+}
+
+/* Calls of `judge` and `judge_header_phi` for all of the loop, in an order in which what is made
+ * comes before what is made of it. Other phis are kept, as what is carried is. */
+static void judge_loop(struct search *search)
+{
+    const struct neph_spirv_module *module = &search->module;
+    for (int b = search->header; b < module->block_count; b++)
+        for (size_t at = module->blocks[b].at; at < module->blocks[b].terminator;
+             at += neph_spirv_length(module, at)) {
+            if (!search->places[b].is_in || !has_result(search, at))
+                continue;
+            if (neph_spirv_operation(module, at) != OP_PHI)
+                judge(search, at);
+            else if (b == search->header)
+                judge_header_phi(search, at);
+        }
+}
+
+static void forget_and_carry(struct search *search)
+{
+    const struct neph_spirv_module *module = &search->module;
+    for (uint32_t id = 0; id < module->id_count; id++) {
+        struct definition *definition = &search->definitions[id];
+        definition->is_carried = definition->is_other = definition->is_lost = false;
+    }
+    const struct neph_spirv_block *header = &module->blocks[search->header];
+    for (size_t at = header->at; at < header->terminator; at += neph_spirv_length(module, at))
+        if (neph_spirv_operation(module, at) == OP_PHI)
+            search->definitions[handed_on(search, at)].is_carried = true;
+}
+
+/* A phi of two values keeps them, from where the loop is left. */
+static bool keeps(const struct search *search, size_t at)
+{
+    const uint32_t *words = search->module.words + at;
+    if (neph_spirv_operation(&search->module, at) != OP_PHI)
+        return false;
+    for (size_t i = 5; i < neph_spirv_length(&search->module, at); i += 2)
+        if (words[i] != words[3])
+            return true;
+    return false;
+}
+
+/* The first lost value that a block asks for; 0: none. */
+static uint32_t asked_for(const struct search *search, const struct neph_spirv_block *block)
+{
+    const struct neph_spirv_module *module = &search->module;
+    for (size_t at = block->at; at < block->end; at += neph_spirv_length(module, at)) {
+        const struct operands operands = operands_of(search, at);
+        for (size_t i = operands.at; i < operands.end && !keeps(search, at); i++) {
+            const uint32_t id = module->words[at + i];
+            if (is_within(search, id) && search->definitions[id].is_lost)
+                return id;
+        }
+    }
+    return 0;
+}
+
+static uint32_t find_in_loop(struct search *search, int header)
+{
+    const struct neph_spirv_module *module = &search->module;
+    const size_t merge = module->blocks[header].merge;
+    search->header = header;
+    search->merge = block_at(search, merge + 1);
+    search->target = block_at(search, merge + 2);
+    find_blocks(search);
+    find_continue(search);
+    forget_and_carry(search);
+    judge_loop(search);
+    uint32_t id = 0;
+    for (int b = 0; b < module->block_count && !id; b++)
+        if (!search->places[b].is_in)
+            id = asked_for(search, &module->blocks[b]);
+    return id;
+}
+
+static bool is_loop(const struct search *search, int block)
+{
+    const size_t merge = search->module.blocks[block].merge;
+    return merge && neph_spirv_operation(&search->module, merge) == OP_LOOP_MERGE;
+}
+
+bool neph_spirv_find_lost(const uint32_t *words, size_t size_bytes, struct neph_spirv_lost *lost)
+{
+    struct search search = {0};
+    *lost = (struct neph_spirv_lost){0};
+    bool has_memory = neph_spirv_read(words, size_bytes, &search.module);
+    const struct neph_spirv_module *module = &search.module;
+    if (has_memory) {
+        search.definitions = calloc(module->id_count, sizeof(*search.definitions));
+        search.places = calloc((size_t)module->block_count + 1, sizeof(*search.places));
+        has_memory = search.definitions && search.places;
+    }
+    if (has_memory)
+        define_all(&search);
+    for (int b = 0; has_memory && b < module->block_count && !lost->value; b++)
+        if (is_loop(&search, b))
+            *lost = (struct neph_spirv_lost){find_in_loop(&search, b),
+                                             neph_spirv_label_of(module, &module->blocks[b])};
+    if (!lost->value)
+        lost->header = 0;
+    free(search.places);
+    free(search.definitions);
+    neph_spirv_free(&search.module);
+    return has_memory;
+}

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What is asked for after a loop: what a device makes of it, and that renderer/spirv_loops.h finds
+ * what lavapipe loses. All kernels that any test makes are looked at in the same way.
+ */
+#include "tests/renderer/renderer_test.h"
+
+#include "renderer/compute.h"
+#include "renderer/specialize.h"
+#include "renderer/spirv_loops.h"
+
+static const uint32_t probe_spirv[] = {
+#include "shaders/probe_loops.comp.inc"
+};
+
+enum { ANSWERS = 64 };
+
+/* --- shaders/probe_loops.comp once more: asked[i] is i ---------------------------------------- */
+
+static uint32_t carried(uint32_t x)
+{
+    uint32_t sum = 0, i = 0;
+    do
+        sum += i++ + 1;
+    while (sum < x);
+    return sum;
+}
+
+static uint32_t same(uint32_t x)
+{
+    return x;
+}
+
+static uint32_t next_third(uint32_t x)
+{
+    return (x + 2) / 3 * 3;
+}
+
+static uint32_t place_before(uint32_t x)
+{
+    uint32_t at = x % 7, before = at, value = 0;
+    while (value < x && at < 60) {
+        value = before = at;
+        at += 1 + (x & 1);
+    }
+    return before;
+}
+
+static const struct {
+    const char *name;
+    uint32_t (*answer)(uint32_t x);
+    bool is_kept; /* by lavapipe, too */
+} ways[] = {
+    {"carried from turn to turn", carried, true},
+    {"left at its start", same, true},
+    {"read in the last turn", same, false},
+    {"made in the last turn", next_third, false},
+    {"where the turn before was", place_before, false},
+};
+
+enum { WAYS = sizeof(ways) / sizeof(ways[0]) };
+
+static struct neph_kernel_params params_of(uint32_t way)
+{
+    return (struct neph_kernel_params){.name = "probe_loops",
+                                       .spirv = probe_spirv,
+                                       .spirv_size_bytes = sizeof(probe_spirv),
+                                       .buffer_count = 2,
+                                       .constant_count = 2,
+                                       .constants = {way, 0}};
+}
+
+/* How many threads answer something else. */
+static int run(struct neph_vulkan *vulkan, uint32_t way)
+{
+    struct neph_buffer asked = {0}, answers = {0}, readback = {0};
+    const size_t bytes = ANSWERS * sizeof(uint32_t);
+    const struct neph_kernel_params params = params_of(way);
+    const struct neph_kernel *kernel = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, bytes, "asked", &asked, &diag),
+                   &diag);
+    neph_assert_ok(
+        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, "answers", &answers, &diag), &diag);
+    neph_assert_ok(
+        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, bytes, "readback", &readback, &diag),
+        &diag);
+    for (uint32_t i = 0; i < ANSWERS; i++)
+        ((uint32_t *)asked.mapped)[i] = i;
+    const struct neph_dispatch dispatch = {.buffers = {&asked, &answers},
+                                           .group_count = 1,
+                                           .copy_from = &answers,
+                                           .copy_to = &readback,
+                                           .copy_size_bytes = bytes};
+    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
+    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
+    int off = 0;
+    for (uint32_t i = 0; i < ANSWERS; i++)
+        off += ((const uint32_t *)readback.mapped)[i] != ways[way].answer(i);
+    neph_buffer_destroy(vulkan, &readback);
+    neph_buffer_destroy(vulkan, &answers);
+    neph_buffer_destroy(vulkan, &asked);
+    return off;
+}
+
+static void test_what_is_kept_is_right(void **state)
+{
+    for (uint32_t way = 0; way < WAYS; way++)
+        if (ways[way].is_kept)
+            assert_int_equal(run(*state, way), 0);
+}
+
+static void test_what_is_lost_is_found(void **state)
+{
+    (void)state;
+    for (uint32_t way = 0; way < WAYS; way++) {
+        const struct neph_kernel_params params = params_of(way);
+        struct neph_spirv_lost lost;
+        struct neph_diag diag = {0};
+        uint32_t *spirv = NULL;
+        size_t bytes = 0;
+        neph_assert_ok(neph_specialize(params.spirv, params.spirv_size_bytes, params.constants, 2,
+                                       &spirv, &bytes, &diag),
+                       &diag);
+        assert_true(neph_spirv_find_lost(spirv, bytes, &lost));
+        print_message("%s: value %u, loop %u\n", ways[way].name, lost.value, lost.header);
+        assert_int_equal(lost.value == 0, ways[way].is_kept);
+        assert_int_equal(lost.header == 0, ways[way].is_kept);
+        free(spirv);
+    }
+}
+
+/* The shader is right, and so is a GPU; lavapipe loses what it is said to lose, and no more than
+ * that: threads that leave last have their own. Such a kernel is a message of validation's. */
+static void test_the_fault(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_vulkan_create(NULL, &vulkan, &diag), &diag);
+    const bool is_on_cpu = neph_vulkan_describe(vulkan).is_cpu;
+    for (uint32_t way = 0; way < WAYS; way++) {
+        const int off = run(vulkan, way);
+        print_message("%s: %d of %d threads are off\n", ways[way].name, off, ANSWERS);
+        assert_true(off == 0 || (is_on_cpu && !ways[way].is_kept && off < ANSWERS));
+    }
+    neph_vulkan_destroy(vulkan);
+}
+
+static void test_validation_tells(void **state)
+{
+    (void)state;
+    struct neph_vulkan *vulkan = NULL;
+    const struct neph_kernel *kernel = NULL;
+    const struct neph_kernel_params kept = params_of(1), lost = params_of(2);
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_vulkan_create(&(struct neph_vulkan_params){.validation = true}, &vulkan, &diag),
+        &diag);
+    neph_assert_ok(neph_kernel_get(vulkan, &kept, &kernel, &diag), &diag);
+    neph_assert_ok(neph_vulkan_check(vulkan, &diag), &diag);
+    neph_assert_ok(neph_kernel_get(vulkan, &lost, &kernel, &diag), &diag);
+    const bool is_on_cpu = neph_vulkan_describe(vulkan).is_cpu;
+    assert_int_equal(neph_vulkan_check(vulkan, &diag), is_on_cpu ? NEPH_ERR_INTERNAL : NEPH_OK);
+    assert_true(!is_on_cpu || strstr(diag.message, "shader probe_loops"));
+    assert_int_equal(neph_vulkan_destroy(vulkan), is_on_cpu);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_what_is_kept_is_right),
+        cmocka_unit_test(test_what_is_lost_is_found),
+        cmocka_unit_test(test_the_fault),
+        cmocka_unit_test(test_validation_tells),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
