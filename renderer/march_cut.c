@@ -75,6 +75,7 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
     frame->sun_cone = (float)params->shortcuts.sun_cone;
     frame->light_texel_px = (uint32_t)params->light.texel_px;
     frame->step_growth = (float)params->shortcuts.step_growth;
+    frame->depth_growth = (float)params->shortcuts.depth_growth;
     for (uint32_t m = 0; m < frame->medium_count && params->lighting == NEPH_MARCH_SIMILARITY; m++)
         fit_similar(&frame->media[m]);
 }
@@ -151,7 +152,8 @@ static uint32_t shortcut_bits(const struct neph_march_params *params)
            (shortcuts->sun_cone > 0.0 ? 512u : 0u) | (shortcuts->early_out > 0.0 ? 4u : 0u) |
            (shortcuts->step_growth > 1.0 ? 8u : 0u) | (shortcuts->grid_texture ? 16u : 0u) |
            (shortcuts->cloud_shadow ? 32u : 0u) | (params->sky.is_on ? 64u : 0u) |
-           (neph_march_sky_lights(params) ? 128u : 0u) | (params->fog.is_look ? 1024u : 0u);
+           (neph_march_sky_lights(params) ? 128u : 0u) | (params->fog.is_look ? 1024u : 0u) |
+           (shortcuts->depth_growth > 0.0 ? 8192u : 0u);
 }
 
 /* Where light is the sun's alone, and of octaves no more than a ray keeps the phases of. */

@@ -82,6 +82,9 @@ struct neph_shortcuts {
     /* Each view step is so many times as long as the one before; 0 and 1: all are equal. Else at
      * least NEPH_STEP_GROWTH_LEAST: nearer to 1 the shader's geometric sums cancel. */
     double step_growth;
+    /* Behind an optical depth D as many view steps are one as are whole in 1 + this * D, up to
+     * NEPH_GPU_SPAN_MAX; 0: each is by itself. */
+    double depth_growth;
     /* Each step of a marched sun ray is so many times as long as the one before, from the sample
      * on; 0 and 1: all are equal. And they lie within a cone around it: the tangent of its half
      * angle; 0: on the ray. */
@@ -101,6 +104,7 @@ struct neph_shortcuts {
 #define NEPH_SUN_CACHE_FRAMES_MAX 256
 #define NEPH_STEP_GROWTH_LEAST 1.001
 #define NEPH_STEP_GROWTH_MAX 2.0
+#define NEPH_DEPTH_GROWTH_MAX 16.0
 
 #define NEPH_SUN_GROWTH_MAX 4.0
 #define NEPH_SUN_CONE_MAX 1.0

@@ -110,6 +110,9 @@ enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
     if (!status)
         status = check_growth("step_growth", shortcuts->step_growth, params->steps, diag);
     if (!status)
+        status = check_range("depth_growth", shortcuts->depth_growth, 0.0, NEPH_DEPTH_GROWTH_MAX,
+                             diag);
+    if (!status)
         status = check_range("sun_growth", fmax(1.0, shortcuts->sun_growth), 1.0,
                              NEPH_SUN_GROWTH_MAX, diag);
     if (!status)

@@ -48,6 +48,12 @@ extern const char *const neph_sky_refills[], *const neph_march_fogs[];
             "1: "                                                                                  \
             "all are equal"                                                                        \
     }
+#define NEPH_OPTION_DEPTH_GROWTH                                                                   \
+    {                                                                                              \
+        "depth_growth", NEPH_OPTION_REAL, 0, 0, NEPH_DEPTH_GROWTH_MAX, NULL,                       \
+            "behind an optical depth D the steps of a view ray are 1 + depth_growth * D times as " \
+            "long, in whole steps and up to 16 of them; 0: by depth none grows"                    \
+    }
 
 #define NEPH_OPTION_SUN_GROWTH                                                                     \
     {                                                                                              \

@@ -34,6 +34,7 @@ enum {
     OPTION_SKIP,
     OPTION_EARLY_OUT,
     OPTION_STEP_GROWTH,
+    OPTION_DEPTH_GROWTH,
     OPTION_SUN_GROWTH,
     OPTION_SUN_CONE,
     OPTION_GRID_SAMPLING,
@@ -99,6 +100,7 @@ enum {
     [OPTION_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,                                                    \
     [OPTION_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS, [OPTION_SKIP] = NEPH_OPTION_SKIP,    \
     [OPTION_EARLY_OUT] = NEPH_OPTION_EARLY_OUT, [OPTION_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,    \
+    [OPTION_DEPTH_GROWTH] = NEPH_OPTION_DEPTH_GROWTH,                                              \
     [OPTION_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH, [OPTION_SUN_CONE] = NEPH_OPTION_SUN_CONE,        \
     [OPTION_GRID_SAMPLING] = NEPH_OPTION_GRID_SAMPLING,                                            \
     [OPTION_GRID_FORMAT] = NEPH_OPTION_GRID_FORMAT,                                                \
@@ -213,6 +215,7 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                       .skip = values[OPTION_SKIP] != 0.0,
                       .early_out = values[OPTION_EARLY_OUT],
                       .step_growth = values[OPTION_STEP_GROWTH],
+                      .depth_growth = values[OPTION_DEPTH_GROWTH],
                       .sun_growth = values[OPTION_SUN_GROWTH],
                       .sun_cone = values[OPTION_SUN_CONE],
                       .grid_texture = values[OPTION_GRID_SAMPLING] != 0.0,

@@ -506,5 +506,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "change, it does not look, and what it would decide is left out; unasked: it looks. Same "
         "bits"),
     [RT_FOG] = NEPH_OPTION_FOG,
+    [RT_DEPTH_GROWTH] = NEPH_OPTION_DEPTH_GROWTH,
     {.name = NULL},
 };

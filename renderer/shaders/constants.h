@@ -34,6 +34,9 @@
 #define NEPH_GPU_MEDIA_SHIFT 8u
 #define NEPH_GPU_KINDS_SHIFT 16u
 
+// Steps of a view ray that are one behind an optical depth, at most.
+#define NEPH_GPU_SPAN_MAX 16
+
 // Solids, and those of a block, which has a box around all of them.
 #define NEPH_GPU_SOLIDS_MAX 1024
 #define NEPH_GPU_BLOCK_SOLIDS 8

@@ -88,6 +88,7 @@ layout(std140, binding = 0) uniform Frame {
     uint lamp_count;
     uint solids_shade; // 0 or 1: some solid may stand between a medium and the sun
     uint scatters_lamps; // 0 or 1: some medium scatters light of lamps that the scene wants to see
+    float depth_growth; // steps of a view ray that are added to one, per optical depth before it
     Lamp lamps[NEPH_GPU_LAMPS_MAX];
     FogLook fog_look; // of a march that leaves the height fog to it (march_veil.glsl)
 } frame;

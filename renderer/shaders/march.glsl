@@ -95,6 +95,8 @@ vec3 scaled_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_dept
     return fitted_octave_light(mixture, point_m, seen_depth, step_depth);
 }
 
+float least(vec3 channels) { return min(channels.x, min(channels.y, channels.z)); }
+
 float mean(vec3 channels) { return COLOURED ? dot(channels, vec3(1.0 / 3.0)) : channels.x; }
 
 // Whether a step where the density is 0 at its point adds nothing: all that it asks of the media
@@ -116,7 +118,7 @@ void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uin
     TextureRay way;
     if (has_only_texture())
         way = texture_ray(ray.origin_m, ray.direction);
-    for (; i < end; i++) {
+    for (; i < end; i = step_after(steps, i)) {
         if (SKIPS)
             pass_empty_steps(steps, place, ray.origin_m, ray.direction, end, i);
         if (i == end)
@@ -156,7 +158,7 @@ void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout ui
 }
 
 // Where empty steps are passed it is not known which come next, and lavapipe waits for nothing.
-bool looks_ahead() { return has_only_texture() && !SKIPS && !ON_CPU; }
+bool looks_ahead() { return has_only_texture() && !SKIPS && !GROWS_BY_DEPTH && !ON_CPU; }
 
 // In a loop of its own: rays that have passed clear air do their steps in the medium together.
 // Whether any was passed: nothing is added for it once, as in marched_optical_depth().
@@ -177,7 +179,10 @@ bool is_dark(vec3 through) { return all(lessThan(through, vec3(frame.early_out))
 // lavapipe goes through what one of its eight lanes wants with all of them, and what a ray looks up
 // while the others are in the medium it looks up alone. So where clear air is passed rays look up
 // the same steps, go on together until one of them finds something, and do what they found.
-bool marches_together() { return ON_CPU && passes_clear() && !SKIPS && !ENDS_EARLY; }
+bool marches_together()
+{
+    return ON_CPU && passes_clear() && !SKIPS && !ENDS_EARLY && !GROWS_BY_DEPTH;
+}
 
 // Steps that were looked up at once, and those of them in which there is something.
 const uint TOGETHER = 4;
@@ -277,9 +282,12 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
     }
     Steps steps = view_steps_of(stretch);
     uint end = own(run.end_step), done = own(run.first_step);
+    steps.end = end;
     LookedUp found;
     found.lit = 0u;
     for (uint i = own(run.first_step);;) {
+        if (GROWS_BY_DEPTH)
+            steps.span = span_behind(least(marched_depth(sums)));
         if (skips_steps() && !passes_clear()) {
             if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, end, i))
                 sums_add(sums, vec3(0.0), vec3(0.0)); // as in marched_optical_depth()
@@ -312,7 +320,8 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
             if (found.lit == 0u)
                 break;
         }
-        i += marches_together() ? 0u : 1u;
+        if (!marches_together())
+            i = step_after(steps, i);
         if (i >= end)
             break;
     }

@@ -16,7 +16,7 @@ bool marches_texture()
 {
     bool is_sunlit = SUNLIT_TEXTURE && has_only_texture() && !LAMPS && !HAS_VEIL && !COLOURED;
     bool is_summed = TRANSMITTANCE == MARCHED && SUN == MARCHED && !CACHES_SUN && !MAPS_SHADOW;
-    bool has_equal_steps = !ENDS_EARLY && !GROWS && !CONES_SUN_RAYS;
+    bool has_equal_steps = !ENDS_EARLY && !GROWS && !GROWS_BY_DEPTH && !CONES_SUN_RAYS;
     return is_sunlit && is_summed && has_equal_steps && !(ON_CPU && SKIPS) &&
            (LIGHTING == SINGLE || LIGHTING == TRACED || LIGHTING == OCTAVES);
 }

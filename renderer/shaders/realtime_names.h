@@ -195,7 +195,9 @@
 #define RT_STEADY 153
 // The height fog as game engines draw it.
 #define RT_FOG 154
-#define RT_SETTING_COUNT 155
+// Steps behind an optical depth.
+#define RT_DEPTH_GROWTH 155
+#define RT_SETTING_COUNT 156
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
 // leave their counters alone (realtime_march.glsl); whether the shaders hold the choices, and the

@@ -14,6 +14,7 @@ const bool CACHES_SUN = (SHORTCUTS & 1u) != 0u && SHAPE_KINDS != 0u;
 const bool SKIPS = (SHORTCUTS & 2u) != 0u && SHAPE_KINDS != 0u;
 const bool ENDS_EARLY = (SHORTCUTS & 4u) != 0u;
 const bool GROWS = (SHORTCUTS & 8u) != 0u;
+const bool GROWS_BY_DEPTH = (SHORTCUTS & 8192u) != 0u;
 const bool GROWS_SUN_RAYS = (SHORTCUTS & 256u) != 0u; // or has them in a cone
 const bool CONES_SUN_RAYS = (SHORTCUTS & 512u) != 0u;
 const bool MANY_OCTAVES = (SHORTCUTS & 4096u) != 0u; // more than a ray keeps the phases of
@@ -27,11 +28,12 @@ struct Steps {
     float step_m; // of equal ones
     uint count;
     float growth; // 1: they are equal
+    uint span, end; // GROWS_BY_DEPTH: so many are one, up to `end`
 };
 
 Steps equal_steps(Stretch stretch, uint count)
 {
-    return Steps(stretch, (stretch.t1_m - stretch.t0_m) / float(count), count, 1.0);
+    return Steps(stretch, (stretch.t1_m - stretch.t0_m) / float(count), count, 1.0, 1, ~0u);
 }
 
 Steps view_steps_of(Stretch stretch)
@@ -39,6 +41,19 @@ Steps view_steps_of(Stretch stretch)
     Steps steps = equal_steps(stretch, frame.steps);
     steps.growth = frame.step_growth;
     return steps;
+}
+
+// How many steps are one behind an optical depth: as many whole ones as it says, so that they tile
+// the ray as they would alone.
+uint span_behind(float optical_depth)
+{
+    return uint(min(1.0 + frame.depth_growth * optical_depth, float(NEPH_GPU_SPAN_MAX)));
+}
+
+// The step after one.
+uint step_after(Steps steps, uint i)
+{
+    return GROWS_BY_DEPTH ? min(i + steps.span, steps.end) : i + 1;
 }
 
 bool are_equal(Steps steps) { return !GROWS || own(steps.growth == 1.0); }
@@ -59,15 +74,21 @@ float step_start_m(Steps steps, uint i)
 
 float step_length_m(Steps steps, uint i)
 {
-    return are_equal(steps) ? steps.step_m : grown_start_m(steps, i + 1) - grown_start_m(steps, i);
+    uint after = step_after(steps, i);
+    if (are_equal(steps))
+        return GROWS_BY_DEPTH ? float(after - i) * steps.step_m : steps.step_m;
+    return grown_start_m(steps, after) - grown_start_m(steps, i);
 }
 
 // The point of a step, `place` (0..1) of its length from its start.
 float step_point_m(Steps steps, uint i, float place)
 {
-    return are_equal(steps)
-               ? steps.stretch.t0_m + (float(i) + place) * steps.step_m
-               : mix(grown_start_m(steps, i), grown_start_m(steps, i + 1), place);
+    uint after = step_after(steps, i);
+    if (are_equal(steps)) {
+        float part = GROWS_BY_DEPTH ? float(after - i) * place : place;
+        return steps.stretch.t0_m + (float(i) + part) * steps.step_m;
+    }
+    return mix(grown_start_m(steps, i), grown_start_m(steps, after), place);
 }
 
 // --- empty cells ------------------------------------------------------------------------------
@@ -102,7 +123,7 @@ bool pass_empty_steps(Steps steps, float place, vec3 origin_m, vec3 direction, u
     vec3 slope = direction * frame.skip_lattice.per_m;
     uint first = i;
     while (i < end && cell_is_empty(start + step_point_m(steps, i, place) * slope))
-        i++;
+        i = step_after(steps, i);
     return i > first;
 }
 

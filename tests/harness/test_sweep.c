@@ -175,7 +175,7 @@ static void test_the_plans_that_come_with_neph(void **state)
         const char *name;
         int least_points;
     } plans[] = {{"sweep", 30},   {"sweep_gpu", 30}, {"textures", 20}, {"shadows", 13},
-                 {"froxels", 20}, {"sky", 20},       {"fog_look", 12}};
+                 {"froxels", 20}, {"sky", 20},       {"fog_look", 12}, {"shortcuts", 27}};
     for (size_t n = 0; n < sizeof(plans) / sizeof(plans[0]); n++) {
         int points = 0;
         neph_assert_ok(neph_sweep_plan_load(plans[n].name, &plan, &diag), &diag);

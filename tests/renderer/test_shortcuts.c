@@ -458,6 +458,65 @@ static void test_growing_steps_tile_the_ray(void **state)
     assert_true(coarse > 1e-5 && fine < coarse / 8.0); /* 16 where the step error is of order 2 */
 }
 
+/* --- steps that grow by depth --------------------------------------------------------------- */
+
+static double depth_growth_difference(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                      struct neph_march_params params, uint64_t steps[2])
+{
+    struct neph_march_stats every, some;
+    params.shortcuts.depth_growth = 0.0;
+    struct neph_image *equal = render(vulkan, scene, &params, &every);
+    params.shortcuts.depth_growth = 4.0;
+    struct neph_image *grown = render(vulkan, scene, &params, &some);
+    const double difference = largest_difference(equal, grown, "volume");
+    /* What lies behind is the whole medium, by steps of any length. */
+    assert_true(largest_difference(equal, grown, "transmittance") < 3e-6);
+    steps[0] = every.view_steps;
+    steps[1] = some.view_steps;
+    neph_image_destroy(grown);
+    neph_image_destroy(equal);
+    return difference;
+}
+
+/* They tile the ray, there are fewer, and both kinds converge to the same: a step is at most 16
+ * times as long. */
+static void test_steps_grow_by_depth(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    add_slab(&test, 0.2);
+    struct neph_march_params params = marched;
+    uint64_t steps[2];
+    params.steps = 64;
+    const double coarse = depth_growth_difference(*state, &test.scene, params, steps);
+    assert_true(steps[1] < steps[0] / 2 && steps[1] > steps[0] / 16);
+    params.steps = 256;
+    const double fine = depth_growth_difference(*state, &test.scene, params, steps);
+    print_message("steps that grow by depth: volume off by %.2e, with four times as many %.2e\n",
+                  coarse, fine);
+    assert_true(coarse > 1e-5 && fine < coarse / 8.0); /* 16 where the step error is of order 2 */
+}
+
+/* Where no optical depth gets to 1 / depth_growth, all are as they were, but for the order of sums:
+ * the march passes its clear steps in another loop. */
+static void test_steps_in_thin_media_do_not_grow(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    struct neph_grid *grid = add_sparse_grid(&test);
+    struct neph_march_params params = marched;
+    params.shortcuts.depth_growth = 1e-6;
+    struct neph_march_stats plain, thin;
+    struct neph_image *grown = render(*state, &test.scene, &params, &thin);
+    params.shortcuts.depth_growth = 0.0;
+    struct neph_image *equal = render(*state, &test.scene, &params, &plain);
+    assert_int_equal(thin.density_evaluations, plain.density_evaluations);
+    assert_true(largest_difference(equal, grown, "volume") < 1e-6);
+    neph_image_destroy(equal);
+    neph_image_destroy(grown);
+    neph_grid_destroy(grid);
+}
+
 /* --- refusals ------------------------------------------------------------------------------- */
 
 static enum neph_status check(const struct neph_scene *scene,
@@ -479,6 +538,10 @@ static void test_what_is_of_no_use_is_refused(void **state)
     params.shortcuts.step_growth = 1.3;
     assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
     params.shortcuts.step_growth = 1.0005;
+    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
+    params.shortcuts = (struct neph_shortcuts){.depth_growth = 17.0};
+    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
+    params.shortcuts = (struct neph_shortcuts){.depth_growth = -1.0};
     assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
     params.shortcuts = (struct neph_shortcuts){.early_out = 1.5};
     assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
@@ -583,6 +646,8 @@ int main(void)
         cmocka_unit_test(test_the_sun_cache_is_filled_over_pictures),
         cmocka_unit_test(test_early_out_loses_what_it_says),
         cmocka_unit_test(test_growing_steps_tile_the_ray),
+        cmocka_unit_test(test_steps_grow_by_depth),
+        cmocka_unit_test(test_steps_in_thin_media_do_not_grow),
         cmocka_unit_test(test_what_is_of_no_use_is_refused),
         cmocka_unit_test(test_skipping_refuses_media_that_part),
         cmocka_unit_test(test_shortcuts_in_real_time),
