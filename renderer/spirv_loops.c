@@ -14,6 +14,8 @@ enum {
     OP_VECTOR_SHUFFLE = 79,
     OP_COMPOSITE_EXTRACT = 81,
     OP_COMPOSITE_INSERT = 82,
+    OP_GROUP_NON_UNIFORM_ALL = 334,
+    OP_GROUP_NON_UNIFORM_ANY = 335,
 };
 
 /* Storage classes that no thread writes: of these a thread that has left reads what it has read. */
@@ -186,6 +188,33 @@ static void find_blocks(struct search *search)
     }
 }
 
+/* All threads of a subgroup have the same answer. */
+static bool is_vote(const struct search *search, uint32_t id)
+{
+    const size_t at = search->definitions[id].at;
+    const uint32_t operation = neph_spirv_operation(&search->module, at);
+    if (operation == OP_LOGICAL_NOT)
+        return is_vote(search, search->module.words[at + 3]);
+    return operation == OP_GROUP_NON_UNIFORM_ALL || operation == OP_GROUP_NON_UNIFORM_ANY;
+}
+
+/* Nobody goes along who has left. */
+static bool is_left_together(const struct search *search)
+{
+    const struct neph_spirv_module *module = &search->module;
+    for (int b = search->header; b < module->block_count; b++) {
+        if (!search->places[b].is_in)
+            continue;
+        const size_t at = module->blocks[b].terminator;
+        const bool has_choice = neph_spirv_operation(module, at) == OP_BRANCH_CONDITIONAL;
+        for (struct ways way = ways_of(search, b); way.at < way.end; way.at += way.step)
+            if (!search->places[block_at(search, way.at)].is_in &&
+                !(has_choice && is_vote(search, module->words[at + 1])))
+                return false;
+    }
+    return true;
+}
+
 static void find_continue(struct search *search)
 {
     const struct neph_spirv_module *module = &search->module;
@@ -318,6 +347,8 @@ static uint32_t find_in_loop(struct search *search, int header)
     search->merge = block_at(search, merge + 1);
     search->target = block_at(search, merge + 2);
     find_blocks(search);
+    if (is_left_together(search))
+        return 0;
     find_continue(search);
     forget_and_carry(search);
     judge_loop(search);

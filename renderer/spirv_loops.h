@@ -8,7 +8,8 @@
  *
  *     do value = read[i++]; while (value < limit);
  *
- * leaves 0 in all threads but the last. docs/devices.md tells what to write in its place.
+ * leaves 0 in all threads but the last. A loop that is left by a vote of the subgroup alone loses
+ * nothing. docs/devices.md tells what to write in its place.
  */
 #ifndef NEPH_RENDERER_SPIRV_LOOPS_H
 #define NEPH_RENDERER_SPIRV_LOOPS_H

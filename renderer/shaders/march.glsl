@@ -224,7 +224,7 @@ void look_up_together(ViewRay ray, Steps steps, float place, uint end, inout uin
         density_evaluations += count;
         view_steps += count;
         i += count;
-        if (i == end || subgroupAny(found.lit != 0u))
+        if (subgroupAny(i == end || found.lit != 0u)) // one vote: renderer/spirv_loops.h
             break;
     }
 }

@@ -265,7 +265,9 @@ void add_steps(ViewRay ray, float first_m, float step_m, TextureRay way, float p
             place = first + float(i) * step;
             fetch_block(place, step, t_m, step_m, ray, end - i, block);
             i += block_steps();
-            if (!ON_CPU || i >= end || subgroupAny(block.lit != 0u))
+            if (!ON_CPU)
+                break;
+            if (subgroupAny(i >= end || block.lit != 0u)) // a vote alone, as in march.glsl
                 break;
         }
         for (;;) { // a GPU leaves it at its start; lavapipe would do the rest of a turn for nobody

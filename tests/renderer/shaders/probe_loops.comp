@@ -3,6 +3,8 @@
 //
 // What is asked for after a loop that threads leave one after the other, for
 // tests/renderer/test_spirv_loops.c, which has all of this once more in C.
+#extension GL_KHR_shader_subgroup_vote : require
+
 layout(local_size_x = 64) in;
 
 layout(constant_id = 0) const uint WAY = 0;
@@ -41,6 +43,16 @@ uint last_read(uint x)
         value = asked[i++];
     while (value < x);
     return value;
+}
+
+// Whether it is enough, which one thread of a subgroup waits for.
+uint last_read_together(uint x)
+{
+    uint i = 0, value;
+    do
+        value = asked[i++];
+    while (subgroupAny(value < x));
+    return uint(value >= x);
 }
 
 uint last_made(uint x)
@@ -85,6 +97,9 @@ void main()
         break;
     case 3:
         answers[i] = last_made(x);
+        break;
+    case 4:
+        answers[i] = last_read_together(x);
         break;
     default:
         answers[i] = place_before(x);
