@@ -160,7 +160,7 @@ static double draw_by_squares_m(double height_m, double s0_m, double s1_m, doubl
     return height_m / tan((1.0 - u) * rad0 + u * rad1);
 }
 
-/* The same of 1 / d. */
+/* Where the part u of the integral of 1 / d lies. */
 static double draw_by_octaves_m(double height_m, double s0_m, double s1_m, double u)
 {
     if (s1_m <= 0.0)

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
 // How paths sample lamps, as truth/lamp_draw.h has it: places on each segment by 1/d^2
-// (equiangular) and by 1/d of the distance d from a lamp, for surfaces a lamp by its irradiance, and
-// of directions a few by 1 / sin of the angle from a lamp. So each estimate has a finite variance,
-// however near a path comes to a lamp.
+// (equiangular) and by 1/d of the distance d from a lamp, for surfaces a lamp by its irradiance,
+// and of directions a few by 1 / sin of the angle from a lamp. So each estimate has a finite
+// variance, however near a path comes to a lamp.
 //
 // Cancellation. Three differences lose all digits of a float32 near a lamp, and none of them is
-// taken. The angle of a segment, seen from a lamp, is one arctangent of both ends. The distance from
-// a lamp is that of the triangle (height, place behind the foot), not of two points. The height of a
-// lamp over a view ray comes from the lamp's place in the frame, which the CPU knows in double. Other
-// segments have random directions: one of 10^5 passes a lamp so near that its height is off by 1 %.
+// taken. The angle of a segment, seen from a lamp, is one arctangent of both ends. The distance
+// from a lamp is that of the triangle (height, place behind the foot), not of two points. The
+// height of a lamp over a view ray comes from the lamp's place in the frame, which the CPU knows in
+// double. Other segments have random directions: one of 10^5 passes a lamp so near that its height
+// is off by 1 %.
 #ifndef NEPH_TRACER_LAMPS_GLSL
 #define NEPH_TRACER_LAMPS_GLSL
 
@@ -21,8 +22,8 @@ const float LAMP_DIRECTIONS = 1.0 / 8.0;
 // The part of places that are drawn by 1/d, in octaves of the distance.
 const float LAMP_BY_OCTAVE = 1.0 / 4.0;
 
-// A segment other than a view ray that passes a lamp nearer than this part of its distance passes it
-// this far off.
+// A segment other than a view ray that passes a lamp nearer than this part of its distance passes
+// it this far off.
 const float LAMP_NEAREST = 1e-6;
 
 // A view ray passes a lamp this far off, at least: 1/d^2 stays a float32.
@@ -140,7 +141,8 @@ float place_by_octaves_m(float height_m, float s0_m, float s1_m, float u)
 }
 
 // A medium's part of a segment.
-bool lamp_stretch(uint m, vec3 origin_m, vec3 direction, float end_m, out float t0_m, out float t1_m)
+bool lamp_stretch(uint m, vec3 origin_m, vec3 direction, float end_m, out float t0_m,
+                  out float t1_m)
 {
     t0_m = 0.0;
     t1_m = end_m;
