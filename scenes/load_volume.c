@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * A volume is put in place in one of two ways. `file`: the file's own transform, times `unit_m` and
- * moved by `origin_m`, which do not depend on the voxels; so the frames of a sequence keep their
- * scale and their place when the box of their voxels grows or moves. `fit`: the block of voxels has
- * its centre and its size where the scene says; a .df3, which has no transform, is always placed so.
+ * The form `volume` of a medium has two placements. `file` is the file's own transform, scaled by
+ * `unit_m` and moved by `origin_m`. It does not depend on the voxels, so the frames of a sequence
+ * keep their scale and their place when the box of their voxels grows or moves. `fit` gives the
+ * block of voxels a centre and a size. A .df3 has no transform, and is always fitted.
  */
 #include "scenes/load_volume.h"
 

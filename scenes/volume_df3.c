@@ -5,6 +5,7 @@
  * largest code being a density of 1. The width is not stored: it follows from the file's size.
  */
 #include "base/files.h"
+#include "scenes/volume_file.h"
 #include "scenes/volume_format.h"
 
 #include <errno.h>

@@ -1,44 +1,27 @@
 /* SPDX-License-Identifier: MIT
  *
- * Volumes from and to files: OpenVDB (.vdb; float or half grids, placed by scale, translation, turns
- * by 90 degrees and mirrors) and POV-Ray density files (.df3; 8, 16 or 32 bits).
+ * Volumes from and to files: OpenVDB (.vdb; float or half grids, placed by scale, translation,
+ * turns by 90 degrees and mirrors) and POV-Ray density files (.df3; 8, 16 or 32 bits).
  */
 #ifndef NEPH_SCENES_VOLUME_FILE_H
 #define NEPH_SCENES_VOLUME_FILE_H
 
 #include "scenes/grid.h"
-
-/* Voxels by their indices in the file; `last` is inside. */
-struct neph_volume_box {
-    int first[3], last[3];
-};
-
-struct neph_volume_request {
-    const char *path;
-    /* What messages call the file: as the user wrote it, since `path` may hold more than that (the
-     * value of an environment variable). NULL: the path. */
-    const char *shown;
-    const char *grid_name; /* of a .vdb; NULL: the only grid, or "density" */
-    size_t memory_limit_bytes;
-    bool is_z_up;                            /* (x, y, z) of the file becomes (x, z, -y) */
-    const struct neph_volume_box *index_box; /* which voxels to read; NULL: the file's block */
-    bool counts_zeros; /* active voxels of 0 are part of the block of a .vdb */
-    bool is_fitted;    /* the block will be scaled to a size: stray voxels must not decide it */
-};
+#include "scenes/volume_request.h"
 
 /* Read a volume into a grid in the file's own unit of length, along the axes of the world.
  *
- * The block of voxels is `index_box` where it is given, in every format. Else it is, in a .vdb, the
- * smallest box around the active voxels that are not 0 (with `counts_zeros`, or if all are 0, around
- * all active voxels), at the place of the file's transform; in a .df3, all nodes, zeros included, 1 apart, with the first at
- * the origin: the format has no transform.
+ * The block of voxels is `index_box` where it is given. Else the block of a .vdb is the smallest
+ * box around the active voxels that are not 0, or around all active voxels (with `counts_zeros`, or
+ * if all of them are 0); the transform of the file places it. The block of a .df3 is all of its
+ * nodes, zeros included: 1 apart, the first at the origin, because the format has no transform.
  *
  * Every error names the file, and what is wrong with it: not readable, truncated, says it is larger
  * than it is, no such grid or several of that name (lists those there are), not a float or half
- * grid, turned by other angles or sheared, NaN, infinite or negative values, a side of more than
- * NEPH_GRID_SIDE_MAX, larger than `memory_limit_bytes` of float nodes, and, if it is fitted, a size
- * that less than a thousandth of its density decides (NEPH_ERR_INPUT). Memory stays below the limit
- * plus the tree of the file. */
+ * grid, turned by other angles than 90 degrees or sheared, NaN, infinite or negative values, a side
+ * of more than NEPH_GRID_SIDE_MAX, more nodes than `memory_limit_bytes` holds, and, for a fitted
+ * block, stray voxels that decide its size (NEPH_ERR_INPUT). Memory stays below the limit plus the
+ * tree of the file. */
 enum neph_status neph_volume_read(const struct neph_volume_request *request,
                                   struct neph_grid **grid, struct neph_diag *diag);
 
@@ -75,8 +58,8 @@ enum neph_status neph_volume_write_vdb(const char *path, const struct neph_grid 
  * every side (size + 2): POV-Ray puts node i of N, trilinear, at i / N of the unit cube and wraps
  * from the last to the first. So `scale (size + 2) * spacing translate origin - spacing` puts it in
  * place, and the maximum belongs into the scattering colour. In a scene file a volume with `size_m`
- * (size + 2) * spacing, and `center_m` in the middle of the nodes, puts it in place. Whole or not at
- * all. */
+ * (size + 2) * spacing, and `center_m` in the middle of the nodes, puts it in place. Whole or not
+ * at all. */
 enum neph_status neph_volume_write_df3(const char *path, const struct neph_grid *grid,
                                        struct neph_diag *diag);
 

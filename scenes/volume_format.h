@@ -5,7 +5,8 @@
 #ifndef NEPH_SCENES_VOLUME_FORMAT_H
 #define NEPH_SCENES_VOLUME_FORMAT_H
 
-#include "scenes/volume_file.h"
+#include "scenes/grid.h"
+#include "scenes/volume_request.h"
 #include "scenes/volume_turn.h"
 
 #include <stdio.h>
@@ -29,10 +30,9 @@ neph_volume_reader neph_volume_read_df3;
 enum neph_status neph_volume_check_size(const struct neph_volume_request *request,
                                         const int size[3], struct neph_diag *diag);
 
-/* A grid of zeros for a block in the order of the file, whose transform turns its axes by `turn` and
- * puts its first node at `origin`, and then for `is_z_up` of the request. `turned` says where the
- * values go. Errors as of neph_volume_check_size() and
- * neph_grid_create(). */
+/* A grid of zeros for a block in the order of the file. The transform of the file turns its axes by
+ * `turn` and puts its first node at `origin`; `is_z_up` of the request comes after that. `turned`
+ * says where the values go. Errors as of neph_volume_check_size() and neph_grid_create(). */
 enum neph_status neph_volume_create_grid(const struct neph_volume_request *request,
                                          const struct neph_axis_turn *turn,
                                          const struct neph_block *block,

@@ -6,6 +6,7 @@
 
 #include "base/child.h"
 #include "base/files.h"
+#include "scenes/volume_file.h"
 #include "scenes/volume_format.h"
 
 #include <errno.h>

@@ -200,7 +200,7 @@ std::string list_names(const std::vector<entry *> &entries)
     return entries.size() > listed_names_max ? list + ", ..." : list;
 }
 
-/* By its label, or by a name that only one grid has. */
+/* The grid with this label, or the only grid with this name. */
 entry &choose(std::vector<entry> &entries, const char *wanted)
 {
     if (entries.empty())
@@ -485,8 +485,8 @@ std::pair<int32_t, int32_t> densest_run(const plane_sums &sums)
     return best;
 }
 
-/* The box of what is left without stray voxels: planes without any value part them from the rest.
- * Empty when they have too much of the density to be stray. */
+/* The box without stray voxels, which planes without any value separate from the rest. Empty if no
+ * voxels are separated, or if they have too much of the density to be stray. */
 CoordBBox box_without_strays(const FloatTree &tree, const CoordBBox &box)
 {
     const std::array<plane_sums, 3> sums = sum_planes(tree, box);
@@ -502,7 +502,7 @@ CoordBBox box_without_strays(const FloatTree &tree, const CoordBBox &box)
     return box_of_values(tree, main);
 }
 
-/* When the box of all values does not fit, or would be fitted to a size that stray voxels decide. */
+/* Refuse a box that is too large, or whose size will decide a scale and depends on stray voxels. */
 void check_strays(const FloatTree &tree, const request &asked, const CoordBBox &box)
 {
     const bool is_too_large = !fits(asked, box);

@@ -16,8 +16,7 @@ import night
 
 NEPH = pathlib.Path(os.environ["NEPH"])
 
-# Voxels that are no cubes, in a block that is none, looked at along z. Orthographic, so that a pixel
-# of 11 x 9 is 0.5 m.
+# The camera looks along z, and a pixel of 11 x 9 is 0.5 m wide.
 SCENE = """name: NAME
 title: A block of voxels against a uniform sky
 physics: absorption alone
@@ -33,6 +32,7 @@ def node(i, j, k):
     return 0.1 + 0.05 * ((i * 3 + j * 5 + k * 7) % 11)
 
 
+# Neither the block nor its voxels are cubes.
 VALUES = [node(i, j, k) for k in range(5) for j in range(6) for i in range(7)]
 GRID = ("grid: {size: [7, 6, 5], origin_m: [-0.5, 0.75, -1], spacing_m: [0.5, 0.5, 0.75], "
         f"extinction_per_m: 0.8, albedo: [0, 0, 0], values: {VALUES}}}")
@@ -121,7 +121,7 @@ class Bake(unittest.TestCase):
             self.assert_close(found, expected, 1e-7)  # codes of 2^-32, densities of 2^-24
 
     def test_a_df3_keeps_its_shape(self):
-        """Nodes of half a metre by `longest_side_m` alone; a cube where `size_m` says so."""
+        """Voxels are cubes of 0.5 m with `longest_side_m`; `size_m` makes the block a cube."""
         path = self.folder / "cloud.df3"
         codes = [round(value * (2**32 - 1)) for value in VALUES]
         path.write_bytes(struct.pack(">3H", 7, 6, 5) + struct.pack(f">{len(codes)}I", *codes))
@@ -132,10 +132,10 @@ class Bake(unittest.TestCase):
             self.assertAlmostEqual(found[4 * 11 + 5], math.exp(-depth * voxel_m), delta=1e-6)
 
     def turned(self):
-        """The block lying on its side, which is no cube in any order of its axes, and what of it is
-        seen along z: (i, j, k) comes to (i, k, -j)."""
-        entry = self.baked_entry("block.vdb").replace("}", ", up: z, origin_m: [0, 2, 2.5], albedo: "
-                                                      "[0, 0, 0]}")
+        """The entry of the block on its side, where node (i, j, k) is at (i, k, -j), and its
+        transmittance by engine exact. The block has three different sides."""
+        entry = self.baked_entry("block.vdb").replace(
+            "}", ", up: z, origin_m: [0, 2, 2.5], albedo: [0, 0, 0]}")
         return entry, self.transmittance("turned", entry)
 
     def test_engines_see_a_turned_volume_in_one_place(self):

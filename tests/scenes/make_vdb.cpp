@@ -57,8 +57,8 @@ openvdb::GridPtrVec rotated()
     return {grid};
 }
 
-/* All 48 turns by 90 degrees and mirrors, each as grid "turn<order * 8 + signs>": axis i of the index
- * lies along axis orders[order][i], backwards where signs has bit i. */
+/* All 48 turns by 90 degrees and mirrors, each as grid "turn<order * 8 + signs>": axis i of the
+ * index lies along axis orders[order][i] of the world, backwards where signs has bit i. */
 openvdb::GridPtrVec turned()
 {
     constexpr int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where the form `volume` of a medium puts the voxels of a file, by all of its keys: the transform
- * of the file, or the block of voxels in a size of its own; what contradicts is refused with the way
- * out, and every key that moves a voxel is in the hash of the scene.
+ * Where the form `volume` of a medium puts the voxels of a file, for each of its keys: by the
+ * transform of the file, or by a size for the block of voxels. Contradictions are refused with the
+ * way out, and every key that moves a voxel changes the hash of the scene.
  */
 #include "tests/base/scratch.h"
 
