@@ -123,6 +123,20 @@ static struct turns turns_in(const struct neph_scene *scene, const struct neph_g
     return turns;
 }
 
+/* Parts of a step for one lamp, at most (shaders/march_lamp_steps.glsl): so many that a dispatch on
+ * a CPU has room for 16 steps, and 8 where it has not. 0: there is no lamp. */
+static uint64_t lamp_parts(const struct neph_gpu_scene *gpu)
+{
+    const struct neph_gpu_frame *frame = gpu->frame;
+    const uint64_t media = 1 + 3 * (uint64_t)frame->medium_count, lamps = frame->lamp_count;
+    const uint64_t turns = neph_gpu_solid_turns(frame->solid_count) + 3 * media +
+                           2 * gpu->optical_depth_turns + frame->sun_steps * (3 + 3 * media);
+    uint64_t parts = lamps > 0 ? 64 : 0;
+    while (parts > 8 && parts * lamps * turns > NEPH_KERNEL_LOOP_TURNS_MAX / 16)
+        parts /= 2;
+    return parts;
+}
+
 /* Loop turns of the shader as a whole. */
 static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                         const struct neph_march_params *params, uint64_t *per_step,
@@ -133,8 +147,9 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                         octave_count(scene, params->lighting) * (1 + turns.media);
     if (params->lighting == NEPH_MARCH_SLAB)
         sunlight *= 2; /* and away from the sun */
-    /* Each light is looked for as the sun is, from each part of a step. */
-    sunlight *= 1 + NEPH_GPU_LAMP_PARTS * (uint64_t)scene->light_count;
+    /* Each light is looked for as the sun is, from each part of a step, and that is a step itself. */
+    sunlight += lamp_parts(gpu) * (uint64_t)scene->light_count *
+                (turns.solids + turns.sun + 2 * turns.media + turns.exact);
     if (params->sky.is_on)
         sunlight += 2 * neph_sky_look_turns(scene->medium_count, params->sky.tables.field.degree);
     if (params->fog.is_look)
@@ -174,7 +189,8 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[3] = params->sun;
     constants[4] = params->lighting;
     constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
-                   (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u);
+                   (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u) |
+                   (uint32_t)lamp_parts(gpu) << 16;
 }
 
 static uint64_t least(uint64_t a, uint64_t b)

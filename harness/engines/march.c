@@ -419,7 +419,7 @@ const struct neph_engine neph_engine_march = {
     .typical_s = 2.0,
     .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
     .options = options,
-    .version = 3, /* no fused fraction of a voxel */
+    .version = 4, /* 4: steps are divided around lamps */
 };
 
 const struct neph_engine neph_engine_march_octaves = {
