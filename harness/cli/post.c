@@ -345,7 +345,7 @@ static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
     const struct request *request = work->request;
     enum neph_status status = find_settings(work, diag);
     if (!status)
-        status = neph_sequence_find(request->shared.operand_count, request->shared.operands,
+        status = neph_sequence_find(request->shared.operand_count, request->shared.operands, false,
                                     &work->frames, diag);
     if (!status)
         status = make_all(work, diag);
