@@ -50,6 +50,21 @@ void neph_hint(struct neph_diag *diag, const char *format, ...)
     neph_text_clean(diag->hint, sizeof(diag->hint));
 }
 
+void neph_prefix(struct neph_diag *diag, const char *format, ...)
+{
+    if (!diag)
+        return;
+    char message[sizeof(diag->message)];
+    memcpy(message, diag->message, sizeof(message));
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(diag->message, sizeof(diag->message), format, arguments);
+    va_end(arguments);
+    const size_t used = strlen(diag->message);
+    snprintf(diag->message + used, sizeof(diag->message) - used, "%s", message);
+    neph_text_clean(diag->message, sizeof(diag->message));
+}
+
 void neph_locate(struct neph_diag *diag, const char *file, int line, int column)
 {
     if (!diag)

@@ -25,10 +25,10 @@ struct neph_sequence {
 };
 
 /* The files of the words, joined. A word is, in this order: a file or a folder that exists, a
- * pattern with one %d or %0Nd in its last part, a glob(7), a pattern with one $F, $FN or run of # in
- * its last part (N digits, or as many as there are #; one # is any number of digits). Files whose
- * paths differ in nothing but numbers (harness/compare/frame_number.h) are a series, and so are
- * files with one identifier each beside their number. The frame number is the run that changes;
+ * pattern with one %d or %0Nd in its last part, a glob(7), a pattern with one $F, $FN or run of #
+ * in its last part (N digits, or as many as there are #; one # is any number of digits). Files
+ * whose paths differ in nothing but numbers (harness/compare/frame_number.h) are a series, and so
+ * are files with one identifier each beside their number. The frame number is the run that changes;
  * when several do, the one that counts up by one from file to file, if exactly one does. The files
  * of a folder, pattern or glob are in the order of it (-1 before 9 before 10), and so is the whole
  * when it is one series; else the words keep their order. `by_position`: the numbers only order the
