@@ -51,6 +51,10 @@ void neph_hint(struct neph_diag *diag, const char *format, ...)
 void neph_prefix(struct neph_diag *diag, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* A folder that a diag may name is at `to` now; NULL: it is removed, and a hint that names it is
+ * dropped. */
+void neph_move_paths(struct neph_diag *diag, const char *from, const char *to);
+
 /* Add the position in the user's input to a diag that already holds a message. */
 void neph_locate(struct neph_diag *diag, const char *file, int line, int column);
 
