@@ -219,5 +219,15 @@ void neph_forms_print(FILE *file)
     }
 }
 
-const struct neph_record neph_medium_record = {sizeof(struct neph_medium), common_fields,
+/* For the table of keys: the common keys stand inside the mapping of the kind. */
+static const struct neph_record common_record = {sizeof(struct neph_medium), common_fields, NULL};
+
+static const struct neph_field kind_fields[] = {
+    {"KIND", NEPH_RECORD,
+     .note = "a kind by its name, from the end of this table; each has these keys and its own",
+     .record = &common_record},
+    {0},
+};
+
+const struct neph_record neph_medium_record = {sizeof(struct neph_medium), kind_fields,
                                                read_medium};

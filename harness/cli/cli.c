@@ -43,6 +43,8 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
                           struct neph_diag *diag)
 {
     if (!scratch || (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)) {
+        if (scratch && status)
+            neph_move_paths(diag, neph_scratch_path(scratch), NULL);
         neph_scratch_destroy(scratch);
         return;
     }

@@ -371,7 +371,7 @@ static enum neph_status find_depths(const struct request *request, int frame_cou
 {
     if (!request->depth)
         return NEPH_OK;
-    const enum neph_status status = neph_sequence_find(1, &request->depth, depths, diag);
+    const enum neph_status status = neph_sequence_find(1, &request->depth, false, depths, diag);
     if (!status && depths->count != 1 && depths->count != frame_count)
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--depth gives %d files and --frames asks for %d; give one file for all "

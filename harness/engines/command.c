@@ -203,7 +203,7 @@ static enum neph_status take_channels(const struct neph_image *from, struct neph
 static enum neph_status check_file(const struct neph_image *image, const struct neph_shot *shot,
                                    struct neph_diag *diag)
 {
-    static const char *const unusual[] = {"primaries", "crop", "pixel_aspect"};
+    static const char *const unusual[] = {"primaries", "colour_space", "crop", "pixel_aspect"};
     float *rgb[3];
     for (size_t i = 0; i < sizeof(unusual) / sizeof(unusual[0]); i++)
         if (neph_image_attribute(image, unusual[i]))

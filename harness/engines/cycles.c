@@ -24,8 +24,8 @@
 #include "harness/engines/cycles_spec.h"
 #include "harness/engines/cycles_surface.h"
 #include "harness/engines/program.h"
-#include "scenes/media.h"
 #include "scenes/emission.h"
+#include "scenes/media.h"
 #include "scenes/volume_file.h"
 
 #include <math.h>
@@ -318,12 +318,12 @@ static enum neph_status read_pass(const struct session *session, const char *kin
     if (!path)
         return neph_fail_memory(diag);
     enum neph_status status;
-    if (!neph_path_exists(path))
-        status = neph_fail(diag, NEPH_ERR_ENGINE,
-                           "Blender ended well but wrote no %s image; see '%s/blender.log'", kind,
-                           session->directory);
-    else
+    if (!neph_path_exists(path)) {
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "Blender ended well but wrote no %s image", kind);
+        neph_hint(diag, "its whole log is '%s/blender.log'", session->directory);
+    } else {
         status = neph_exr_read(path, &read, diag);
+    }
     if (status == NEPH_ERR_INPUT)
         status = NEPH_ERR_ENGINE;
     free(path);

@@ -331,9 +331,11 @@ static enum neph_status read_image(const struct session *session, const struct f
 {
     int width_px = 0, height_px = 0;
     uint16_t *read = NULL;
-    if (!neph_path_exists(files->image_path))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image; see '%s'",
-                         files->log_path);
+    if (!neph_path_exists(files->image_path)) {
+        neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image");
+        neph_hint(diag, "its whole log is '%s'", files->log_path);
+        return NEPH_ERR_ENGINE;
+    }
     enum neph_status status = neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read,
                                                   diag);
     if (status)

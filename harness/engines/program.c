@@ -75,6 +75,8 @@ enum neph_status neph_program_ask(const char *program, const char *name, double 
     enum neph_status status = neph_program_home(scratch_prefix, &home, diag);
     if (!status)
         status = run_version(program, neph_scratch_path(home), time_limit_s, &said, diag);
+    if (status && home)
+        neph_move_paths(diag, neph_scratch_path(home), NULL);
     neph_scratch_destroy(home);
     if (!status) {
         start_with(name, said);

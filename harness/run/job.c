@@ -427,6 +427,7 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
         unlink(resting); /* done, or good for nothing */
     if (status) {
         neph_store_abandon(store, key, scratch, &kept);
+        neph_move_paths(&engine_diag, neph_scratch_path(scratch), kept);
         explain(result, &engine_diag, kept);
         if (ends_run && diag)
             *diag = engine_diag;

@@ -153,8 +153,11 @@ static enum neph_status check_series(const struct neph_reader *reader,
         for (size_t k = 0; k < sizeof(both) / sizeof(both[0]); k++) {
             struct neph_settings settings;
             struct neph_diag why = {.line = 0};
-            if (neph_sweep_settings(plan, series, i, both[k], &settings, &why))
-                return neph_refuse(reader, neph_at("series[%d]", number).text, "%s", why.message);
+            if (neph_sweep_settings(plan, series, i, both[k], &settings, &why)) {
+                neph_refuse(reader, neph_at("series[%d]", number).text, "%s", why.message);
+                neph_hint(reader->diag, "%s", why.hint);
+                return NEPH_ERR_INPUT;
+            }
         }
     for (int other = 0; other < number; other++)
         if (strcmp(plan->series[other].name, series->name) == 0)

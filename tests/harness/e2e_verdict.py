@@ -5,6 +5,8 @@ compare."""
 import json
 import os
 import pathlib
+import re
+import shutil
 import subprocess
 import tempfile
 import unittest
@@ -52,6 +54,12 @@ class Verdict(unittest.TestCase):
         self.assertIn(b"frames: 3 of 3 in the report, 1 compared with the truth", done.stderr)
         document = json.loads(done.stdout)
         self.assertEqual(document["counts"], {"expected": 3, "reported": 3, "compared": 1})
+        logs = re.findall(r"its whole log is '([^']+)'", frames["povray"]["reason"])
+        self.assertEqual([os.path.getsize(path) for path in logs], [26], frames["povray"])
+        shutil.rmtree(self.folder / "out/store/index")
+        done = neph("store", "check", "-o", self.folder / "out")
+        self.assertIn(b"had no database (it was removed, or ", done.stderr)
+        self.assertIn(b"a new one is made of its 2 frames", done.stderr)
 
     def test_the_physics_suite_keeps_the_row_of_a_broken_engine(self):
         done = neph("validate", "--suite", "physics", "--check", "slab_iso", "-e", "exact", "-e",
