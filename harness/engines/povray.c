@@ -308,11 +308,15 @@ static enum neph_status run_povray(struct session *session, const struct files *
                           "-D",         "-P",  "-C",   "-GA",   "+BS8",
                           threads,      NULL};
     const char *const environment[] = {"POVINI=povray.ini", NULL}; /* in the working folder */
+    const struct neph_usage before = neph_usage_measure(session->shot.scratch_directory);
     struct neph_child_params params = {.argv = argv,
                                        .working_directory = session->shot.scratch_directory,
                                        .log_path = files->log_path,
                                        .home = session->shot.scratch_directory,
                                        .environment = environment,
+                                       .limits = neph_program_limits(&before,
+                                                                     session->shot.width_px,
+                                                                     session->shot.height_px),
                                        .time_limit_s = session->shot.time_limit_s};
     struct neph_child_result result = {0};
     enum neph_status status = neph_child_run(&params, &result, diag);
@@ -331,13 +335,16 @@ static enum neph_status read_image(const struct session *session, const struct f
 {
     int width_px = 0, height_px = 0;
     uint16_t *read = NULL;
-    if (!neph_path_exists(files->image_path))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image; see '%s'",
-                         files->log_path);
-    enum neph_status status = neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read,
-                                                  diag);
+    bool is_left = false;
+    enum neph_status status = neph_program_left(files->image_path, &is_left, diag);
+    if (!status && !is_left)
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image; see '%s'",
+                           files->log_path);
+    if (!status)
+        status = neph_program_status(
+            neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read, diag));
     if (status)
-        return status == NEPH_ERR_INPUT ? NEPH_ERR_ENGINE : status;
+        return status;
     if (width_px != session->shot.width_px || height_px != session->shot.height_px) {
         free(read);
         return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray's image is %d x %d pixels, not %d x %d",

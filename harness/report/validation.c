@@ -33,6 +33,7 @@ static struct neph_counts count_frames(const struct neph_validation *validation,
         counts.reported += scene->frame_count;
         for (int f = 0; f < scene->frame_count && scene->truth >= 0; f++)
             counts.compared += f != scene->truth && scene->frames[f].path;
+        counts.ungated += scene->ungated_count;
     }
     return counts;
 }

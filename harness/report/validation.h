@@ -69,8 +69,9 @@ struct neph_scene_result {
     struct neph_frame_result *frames;
     int truth; /* index of the frame that the others are measured against; -1: there is none */
     double difference_scales[NEPH_SHOWN_COUNT]; /* the ends of the colour scales */
-    int gate_count;
+    int gate_count; /* those of the scene; and one for each ungated frame that is far off */
     struct neph_gate_result *gates;
+    int ungated_count; /* frames that claim physics and have a radiance that no gate limits */
     const struct neph_attribution *attribution; /* NULL: nobody to tell apart */
     const char *viewer;                         /* its page inside the report; NULL: none (yet) */
     const char *no_viewer; /* why there is none; NULL: there is one, or no picture, or not yet */
@@ -94,6 +95,7 @@ struct neph_counts {
     int expected; /* frames: scenes that are here times engines; in the physics suite, rows */
     int reported; /* of them in the report, with their outcome */
     int compared; /* of these, measured against the truth */
+    int ungated;  /* of these, limited by a factor of two only: harness/report/gates.h */
 };
 
 /* Start from {0}; free with neph_validation_finish(). */

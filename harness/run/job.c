@@ -404,6 +404,8 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
     record = make_record(job, result);
     status = path ? neph_json_check(record, diag) : neph_fail_memory(diag);
     if (!status)
+        status = neph_store_clean(scratch, diag);
+    if (!status)
         status = neph_exr_write(path, frame, diag);
     if (!status)
         status = neph_store_publish(store, key, scratch, record, diag);
