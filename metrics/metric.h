@@ -68,6 +68,7 @@ enum neph_interval_kind {
     NEPH_INTERVAL_TILES,         /* bootstrap over tiles, see interval.h: n tiles */
     NEPH_INTERVAL_CYCLES,        /* batch means over whole cycles, see series.h: n batches */
     NEPH_INTERVAL_RUNS,          /* Student's t over independent runs, see series.h: n runs */
+    NEPH_INTERVAL_KIND_COUNT,
 };
 
 /* Beyond what a metric sees no difference. */

@@ -691,9 +691,20 @@ static const char *undefined_because(const struct neph_metric *metric)
         return neph_pool_no_error;
     case NEPH_POOL_ROOT_MEAN_ABOVE:
         return below_noise;
-    default:
-        return no_value;
+    case NEPH_POOL_MEAN:
+    case NEPH_POOL_RMS:
+    case NEPH_POOL_ROOT_MEAN:
+    case NEPH_POOL_ROOT_OF_MEAN:
+    case NEPH_POOL_ROOT_MEAN_LESS:
+    case NEPH_POOL_SHARE_ABOVE:
+    case NEPH_POOL_MAX:
+    case NEPH_POOL_PERCENTILE:
+    case NEPH_POOL_WEIGHTED_PERCENTILE:
+    case NEPH_POOL_TRIMMED_MEAN:
+    case NEPH_POOL_SCALAR:
+        break;
     }
+    return no_value;
 }
 
 /* Why nothing at all can be said over a mask, or NULL. */

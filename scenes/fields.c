@@ -420,9 +420,14 @@ static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t
         if (node->type != YAML_MAPPING_NODE)
             return refuse_value(reader, node, field);
         return read_record(reader, node, field->record, value);
-    default:
-        return read_sequence(reader, node, field, target);
+    case NEPH_THREE:
+    case NEPH_WHOLES:
+    case NEPH_NUMBERS:
+    case NEPH_ENTRIES:
+    case NEPH_LIST:
+        break;
     }
+    return read_sequence(reader, node, field, target);
 }
 
 static enum neph_status refuse_unknown(const struct neph_reader *reader, const yaml_node_t *key,

@@ -17,6 +17,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SHEET_PATTERN_COUNT == 2, "a new kind");
+
 #define AT(member) offsetof(struct neph_medium, member)
 #define GRID(member) offsetof(struct written_grid, member)
 #define VOLUME(member) offsetof(struct written_volume, member)

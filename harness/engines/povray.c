@@ -37,6 +37,11 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 static const double probe_limit_s = 30.0; /* it answers in 0.1 s */
 static const char install_line[] = "apt-get install povray";
 
@@ -309,15 +314,14 @@ static enum neph_status run_povray(struct session *session, const struct files *
                           threads,      NULL};
     const char *const environment[] = {"POVINI=povray.ini", NULL}; /* in the working folder */
     const struct neph_usage before = neph_usage_measure(session->shot.scratch_directory);
-    struct neph_child_params params = {.argv = argv,
-                                       .working_directory = session->shot.scratch_directory,
-                                       .log_path = files->log_path,
-                                       .home = session->shot.scratch_directory,
-                                       .environment = environment,
-                                       .limits = neph_program_limits(&before,
-                                                                     session->shot.width_px,
-                                                                     session->shot.height_px),
-                                       .time_limit_s = session->shot.time_limit_s};
+    struct neph_child_params params = {
+        .argv = argv,
+        .working_directory = session->shot.scratch_directory,
+        .log_path = files->log_path,
+        .home = session->shot.scratch_directory,
+        .environment = environment,
+        .limits = neph_program_limits(&before, session->shot.width_px, session->shot.height_px),
+        .time_limit_s = session->shot.time_limit_s};
     struct neph_child_result result = {0};
     enum neph_status status = neph_child_run(&params, &result, diag);
     if (status == NEPH_ERR_UNAVAILABLE)

@@ -82,6 +82,7 @@ enum neph_status neph_program_status(enum neph_status status)
     case NEPH_ERR_UNSUPPORTED:
     case NEPH_ERR_ENGINE:
     case NEPH_ERR_GATE:
+    case NEPH_STATUS_COUNT:
         return NEPH_ERR_ENGINE;
     }
     return NEPH_ERR_ENGINE;

@@ -262,9 +262,11 @@ static bool wants_pictures(enum neph_failure_pictures pictures, enum neph_failur
         return changed;
     case NEPH_FAILURE_PICTURES_FAILED:
         return changed || neph_failure_is_failure(verdict);
-    default:
-        return false;
+    case NEPH_FAILURE_PICTURES_NONE:
+    case NEPH_FAILURE_PICTURES_COUNT:
+        break;
     }
+    return false;
 }
 
 static bool is_drawn(const struct trial *trial)

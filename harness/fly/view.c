@@ -124,7 +124,8 @@ enum neph_status neph_view_draw(struct neph_view *view, struct neph_studio *stud
         return draw_beside_march(view, studio, image, diag);
     case NEPH_VIEW_FLICKER:
         return draw_flicker(view, image, rests, diag);
-    default:
-        return encode(view, image, view->rgb, diag);
+    case NEPH_VIEW_PICTURE:
+        break;
     }
+    return encode(view, image, view->rgb, diag);
 }

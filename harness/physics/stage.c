@@ -149,6 +149,7 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
     stage->scene.medium_count = 1;
     switch (params->medium) {
     case NEPH_STAGE_BOX:
+    case NEPH_STAGE_MEDIUM_COUNT:
         break;
     case NEPH_STAGE_SLAB:
         medium->bounds = (struct neph_bounds){{-wide_m, 0.0, -wide_m}, {wide_m, slab_m, wide_m}};

@@ -52,7 +52,12 @@ struct neph_frame_result {
     const char *picture, *differences[NEPH_SHOWN_COUNT]; /* inside the report; NULL: none (yet) */
 };
 
-enum neph_gate_verdict { NEPH_GATE_PASS, NEPH_GATE_FAIL, NEPH_GATE_NOT_MEASURED };
+enum neph_gate_verdict {
+    NEPH_GATE_PASS,
+    NEPH_GATE_FAIL,
+    NEPH_GATE_NOT_MEASURED,
+    NEPH_GATE_VERDICT_COUNT
+};
 
 struct neph_gate_result {
     const char *engine, *quantity, *metric, *mask;
@@ -88,6 +93,7 @@ enum neph_verdict {
     NEPH_VERDICT_FAIL,
     NEPH_VERDICT_RUNNING,
     NEPH_VERDICT_INTERRUPTED,
+    NEPH_VERDICT_COUNT,
 };
 
 /* What a verdict stands on. */
