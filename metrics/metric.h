@@ -48,6 +48,7 @@ enum neph_pool {
     NEPH_POOL_WEIGHTED_PERCENTILE, /* first of sorted v with running sum > p * sum (FLIP's tool) */
     NEPH_POOL_TRIMMED_MEAN,        /* mean v without the ceil(p n) largest of n */
     NEPH_POOL_SCALAR, /* not from a map: a number of the whole frame, from extractor->scalar */
+    NEPH_POOL_COUNT,
 };
 
 struct neph_metric {

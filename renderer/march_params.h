@@ -49,6 +49,7 @@ enum neph_texel_format {
 enum neph_shadow_plane {
     NEPH_SHADOW_LEVEL, /* a level plane through the middle of the clouds; they stay with these */
     NEPH_SHADOW_SUN,   /* the plane across the sunlight, with which they turn */
+    NEPH_SHADOW_PLANE_COUNT,
 };
 
 /* A shadow map of clouds, for struct neph_shortcuts alone. */

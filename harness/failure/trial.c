@@ -15,6 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+
 /* A child process may take this long over a picture of a stamp's size: so much that load does not
  * decide. */
 static const double engine_limit_s = 300.0;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
 _Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
 
 #define ISO                                                                                        \

@@ -12,6 +12,7 @@
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
 _Static_assert(NEPH_LIGHT_LAW_COUNT == 5, "a new kind");
 
 /* Suns around the ball, by the cosine to the view: exact for Legendre orders below 24, of which

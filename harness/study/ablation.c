@@ -13,6 +13,7 @@
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 _Static_assert(NEPH_ABLATION_ADVICES == 7, "a new kind");
 _Static_assert(NEPH_ABLATION_VERDICTS == 8, "a new kind");
 

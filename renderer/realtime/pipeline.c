@@ -22,6 +22,7 @@
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_RT_RAYS_COUNT == 4, "a new kind");
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 """No silent default in a table of kinds: a new phase function, medium, solid, ... does not compile
 before each place that decides by its kind was looked through. Decisions are switches without a
-default (-Wswitch-enum); files with tables, and files that compare kinds of the scene, state how
-many kinds they know. By night each enum gets one more kind, and each such file must not compile."""
+default (-Wswitch-enum); files with tables of kinds, and files that compare them, state how many
+kinds they know. By night each enum gets one more kind, and each such file must not compile."""
 import collections
 import json
 import os
@@ -20,12 +20,18 @@ ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 BUILD = pathlib.Path(os.environ["NEPH"]).parent
 FOLDERS = ("base", "scenes", "metrics", "truth", "renderer", "harness")
 
-# Enums that decide what a scene means: of these, files that compare one kind state the number, too.
-# Of the others a comparison asks for one value (`outcome == NEPH_OUTCOME_RENDERED`), and whatever
-# comes new is not that.
-OF_SCENES = ("neph_phase_kind", "neph_medium_kind", "neph_solid_kind", "neph_scattering",
-             "neph_pattern", "neph_sheet_pattern", "neph_fog_model", "neph_march_lighting",
-             "neph_march_mode", "neph_variant_kind", "neph_povray_kind")
+# Enums where what is not one kind is treated as another: of these, files that compare a kind state
+# the number, too. Of the others a comparison asks for one value (`outcome ==
+# NEPH_OUTCOME_RENDERED`), and a new value is not that one.
+COMPARED = ("neph_phase_kind", "neph_medium_kind", "neph_solid_kind", "neph_scattering",
+            "neph_pattern", "neph_sheet_pattern", "neph_fog_model", "neph_march_lighting",
+            "neph_march_mode", "neph_variant_kind", "neph_povray_kind", "neph_png_space",
+            "neph_motion_depth", "neph_replicate", "neph_check_weight", "neph_failing_truth",
+            "neph_failing_measure", "neph_texel_format", "neph_code_kind", "neph_pool",
+            "neph_field_type", "neph_option_kind", "neph_injected_value", "neph_stage_truth",
+            "neph_stage_medium", "neph_flip_tone", "neph_shadow_plane", "neph_pool_certainty",
+            "neph_interval_kind", "neph_rt_rays", "neph_sky_refill", "neph_view_kind",
+            "neph_ladder_motion")
 
 # Sums whose places are reckoned from one another, and no kinds.
 NO_KINDS = ("neph_flicker_sum",)
@@ -57,7 +63,7 @@ class Enum:
         return f"_Static_assert({self.count} == {len(self.names) - 1},"
 
     def stating(self):
-        return self.tables | (self.comparisons if self.name in OF_SCENES else set())
+        return self.tables | (self.comparisons if self.name in COMPARED else set())
 
 
 def find_words(sources, place):
@@ -142,7 +148,7 @@ class Kinds(unittest.TestCase):
     def test_no_place_compiles_with_one_more_kind(self):
         places = collections.Counter()
         for enum in self.enums:
-            if not enum.tables and enum.name not in OF_SCENES:
+            if not enum.tables and enum.name not in COMPARED:
                 continue
             with self.subTest(enum=enum.name):
                 self.assertEqual(self.compile_with_one_more(enum), [])
