@@ -20,8 +20,9 @@ struct neph_child_params {
      * (NULL: HOME=/nonexistent), then these "NAME=value" (NULL: none). Nothing else of the user's
      * environment reaches a child. */
     const char *home;
-    bool is_confined; /* it and all that it starts write into `working_directory` alone, where the
-                         kernel can see to that (confine.h) */
+    bool is_confined; /* it and all that it starts change files in `working_directory` alone, where
+                         the kernel can see to that (confine.h) */
+    struct neph_child_limits limits; /* the first two need a `working_directory` */
     const char *const *environment;
     double time_limit_s; /* <= 0: none */
 };
@@ -33,8 +34,8 @@ struct neph_child_params {
  * beneath it are killed too. (To find what has left the group takes a kernel with
  * CONFIG_PROC_CHILDREN, as all distributions have it; without it the group alone is killed.) stdin
  * is /dev/null. NEPH_ERR_UNAVAILABLE: no such program, or not one that can be executed.
- * NEPH_ERR_ENGINE: it ended with a non-zero exit code or a signal; the diag quotes the last lines
- * of its log. NEPH_ERR_IO: no such working directory, or the log cannot be written. `result` is
+ * NEPH_ERR_ENGINE: it ended with a non-zero exit code or a signal, or was ended at one of its
+ * limits, and then its log is cut there; the diag quotes the last lines of its log. NEPH_ERR_IO: no such working directory, or the log cannot be written. `result` is
  * filled in every case in which the child has run and its end was seen. May be called from several
  * threads. */
 enum neph_status neph_child_run(const struct neph_child_params *params,

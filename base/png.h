@@ -19,6 +19,7 @@ enum neph_status neph_png_write_rgb8(const char *path, int width_px, int height_
 enum neph_png_space {
     NEPH_PNG_SRGB,
     NEPH_PNG_BT2020_PQ, /* ITU-R BT.2100 PQ, full range */
+    NEPH_PNG_SPACE_COUNT,
 };
 
 /* Write a picture of `bits` a channel, 9 to 16: `rgb` holds width * height * 3 codes of

@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STATUS_COUNT == 13, "a new kind");
+
 static const struct {
     const char *name;
     int exit_code;

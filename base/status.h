@@ -24,6 +24,7 @@ enum neph_status {
     NEPH_ERR_INTERRUPTED, /* Ctrl-C or SIGTERM */
     NEPH_ERR_GATE,        /* a measured number is outside its gate */
     NEPH_ERR_INTERNAL,    /* a bug in neph */
+    NEPH_STATUS_COUNT,
 };
 
 /* What to tell a person. Zero-initialise it; `file` is empty and `line` 0 when there is none. The

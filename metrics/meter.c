@@ -16,6 +16,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+_Static_assert(NEPH_POOL_COUNT == 16, "a new kind");
+
 /* An extractor at work on a quantity. */
 struct run {
     const struct neph_meter_choice *choice;

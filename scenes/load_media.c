@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
+
 #define AT(member) offsetof(struct neph_medium, member)
 #define BOUNDS(member) offsetof(struct neph_bounds, member)
 
@@ -102,7 +105,7 @@ static enum neph_status check_optics(const struct neph_reader *reader, const yam
                                      const struct neph_medium *medium)
 {
     const bool has_g = neph_reader_has(reader, node, "asymmetry_g");
-    const bool wants_g = medium->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN;
+    const bool wants_g = neph_phase_has_asymmetry(medium->phase.kind);
     const struct neph_rgb color = medium->extinction_color;
     if (wants_g && !has_g)
         return neph_refuse(reader, "phase", "henyey_greenstein needs the key asymmetry_g");

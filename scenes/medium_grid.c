@@ -14,6 +14,9 @@
 #include <math.h>
 #include <stddef.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SHEET_PATTERN_COUNT == 2, "a new kind");
+
 #define AT(member) offsetof(struct neph_medium, member)
 #define GRID(member) offsetof(struct written_grid, member)
 #define SHEET(member) offsetof(struct written_sheet, member)

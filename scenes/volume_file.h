@@ -47,6 +47,7 @@ enum neph_vdb_layout {
      * outermost nodes down to 0 is kept alive by one more layer of active voxels of 1e-9 on every
      * side. */
     NEPH_VDB_BLENDER,
+    NEPH_VDB_LAYOUT_COUNT,
 };
 
 /* Write a sealed grid as .vdb (float, zip, a fog volume named "density"). The same grid gives the

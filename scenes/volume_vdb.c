@@ -19,6 +19,9 @@
 #include <sysexits.h>
 #include <unistd.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_VDB_LAYOUT_COUNT == 2, "a new kind");
+
 enum { REASON_BYTES = 1000, PATH_BYTES = 64, UUID_BYTES = 40, BOX_BYTES = 80, ARGUMENTS_MAX = 11 };
 
 /* Zip is read at 50 MB/s and more; a file that takes ten times as long is not honest. */

@@ -17,6 +17,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* A path that can still bring less than this part of its start may be ended (and is worth more when
  * it is not). */
 static const double roulette_below = 0.05;

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
+
 static const char scratch_prefix[] = ".neph-scratch-";
 
 enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag)

@@ -19,6 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+
 static const char *const modes[] = {"exact", "marched", NULL};
 static const char *const rays[] = {"1",  "2",  "4",   "8",   "16",
                                    "32", "64", "128", "256", NULL}; /* 2 to the index */

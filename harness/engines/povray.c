@@ -37,6 +37,11 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 static const double probe_limit_s = 30.0; /* it answers in 0.1 s */
 static const char install_line[] = "apt-get install povray";
 
@@ -308,12 +313,15 @@ static enum neph_status run_povray(struct session *session, const struct files *
                           "-D",         "-P",  "-C",   "-GA",   "+BS8",
                           threads,      NULL};
     const char *const environment[] = {"POVINI=povray.ini", NULL}; /* in the working folder */
-    struct neph_child_params params = {.argv = argv,
-                                       .working_directory = session->shot.scratch_directory,
-                                       .log_path = files->log_path,
-                                       .home = session->shot.scratch_directory,
-                                       .environment = environment,
-                                       .time_limit_s = session->shot.time_limit_s};
+    const struct neph_usage before = neph_usage_measure(session->shot.scratch_directory);
+    struct neph_child_params params = {
+        .argv = argv,
+        .working_directory = session->shot.scratch_directory,
+        .log_path = files->log_path,
+        .home = session->shot.scratch_directory,
+        .environment = environment,
+        .limits = neph_program_limits(&before, session->shot.width_px, session->shot.height_px),
+        .time_limit_s = session->shot.time_limit_s};
     struct neph_child_result result = {0};
     enum neph_status status = neph_child_run(&params, &result, diag);
     if (status == NEPH_ERR_UNAVAILABLE)
@@ -331,15 +339,17 @@ static enum neph_status read_image(const struct session *session, const struct f
 {
     int width_px = 0, height_px = 0;
     uint16_t *read = NULL;
-    if (!neph_path_exists(files->image_path)) {
-        neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image");
+    bool is_left = false;
+    enum neph_status status = neph_program_left(files->image_path, &is_left, diag);
+    if (!status && !is_left) {
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image");
         neph_hint(diag, "its whole log is '%s'", files->log_path);
-        return NEPH_ERR_ENGINE;
     }
-    enum neph_status status = neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read,
-                                                  diag);
+    if (!status)
+        status = neph_program_status(
+            neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read, diag));
     if (status)
-        return status == NEPH_ERR_INPUT ? NEPH_ERR_ENGINE : status;
+        return status;
     if (width_px != session->shot.width_px || height_px != session->shot.height_px) {
         free(read);
         return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray's image is %d x %d pixels, not %d x %d",

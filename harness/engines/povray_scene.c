@@ -35,6 +35,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
+_Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 /* The radius of the blown-up world. POV-Ray ends rays at 1e7 units; the sun stands at twice the
  * radius, so that no distance exceeds 6e6. Where photons are shot the world is small. */
 static const double world_radius_units = 2e6;
@@ -326,20 +332,36 @@ enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, in
 
 bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b)
 {
-    return a->kind == b->kind && (a->kind != NEPH_PHASE_HENYEY_GREENSTEIN || a->g == b->g);
+    return a->kind == b->kind && (!neph_phase_has_asymmetry(a->kind) || a->g == b->g);
 }
 
 double neph_povray_phase_excess(enum neph_phase_kind kind)
 {
-    /* The mean over the sphere of 0.799372013 (1 + cos^2). */
-    return kind == NEPH_PHASE_RAYLEIGH ? 0.799372013 * 4.0 / 3.0 : 1.0;
+    switch (kind) {
+    case NEPH_PHASE_RAYLEIGH:
+        return 0.799372013 * 4.0 / 3.0; /* the mean over the sphere of 0.799372013 (1 + cos^2) */
+    case NEPH_PHASE_ISOTROPIC:
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
+        return 1.0;
+    case NEPH_PHASE_KIND_COUNT:
+        break;
+    }
+    return NAN;
 }
 
 static int povray_phase_type(enum neph_phase_kind kind)
 {
-    static const int types[] = {
-        [NEPH_PHASE_ISOTROPIC] = 1, [NEPH_PHASE_HENYEY_GREENSTEIN] = 5, [NEPH_PHASE_RAYLEIGH] = 4};
-    return types[kind];
+    switch (kind) {
+    case NEPH_PHASE_ISOTROPIC:
+        return 1;
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
+        return 5;
+    case NEPH_PHASE_RAYLEIGH:
+        return 4;
+    case NEPH_PHASE_KIND_COUNT:
+        break;
+    }
+    return 0;
 }
 
 /* ---- The text ------------------------------------------------------------------------------- */
@@ -555,6 +577,8 @@ static void write_background(struct writer *writer)
     case NEPH_POVRAY_EMISSION:
         words(writer, "rgb 0");
         break;
+    case NEPH_POVRAY_KIND_COUNT:
+        break;
     }
     words(writer, " }\n\n");
 }
@@ -617,7 +641,7 @@ static void write_scattering(struct writer *writer, const struct neph_medium *me
     named_number(writer, "    scattering { ", povray_phase_type(phase->kind), ", ");
     property(writer, neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
                                     scatters ? scale : 0.0));
-    if (phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+    if (neph_phase_has_asymmetry(phase->kind))
         named_number(writer, " eccentricity ", phase->g, "");
     words(writer, " extinction 0 }\n");
 }
@@ -824,6 +848,8 @@ static void write_texture(struct writer *writer, const struct neph_solid *solid)
         property(writer, solid->albedo);
         words(writer, " }");
         write_finish(writer, solid);
+        break;
+    case NEPH_POVRAY_KIND_COUNT:
         break;
     }
 }

@@ -60,6 +60,7 @@ enum neph_povray_kind {
     NEPH_POVRAY_EMISSION,      /* what absorbing media emit, in the dark */
     NEPH_POVRAY_TRANSMITTANCE, /* background and solids of radiance 1 through absorbing media */
     NEPH_POVRAY_DEPTH,         /* three digits, povray_exposure.h */
+    NEPH_POVRAY_KIND_COUNT,
 };
 
 /* One picture to render. All but BEAUTY and DEPTH are monochrome in three brackets. */

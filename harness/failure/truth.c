@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
+
 static bool stands_still(const struct neph_scene *scene)
 {
     for (int frame = 1; frame < scene->failing.frame_count; frame++)

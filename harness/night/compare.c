@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FOUND_COUNT == 10, "a new kind");
+_Static_assert(NEPH_JUDGED_COUNT == 5, "a new kind");
+
 enum { FINDINGS_FIRST = 64 };
 
 static const char *const found_words[] = {

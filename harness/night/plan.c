@@ -8,6 +8,9 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
+
 enum { STEPS_MAX = 512, WORDS_MAX = 24 };
 
 static const char *const suite_names[] = {

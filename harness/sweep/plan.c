@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 #define PLAN(member) offsetof(struct neph_sweep_plan, member)
 #define SERIES(member) offsetof(struct neph_sweep_series, member)
 
