@@ -22,6 +22,7 @@
 #include "harness/engines/baked_scene.h"
 #include "harness/engines/bakes.h"
 #include "harness/engines/povray_exposure.h"
+#include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_scene.h"
 #include "harness/engines/program.h"
 #include "scenes/emission.h"
@@ -962,6 +963,8 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     if (!status)
         status = neph_povray_world(session->shot.scene, shot->frame, shot->width_px,
                                    shot->height_px, intervals, &session->world, &why);
+    if (!status)
+        status = neph_povray_cut_rays(&session->world, &why);
     if (status) {
         neph_fail(diag, status, "%s%s", status == NEPH_ERR_UNSUPPORTED ? "POV-Ray cannot: " : "",
                   why.message);
@@ -1057,7 +1060,7 @@ const struct neph_engine neph_engine_povray = {
             "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
             "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/surfaces.md",
     .options = options,
-    .version = 3,
+    .version = 4,
     /* At most 256 intervals: POV-Ray ends with an error beyond. */
     .step = {.option = "intervals", .coarsest = 25, .refine = 2, .level_count = 4, .order = 2},
     .probe = probe,
