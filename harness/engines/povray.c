@@ -81,6 +81,8 @@ static const struct neph_povray_target transmittance_target = {.relative = 1e-4,
 /* Radiance: 1e-4 of the value, or 1e-6 of the brightest. */
 static const double radiance_relative = 1e-4;
 static const double radiance_of_peak = 1e-6;
+/* With lights, whose rays may be 1e6 times as bright as others, or this part of the median. */
+static const double radiance_of_median = 1e-4;
 /* Below this part of what the scene could scatter at most, a picture counts as black. */
 static const double radiance_black = 1e-13;
 
@@ -581,6 +583,8 @@ static enum neph_status add_picture(struct session *session, const char *name,
             struct neph_povray_target target = {.relative = radiance_relative,
                                                 .absolute = radiance_black * bound,
                                                 .absolute_of_peak = radiance_of_peak};
+            if (session->shot.scene->light_count > 0)
+                target.absolute_of_median = radiance_of_median;
             pass.channel = channel;
             status = expose(session, file, pass, bound, &target, &readings[channel], &wall_s, diag);
             session->cost.render_s += wall_s;

@@ -17,17 +17,17 @@ static const double mask_reach_units = 4.0;
 
 /* The midpoint rule with steps s across 1 / (h^2 + t^2) is off by 2 exp(-2 pi h / s) of it. */
 static const double heights_per_step = 2.0; /* 7e-6 */
-static const double inner_heights_per_step = 1.5;
-/* Where a piece begins at the distance a of the light, its steps are that part of a: off by
- * 1/12 of its square. */
-static const double outer_step_part = 0.15;
+/* Where a ray's way through a medium ends at the distance a of the light, or so many times that from
+ * where it is nearest, with steps of this part of a it is off by 1/12 of its square. */
+static const double end_heights = 3.0;
+static const double step_part = 0.1;
 static const double cube_ratio = 4.0;
 static const double face_gap_units = 1.0;
 static const double widening = 1.01;
 
 /* The rays that need cubes around a light. */
 struct need {
-    double nearest_m;      /* to the light, within a medium; INFINITY: no ray needs any */
+    double resolved_m;     /* the longest step that resolves them all; INFINITY: none needs any */
     double longest_step_m; /* of them */
 };
 
@@ -81,9 +81,12 @@ static enum neph_status take_ray(const struct neph_povray_world *world, int inde
         const double step_m = (t1_m - t0_m) / world->intervals;
         if (near_m * world->units_per_m < nearest_units && shines_along(light, ray.direction))
             return refuse(world, index, pixel, near_m, diag);
-        if (near_m > heights_per_step * step_m)
+        const double foot_m = neph_vec3_dot(way_m, ray.direction);
+        const bool ends_near = fmin(foot_m - t0_m, t1_m - foot_m) < end_heights * near_m;
+        const double resolved_m = near_m * (ends_near ? step_part : 1.0 / heights_per_step);
+        if (step_m < resolved_m)
             continue;
-        need->nearest_m = fmin(need->nearest_m, near_m);
+        need->resolved_m = fmin(need->resolved_m, resolved_m);
         need->longest_step_m = fmax(need->longest_step_m, step_m);
     }
     return NEPH_OK;
@@ -117,14 +120,14 @@ static bool touches_any(const struct neph_povray_world *world, const struct neph
     return false;
 }
 
-/* From a cube in whose widest chord a step resolves the nearest ray, to one outside of which the
- * uncut rays' steps do. */
+/* From a cube in whose widest chord a step resolves the nearest ray, to one outside of which those
+ * of an uncut ray do. */
 static void choose_cubes(struct neph_povray_world *world, int index, const struct need *need)
 {
     struct neph_povray_lamp *lamp = &world->lamps[index];
     const struct neph_vec3 at_m = world->scene->lights[index].position_m;
-    const double last_m = need->longest_step_m / outer_step_part;
-    double half_m = need->nearest_m * world->intervals / (2.0 * sqrt(3.0) * inner_heights_per_step);
+    const double last_m = need->longest_step_m / step_part;
+    double half_m = need->resolved_m * world->intervals / (2.0 * sqrt(3.0));
     while (lamp->cube_count < NEPH_POVRAY_CUBES_MAX) {
         struct neph_bounds cube = neph_bounds_around(at_m, half_m);
         for (int tries = 0; tries < 100 && touches_any(world, &cube); tries++) {
@@ -145,7 +148,7 @@ enum neph_status neph_povray_cut_rays(struct neph_povray_world *world, struct ne
         return NEPH_OK;
     struct need needs[NEPH_SCENE_LIGHTS_MAX];
     for (int l = 0; l < scene->light_count; l++)
-        needs[l] = (struct need){.nearest_m = INFINITY};
+        needs[l] = (struct need){.resolved_m = INFINITY};
     for (int pixel = 0; pixel < world->width_px * world->height_px; pixel++) {
         const struct neph_pixel_ray ray = neph_camera_ray(&world->camera, world->width_px,
                                                           world->height_px, pixel % world->width_px,
@@ -163,7 +166,7 @@ enum neph_status neph_povray_cut_rays(struct neph_povray_world *world, struct ne
         }
     }
     for (int l = 0; l < scene->light_count; l++)
-        if (isfinite(needs[l].nearest_m))
+        if (isfinite(needs[l].resolved_m))
             choose_cubes(world, l, &needs[l]);
     return NEPH_OK;
 }
