@@ -41,7 +41,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Of the largest that each value may be; INFINITY without memory, which leaves the peak to decide. */
+/* The median of the largest numbers that the values may be. INFINITY without memory: the peak then
+ * decides. */
 static double median_of(const struct neph_povray_reading *readings, size_t count)
 {
     double *values = malloc(count * sizeof(*values));

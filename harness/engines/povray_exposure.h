@@ -40,8 +40,8 @@ struct neph_povray_target {
     double relative;
     double absolute;         /* in the unit of the value */
     double absolute_of_peak; /* the same, as a part of the brightest value */
-    /* Where it is less, as a part of the median: beside one very bright pixel the others are read as
-     * well as alone. 0: unused. */
+    /* The same, as a part of the median, where that is less: beside one very bright pixel the
+     * others are read as well as without it. 0: unused. */
     double absolute_of_median;
 };
 

@@ -17,8 +17,9 @@ static const double mask_reach_units = 4.0;
 
 /* The midpoint rule with steps s across 1 / (h^2 + t^2) is off by 2 exp(-2 pi h / s) of it. */
 static const double heights_per_step = 2.0; /* 7e-6 */
-/* Where a ray's way through a medium ends at the distance a of the light, or so many times that from
- * where it is nearest, with steps of this part of a it is off by 1/12 of its square. */
+/* A ray's way through a medium may end near the light: at the distance a of it, or within
+ * `end_heights` a of the place where it is nearest. Steps of `step_part` a are then off by 1/12 of
+ * the square of this part. */
 static const double end_heights = 3.0;
 static const double step_part = 0.1;
 static const double cube_ratio = 4.0;

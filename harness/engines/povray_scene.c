@@ -305,7 +305,7 @@ static void write_container(struct writer *writer, const struct neph_povray_cont
     words(writer, "\n ");
 }
 
-/* ---- Lights ------------------------------------------------------------------------------------- */
+/* ---- Lights ---------------------------------------------------------------------------------- */
 
 /* Do media scatter light in this picture? */
 static bool has_scattering(const struct writer *writer)

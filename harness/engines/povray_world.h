@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A frame of a scene in POV-Ray's units: the boxes that hold the media, where their faces stand, and
- * how the rays of pixels are cut near point lights (povray_lamps.h).
+ * A frame of a scene in POV-Ray's units: the boxes that hold the media, where their faces stand,
+ * and how the rays of pixels are cut near point lights (povray_lamps.h).
  */
 #ifndef NEPH_HARNESS_ENGINES_POVRAY_WORLD_H
 #define NEPH_HARNESS_ENGINES_POVRAY_WORLD_H
