@@ -144,6 +144,24 @@ static void test_exposures_meet_the_target(void **state)
     }
 }
 
+/* One pixel is 1e8 times as bright as the others. */
+static void test_one_bright_pixel_leaves_the_others(void **state)
+{
+    (void)state;
+    enum { COUNT = 100 };
+    double values[COUNT];
+    struct neph_povray_reading readings[COUNT];
+    const struct neph_povray_target target = {
+        .relative = 1e-4, .absolute = 1e-20, .absolute_of_peak = 1e-6, .absolute_of_median = 1e-4};
+    uint64_t seed = 4;
+    for (int i = 0; i < COUNT; i++)
+        values[i] = neph_test_uniform(&seed, 1e-9, 1e-8);
+    values[17] = 1.0;
+    assert_true(expose_simulated(values, COUNT, 0.9, &target, readings) <= 4);
+    for (int i = 0; i < COUNT; i++)
+        neph_assert_close(readings[i].value, values[i], 2e-4, 0.0);
+}
+
 static void test_black_pictures_end(void **state)
 {
     (void)state;
@@ -1111,6 +1129,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_brackets_recover_values),
         cmocka_unit_test(test_exposures_meet_the_target),
         cmocka_unit_test(test_black_pictures_end),
+        cmocka_unit_test(test_one_bright_pixel_leaves_the_others),
         cmocka_unit_test(test_depth_digits_recover_depth),
         cmocka_unit_test(test_phase_constants),
         cmocka_unit_test(test_text_holds_no_string_of_the_scene),
