@@ -24,7 +24,8 @@
 static const double world_radius_units = 2e6;
 static const double photon_world_radius_units = 1e4;
 
-/* POV-Ray ignores hits nearer than 1e-3 units. */
+/* Twice what POV-Ray ignores. */
+static const double hit_units = 2e-4;
 static const double face_gap_units = 2e-3;
 static const double face_step_units = 4e-3;
 enum { face_steps_max = 1000 };
@@ -334,6 +335,24 @@ static enum neph_status check_extinctions(const struct neph_povray_world *world,
     return NEPH_OK;
 }
 
+/* A solid that a pixel's ray meets nearer than POV-Ray takes for a hit would not be seen. */
+static enum neph_status check_hits(const struct neph_povray_world *world, struct neph_diag *diag)
+{
+    const double nearest_m = hit_units / world->units_per_m;
+    for (int pixel = 0; pixel < world->width_px * world->height_px; pixel++) {
+        const int column = pixel % world->width_px, row = pixel / world->width_px;
+        const struct neph_pixel_ray ray = neph_camera_ray(&world->camera, world->width_px,
+                                                          world->height_px, column, row);
+        const double hit_m = neph_scene_hit(world->scene, ray.origin_m, ray.direction).t_m;
+        if (hit_m < nearest_m)
+            return neph_fail(
+                diag, NEPH_ERR_UNSUPPORTED,
+                "the ray of pixel (%d, %d) meets a solid at %.3g m, nearer than %.2g m", column,
+                row, hit_m, nearest_m);
+    }
+    return NEPH_OK;
+}
+
 /* Planar depth of the farthest corner of a solid's box. */
 static double solid_depth_m(const struct neph_solid *solid, const struct neph_camera *camera)
 {
@@ -378,6 +397,8 @@ enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, in
     if (status)
         return status;
     status = check_extinctions(&made, diag);
+    if (!status && scene->solid_count > 0)
+        status = check_hits(&made, diag);
     if (status)
         return status;
     choose_depth_range(&made);

@@ -475,6 +475,22 @@ static void test_crowds_of_origins_are_refused(void **state)
     assert_non_null(strstr(diag.message, "the face y = 0 m of medium 1"));
 }
 
+/* An eye 1e-10 m above a ground is told the pixel that would not see it. */
+static void test_eye_on_a_solid_is_refused(void **state)
+{
+    (void)state;
+    struct test_scene stage;
+    struct neph_diag diag = {0};
+    struct neph_povray_world world;
+    set_stage(&stage, (struct neph_vec3){0.0, 1e-10, 0.0}, (struct neph_vec3){0.0, 2.0, -3.0});
+    add_box(&stage, (struct neph_bounds){{-5.0, -1.0, -5.0}, {5.0, 0.0, 5.0}}, 0.5);
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, &diag), &diag);
+    stage.key.look_at_m.y = -2.0;
+    assert_int_equal(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "the ray of pixel (0, 0) meets a solid at"));
+}
+
 /* A lamp in the fog on the ray of a pixel; a spot there that shines across the ray is none. */
 static void test_lights_on_rays_are_refused(void **state)
 {
@@ -1140,6 +1156,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_faces_keep_off_the_eye),
         cmocka_unit_test(test_crowds_of_origins_are_refused),
         cmocka_unit_test(test_lights_on_rays_are_refused),
+        cmocka_unit_test(test_eye_on_a_solid_is_refused),
         cmocka_unit_test(test_text_near_eyes_and_lights),
         cmocka_unit_test(test_what_it_can_render),
         cmocka_unit_test(test_which_surfaces_it_can_render),
