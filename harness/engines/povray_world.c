@@ -345,10 +345,10 @@ static enum neph_status check_hits(const struct neph_povray_world *world, struct
                                                           world->height_px, column, row);
         const double hit_m = neph_scene_hit(world->scene, ray.origin_m, ray.direction).t_m;
         if (hit_m < nearest_m)
-            return neph_fail(
-                diag, NEPH_ERR_UNSUPPORTED,
-                "the ray of pixel (%d, %d) meets a solid at %.3g m, nearer than %.2g m", column,
-                row, hit_m, nearest_m);
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                             "an eye on a solid: a pixel's ray meets it at %.3g m, nearer than "
+                             "%.2g m",
+                             hit_m, nearest_m);
     }
     return NEPH_OK;
 }
