@@ -22,6 +22,7 @@
 #include "harness/engines/baked_scene.h"
 #include "harness/engines/bakes.h"
 #include "harness/engines/povray_exposure.h"
+#include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_scene.h"
 #include "harness/engines/program.h"
 #include "scenes/emission.h"
@@ -85,6 +86,8 @@ static const struct neph_povray_target transmittance_target = {.relative = 1e-4,
 /* Radiance: 1e-4 of the value, or 1e-6 of the brightest. */
 static const double radiance_relative = 1e-4;
 static const double radiance_of_peak = 1e-6;
+/* With lights, whose rays may be 1e6 times as bright as others, or this part of the median. */
+static const double radiance_of_median = 1e-4;
 /* Below this part of what the scene could scatter at most, a picture counts as black. */
 static const double radiance_black = 1e-13;
 
@@ -592,6 +595,8 @@ static enum neph_status add_picture(struct session *session, const char *name,
             struct neph_povray_target target = {.relative = radiance_relative,
                                                 .absolute = radiance_black * bound,
                                                 .absolute_of_peak = radiance_of_peak};
+            if (session->shot.scene->light_count > 0)
+                target.absolute_of_median = radiance_of_median;
             pass.channel = channel;
             status = expose(session, file, pass, bound, &target, &readings[channel], &wall_s, diag);
             session->cost.render_s += wall_s;
@@ -974,6 +979,8 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     if (!status)
         status = neph_povray_world(session->shot.scene, shot->frame, shot->width_px,
                                    shot->height_px, intervals, &session->world, &why);
+    if (!status)
+        status = neph_povray_cut_rays(&session->world, &why);
     if (status) {
         neph_fail(diag, status, "%s%s", status == NEPH_ERR_UNSUPPORTED ? "POV-Ray cannot: " : "",
                   why.message);
@@ -1069,7 +1076,7 @@ const struct neph_engine neph_engine_povray = {
             "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
             "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/surfaces.md",
     .options = options,
-    .version = 3,
+    .version = 4,
     /* At most 256 intervals: POV-Ray ends with an error beyond. */
     .step = {.option = "intervals", .coarsest = 25, .refine = 2, .level_count = 4, .order = 2},
     .probe = probe,
