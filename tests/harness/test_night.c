@@ -406,7 +406,7 @@ static void compare(struct bench *bench, int64_t night, int64_t against,
 {
     struct neph_diag diag = {0};
     *comparison = (struct neph_night_comparison){.night = 0};
-    neph_assert_ok(neph_night_compare(bench->index, night, against, alpha, comparison, &diag),
+    neph_assert_ok(neph_night_compare(bench->index, night, against, NULL, alpha, comparison, &diag),
                    &diag);
 }
 
@@ -428,7 +428,7 @@ static void test_a_night_without_a_baseline_compares_nothing(void **state)
     assert_int_equal(c.compared, 1);
     assert_true(c.passes);
     neph_night_comparison_finish(&c);
-    assert_int_equal(neph_night_compare(bench.index, night, 99, alpha, &c, NULL),
+    assert_int_equal(neph_night_compare(bench.index, night, 99, NULL, alpha, &c, NULL),
                      NEPH_ERR_NOT_FOUND);
     neph_night_comparison_finish(&c);
     close_bench(&bench);
