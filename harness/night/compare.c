@@ -210,15 +210,17 @@ static void take_accepted_kind(struct candidate *c, const char *word)
         c->series.kind = kind;
 }
 
-/* The nights from the accepted one on; a place for each, also for those without the number. */
+/* The accepted night and those after the accepted night of all, so that means over scenes are over
+ * the same nights; a place for each, also for those without the number. */
 static enum neph_status read_past(struct work *work, struct candidate *c, struct neph_diag *diag)
 {
     int64_t nights = 0;
     struct neph_query *query = NULL;
     enum neph_status status = neph_database_count(
         work->index, &nights, diag,
-        "SELECT count(*) FROM nights WHERE ended_utc != '' AND id >= ? AND id < ?", "ii",
-        c->accepted, work->comparison->night);
+        "SELECT count(*) FROM nights WHERE ended_utc != '' AND (id = ? OR id > max(?, ?)) AND id < "
+        "?",
+        "iiii", c->accepted, c->accepted, work->comparison->baseline, work->comparison->night);
     c->past = calloc((size_t)nights + 1, sizeof(*c->past));
     c->errors = calloc((size_t)nights + 1, sizeof(*c->errors));
     c->aside = calloc((size_t)nights + 1, sizeof(*c->aside));
@@ -230,10 +232,10 @@ static enum neph_status read_past(struct work *work, struct candidate *c, struct
             "SELECT m.value, m.standard_error, m.environment, m.judgement, m.night IS NOT NULL, "
             "m.kind FROM "
             "nights LEFT JOIN measurements AS m ON m.night = nights.id AND m.series = (SELECT id "
-            "FROM series WHERE name = ?) WHERE ended_utc != '' AND nights.id >= ? AND nights.id < "
-            "? "
-            "ORDER BY nights.id",
-            "sii", c->name, c->accepted, work->comparison->night);
+            "FROM series WHERE name = ?) WHERE ended_utc != '' AND (nights.id = ? OR nights.id > "
+            "max(?, ?)) AND nights.id < ? ORDER BY nights.id",
+            "siiii", c->name, c->accepted, c->accepted, work->comparison->baseline,
+            work->comparison->night);
     int at = 0;
     for (; !status && at < nights && neph_query_next(query, &status, diag); at++) {
         const bool is_there = neph_query_integer(query, 4) != 0;
@@ -296,8 +298,9 @@ static enum neph_status find_failed_steps(struct work *work, struct neph_diag *d
     struct neph_query *query = NULL;
     enum neph_status status = neph_query_begin(
         work->index, &query, diag,
-        "SELECT name, outcome, reason FROM steps WHERE night = ? AND outcome != 'done'", "i",
-        work->comparison->night);
+        "SELECT name, outcome, reason FROM steps WHERE night = ? AND outcome NOT IN ('done', 'not "
+        "run')",
+        "i", work->comparison->night);
     while (!status && neph_query_next(query, &status, diag)) {
         const char *name = neph_arena_text(arena, neph_query_text(query, 0));
         find(work, NEPH_FOUND_STEP, name, name,

@@ -30,10 +30,13 @@ enum neph_status neph_accepted_night(struct neph_database *index, int64_t night,
         return NEPH_OK;
     }
     *accepted = 0;
-    return neph_database_count(index, accepted, diag,
-                               "SELECT night FROM acceptances WHERE series IN ('*', ?) AND night < "
-                               "? AND night IN (SELECT id FROM nights) ORDER BY id DESC LIMIT 1",
-                               "si", series, night);
+    return neph_database_count(
+        index, accepted, diag,
+        "SELECT night FROM acceptances AS a WHERE series IN ('*', ?1) AND night < ?2 AND night IN "
+        "(SELECT id FROM nights) AND NOT (series = '*' AND EXISTS (SELECT 1 FROM steps AS t WHERE "
+        "t.night = a.night AND t.outcome != 'done' AND t.name IN (SELECT step FROM measurements "
+        "WHERE series = (SELECT id FROM series WHERE name = ?1)))) ORDER BY id DESC LIMIT 1",
+        "si", series, night);
 }
 
 /* ---- names ----------------------------------------------------------------------------------- */
@@ -155,10 +158,11 @@ static enum neph_status read_step(const struct search *search, const char *name,
 {
     struct neph_query *query = NULL;
     *state = (struct step_state){false, false, false};
-    enum neph_status status = neph_query_begin(search->index, &query, diag,
-                                               "SELECT outcome = 'done', calibration_s IS NOT NULL "
-                                               "FROM steps WHERE night = ? AND name = ?",
-                                               "is", search->night, name);
+    enum neph_status status = neph_query_begin(
+        search->index, &query, diag,
+        "SELECT outcome = 'done', calibration_s IS NOT NULL "
+        "FROM steps WHERE night = ? AND name = ? AND outcome != 'not run'",
+        "is", search->night, name);
     if (!status && neph_query_next(query, &status, diag))
         *state = (struct step_state){true, neph_query_integer(query, 0) != 0,
                                      neph_query_integer(query, 1) != 0};
@@ -265,7 +269,8 @@ static enum neph_status look_for(struct search *search, const char *name, struct
     return status || !expected ? status : classify(search, &absent, diag);
 }
 
-/* Of the accepted night of all, and of those that were accepted for a series alone since. */
+/* Of the accepted night of all, of those that were accepted for a series alone since, and of steps
+ * that were not done in the accepted night, for which an earlier one counts. */
 static enum neph_status list_expected(struct search *search, struct neph_diag *diag)
 {
     struct neph_query *query = NULL;
@@ -274,8 +279,12 @@ static enum neph_status list_expected(struct search *search, struct neph_diag *d
         "SELECT name FROM measurements AS m JOIN series ON series.id = m.series WHERE m.night = ? "
         "UNION SELECT series FROM acceptances WHERE ? = 0 AND night < ? AND series != '*' AND id > "
         "(SELECT coalesce(max(id), 0) FROM acceptances WHERE series = '*' AND night < ? AND night "
-        "IN (SELECT id FROM nights)) ORDER BY 1",
-        "iiii", search->baseline, search->against, search->night, search->night);
+        "IN (SELECT id FROM nights)) UNION SELECT name FROM measurements AS m JOIN series ON "
+        "series.id = m.series WHERE ? = 0 AND m.night IN (SELECT night FROM acceptances WHERE "
+        "series = '*' AND night < ?) AND m.step IN (SELECT name FROM steps WHERE night = ? AND "
+        "outcome != 'done') ORDER BY 1",
+        "iiiiiii", search->baseline, search->against, search->night, search->night, search->against,
+        search->night, search->baseline);
     while (!status && neph_query_next(query, &status, diag)) {
         const char *name = neph_query_text(query, 0);
         if (!is_of_tonight(search, name))

@@ -62,8 +62,9 @@ struct neph_lost_list {
     int left_out; /* of NEPH_LOSS_STEP, those of the accepted night of all */
 };
 
-/* The night whose acceptance counts for a series, its own or that of all; `against` > 0: that.
- * 0: none. */
+/* The night whose acceptance counts for a series, its own or that of all; `against` > 0: that. An
+ * acceptance of all does not count for the numbers of a step that its night has not done: the one
+ * before it does. 0: none. */
 enum neph_status neph_accepted_night(struct neph_database *index, int64_t night, int64_t against,
                                      const char *series, int64_t *accepted, struct neph_diag *diag);
 

@@ -341,6 +341,24 @@ static enum neph_status keep_judgements(struct neph_night_work *work, struct nep
     return status;
 }
 
+/* Steps of the plan that were not run: when the night is accepted, an earlier acceptance goes on
+ * for their numbers. */
+static enum neph_status keep_not_run(struct neph_night_work *work, struct neph_database *index,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < work->night->plan.count && !status; i++) {
+        const struct neph_history_step record = {.name = work->night->plan.steps[i].name,
+                                                 .outcome = neph_night_job_not_run,
+                                                 .reason = "",
+                                                 .size = "",
+                                                 .calibration_s = NAN};
+        if (!work->ran[i])
+            status = neph_history_add(index, work->night->id, &record, NULL, 0, diag);
+    }
+    return status;
+}
+
 static enum neph_status end(struct neph_night_work *work, struct neph_diag *diag)
 {
     struct neph_night *night = work->night;
@@ -349,6 +367,8 @@ static enum neph_status end(struct neph_night_work *work, struct neph_diag *diag
     enum neph_status status = neph_store_index(work->store, &index, diag);
     if (!status)
         status = keep_judgements(work, index, diag);
+    if (!status)
+        status = keep_not_run(work, index, diag);
     if (!status)
         status = list_frames(work, index, &frames, diag);
     if (!status)

@@ -29,7 +29,7 @@ struct neph_measurement {
 /* One part of a night. */
 struct neph_history_step {
     const char *name;
-    const char *outcome; /* "done", "failed", "timeout" */
+    const char *outcome; /* "done", "failed", "timeout"; "not run" of a night that is over */
     const char *reason;  /* "" when done */
     const char *size;    /* of its frames, such as "96x54" */
     double wall_s;
