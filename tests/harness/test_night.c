@@ -759,6 +759,24 @@ static void test_a_fixed_number_that_is_called_drawn_is_judged_as_before(void **
     close_bench(&bench);
 }
 
+/* By less than matters each night: the accepted night is what each is compared with. */
+static void test_a_little_worse_each_night_is_found(void **state)
+{
+    struct neph_measurement number = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    for (int i = 1; i <= 2; i++) {
+        number.value = 0.25 * (1.0 + 0.004 * i);
+        compare(&bench, add_night(&bench, &fog_step, &number, 1, true), 0, &c);
+        assert_int_equal(c.findings[0].found, i == 1 ? NEPH_FOUND_MOVED : NEPH_FOUND_WORSE);
+        neph_night_comparison_finish(&c);
+    }
+    close_bench(&bench);
+}
+
 /* Nights are in the order of their numbers, whatever the clock said. */
 static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
 {
@@ -830,6 +848,7 @@ int main(void)
         scratch_test(test_an_accepted_night_loses_no_step_that_it_had_no_time_for),
         scratch_test(test_numbers_of_another_environment),
         scratch_test(test_a_fixed_number_that_is_called_drawn_is_judged_as_before),
+        scratch_test(test_a_little_worse_each_night_is_found),
         scratch_test(test_a_clock_that_was_set_back_changes_no_verdict),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
