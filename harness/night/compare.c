@@ -64,9 +64,8 @@ struct work {
 /* ---- findings -------------------------------------------------------------------------------- */
 
 /* Worst first: by what it is, then by how far above its floor. */
-static int by_weight(const void *a_, const void *b_)
+static int by_weight(const struct neph_finding *a, const struct neph_finding *b)
 {
-    const struct neph_finding *a = a_, *b = b_;
     if (a->found != b->found)
         return a->found < b->found ? -1 : 1;
     const double of_a = isfinite(a->change) ? fabs(a->change) / fmax(a->floor, 1e-9) : 0.0;
@@ -96,8 +95,10 @@ void neph_night_add_finding(struct neph_night_comparison *comparison,
 {
     if (!make_room(comparison))
         return;
-    comparison->findings[comparison->finding_count++] = *finding;
-    qsort(comparison->findings, (size_t)comparison->finding_count, sizeof(*finding), by_weight);
+    int at = comparison->finding_count++;
+    for (; at > 0 && by_weight(&comparison->findings[at - 1], finding) > 0; at--)
+        comparison->findings[at] = comparison->findings[at - 1];
+    comparison->findings[at] = *finding;
     comparison->passes = comparison->compared > 0 &&
                          !neph_found_fails(comparison->findings[0].found);
 }

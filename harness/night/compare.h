@@ -75,7 +75,8 @@ struct neph_night_comparison {
 };
 
 /* Compare a night with the last that was accepted, or with night `against` where that is not 0.
- * `scope` NULL: no step was left out of the plan. Errors: as of database.h; NEPH_ERR_NOT_FOUND: there is no such night. */
+ * `scope` NULL: no step was left out of the plan. Errors: as of database.h; NEPH_ERR_NOT_FOUND:
+ * there is no such night. */
 enum neph_status neph_night_compare(struct neph_database *index, int64_t night, int64_t against,
                                     const struct neph_night_scope *scope, double alpha,
                                     struct neph_night_comparison *comparison,

@@ -13,8 +13,14 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char rendered[] = "tonight's program has rendered the accepted version once more, and "
-                               "its numbers are compared with the accepted ones";
+/* What became of an accepted version that was rendered. */
+static const char *words_of(struct neph_night_work *work, const char *copy)
+{
+    return neph_arena_format(&work->night->arena,
+                             "tonight's program has rendered the accepted version once more, from "
+                             "'%s', and its numbers are compared with the accepted ones",
+                             copy);
+}
 
 /* ---- the project's files with another version of a scene ------------------------------------- */
 
@@ -172,24 +178,19 @@ static enum neph_status keep(struct neph_night_work *work, const struct neph_nig
     return status;
 }
 
-static enum neph_status render(struct neph_night_work *work, const struct neph_night_edit *edit,
-                               int index, struct neph_night_numbers *numbers,
+static enum neph_status render(struct neph_night_work *work, const struct neph_history_scene *scene,
+                               const char *copy, int index, struct neph_night_numbers *numbers,
                                struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->night->arena;
-    struct neph_history_scene scene;
-    const char *path = NULL, *copy = NULL;
+    const char *path = NULL;
     char *output = realpath(work->folder, NULL);
     const char *folder = neph_arena_format(arena, "%s/as_accepted", output ? output : "");
-    enum neph_status status = output ? find_version(work, edit, &scene, diag)
+    enum neph_status status = output ? make_data(folder, scene, copy, arena, &path, diag)
                                      : neph_fail(diag, NEPH_ERR_IO, "cannot find '%s': %s",
                                                  work->folder, strerror(errno));
-    if (!status) {
-        copy = neph_scene_copy_path(neph_store_folder(work->store), &scene, arena);
-        status = make_data(folder, &scene, copy, arena, &path, diag);
-    }
     if (!status)
-        status = check_version(path, &scene, diag);
+        status = check_version(path, scene, diag);
     if (!status)
         status = measure(work, index, folder, numbers, diag);
     if (output)
@@ -229,25 +230,28 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
 {
     struct neph_night_numbers numbers = {.count = 0, .size = ""};
     struct neph_diag why = {.line = 0};
+    struct neph_history_scene scene;
+    const char *copy = "";
     bool done = false;
     const int index = find_step(work, edit->step);
     const double start_s = neph_wall_s(),
                  left_s = work->params->budget_s - (start_s - work->start_s);
     enum neph_status status = was_done(work, edit, &done, diag);
-    if (status || done) {
-        edit->words = rendered;
+    if (status || index < 0)
         return status;
-    }
-    if (index < 0)
-        return NEPH_OK;
-    if (neph_night_step_cost(&work->night->plan.steps[index], &work->history[index]) > left_s) {
+    status = find_version(work, edit, &scene, &why);
+    if (!status)
+        copy = neph_scene_copy_path(neph_store_folder(work->store), &scene, &work->night->arena);
+    if (!done &&
+        neph_night_step_cost(&work->night->plan.steps[index], &work->history[index]) > left_s) {
         edit->words = "no time was left to render the accepted version once more";
         return NEPH_OK;
     }
-    status = render(work, edit, index, &numbers, &why);
+    if (!status && !done)
+        status = render(work, &scene, copy, index, &numbers, &why);
     if (!status) {
-        edit->words = rendered;
-        return keep(work, edit, &numbers, neph_wall_s() - start_s, diag);
+        edit->words = words_of(work, copy);
+        return done ? NEPH_OK : keep(work, edit, &numbers, neph_wall_s() - start_s, diag);
     }
     if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
         if (diag)

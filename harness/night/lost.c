@@ -222,8 +222,8 @@ static enum neph_status is_accepted(const struct search *search, const char *nam
     return status;
 }
 
-/* Of a scene that was edited. A number that its accepted version no longer has, rendered once more
- * by tonight's program, is missing. Durations are not measured once more. */
+/* A number that the accepted version of an edited scene no longer has, rendered once more by
+ * tonight's program, is missing. Durations are not measured once more. */
 static enum neph_status classify_edited(struct search *search, const struct absent *absent,
                                         const char *successor, struct neph_diag *diag)
 {
@@ -269,8 +269,8 @@ static enum neph_status look_for(struct search *search, const char *name, struct
     return status || !expected ? status : classify(search, &absent, diag);
 }
 
-/* Of the accepted night of all, of those that were accepted for a series alone since, and of steps
- * that were not done in the accepted night, for which an earlier one counts. */
+/* Look for the series of the accepted night, of nights that were accepted for one series since, and
+ * of steps that were not done in the accepted night, for which an earlier one counts. */
 static enum neph_status list_expected(struct search *search, struct neph_diag *diag)
 {
     struct neph_query *query = NULL;

@@ -73,15 +73,14 @@ enum neph_status neph_scene_terms(const struct neph_scene *scene, char terms[NEP
 const char *neph_scene_copy_path(const char *store_folder, const struct neph_history_scene *scene,
                                  struct neph_arena *arena)
 {
-    return neph_arena_format(arena, "%s/scenes/%s@%.8s-%.8s.yaml", store_folder, scene->scene,
-                             scene->hash, scene->terms);
+    return neph_arena_format(arena, "%s/scenes/%.8s-%.8s/%s.yaml", store_folder, scene->hash,
+                             scene->terms, scene->scene);
 }
 
-static enum neph_status write_copy(const char *store_folder, const char *from, const char *to,
-                                   struct neph_diag *diag)
+static enum neph_status write_copy(const char *from, const char *to, struct neph_diag *diag)
 {
     static const size_t scene_limit_bytes = 64 << 20;
-    char *folder = neph_path_join(store_folder, "scenes"), *text = NULL;
+    char *folder = neph_format("%.*s", (int)(strrchr(to, '/') - to), to), *text = NULL;
     size_t size = 0;
     enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
     if (!status)
@@ -109,7 +108,7 @@ enum neph_status neph_scene_copy_keep(const char *store_folder, const char *name
         const char *path = neph_scene_copy_path(store_folder, row, arena);
         status = neph_arena_check(arena, diag);
         if (!status && !neph_path_exists(path))
-            status = write_copy(store_folder, scene->path, path, diag);
+            status = write_copy(scene->path, path, diag);
     }
     neph_scene_destroy(scene);
     return status;

@@ -3,7 +3,7 @@
  * The store's copies of the scene files that nights have measured. A later night whose scene was
  * edited renders the accepted version once more from its copy.
  *
- *   STORE/scenes/<name>@<hash>-<terms>.yaml    the file, byte by byte; eight digits of each
+ *   STORE/scenes/<hash>-<terms>/<name>.yaml    the file, byte by byte; eight digits of each
  *
  * Files that a scene names, such as volumes, are not copied: a copy is used only if it still has
  * the hash of the scene.

@@ -91,9 +91,9 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
                                   struct neph_diag *diag);
 
 /* Accept a night that is over as the baseline of `series`, or of all ("*"). A series that only an
- * earlier accepted night has measured is accepted as lost: later nights do not miss it. The document
- * is written twice, and holds a digest of the night's document. NEPH_ERR_NOT_FOUND: there is no such
- * night, or neither it nor an accepted night has measured the series. */
+ * earlier accepted night has measured is accepted as lost: later nights do not miss it. The
+ * document is written twice, and holds a digest of the night's document. NEPH_ERR_NOT_FOUND: there
+ * is no such night, or neither it nor an accepted night has measured the series. */
 enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag);

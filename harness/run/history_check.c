@@ -258,7 +258,7 @@ static void free_names(struct dirent **names, int count)
     free(names);
 }
 
-/* Of rows, documents and copies. */
+/* The highest number of a row, a document or a copy. */
 static enum neph_status find_last_acceptance(const struct check *check, int64_t *last,
                                              struct neph_diag *diag)
 {
