@@ -85,14 +85,18 @@ static enum neph_status make_data(const char *folder, const struct neph_history_
     return status;
 }
 
-/* A volume that the file names may be another by now. */
+/* The copy may have been edited, and a volume that it names may be another by now. */
 static enum neph_status check_version(const char *path, const struct neph_history_scene *scene,
                                       struct neph_diag *diag)
 {
+    char terms[NEPH_HASH_HEX_SIZE] = "";
     struct neph_scene *loaded = NULL;
     enum neph_status status = neph_data_load_scene(path, &loaded, diag);
-    if (!status && strcmp(loaded->hash, scene->hash) != 0)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "a file that it names has changed");
+    if (!status)
+        status = neph_scene_terms(loaded, terms, diag);
+    if (!status && (strcmp(loaded->hash, scene->hash) != 0 || strcmp(terms, scene->terms) != 0))
+        status = neph_fail(diag, NEPH_ERR_INPUT,
+                           "its copy, or a file that it names, has changed since");
     neph_scene_destroy(loaded);
     return status;
 }
@@ -156,6 +160,27 @@ static enum neph_status measure(struct neph_night_work *work, int index, const c
                                    neph_night_limit_s(work, index), numbers, diag);
     free(place);
     return status;
+}
+
+/* Numbers of the failure suite are named by the hash that the scene has in the project, as its
+ * results have none. What is of another version than the accepted one is left out. */
+static void name_accepted(const struct neph_night_edit *edit,
+                          const struct neph_history_scene *scene, struct neph_arena *arena,
+                          struct neph_night_numbers *numbers)
+{
+    const char *accepted = neph_arena_format(arena, "@%.8s/", scene->hash);
+    const char *edited = neph_arena_format(arena, "%s/", strchr(edit->after, '@'));
+    int count = 0;
+    for (int i = 0; i < numbers->count && accepted && edited; i++) {
+        struct neph_measurement *number = &numbers->list[i];
+        const char *at = strstr(number->series, edited);
+        if (at)
+            number->series = neph_arena_format(arena, "%.*s%s%s", (int)(at - number->series),
+                                               number->series, accepted, at + strlen(edited));
+        if (number->series && strstr(number->series, accepted))
+            numbers->list[count++] = *number;
+    }
+    numbers->count = count;
 }
 
 static enum neph_status keep(struct neph_night_work *work, const struct neph_night_edit *edit,
@@ -250,6 +275,7 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
     if (!status && !done)
         status = render(work, &scene, copy, index, &numbers, &why);
     if (!status) {
+        name_accepted(edit, &scene, &work->night->arena, &numbers);
         edit->words = words_of(work, copy);
         return done ? NEPH_OK : keep(work, edit, &numbers, neph_wall_s() - start_s, diag);
     }

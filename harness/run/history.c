@@ -662,6 +662,14 @@ static enum neph_status check_acceptable(struct neph_database *index, const char
     return status;
 }
 
+/* It is accepted without its copy, too. */
+static void write_copy(const char *store_folder, int64_t number, const json_t *document)
+{
+    struct neph_diag why = {.line = 0};
+    if (neph_document_write(store_folder, NEPH_DOCUMENT_COPY, number, document, &why))
+        neph_progress_warn("acceptance %lld has no copy: %s", (long long)number, why.message);
+}
+
 /* Number, document and rows while nobody else writes: of two at once, each has its own. */
 static enum neph_status number_acceptance(struct neph_database *index, const char *store_folder,
                                           json_t *document, struct neph_diag *diag)
@@ -674,9 +682,9 @@ static enum neph_status number_acceptance(struct neph_database *index, const cha
     if (!status)
         status = neph_json_put(document, "acceptance", json_integer(number), diag);
     if (!status)
-        status = neph_document_write(store_folder, NEPH_DOCUMENT_COPY, number, document, diag);
-    if (!status)
         status = write_new_document(store_folder, NEPH_DOCUMENT_ACCEPTANCE, number, document, diag);
+    if (!status)
+        write_copy(store_folder, number, document);
     return status ? status : insert_acceptance(index, number, document, diag);
 }
 

@@ -15,6 +15,8 @@ import sys
 import tempfile
 import unittest
 
+from night import of_the_night
+
 NEPH = os.environ["NEPH"]
 SOURCES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 sys.dont_write_bytecode = True
@@ -105,9 +107,10 @@ class Attacks(unittest.TestCase):
         (cls.root / "program").chmod(0o755)
 
     @classmethod
-    def neph(cls, *arguments, code=0):
-        nothing = {"PATH": "/nonexistent", "VK_DRIVER_FILES": "/nonexistent",
-                   "VK_ICD_FILENAMES": "/nonexistent"}
+    def neph(cls, *arguments, code=0, device=False):
+        none = {} if device else {"VK_DRIVER_FILES": "/nonexistent",
+                                  "VK_ICD_FILENAMES": "/nonexistent"}
+        nothing = {"PATH": "/nonexistent", **none}
         done = subprocess.run([NEPH, *map(str, arguments), "-o", str(cls.out)], text=True,
                               capture_output=True, timeout=120,
                               env={**os.environ, **nothing, "NEPH_DATA_DIR": str(cls.data),
@@ -116,9 +119,9 @@ class Attacks(unittest.TestCase):
                                         f"{done.stderr}"
         return done
 
-    def night(self, *arguments, code=1, plan=PLAN):
+    def night(self, *arguments, code=1, plan=PLAN, device=False):
         """What the night finds: words by kind and series."""
-        self.neph("nightly", "-q", "--once", *plan, *arguments, code=code)
+        self.neph("nightly", "-q", "--once", *plan, *arguments, code=code, device=device)
         return self.findings()
 
     def findings(self):
@@ -218,6 +221,33 @@ class Attacks(unittest.TestCase):
         found = self.night()
         self.assertNotIn(self.series("zz_haze"), found["worse"])
         self.assertIn("could not be rendered once more", "".join(found["edited"].values()))
+
+    @of_the_night
+    def test_scenes_of_the_other_suites_are_edited(self):
+        """On a device. The accepted versions give the accepted numbers, to the last bit."""
+        folder = self.data / "scenes/failure"
+        shutil.copy(SOURCES / "scenes/failure/fog_none.yaml", folder)
+        self.addCleanup((folder / "fog_none.yaml").unlink)
+        shutil.copy(SOURCES / "scenes/catalog/voxel_grid.yaml", self.catalog)
+        shutil.rmtree(self.out)
+        plan = ("--only", "failure fog_none", "--only", "sweep voxel_grid", "--size", "16x9")
+        self.night(plan=plan, device=True)
+        self.neph("baseline", "accept", "--why", "looked at")
+        accepted = self.values()
+        for scene in (folder / "fog_none.yaml", self.catalog / "voxel_grid.yaml"):
+            text = scene.read_text()
+            scene.write_text(re.sub(r"(vertical_fov_deg: \d+)", r"\g<1>.5", text))
+        found = self.night(plan=plan, device=True)
+        self.assertEqual({kind: {name.split("@")[0] for name in series}
+                          for kind, series in found.items()},
+                         {"edited": {"failure/fog_none", "sweep/voxel_grid"}})
+        values = self.values()
+        self.assertEqual(len(values), 2 * len(accepted))
+        self.assertEqual({name: values[name] for name in accepted}, accepted)
+
+    def values(self):
+        data = json.loads((self.out / "nightly/nightly.json").read_text())
+        return {row["series"]: row["tonight"] for row in data["series"]}
 
     def test_a_gate_is_loosened(self):
         self.begin("alone")
