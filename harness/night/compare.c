@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/night/compare.h"
 
+#include "harness/night/environment.h"
 #include "harness/night/readers.h"
-#include "metrics/significance.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -137,23 +137,6 @@ static enum neph_status accepted_night(struct work *work, const char *series, in
                                diag);
 }
 
-/* Two environments that differ by the revision of an engine of ours are one: a change of this
- * program is judged, whether or not its revision was raised. */
-static bool is_same_environment(const char *a, const char *b)
-{
-    static const char revision[] = ", revision ";
-    const size_t length = sizeof(revision) - 1;
-    while (*a && *a == *b) {
-        if (strncmp(a, revision, length) == 0 && strncmp(b, revision, length) == 0) {
-            a += length + strspn(a + length, "0123456789");
-            b += length + strspn(b + length, "0123456789");
-        } else {
-            a++, b++;
-        }
-    }
-    return *a == *b;
-}
-
 /* Engines of one version and device are one program. */
 static const char *family_of(struct neph_arena *arena, const char *environment)
 {
@@ -241,7 +224,7 @@ static enum neph_status read_past(struct work *work, struct candidate *c, struct
     for (; !status && at < nights && neph_query_next(query, &status, diag); at++) {
         const bool is_there = neph_query_integer(query, 4) != 0;
         const bool same = is_there &&
-                          is_same_environment(neph_query_text(query, 2), c->environment);
+                          neph_is_same_environment(neph_query_text(query, 2), c->environment);
         c->past[at] = same ? neph_query_real(query, 0) : NAN;
         c->errors[at] = same ? neph_query_real(query, 1) : NAN;
         c->aside[at] = neph_query_text(query, 3)[0] != '\0';
@@ -486,49 +469,16 @@ static const char *words_of(struct neph_arena *arena, const struct candidate *c,
 
 /* ---- another environment --------------------------------------------------------------------- */
 
-/* What an environment says of the samples of a frame: between the first "; " and the truth. */
-static size_t note_of(const char *environment, const char **note)
-{
-    const char *against = strstr(environment, "; against ");
-    *note = strstr(environment, "; ");
-    if (!*note || *note == against)
-        return 0;
-    return against ? (size_t)(against - *note) : strlen(*note);
-}
-
-static bool has_same_note(const char *a, const char *b)
-{
-    const char *note_a, *note_b;
-    const size_t length = note_of(a, &note_a);
-    return length == note_of(b, &note_b) && (length == 0 || strncmp(note_a, note_b, length) == 0);
-}
-
-/* Drawn numbers of two environments by their standard errors, at a tenth of the night's level. */
-static bool is_more_than_chance(const struct work *work, const struct candidate *c,
-                                double difference)
-{
-    if (c->series.kind == NEPH_SERIES_FIXED)
-        return true;
-    const double error = hypot(c->series.standard_error, c->other_error);
-    return isfinite(error) && error > 0.0 && neph_normal_p(difference / error) <= 0.1 * work->alpha;
-}
-
-/* A number of another environment is not judged. One that is worse all the same fails the night: a
- * regression does not pass because a version was raised together with it. Durations depend on the
- * machine, and frames of fewer samples are noisier. */
+/* A number of another environment that is worse all the same fails the night: a regression does not
+ * pass because a version was raised together with it. */
 static void compare_elsewhere(struct work *work, const struct candidate *c)
 {
-    const double before = c->other_value, difference = c->series.tonight - before;
-    const double least = neph_series_rule(c->series.kind)->least;
-    const struct neph_judgement change = {
-        .baseline = before, .change = difference / fmax(fabs(before), c->series.unit)};
-    const bool worse = c->series.is_signed ? fabs(c->series.tonight) > fabs(before)
-                                           : difference > 0.0;
-    if (c->series.kind == NEPH_SERIES_TIMED || c->is_picture || !isfinite(difference) || !worse ||
-        !has_same_note(c->environment, c->other_environment) || fabs(change.change) < least ||
-        !is_more_than_chance(work, c, difference))
-        return;
     struct neph_arena *arena = &work->comparison->arena;
+    struct neph_judgement change;
+    if (c->is_picture ||
+        !neph_is_worse_elsewhere(&c->series, c->environment, c->other_value, c->other_error,
+                                 c->other_environment, work->alpha, &change))
+        return;
     const struct neph_finding finding = {
         .found = NEPH_FOUND_WORSE_ELSEWHERE,
         .series = c->name,
@@ -537,10 +487,10 @@ static void compare_elsewhere(struct work *work, const struct candidate *c)
                                    words_of(arena, c, &change), c->environment,
                                    c->other_environment),
         .tonight = c->series.tonight,
-        .baseline = before,
+        .baseline = change.baseline,
         .change = change.change,
         .p = NAN,
-        .floor = least,
+        .floor = change.floor,
         .standard_error = c->series.standard_error,
         .example = c->name,
         .accepted = c->accepted};

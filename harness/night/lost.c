@@ -118,7 +118,7 @@ struct absent {
     bool is_timed;
 };
 
-/* False: the night that counts for it has not measured it, so that nobody expects it. */
+/* False: the night that counts for it has not measured it, so that it is not expected. */
 static enum neph_status read_absent(const struct search *search, const char *name,
                                     struct absent *absent, bool *expected, struct neph_diag *diag)
 {
@@ -136,7 +136,7 @@ static enum neph_status read_absent(const struct search *search, const char *nam
             "iis", search->night, absent->accepted, name);
     if (!status && neph_query_next(query, &status, diag)) {
         const char *step = neph_query_text(query, 0), *end = strstr(step, neph_as_accepted);
-        /* The accepted version of a scene whose edit was accepted with it is done with. */
+        /* An edit that was accepted ends the comparison with the version before it. */
         *expected = !end || absent->accepted != search->baseline;
         absent->step = end ? neph_arena_format(search->arena, "%.*s", (int)(end - step), step)
                            : neph_arena_text(search->arena, step);

@@ -40,8 +40,8 @@ PROGRAM = """#!/bin/sh
 if [ "$1" = --version ]; then echo {version}; else {does}; fi
 """
 
-# The first is in both tiers, the second in the full one alone. Both are ours, and not the
-# project's.
+# The first is in both tiers, the second only in the full one. Both are written here, and are not
+# the project's scenes of these names.
 SCENES = {"voxel_grid": 0.01, "zz_haze": 0.02}
 PLAN = ("--tier", "full", "--only", "catalog voxel_grid", "--only", "catalog zz", "--size", "8x6",
         "-e", "command")

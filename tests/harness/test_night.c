@@ -722,6 +722,8 @@ static void test_numbers_of_another_environment(void **state)
          "V; 8 samples; "
          "against W",
          NEPH_FOUND_ENVIRONMENT, true},
+        {"radiance rel_rmse/exact", "fixed", 0.25, 0.35, NAN, "V; against W",
+         "V; a look; against W", NEPH_FOUND_WORSE_ELSEWHERE, false},
         {"time", "timed", 1.0, 9.0, NAN, "V; on A", "V; on B", NEPH_FOUND_ENVIRONMENT, true},
         {"radiance rel_rmse/exact", "fixed", 0.25, 0.2501, NAN, "V, revision 9, CPU; against W",
          "V, revision 10, CPU; against W", NEPH_FOUND_MOVED, true},
