@@ -172,10 +172,12 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
         size = neph_arena_format(making->arena, "%dx%d", making->params->width_px,
                                  making->params->height_px);
     struct neph_night_step *step = &making->plan->steps[making->plan->count++];
-    *step = (struct neph_night_step){.suite = suite,
-                                     .name = name,
-                                     .guess_s = suites[suite].guess_s,
-                                     .guess_series = suites[suite].guess_series};
+    *step = (struct neph_night_step){
+        .suite = suite,
+        .name = name,
+        .scene = suite == NEPH_NIGHT_PHYSICS ? NULL : neph_arena_text(making->arena, of),
+        .guess_s = suites[suite].guess_s,
+        .guess_series = suites[suite].guess_series};
     const char *const own[] = {neph_arena_text(making->arena, of), size ? "--size" : NULL, size};
     add_words(making, step, suites[suite].before, 4);
     add_words(making, step, own, 3);

@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "harness/progress.h"
 #include "harness/run/history.h"
+#include "harness/run/history_check.h"
 #include "harness/run/store_entry.h"
 
 #include <dirent.h>
@@ -55,7 +56,12 @@ static const char *const steps[] = {
     "  id INTEGER PRIMARY KEY, series TEXT NOT NULL, night INTEGER NOT NULL,"
     "  who TEXT NOT NULL, when_utc TEXT NOT NULL, why TEXT NOT NULL) STRICT;",
     /* The key of the picture that a number is of, of a sequence the last; '' when it is of none. */
-    "ALTER TABLE measurements ADD COLUMN frame TEXT NOT NULL DEFAULT '';", NULL};
+    "ALTER TABLE measurements ADD COLUMN frame TEXT NOT NULL DEFAULT '';",
+    /* The scene of a step, and the store's copy of its file (night/scene_copy.h). */
+    "CREATE TABLE night_scenes ("
+    "  night INTEGER NOT NULL REFERENCES nights (id), step TEXT NOT NULL, scene TEXT NOT NULL,"
+    "  hash TEXT NOT NULL, terms TEXT NOT NULL, PRIMARY KEY (night, step)) STRICT, WITHOUT ROWID;",
+    NULL};
 
 /* ---- a frame's record as rows ---------------------------------------------------------------- */
 
