@@ -137,8 +137,9 @@ static struct difference compare(const struct test_scene *stage, const struct ne
  * the brackets' 1e-4, or 1e-6 of the brightest. A face is moved by 4e-3 units, 1e-8 m in the scenes
  * here, and 1 m of their media scatters less than 0.1 of the sun's 1 W/m^2. */
 static const struct tolerance on_a_face = {6.5e-4, 5e-8, 1e-9};
-/* Fog without bounds is cut at 16 scale heights, which 250 midpoints are few for. */
-static const struct tolerance without_bounds = {6.5e-3, 5e-8, 1e-9};
+/* Fog without bounds is cut at 16 scale heights, more along a slanted ray, which 250 midpoints are
+ * few for: a pixel of the frames here is off by 9e-3, and by 25 times as much with 50. */
+static const struct tolerance without_bounds = {2e-2, 5e-8, 1e-9};
 /* The brackets' half quantum of an eighth of full scale. */
 static const double coarse_transmittance = 6.3e-5;
 
