@@ -850,7 +850,7 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
     if (!status)
         status = add_pixel_aspect(created, context, diag);
     if (!status)
-        status = neph_exr_hear_attributes(stream->header, stream->header_bytes, created, diag);
+        status = neph_exr_interpret_attributes(stream->header, stream->header_bytes, created, diag);
     if (!status)
         status = add_header(created, &layout, context, stream, diag);
     if (!status && (result = read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
