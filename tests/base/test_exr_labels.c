@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What an OpenEXR file says of itself beside its pixels: interpreted, kept when the image is written
- * again, or refused.
- */
+ * What an OpenEXR file says of itself beside its pixels: interpreted, kept when the image is
+ * written again, or refused.
+ * */
 #include "tests/base/scratch.h"
 
 #include "base/colour_space.h"
