@@ -769,6 +769,22 @@ static bool is_plain(const struct neph_file_header *header, const struct layout 
            header->screen_width == 1.0f && header->attribute_bytes == 0;
 }
 
+/* Whether the library has found the same attributes: it takes those of a fixed size for as long as
+ * that, whatever length the file gives them. */
+static bool has_same_attributes(exr_const_context_t context, const struct stream *stream)
+{
+    struct neph_exr_attribute attribute;
+    const exr_attribute_t *found = NULL;
+    int32_t expected = -1, count = 0;
+    exr_get_attribute_count(context, ONLY_PART, &expected);
+    for (size_t at = 0;
+         neph_exr_next_attribute(stream->header, stream->header_bytes, &at, &attribute); count++)
+        if (exr_get_attribute_by_name(context, ONLY_PART, attribute.name, &found) !=
+            EXR_ERR_SUCCESS)
+            return false;
+    return count == expected;
+}
+
 /* For when the image is written again. Most files have nothing for it. */
 static enum neph_status add_header(struct neph_image *image, const struct layout *layout,
                                    exr_const_context_t context, const struct stream *stream,
@@ -799,8 +815,9 @@ static enum neph_status add_header(struct neph_image *image, const struct layout
         image->header = NULL;
         return neph_fail_memory(diag);
     }
-    header.attribute_bytes = neph_exr_keep_attributes(stream->header, stream->header_bytes,
-                                                      header.attributes);
+    if (has_same_attributes(context, stream))
+        header.attribute_bytes = neph_exr_keep_attributes(stream->header, stream->header_bytes,
+                                                          header.attributes);
     *image->header = header;
     if (is_plain(&header, layout)) {
         free(header.attributes);
@@ -833,7 +850,7 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
     if (!status)
         status = add_pixel_aspect(created, context, diag);
     if (!status)
-        status = neph_exr_hear_attributes(stream->header, stream->header_bytes, created, diag);
+        status = neph_exr_interpret_attributes(stream->header, stream->header_bytes, created, diag);
     if (!status)
         status = add_header(created, &layout, context, stream, diag);
     if (!status && (result = read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)

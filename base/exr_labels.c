@@ -120,9 +120,9 @@ static enum neph_status add_number(struct neph_image *image, const char *name, d
 }
 
 /* What standard attributes of other types than ours say. */
-static enum neph_status hear_attribute(struct neph_image *image,
-                                       const struct neph_exr_attribute *attribute,
-                                       struct neph_diag *diag)
+static enum neph_status interpret_attribute(struct neph_image *image,
+                                            const struct neph_exr_attribute *attribute,
+                                            struct neph_diag *diag)
 {
     const char *name = attribute->name;
     if (strcmp(name, "framesPerSecond") == 0)
@@ -134,13 +134,13 @@ static enum neph_status hear_attribute(struct neph_image *image,
     return NEPH_OK;
 }
 
-enum neph_status neph_exr_hear_attributes(const char *header, size_t size, struct neph_image *image,
-                                          struct neph_diag *diag)
+enum neph_status neph_exr_interpret_attributes(const char *header, size_t size,
+                                               struct neph_image *image, struct neph_diag *diag)
 {
     struct neph_exr_attribute attribute;
     enum neph_status status = NEPH_OK;
     for (size_t at = 0; !status && neph_exr_next_attribute(header, size, &at, &attribute);)
-        status = hear_attribute(image, &attribute, diag);
+        status = interpret_attribute(image, &attribute, diag);
     return status;
 }
 

@@ -16,8 +16,8 @@ bool neph_exr_is_ours(const char *name);
 
 /* Set the attributes colour_space, white_luminance and frames_per_second of base/exr.h by the bytes
  * of a header (base/exr_header.h). */
-enum neph_status neph_exr_hear_attributes(const char *header, size_t size, struct neph_image *image,
-                                          struct neph_diag *diag);
+enum neph_status neph_exr_interpret_attributes(const char *header, size_t size,
+                                               struct neph_image *image, struct neph_diag *diag);
 
 /* Copy the attributes that no image has, as they are, into `kept`, which has room for `size` bytes;
  * how many bytes these are. */

@@ -15,6 +15,7 @@
 #include "harness/progress.h"
 #include "harness/run/chain_times.h"
 #include "harness/run/showing.h"
+#include "metrics/validity.h"
 #include "renderer/post/display.h"
 
 #include <limits.h>
@@ -308,6 +309,31 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
     return NEPH_ERR_INPUT;
 }
 
+/* Channels that mean nothing to us (alpha, identifiers, layers of other programs) stay what they
+ * are, under the names of the file, in a picture of the frame's size. */
+static enum neph_status keep_strangers(const struct neph_image *frame, struct neph_image *picture,
+                                       struct neph_diag *diag)
+{
+    static const char vector[] = "vector.";
+    const bool fits = frame->width_px == picture->width_px &&
+                      frame->height_px == picture->height_px;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < frame->channel_count && fits && !status; i++) {
+        const char *name = frame->channels[i].name;
+        float *samples;
+        if (neph_validity_knows(name))
+            continue;
+        name += strncmp(name, vector, strlen(vector)) == 0 ? strlen(vector) : 0;
+        if (neph_image_channel(picture, name))
+            continue;
+        status = neph_image_add_channel(picture, name, &samples, diag);
+        if (!status)
+            memcpy(samples, frame->channels[i].samples,
+                   neph_image_pixel_count(frame) * sizeof(*samples));
+    }
+    return status;
+}
+
 static enum neph_status make(struct work *work, int index, struct neph_diag *diag)
 {
     const char *path = work->frames.paths[index];
@@ -325,6 +351,8 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
         status = check_radiance(path, frame, diag);
     if (!status)
         status = run(work, frame, index == 0, &picture, &stats, &times, diag);
+    if (!status)
+        status = keep_strangers(frame, picture, diag);
     if (!status)
         status = write(work, path, picture, diag);
     if (!status)

@@ -51,6 +51,13 @@ static enum neph_status check(const char *path, const struct neph_image *image,
 {
     struct neph_validity validity = {0};
     enum neph_status status = neph_validity_count(image, &validity, diag);
+    for (int i = 0; i < validity.channel_count; i++) { /* of strangers no value is looked at */
+        struct neph_validity_channel *channel = &validity.channels[i];
+        if (neph_validity_knows(channel->name))
+            continue;
+        validity.non_finite_count -= channel->non_finite_count;
+        channel->non_finite_count = 0;
+    }
     if (!status)
         status = neph_validity_gate(&validity, negative_allowed, diag);
     if (status == NEPH_ERR_GATE) {
@@ -219,8 +226,6 @@ enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
     if (!status)
         status = make_grey_rgb(frame, diag);
     if (!status)
-        drop_strangers(frame);
-    if (!status)
         status = mark_picture(frame, diag);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
@@ -236,7 +241,9 @@ enum neph_status neph_frame_read(const char *path, const char *layer, size_t neg
 {
     const enum neph_status status = neph_frame_read_as_written(path, layer, negative_allowed, image,
                                                                diag);
-    if (!status)
+    if (!status) {
+        drop_strangers(*image);
         mark_sky(*image);
+    }
     return status;
 }

@@ -32,7 +32,7 @@ double neph_frame_rate_hz(const struct neph_image *image);
 enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
                                  struct neph_image **image, struct neph_diag *diag);
 
-/* The same, but depth is what the file has. */
+/* The same, but depth is what the file has, and all channels are there. */
 enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
                                             size_t negative_allowed, struct neph_image **image,
                                             struct neph_diag *diag);

@@ -291,13 +291,14 @@ enum place {
     PLACE_ALIKE,   /* the same but for digits */
     PLACE_NAMES,   /* letters differ, and few have digits */
     PLACE_MAYBE_IDS,
-    PLACE_IDS, /* of one length, four or more, which do not start alike */
+    PLACE_IDS, /* of one length or hexadecimal, which do not start alike */
 };
 
 static enum place look_at_place(char *const *paths, int count, int index)
 {
     enum { ID_LENGTH_MIN = 4 };
     struct word first, word;
+    size_t shortest = SIZE_MAX;
     int mixed = 0, found = 0;
     bool alike = true, same_length = true, same_start = true, are_hex = true;
     if (!find_word(paths[0], index, &first))
@@ -307,7 +308,9 @@ static enum place look_at_place(char *const *paths, int count, int index)
             continue;
         found++;
         alike &= are_alike(paths[0], first, paths[i], word);
-        same_length &= word.tail - word.head == first.tail - first.head;
+        const size_t length = word.tail - word.head;
+        shortest = length < shortest ? length : shortest;
+        same_length &= length == first.tail - first.head;
         same_start &= paths[i][word.head] == paths[0][first.head];
         mixed += is_mixed(paths[i], &word);
         are_hex &= is_hex(paths[i], &word);
@@ -318,8 +321,8 @@ static enum place look_at_place(char *const *paths, int count, int index)
         return PLACE_ALIKE;
     if (2 * mixed < count && !(are_hex && mixed > 0))
         return PLACE_NAMES;
-    const bool is_long = first.tail - first.head >= ID_LENGTH_MIN;
-    return is_long && same_length && !same_start ? PLACE_IDS : PLACE_MAYBE_IDS;
+    const bool are_ids = shortest >= ID_LENGTH_MIN && (same_length || are_hex) && !same_start;
+    return are_ids ? PLACE_IDS : PLACE_MAYBE_IDS;
 }
 
 /* Words that each file has of its own are left aside, if the rest has one shape. */

@@ -40,6 +40,7 @@ struct shop {
     struct neph_frame_form form; /* of that frame; owned */
     bool is_picture;             /* values of a display */
     double frame_rate_hz;
+    bool has_frame_rate; /* a frame said it */
     struct neph_progress progress;
 };
 
@@ -74,14 +75,11 @@ static enum neph_status check_counts(const struct neph_viewer *view, int *frame_
 
 static void take_first(struct shop *shop, const char *path, const struct neph_image *image)
 {
-    const double rate_hz = neph_frame_rate_hz(image);
     shop->first_path = path;
     shop->made.width_px = image->width_px;
     shop->made.height_px = image->height_px;
     shop->is_picture = neph_image_attribute(image, "encoding") != NULL;
-    shop->frame_rate_hz = shop->view->own_frame_rate && !isnan(rate_hz)
-                              ? rate_hz
-                              : shop->view->viewing.frame_rate_hz;
+    shop->frame_rate_hz = shop->view->viewing.frame_rate_hz;
 }
 
 static enum neph_status check_radiance(const char *path, const struct neph_image *image,
@@ -100,12 +98,23 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
     return NEPH_ERR_INPUT;
 }
 
+/* That of the first frame that says one, where nothing else was asked for. */
+static void take_frame_rate(struct shop *shop, const struct neph_image *image)
+{
+    const double rate_hz = neph_frame_rate_hz(image);
+    if (shop->view->own_frame_rate && !shop->has_frame_rate && !isnan(rate_hz)) {
+        shop->frame_rate_hz = rate_hz;
+        shop->has_frame_rate = true;
+    }
+}
+
 /* Whether a frame lies over the others. */
 static enum neph_status check_frame(struct shop *shop, const char *path,
                                     const struct neph_image *image, struct neph_diag *diag)
 {
     if (!shop->first_path)
         take_first(shop, path, image);
+    take_frame_rate(shop, image);
     const bool is_picture = neph_image_attribute(image, "encoding") != NULL;
     if (image->width_px != shop->made.width_px || image->height_px != shop->made.height_px)
         return neph_fail(diag, NEPH_ERR_INPUT,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What an OpenEXR file says of itself beside its pixels: heard, kept when the image is written
- * again, or refused.
- */
+ * What an OpenEXR file says of itself beside its pixels: interpreted, kept when the image is
+ * written again, or refused.
+ * */
 #include "tests/base/scratch.h"
 
 #include "base/colour_space.h"
@@ -59,7 +59,7 @@ static void write_with(const char *path, const char *name, const char *type, con
     neph_image_destroy(image);
 }
 
-static void test_numbers_of_any_type_are_heard(void **state)
+static void test_numbers_of_any_type_are_read(void **state)
 {
     static const unsigned char rational[8] = {0xc0, 0x5d, 0, 0, 0xe9, 0x03, 0, 0}, /* 24000/1001 */
         nothing[8] = {24, 0, 0, 0, 0, 0, 0, 0}, negative[8] = {0xff, 0xff, 0xff, 0xff, 1, 0, 0, 0},
@@ -261,7 +261,7 @@ static void test_unknown_compressions_are_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_numbers_of_any_type_are_heard),
+        scratch_test(test_numbers_of_any_type_are_read),
         scratch_test(test_colour_spaces_by_name),
         scratch_test(test_a_file_written_again_keeps_its_header),
         scratch_test(test_a_plain_file_has_no_header),

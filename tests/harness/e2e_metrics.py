@@ -409,6 +409,10 @@ class Metrics(unittest.TestCase):
             done = neph("flicker", "-r", reference, self.folder / "test", "-m", "seen", *words)
             self.assertEqual((done.returncode, "23.976 frames a second" in done.stdout), (0, True),
                              done.stderr + done.stdout)
+        done = neph("view", plain, self.folder / "test", "-o", self.folder / "page")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        page = json.loads((self.folder / "page/data.json").read_text())
+        self.assertAlmostEqual(page["rate_hz"], 24000 / 1001, delta=1e-9)  # of 15 digits
 
     def test_of_an_animation_no_picture_is_compared(self):
         def write(name, *further):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """`neph post`: pictures of frames, what they are called, and what is refused."""
 import json
+import math
 import os
 import pathlib
 import struct
@@ -296,7 +297,9 @@ volumes:
 
         def write(left):
             path = self.root / f"at_{left}.exr"
-            channels = {c: self.values for c in "RGB"} | {"Z": [0.0, 1e10] * (WIDTH * HEIGHT // 2)}
+            half = WIDTH * HEIGHT // 2
+            channels = {c: self.values for c in "RGB"} | {
+                "Z": [0.0, 1e10] * half, "A": [0.25, 0.75] * half, "id.r": [math.nan, 3.0] * half}
             path.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, channels, further, pixel_aspect=2,
                                               corner=(left, 3), display=(20, 12)))
             return path
@@ -325,8 +328,11 @@ volumes:
             done = neph("compare", made, out / "at_5.exr", code=65)
             self.assertIn("not of the same place", done.stderr)
             neph("compare", made, made, "-m", "mae")
-        self.assertEqual(list(frames.read_exr(self.root / "out1/at_4.exr")[2]["Z"][:2]),
-                         [0.0, 1e10])
+        kept = frames.read_exr(self.root / "out1/at_4.exr")[2]
+        self.assertEqual([*kept["Z"][:2], *kept["A"][:2], kept["id.r"][1]],
+                         [0.0, 1e10, 0.25, 0.75, 3.0])
+        self.assertTrue(math.isnan(kept["id.r"][0]))
+        self.assertEqual(set(frames.read_exr(self.root / "out2/at_4.exr")[2]), set("RGB"))
         named = self.root / "ap1.exr"
         named.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {c: self.values for c in "RGB"},
                                            [("colorInteropID", "string", b"lin_ap1_scene")]))

@@ -233,6 +233,7 @@ static const struct refused {
      {"f.*"},
      NEPH_ERR_INPUT,
      "frame 2 is missing (1 from 2 to 2), the one behind 'f.0001.9e3779b1.exr'"},
+    {{"f.0001.9e3779b1.exr", "f.0003.b54a32d.exr"}, {"f.*"}, NEPH_ERR_INPUT, "frame 2 is missing"},
     {{"f.0001.9e3779b1.exr", "f.0001.1b54a32d.exr", "f.0002.7f4a7c15.exr"},
      {"f.*"},
      NEPH_ERR_INPUT,
