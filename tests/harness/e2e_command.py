@@ -201,8 +201,7 @@ data = data[:8]"""))
         precious.write_text("mine")
         for body in ("for name in ('job.json', 'depth.exr'): os.unlink(name); os.mkdir(name)",
                      f"os.unlink('program.log'); os.symlink({str(precious)!r}, 'program.log')",
-                     "os.mkdir('cannot.txt') if job['picture'] < 0 else os.chmod('.', 0)",
-                     "os.mkdir('locked'); open('locked/a', 'w'); os.chmod('locked', 0)"):
+                     "os.mkdir('a'); os.mkfifo('a/b'); os.symlink('.', 'c')"):
             with self.subTest(body):
                 program = self.program(f"write(1.0)\nif job['picture'] == 0:\n    {body}")
                 done = self.render(program, "--frames", "2")
