@@ -27,17 +27,17 @@ struct neph_child_params {
     double time_limit_s; /* <= 0: none */
 };
 
-/* Run to the end, which is the end of the child: everything that it has started and left behind, in
- * whatever group or session, then gets SIGKILL and is gone when this returns. On time limit or
+/* Run to the end, which is the end of the child: everything that it has started and left behind,
+ * in whatever group or session, then gets SIGKILL and is gone when this returns. On time limit or
  * neph_interrupted() the child's group gets SIGTERM, two seconds later SIGKILL, and the status is
- * NEPH_ERR_TIMEOUT or NEPH_ERR_INTERRUPTED. If neph itself dies, even by SIGKILL, the child and all
- * beneath it are killed too. (To find what has left the group takes a kernel with
+ * NEPH_ERR_TIMEOUT or NEPH_ERR_INTERRUPTED. If neph itself dies, even by SIGKILL, the child and
+ * all beneath it are killed too. (To find what has left the group takes a kernel with
  * CONFIG_PROC_CHILDREN, as all distributions have it; without it the group alone is killed.) stdin
  * is /dev/null. NEPH_ERR_UNAVAILABLE: no such program, or not one that can be executed.
  * NEPH_ERR_ENGINE: it ended with a non-zero exit code or a signal, or was ended at one of its
- * limits, and then its log is cut there; the diag quotes the last lines of its log. NEPH_ERR_IO: no such working directory, or the log cannot be written. `result` is
- * filled in every case in which the child has run and its end was seen. May be called from several
- * threads. */
+ * limits, and then its log is cut there; the diag quotes the last lines of its log. NEPH_ERR_IO:
+ * no such working directory, or the log cannot be written. `result` is filled in every case in
+ * which the child has run and its end was seen. May be called from several threads. */
 enum neph_status neph_child_run(const struct neph_child_params *params,
                                 struct neph_child_result *result, struct neph_diag *diag);
 

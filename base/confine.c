@@ -130,8 +130,8 @@ static bool can_enter_user_namespace(void)
     return pid > 0 && wait_status == 0;
 }
 
-/* Without privileges a mount namespace needs a user namespace, in which the user keeps all rights to
- * files. Root does without: inside it would lose the right to read other users' files. */
+/* Without privileges a mount namespace needs a user namespace, in which the user keeps all rights
+ * to files. Root does without: inside it would lose the right to read other users' files. */
 static bool enter_namespaces(void)
 {
     return unshare(CLONE_NEWNS) == 0 || (can_enter_user_namespace() && enter_user_namespace());
@@ -216,8 +216,8 @@ enum {
     FIRST_FOREIGN_CALL = 0x40000000, /* x32's on x86-64 */
 };
 
-/* FS_IOC_SETFLAGS, FS_IOC32_SETFLAGS and FS_IOC_FSSETXATTR of <linux/fs.h>, which cannot be included
- * beside <sys/mount.h> (glibc 2.36). */
+/* FS_IOC_SETFLAGS, FS_IOC32_SETFLAGS and FS_IOC_FSSETXATTR of <linux/fs.h>, which cannot be
+ * included beside <sys/mount.h> (glibc 2.36). */
 static const uint32_t changes_by_ioctl[] = {_IOW('f', 2, long), _IOW('f', 2, int), 0x401c5820};
 enum {
     IOCTL_COUNT = sizeof(changes_by_ioctl) / sizeof(changes_by_ioctl[0]),

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Of a folder that is kept for a person to look into, such as that of a failed frame. */
+/* How much of a folder is kept for inspection, such as that of a failed frame. */
 #define NEPH_KEPT_BYTES ((int64_t)64 << 20)
 #define NEPH_KEPT_ENTRIES 1024
 
@@ -22,9 +22,9 @@ struct neph_usage {
  * out. Allocates nothing and is safe after fork(). */
 struct neph_usage neph_usage_measure(const char *folder);
 
-/* Make what is below `folder` fit into NEPH_KEPT_BYTES and NEPH_KEPT_ENTRIES: when it does not, the
- * folders in it go, and then the largest files, until the rest does. A file "removed.txt" there says
- * so. What cannot be removed stays. */
+/* Make what is below `folder` fit into NEPH_KEPT_BYTES and NEPH_KEPT_ENTRIES: when it does not,
+ * the folders in it go, and then the largest files, until the rest does. A file "removed.txt"
+ * there says so. What cannot be removed stays. */
 void neph_usage_trim(const char *folder);
 
 #endif

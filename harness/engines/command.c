@@ -15,12 +15,9 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/program.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const double probe_limit_s = 30.0;
 static const char install_line[] = "export NEPH_COMMAND=/path/to/your/program";
@@ -110,14 +107,12 @@ static void free_files(struct files *files)
 }
 
 /* The program may have put a folder in a file's place, or a link that leads neph's own writing to
- * another file, or may have taken away the right to write here. */
+ * another file. */
 static enum neph_status remove_old(const char *folder, struct neph_diag *diag)
 {
     static const char *const names[] = {"frame.exr", "cannot.txt", "program.log", "job.json",
                                         "depth.exr"};
     enum neph_status status = NEPH_OK;
-    if (access(folder, R_OK | W_OK | X_OK) != 0 && chmod(folder, S_IRWXU) != 0)
-        return neph_fail(diag, NEPH_ERR_IO, "cannot write into '%s': %s", folder, strerror(errno));
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !status; i++) {
         char *path = neph_path_join(folder, names[i]);
         status = path ? neph_dir_remove(path, diag) : neph_fail_memory(diag);

@@ -514,7 +514,8 @@ static enum neph_status read_timing(const struct session *session, double *rende
     char *path = neph_path_join(session->directory, "timing.json");
     char *text = NULL;
     size_t size = 0;
-    enum neph_status status = path ? neph_file_read(path, 1 << 16, &text, &size, diag)
+    enum neph_status status = path ? neph_program_status(
+                                         neph_file_read(path, 1 << 16, &text, &size, diag))
                                    : neph_fail_memory(diag);
     json_t *timing = status ? NULL : json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
     const double seconds = sum_radiance_s(timing);

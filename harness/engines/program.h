@@ -31,10 +31,10 @@ enum neph_status neph_program_left(const char *path, bool *is_left, struct neph_
  * is the program's failure, NEPH_ERR_ENGINE; an interrupt and a lack of memory are not. */
 enum neph_status neph_program_status(enum neph_status status);
 
-/* Ask `program` (in PATH) with --version, confined to a folder of its own (base/confine.h). `*text` is what it says from the first `name` on, for the
- * caller to free; `build` a digest of that text and of the program's file. What a run that was
- * killed here has left in TMPDIR is removed. NEPH_ERR_IO: TMPDIR cannot be written. Else what
- * neph_child_run() says. */
+/* Ask `program` (in PATH) with --version, confined to a folder of its own (base/confine.h).
+ * `*text` is what it says from the first `name` on, for the caller to free; `build` a digest of
+ * that text and of the program's file. What a run that was killed here has left in TMPDIR is
+ * removed. NEPH_ERR_IO: TMPDIR cannot be written. Else what neph_child_run() says. */
 enum neph_status neph_program_ask(const char *program, const char *name, double time_limit_s,
                                   char **text, char build[NEPH_BUILD_SIZE], struct neph_diag *diag);
 

@@ -9,8 +9,8 @@
 
 #include "harness/report/validation.h"
 
-/* Judge the gates of a scene whose frames are measured: result->gates, in the arena. A frame without
- * a gate has one there when it fails. */
+/* Judge the gates of a scene whose frames are measured: result->gates, in the arena. A frame that
+ * no gate of the scene limits has one there when it fails. */
 void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
                       struct neph_scene_result *result);
 

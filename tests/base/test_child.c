@@ -348,6 +348,22 @@ static int run_apart(void (*test)(void **state), void **state)
 
 enum { OTHER_USER = 12345, NOT_POSSIBLE = 77 };
 
+/* A folder that its owner cannot read cannot be measured, and is removed all the same. */
+static bool hide_a_folder(const char *own)
+{
+    const char *const argv[] = {"sh", "-c", "mkdir a; touch a/b; chmod 0 a", NULL};
+    const struct neph_child_params params = {
+        .argv = argv, .working_directory = own, .limits = {.folder_bytes = 1 << 20}};
+    struct neph_child_result result;
+    struct neph_diag diag = {0};
+    char *hidden = neph_path_join(own, "a");
+    const bool is_stopped = neph_child_run(&params, &result, &diag) == NEPH_ERR_ENGINE &&
+                            strstr(diag.message, "cannot be read");
+    const bool is_removed = neph_dir_remove(hidden, NULL) == NEPH_OK && !neph_path_exists(hidden);
+    free(hidden);
+    return is_stopped && is_removed;
+}
+
 static void as_another_user(void **state)
 {
     char own[SCRATCH_PATH_MAX];
@@ -356,7 +372,9 @@ static void as_another_user(void **state)
     const enum neph_confinement reached = neph_confine_probe(scratch_path(state, own, "own"));
     if (reached > NEPH_CONFINE_NO_CHANGES)
         _exit(NOT_POSSIBLE);
-    _exit((try_changes(state) == NEPH_OK) == (reached == NEPH_CONFINE_TO_FOLDER) ? 0 : 1);
+    if ((try_changes(state) == NEPH_OK) != (reached == NEPH_CONFINE_TO_FOLDER))
+        _exit(1);
+    _exit(hide_a_folder(own) ? 0 : 2);
 }
 
 /* Without the rights of root the mounts need a user namespace. */

@@ -201,8 +201,7 @@ data = data[:8]"""))
         precious.write_text("mine")
         for body in ("for name in ('job.json', 'depth.exr'): os.unlink(name); os.mkdir(name)",
                      f"os.unlink('program.log'); os.symlink({str(precious)!r}, 'program.log')",
-                     "os.mkdir('cannot.txt') if job['picture'] < 0 else os.chmod('.', 0)",
-                     "os.mkdir('locked'); open('locked/a', 'w'); os.chmod('locked', 0)"):
+                     "os.mkdir('a'); os.mkfifo('a/b'); os.symlink('.', 'c')"):
             with self.subTest(body):
                 program = self.program(f"write(1.0)\nif job['picture'] == 0:\n    {body}")
                 done = self.render(program, "--frames", "2")
@@ -260,6 +259,23 @@ for i in range(20):
     with open(f"{i}.json", "wb") as f:
         os.posix_fallocate(f.fileno(), 0, 2 ** 25)
 time.sleep(60)""", "more than 512 MiB")
+
+    def test_a_folder_that_is_left_to_look_into_is_made_to_fit(self):
+        done = self.render(self.program("""
+os.mkdir("sub")
+for name in ("sub/a", "b", "c", "d"):
+    with open(name, "wb") as f:
+        os.posix_fallocate(f.fileno(), 0, 25 * 2 ** 20)
+sys.exit("no good")"""))
+        self.assertEqual(done.returncode, 3, done.stderr)
+        left, = (path.parent for path in self.folder.glob("**/removed.txt"))
+        self.assertIn(left.name, done.stderr)
+        self.assertEqual({path.name for path in left.iterdir()} & {"sub", "b", "c", "d"}
+                         and sum(path.stat().st_size for path in left.iterdir()) <= 64 * 2 ** 20,
+                         True)
+        self.assertFalse((left / "sub").exists())
+        self.assertIn("no good", (left / "program.log").read_text())
+        self.assertIn("100 MiB", (left / "removed.txt").read_text())
 
     @night.of_the_night
     def test_all_that_it_writes_is_limited(self):

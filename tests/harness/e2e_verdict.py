@@ -93,6 +93,23 @@ class Verdict(unittest.TestCase):
             self.assertEqual(frames[engine]["status"], "failed", words)
             self.assertIn(words, frames[engine]["reason"])
 
+    def test_what_blender_leaves_is_limited_and_no_file_of_another_kind_is_read(self):
+        """A program in its place that fills the disk, or leaves a folder or a pipe as its image."""
+        version = 'case "$1" in --version) echo "Blender 3.4.1"; exit 0;; esac\n'
+        for body, words in (("for i in $(seq 20); do fallocate -l 32M $i.json; done; sleep 60",
+                             "more than 512 MiB"),
+                            ("mkdir radiance.exr", "'radiance.exr' is a folder"),
+                            ("mkfifo radiance.exr", "'radiance.exr' is a pipe")):
+            body = "echo '{\"radiance\": 1}' > timing.json; " + body
+            out = self.folder / words[-6:]
+            done, frames = self.validate("exact", "oracle", "cycles", output=out, **self.program(
+                "blender", f"#!/bin/sh\n{version}{body}\n"))
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertEqual(frames["cycles"]["status"], "failed", frames["cycles"])
+            self.assertIn(words, frames["cycles"]["reason"])
+            kept = [path.stat().st_size for path in out.glob("store/failed/**/*")]
+            self.assertLess(sum(kept), 80 * 2 ** 20)
+
     def test_doctor_and_engines_say_broken(self):
         environment = self.program("povray", "#!/bin/sh\nexit 1\n")
         done = neph("doctor", **environment)
