@@ -7,6 +7,7 @@
 #include "base/interrupt.h"
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
+#include "renderer/lamp_sight.h"
 #include "renderer/lattice.h"
 #include "renderer/media/kind.h"
 #include "renderer/reach.h"
@@ -173,7 +174,7 @@ static char *identity_of(const struct neph_scene *scene, const struct neph_trace
                          const struct neph_vulkan *vulkan)
 {
     return neph_format(
-        "tracer 8%s, %d sun nodes, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+        "tracer 9%s, %d sun nodes, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
         params->sobol ? " sobol" : "", params->sun_nodes, scene->hash, params->frame,
         params->width_px, params->height_px, (unsigned long long)params->seed,
         vulkan->description.device, vulkan->description.driver);
@@ -194,6 +195,7 @@ enum binding {
     BINDING_WAYS,
     BINDING_SUN,
     BINDING_CHECKS,
+    BINDING_LAMPS,
     BINDING_COUNT,
 };
 
@@ -382,6 +384,8 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
         {&render->buffers[BINDING_CHECKS], NEPH_BUFFER_DEVICE,
          (render->has_sun_table ? items : 1) * sizeof(struct neph_gpu_sun_check),
          "tracer sun checks"},
+        {&render->buffers[BINDING_LAMPS], NEPH_BUFFER_DEVICE,
+         NEPH_SCENE_LIGHTS_MAX * sizeof(struct neph_gpu_lamp_sight), "tracer lamps"},
         {&render->buffers[BINDING_QUEUES], NEPH_BUFFER_DEVICE, queues * sizeof(uint32_t),
          "tracer queues"},
         {&render->buffers[BINDING_PROGRESS], NEPH_BUFFER_DEVICE, sizeof(struct neph_gpu_progress),
@@ -537,6 +541,21 @@ static enum neph_status check_turns(const struct render *render, struct neph_dia
     return NEPH_OK;
 }
 
+static enum neph_status upload_lamp_sights(struct render *render, const struct neph_scene *scene,
+                                           struct neph_diag *diag)
+{
+    const struct neph_tracer_params *params = render->params;
+    const struct neph_camera camera = neph_scene_camera(scene, params->frame);
+    struct neph_gpu_lamp_sight sights[NEPH_SCENE_LIGHTS_MAX];
+    for (int i = 0; i < scene->light_count; i++)
+        sights[i] = neph_lamp_sight(&camera, params->width_px, params->height_px,
+                                    scene->lights[i].position_m);
+    return scene->light_count == 0
+               ? NEPH_OK
+               : neph_buffer_upload(render->vulkan, &render->buffers[BINDING_LAMPS], 0, sights,
+                                    (size_t)scene->light_count * sizeof(sights[0]), diag);
+}
+
 static enum neph_status prepare(struct render *render, const struct neph_scene *scene,
                                 struct neph_diag *diag)
 {
@@ -562,6 +581,8 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
         status = get_kernels(render, scene, diag);
     if (!status)
         status = create_buffers(render, diag);
+    if (!status)
+        status = upload_lamp_sights(render, scene, diag);
     if (!status)
         status = create_sums(render, scene, diag);
     return status;

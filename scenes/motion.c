@@ -151,6 +151,24 @@ struct neph_pixel_ray neph_camera_ray(const struct neph_camera *camera, int widt
     return (struct neph_pixel_ray){camera->position_m, neph_vec3_normalize(place)};
 }
 
+bool neph_camera_find_pixel(const struct neph_camera *camera, int width_px, int height_px,
+                            struct neph_vec3 point_m, struct neph_point_in_frame *found)
+{
+    const bool is_parallel = camera->orthographic_height_m > 0.0;
+    const struct neph_vec3 way_m = neph_vec3_sub(point_m, camera->position_m);
+    const double depth_m = neph_vec3_dot(way_m, camera->forward);
+    if (!is_parallel && !(depth_m > 0.0))
+        return false;
+    const double half_height = neph_camera_half_height(camera);
+    const double half_width = half_height * width_px / height_px;
+    const double scale = is_parallel ? 1.0 : 1.0 / depth_m;
+    const double x = neph_vec3_dot(way_m, camera->right) * scale / half_width;
+    const double y = neph_vec3_dot(way_m, camera->up) * scale / half_height;
+    *found = (struct neph_point_in_frame){0.5 * (1.0 + x) * width_px - 0.5,
+                                          0.5 * (1.0 - y) * height_px - 0.5, depth_m};
+    return true;
+}
+
 bool neph_scene_is_cut(const struct neph_scene *scene, double frame_from, double frame_to)
 {
     const double earlier = neph_scene_time_frame(scene, fmin(frame_from, frame_to));

@@ -364,6 +364,17 @@ double neph_camera_half_height(const struct neph_camera *camera);
 struct neph_pixel_ray neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
                                       double i, double j);
 
+/* The inverse of neph_camera_ray(): the ray through pixel (i, j), a real number each, meets the
+ * point. `depth_m` is the point's distance from the camera's plane along `forward`. */
+struct neph_point_in_frame {
+    double i, j, depth_m;
+};
+
+/* False when no ray of the camera goes through the point: it lies in or behind the plane of a
+ * perspective camera. */
+bool neph_camera_find_pixel(const struct neph_camera *camera, int width_px, int height_px,
+                            struct neph_vec3 point_m, struct neph_point_in_frame *found);
+
 const char *neph_scattering_name(enum neph_scattering scattering);
 const char *neph_gate_quantity_name(enum neph_gate_quantity quantity);
 

@@ -44,4 +44,53 @@ static inline struct neph_vec3 lamp_direction(int i)
         (struct neph_vec3){-0.45 + 0.13 * (i % 8), 0.2 - 0.11 * (i / 8), -1.0});
 }
 
+/* A box of fog before a camera whose middle ray goes along -z, and lights so near to the camera or
+ * to that ray that 1 / d^2 has no digits left in plain float32. */
+struct near_lamp {
+    const char *name;
+    struct neph_vec3 light_m;
+    double second_box_m; /* the far side of a second box behind a gap; 0: there is none */
+    double other_lamp;   /* intensity of a second light beside the box */
+};
+
+static const struct near_lamp near_lamps[] = {
+    {"at the eye", {0, 0, 5}, 0, 0},
+    {"1e-9 m from the eye", {1e-9, 0, 5}, 0, 0},
+    {"1e-6 m from the eye", {0, 1e-6, 5}, 0, 0},
+    {"1e-5 m before the eye", {0, 0, 5 - 1e-5}, 0, 0},
+    {"1e-4 m from the eye", {1e-4, 0, 5}, 0, 0},
+    {"1e-3 m behind the eye", {0, 0, 5 + 1e-3}, 0, 0},
+    {"on the ray before the fog", {0, 0, 3}, 0, 0},
+    {"1e-6 m from the ray before the fog", {0, 1e-6, 3}, 0, 0},
+    {"on the ray behind the fog", {0, 0, -3}, 0, 0},
+    {"on the ray in a gap", {0, 0, -2}, -4, 0},
+    {"on the ray in a gap, beside a light that is brighter", {0, 0, -2}, -4, 30},
+    {"1e-6 m from the ray in the fog", {1e-6, 0, 0}, 0, 0},
+    {"1e-5 m from the ray in the fog", {0, 1e-5, 0.5}, 0, 0},
+    {"1e-3 m from the ray in the fog", {1e-3, 0, -0.5}, 0, 0},
+};
+enum { NEAR_LAMPS = sizeof(near_lamps) / sizeof(near_lamps[0]) };
+
+static inline struct neph_scene *near_lamp_stage(struct test_scene *test,
+                                                 const struct near_lamp *lamp)
+{
+    test_scene_init(test);
+    struct neph_scene *scene = &test->scene;
+    test->key.position_m = (struct neph_vec3){0, 0, 5};
+    test->key.look_at_m = (struct neph_vec3){0, 0, 0};
+    scene->vertical_fov_rad = 30.0 * NEPH_RAD_PER_DEG;
+    scene->sun.present = false;
+    scene->background_w_per_m2_sr = make_grey(0.0);
+    test_add(test, make_homogeneous(0.5, (struct neph_bounds){{-1, -1, -1}, {1, 1, 1}}));
+    if (lamp->second_box_m != 0.0)
+        test_add(test, make_homogeneous(
+                           0.2, (struct neph_bounds){{-2, -2, lamp->second_box_m}, {2, 2, -3}}));
+    scene->light_count = 1 + (lamp->other_lamp > 0.0);
+    scene->lights[0] = (struct neph_light){.position_m = lamp->light_m,
+                                           .intensity_w_per_sr = {1, 1, 1}};
+    scene->lights[1] = (struct neph_light){.position_m = {4, 5, 1},
+                                           .intensity_w_per_sr = make_grey(lamp->other_lamp)};
+    return scene;
+}
+
 #endif

@@ -5,6 +5,7 @@
 #include "scenes/media.h"
 #include "scenes/solids.h"
 #include "truth/cuts.h"
+#include "truth/lamp_peak.h"
 #include "truth/pieces.h"
 
 #include <math.h>
@@ -135,6 +136,13 @@ static double add_zone(struct airlight *a, struct neph_rgb *radiance)
     return error * per;
 }
 
+static void add_infinity(struct neph_rgb intensity, struct neph_rgb *radiance)
+{
+    radiance->r += intensity.r > 0.0 ? INFINITY : 0.0;
+    radiance->g += intensity.g > 0.0 ? INFINITY : 0.0;
+    radiance->b += intensity.b > 0.0 ? INFINITY : 0.0;
+}
+
 double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
                      struct neph_vec3 direction, double t0_m, double t1_m,
                      struct neph_rgb *radiance)
@@ -154,6 +162,8 @@ double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                            pieces.at_m);
         if (pieces.count == 0)
             continue;
+        if (neph_is_lamp_peak(scene, light, origin_m, direction))
+            add_infinity(light->intensity_w_per_sr, radiance);
         neph_pieces_sum_depths(&pieces);
         for (airlight.zone = BEFORE; airlight.zone < ZONE_COUNT; airlight.zone++)
             error += add_zone(&airlight, radiance);

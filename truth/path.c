@@ -130,47 +130,30 @@ static struct neph_rgb transmittance_between(const struct path *path, struct nep
     return neph_tracker_transmittance(path->tracker, &ray, 0.0, path->random, path->cost);
 }
 
-/* The part of a ray on which media may scatter. */
-static bool clip_to_media(const struct path *path, double end_m, double *t0_m, double *t1_m)
-{
-    *t0_m = INFINITY;
-    *t1_m = -INFINITY;
-    for (int m = 0; m < path->scene->medium_count; m++) {
-        const struct neph_bounds support = neph_medium_support(&path->scene->media[m]);
-        double near_m = 0.0, far_m = end_m;
-        if (neph_bounds_clip(&support, path->at_m, path->direction, &near_m, &far_m)) {
-            *t0_m = fmin(*t0_m, near_m);
-            *t1_m = fmax(*t1_m, far_m);
-        }
-    }
-    return *t0_m < *t1_m;
-}
-
 /* Light of a light that media scatter into the segment from here to `end_m`. */
 static struct neph_rgb segment_lamplight(const struct path *path, double end_m)
 {
     const struct neph_scene *scene = path->scene;
-    double t0_m, t1_m;
-    if (scene->light_count == 0 || !clip_to_media(path, end_m, &t0_m, &t1_m))
+    if (scene->light_count == 0)
         return black;
     const struct neph_lamp_place place = neph_lamp_place_draw(scene, path->at_m, path->direction,
-                                                              t0_m, t1_m, path->random);
+                                                              end_m, path->random);
     if (!(place.density_per_m > 0.0))
         return black;
     const struct neph_vec3 point_m = neph_vec3_along(path->at_m, path->direction, place.t_m);
-    const struct neph_lit lit = neph_light_at(place.light, point_m);
+    const double part = neph_light_falloff(place.light, neph_vec3_scale(place.to_light, -1.0)) /
+                        (place.distance_m * place.distance_m * place.density_per_m);
     const struct neph_rgb arriving = neph_rgb_mul(
-        lit.irradiance_w_per_m2,
-        scattered_per_m_sr(scene, point_m, neph_vec3_dot(path->direction, lit.direction)));
+        neph_rgb_scale(place.light->intensity_w_per_sr, part),
+        scattered_per_m_sr(scene, point_m, neph_vec3_dot(path->direction, place.to_light)));
     path->cost->lookups++;
     if (!(arriving.r > 0.0 || arriving.g > 0.0 || arriving.b > 0.0) ||
         !neph_scene_sees(scene, point_m, place.light->position_m))
         return black;
     const struct neph_rgb through = neph_rgb_mul(
         transmittance_between(path, path->at_m, path->direction, place.t_m),
-        transmittance_between(path, point_m, lit.direction, lit.distance_m));
-    return neph_rgb_scale(neph_rgb_mul(path_value(path), neph_rgb_mul(arriving, through)),
-                          1.0 / place.density_per_m);
+        transmittance_between(path, point_m, place.to_light, place.distance_m));
+    return neph_rgb_mul(path_value(path), neph_rgb_mul(arriving, through));
 }
 
 /* Light of a light that a surface reflects where the path is. */

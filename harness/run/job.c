@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "harness/compare/frame.h"
 #include "scenes/motion.h"
+#include "truth/lamp_peak.h"
 
 #include <errno.h>
 #include <math.h>
@@ -284,11 +285,43 @@ enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct ne
     return NEPH_OK;
 }
 
+/* No engine is right where the radiance is infinite. */
+static enum neph_status check_is_finite(const struct neph_shot *shot, struct neph_diag *diag)
+{
+    if (shot->scene->light_count == 0 || !(shot->layers & NEPH_LAYER_RADIANCE))
+        return NEPH_OK;
+    struct neph_scene *still = NULL;
+    struct neph_lamp_peak peak;
+    const enum neph_status status = neph_scene_at(shot->scene, shot->frame, &still, diag);
+    if (status)
+        return status;
+    const struct neph_camera camera = neph_scene_camera(shot->scene, shot->frame);
+    const bool is_infinite = neph_find_lamp_peak(still, &camera, shot->width_px, shot->height_px,
+                                                 &peak);
+    neph_scene_destroy(still);
+    if (!is_infinite)
+        return NEPH_OK;
+    neph_fail(
+        diag, NEPH_ERR_ENGINE,
+        "the radiance of pixel (%d, %d) is infinite in frame %d of scene '%s': %s lights[%d], "
+        "inside a medium that scatters its light",
+        peak.column, peak.row, shot->frame, shot->scene->name,
+        peak.is_at_the_eye ? "its ray begins at" : "its ray goes through", peak.light);
+    neph_hint(diag, "%s",
+              peak.is_at_the_eye
+                  ? "move the light away from the camera, or begin the medium farther away"
+                  : "move the light or the camera by a little, or keep the medium away from the "
+                    "light");
+    return NEPH_ERR_ENGINE;
+}
+
 enum neph_status neph_job_render(const struct neph_job *job, struct neph_image **frame,
                                  struct neph_cost *cost, struct neph_diag *diag)
 {
     struct neph_image *rendered = NULL;
-    enum neph_status status = neph_job_render_unchecked(job, &rendered, cost, diag);
+    enum neph_status status = check_is_finite(&job->shot, diag);
+    if (!status)
+        status = neph_job_render_unchecked(job, &rendered, cost, diag);
     if (!status)
         status = check_frame(job, rendered, diag);
     if (status) {

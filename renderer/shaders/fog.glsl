@@ -123,7 +123,7 @@ void fog_layer_include(FogLayer layer, vec3 color, vec3 origin_m, vec3 direction
     float thin_m = fog_distance_to_thin_end(layer, y_m, direction.y, THIN / most);
     float dark_m = inside.t0_m + fog_distance_to(layer, y_m, direction.y,
                                                  opaque_depth / least_positive(color));
-    if (all(greaterThan(color, vec3(0.0))))
+    if (dark_m < inside.t1_m && all(greaterThan(color, vec3(0.0)))) // a fog that ends hides nothing
         opaque_m = min(opaque_m, dark_m);
     include(hull, start_m, min(min(inside.t1_m, inside.t0_m + thin_m), dark_m));
 }

@@ -372,13 +372,13 @@ bool looks_for_lamps()
 bool send_to_place(float end_m)
 {
     path.is_looked_for = 1;
+    uint pixel = path.events == 0 ? run.first_pixel + item_pixel() : NO_PIXEL;
     LampPlace place = draw_lamp_place(path.origin_m, path.direction, end_m,
-                                      uniform_from(draw()).xy);
+                                      uniform_from(draw()).xy, pixel);
     if (place.density_per_m <= 0.0)
         return false;
-    LampLook look = look_for_lamp(place, path.origin_m + place.t_m * path.direction,
-                                  path.direction);
-    path.pending = path.throughput * look.light;
+    path.pending = path.throughput *
+                   lamplight_at(place, path.origin_m + place.t_m * path.direction, path.direction);
     if (path.pending == vec3(0.0))
         return false;
     path.ray = RAY_PLACE;
@@ -386,8 +386,8 @@ bool send_to_place(float end_m)
     path.next_direction = path.direction;
     path.segment_origin_m = path.origin_m;
     path.segment_solid = path.solid;
-    path.lamp_direction = look.direction;
-    path.lamp_m = look.distance_m;
+    path.lamp_direction = place.to_lamp;
+    path.lamp_m = place.distance_m;
     path.sun_fraction = vec3(1.0);
     path.sun_roulette = SUN_ROULETTE;
     return true;

@@ -181,16 +181,17 @@ vec3 lamplight_scattered_once(uint pixel, ViewRay ray, uint sample_index, float 
     uvec4 key = sample_key(run.first_pixel + pixel, run.first_sample + sample_index);
     vec2 u = vec2(uniform_from(pcg4d(key.wzyx).xyz).x, stratified_u);
     LampPlace place = draw_lamp_place(ray.origin_m, ray.direction,
-                                      scene_hit(ray.origin_m, ray.direction).t_m, u);
+                                      scene_hit(ray.origin_m, ray.direction).t_m, u,
+                                      run.first_pixel + pixel);
     if (place.density_per_m <= 0.0)
         return vec3(0.0);
     vec3 point_m = view_point_m(ray, place.t_m);
-    LampLook look = look_for_lamp(place, point_m, ray.direction);
-    if (look.light == vec3(0.0))
+    vec3 light = lamplight_at(place, point_m, ray.direction);
+    if (light == vec3(0.0))
         return vec3(0.0);
     vec3 depth = scene_optical_depth(ray.origin_m, ray.direction, place.t_m) +
-                 scene_optical_depth(point_m, look.direction, look.distance_m);
-    return look.light * colour_transmittance(depth);
+                 scene_optical_depth(point_m, place.to_lamp, place.distance_m);
+    return light * colour_transmittance(depth);
 }
 
 // Light that the medium emits there.

@@ -59,6 +59,33 @@ class CommandLine(unittest.TestCase):
         self.assertIn("-1", done.stderr)
         self.assertIn("0", done.stderr)
 
+    def test_an_infinite_radiance_ends_a_render_with_3_and_names_the_pixel(self):
+        scene = self.folder / "lamp_in_fog.yaml"
+        text = """name: lamp_in_fog
+title: A light in fog on the ray of the middle pixel
+physics: the integral of 1/d^2 has no bound there
+camera: {position_m: [0, 0, 5], look_at_m: [0, 0, 0], vertical_fov_deg: 30}
+lights: [{position_m: [0, 0, LIGHT], intensity_w_per_sr: [1, 1, 1]}]
+scattering: single
+media:
+  - homogeneous:
+      extinction_per_m: 1
+      albedo: [1, 1, 1]
+      bounds: {min_m: [-1, -1, -1], max_m: [1, 1, 1]}
+"""
+        scene.write_text(text.replace("LIGHT", "0.5"))
+        for engine in "exact", "oracle", "tracer", "march", "realtime":
+            done = neph("render", scene, "-e", engine, "--size", "15x9", "-o", self.folder / "out")
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertIn("pixel (7, 4) is infinite", done.stderr)
+            self.assertIn("lights[0]", done.stderr)
+            self.assertEqual(list(self.folder.glob("out/*.exr")), [])
+        done = neph("render", scene, "-e", "exact", "--size", "16x9", "-o", self.folder / "out")
+        self.assertEqual(done.returncode, 0, done.stderr)  # no ray of this frame meets the light
+        scene.write_text(text.replace("LIGHT", "3"))
+        done = neph("render", scene, "-e", "exact", "--size", "15x9", "-o", self.folder / "out")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_a_variant_is_a_scene_file(self):
         done = neph("scenes", "height_fog_level", "--variant", "sun_step", "--at", "3", "--frames",
                     "9")

@@ -390,6 +390,36 @@ static void test_an_even_medium_that_glows(void **state)
     free(light);
 }
 
+/* A fog of optical depth 0.8 that would be opaque 80 m on, if it did not end after 4 m, before a
+ * box at 200 m that glows. A step over a face of the box is off by half of it at most: 1e-2 of the
+ * box. */
+static void test_a_fog_that_ends_hides_nothing(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    test.key.position_m = (struct neph_vec3){0, 0, 0};
+    test.key.look_at_m = (struct neph_vec3){0, 0, -1};
+    test.scene.sun.present = false;
+    test_add(&test, make_homogeneous(0.2, (struct neph_bounds){{-9, -9, -9}, {9, 9, -5}}));
+    struct neph_medium *box = test_add(
+        &test, make_homogeneous(0.1, (struct neph_bounds){{-300, -300, -206}, {300, 300, -200}}));
+    box->albedo = make_grey(0.0);
+    box->emission_w_per_m2_sr = make_grey(1.0);
+    struct neph_march_params params = exact_48;
+    params.width_px = 8;
+    params.height_px = 6;
+    params.steps = 4000;
+    struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+    struct neph_image *frame = render(*state, &test, &params, NULL);
+    const float *volume = neph_image_channel(frame, "volume.G");
+    for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
+        assert_true(light[i].volume.g > 0.1);
+        neph_assert_close((double)volume[i], light[i].volume.g, 1e-2, 0.0);
+    }
+    neph_image_destroy(frame);
+    free(light);
+}
+
 /* --- solids ------------------------------------------------------------------------------- */
 
 static void scene_yard(struct test_scene *test)
@@ -842,6 +872,7 @@ int main(void)
         cmocka_unit_test(test_volume_has_no_floor_but_float32),
         cmocka_unit_test(test_emission_converges_at_second_order),
         cmocka_unit_test(test_an_even_medium_that_glows),
+        cmocka_unit_test(test_a_fog_that_ends_hides_nothing),
         cmocka_unit_test(test_solids_are_lit_through_the_media),
         cmocka_unit_test(test_shadows_in_the_air),
         cmocka_unit_test(test_many_solids),

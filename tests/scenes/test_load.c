@@ -597,6 +597,34 @@ static void test_orthographic_rays(void **state)
     free(text);
 }
 
+/* The pixel of a point on a pixel's ray is that pixel, of both cameras. */
+static void test_pixels_of_points(void **state)
+{
+    (void)state;
+    struct neph_diag diag = {.line = 0};
+    const char *const cameras[] = {"vertical_fov_deg: 40", "orthographic_height_m: 6"};
+    for (int c = 0; c < 2; c++) {
+        struct neph_scene *scene;
+        char *text = edited("vertical_fov_deg: 40", cameras[c]);
+        neph_assert_ok(load_text(text, strlen(text), &scene, &diag), &diag);
+        const struct neph_camera camera = neph_scene_camera(scene, 0);
+        for (int p = 0; p < 12; p++) {
+            const struct neph_pixel_ray ray = neph_camera_ray(&camera, 16, 9, p + 0.3, p - 2.1);
+            const struct neph_vec3 point_m = neph_vec3_along(ray.origin_m, ray.direction, 7.0);
+            struct neph_point_in_frame found;
+            assert_true(neph_camera_find_pixel(&camera, 16, 9, point_m, &found));
+            neph_assert_close(found.i, p + 0.3, 0.0, 1e-12);
+            neph_assert_close(found.j, p - 2.1, 0.0, 1e-12);
+            neph_assert_close(found.depth_m, 7.0 * -ray.direction.z, 1e-14, 0.0);
+        }
+        const struct neph_vec3 behind_m = neph_vec3_along(camera.position_m, camera.forward, -1.0);
+        struct neph_point_in_frame found;
+        assert_int_equal(neph_camera_find_pixel(&camera, 16, 9, behind_m, &found), c == 1);
+        neph_scene_destroy(scene);
+        free(text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -615,6 +643,7 @@ int main(void)
         scratch_test(test_all_scenes_load),
         cmocka_unit_test(test_camera_rays),
         cmocka_unit_test(test_orthographic_rays),
+        cmocka_unit_test(test_pixels_of_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,6 +11,7 @@
 #include "scenes/solids.h"
 #include "truth/directions.h"
 #include "truth/lamp_draw.h"
+#include "truth/lamp_peak.h"
 #include "truth/path.h"
 #include "truth/transport.h"
 
@@ -201,6 +202,83 @@ static void test_a_lamplit_surface_by_hand(void **state)
             .radiance.r == 0.0);
 }
 
+/* ---- lights on and near rays ---- */
+
+static double near_source(double t_m, const void *context)
+{
+    const double light_m = *(const double *)context;
+    const double d_m = t_m - light_m;
+    return 0.5 / (4.0 * M_PI * d_m * d_m) * exp(-0.5 * (t_m - 4.0)) *
+           exp(-0.5 * (d_m > 0.0 ? t_m - 4.0 : 6.0 - t_m));
+}
+
+/* Along a ray through the light 1 / d^2 is smooth outside of it: Gauss on 64 parts. */
+static void test_a_light_on_the_ray_outside_the_fog(void **state)
+{
+    (void)state;
+    const double lights_m[] = {0.0, 1e-7, 2.0, 3.999, 6.001, 8.0};
+    for (size_t i = 0; i < COUNT(lights_m); i++) {
+        const struct near_lamp lamp = {.light_m = {0, 0, 5 - lights_m[i]}};
+        struct test_scene test;
+        const struct neph_scene *scene = near_lamp_stage(&test, &lamp);
+        double sum = 0.0;
+        for (int part = 0; part < 64; part++) {
+            /* Finer and finer towards the nearer face. */
+            const double x0 = pow(part / 64.0, 4), x1 = pow((part + 1) / 64.0, 4);
+            const bool is_before = lights_m[i] < 5.0;
+            sum += is_before ? neph_gauss(near_source, &lights_m[i], 4 + 2 * x0, 4 + 2 * x1)
+                             : neph_gauss(near_source, &lights_m[i], 6 - 2 * x1, 6 - 2 * x0);
+        }
+        const double found =
+            neph_transport_ray(scene, test.key.position_m, (struct neph_vec3){0, 0, -1}).volume.r;
+        neph_assert_close(found, sum, 1e-9, 0.0);
+    }
+}
+
+/* No number is right there. */
+static void test_a_light_on_the_ray_in_the_fog_has_no_value(void **state)
+{
+    (void)state;
+    const struct {
+        struct neph_vec3 light_m, axis; /* a spot's; 0: none */
+        double eye_z_m;
+        bool is_infinite;
+    } cases[] = {
+        {{0, 0, 0}, {0, 0, 0}, 5, true},       /* inside */
+        {{0, 0, 1}, {0, 0, 0}, 5, true},       /* on the near face */
+        {{0, 0, -1}, {0, 0, 0}, 5, true},      /* on the far face */
+        {{0, 0, 1.0001}, {0, 0, 0}, 5, false}, /* before it */
+        {{0, 0, 0}, {0, 1, 0}, 5, false},      /* a spot that shines past the ray */
+        {{0, 0, 0}, {0, 0, 1}, 5, true},       /* one that shines along it */
+        {{0, 1e-9, 0}, {0, 0, 0}, 5, false},   /* beside the ray */
+        {{0, 0, 0.5}, {0, 0, 0}, 0.5, true},   /* at an eye in the fog */
+        {{0, 0, 0.5}, {0, 0, 0}, 0.25, false}, /* behind it */
+        {{0, 0, 0.5}, {0, 0, 1}, 0.5, false},  /* at the eye, a spot that shines backwards */
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        const struct near_lamp lamp = {.light_m = cases[i].light_m};
+        struct test_scene test;
+        struct neph_scene *scene = near_lamp_stage(&test, &lamp);
+        test.key.position_m.z = cases[i].eye_z_m;
+        test.key.look_at_m.z = cases[i].eye_z_m - 1.0;
+        scene->lights[0].is_spot = neph_vec3_length(cases[i].axis) > 0.0;
+        scene->lights[0].axis = cases[i].axis;
+        scene->lights[0].inner_cosine = 0.9;
+        scene->lights[0].outer_cosine = 0.8;
+        const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+        struct neph_lamp_peak peak;
+        assert_int_equal(neph_find_lamp_peak(scene, &camera, 15, 9, &peak), cases[i].is_infinite);
+        const double found =
+            neph_transport_ray(scene, test.key.position_m, (struct neph_vec3){0, 0, -1}).volume.r;
+        assert_int_equal(isinf(found), cases[i].is_infinite);
+        if (!cases[i].is_infinite)
+            continue;
+        assert_int_equal(peak.light, 0);
+        if (!peak.is_at_the_eye)
+            assert_true(peak.column == 7 && peak.row == 4);
+    }
+}
+
 /* ---- paths ---- */
 
 struct estimate {
@@ -334,6 +412,72 @@ static void assert_conserves(struct neph_phase phase, double extinction_per_m, b
     assert_true(scattered.error[0] < neph_test_noise(0.08) * 4.0 * M_PI);
 }
 
+static struct estimate trace_middle_ray(const struct neph_scene *scene, int samples, uint64_t seed)
+{
+    struct neph_tracker *tracker;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_tracker_create(scene, &tracker, &diag), &diag);
+    struct neph_tracking_cost cost = {0, 0};
+    const struct neph_view view = neph_view_create(scene, scene->camera_keys[0].position_m,
+                                                   (struct neph_vec3){0, 0, -1});
+    struct neph_flight flight;
+    const struct neph_ray ray = {view.origin_m, view.direction, view.hit.t_m};
+    neph_flight_init(&flight, scene, &ray);
+    struct estimate sums = {{0}, {0}};
+    for (int n = 0; n < samples; n++) {
+        struct neph_random random = neph_random_stream(9, seed, (uint64_t)n);
+        add_path(&sums, neph_path_trace(scene, tracker, &view, &flight, &random, &cost).volume);
+    }
+    finish(&sums, samples);
+    neph_tracker_destroy(tracker);
+    return sums;
+}
+
+/* 4.5 standard errors, and an error that is known: none is above a twentieth of the value. */
+static void test_paths_find_lights_near_rays(void **state)
+{
+    (void)state;
+    const int samples = neph_test_paths(20000);
+    for (int i = 0; i < NEAR_LAMPS; i++) {
+        struct test_scene test;
+        const struct neph_scene *scene = near_lamp_stage(&test, &near_lamps[i]);
+        const double truth =
+            neph_transport_ray(scene, test.key.position_m, (struct neph_vec3){0, 0, -1}).volume.g;
+        const struct estimate found = trace_middle_ray(scene, samples, (uint64_t)i);
+        print_message("%s: exact %.5g, paths %.5g +- %.2g\n", near_lamps[i].name, truth,
+                      found.mean[1], found.error[1]);
+        neph_assert_close(found.mean[1], truth, 0.0, 4.5 * found.error[1]);
+        assert_true(found.error[1] < neph_test_noise(0.05 * truth) && found.error[1] > 0.0);
+    }
+}
+
+/* The density of the fog goes to 0 where the light is, 1e-6 m from the ray: 1 / d^2 draws nearly
+ * all places where nothing is. */
+static void test_paths_find_the_fog_around_a_clear_place(void **state)
+{
+    (void)state;
+    struct test_scene test;
+    const struct near_lamp lamp = {.light_m = {0, 1e-6, 0}};
+    struct neph_scene *scene = near_lamp_stage(&test, &lamp);
+    struct neph_grid *grid = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_grid_create((int[]){3, 3, 3}, (struct neph_vec3){-1, -1, -1},
+                                    (struct neph_vec3){1, 1, 1}, &grid, &diag),
+                   &diag);
+    for (int i = 0; i < 27; i++)
+        grid->values[i] = i == 13 ? 0.0f : 1.0f;
+    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
+    scene->media[0] = make_voxels(0.5, grid);
+    const double truth =
+        neph_transport_ray(scene, test.key.position_m, (struct neph_vec3){0, 0, -1}).volume.g;
+    const struct estimate found = trace_middle_ray(scene, neph_test_paths(20000), 77);
+    print_message("clear place: exact %.5g, paths %.5g +- %.2g\n", truth, found.mean[1],
+                  found.error[1]);
+    neph_assert_close(found.mean[1], truth, 0.0, 4.5 * found.error[1]);
+    assert_true(found.error[1] < neph_test_noise(0.05 * truth));
+    neph_grid_destroy(grid);
+}
+
 static void test_white_media_keep_all_lamplight(void **state)
 {
     (void)state;
@@ -350,7 +494,11 @@ int main(void)
         cmocka_unit_test(test_thin_air_by_hand),
         cmocka_unit_test(test_a_stage_against_plain_quadrature),
         cmocka_unit_test(test_a_lamplit_surface_by_hand),
+        cmocka_unit_test(test_a_light_on_the_ray_outside_the_fog),
+        cmocka_unit_test(test_a_light_on_the_ray_in_the_fog_has_no_value),
         cmocka_unit_test(test_paths_against_the_stage),
+        cmocka_unit_test(test_paths_find_lights_near_rays),
+        cmocka_unit_test(test_paths_find_the_fog_around_a_clear_place),
         cmocka_unit_test(test_white_media_keep_all_lamplight),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
