@@ -3,18 +3,18 @@
  * Engines `exact`, `oracle`, `tracer` and `march` on one scene, compared with each other pixel by
  * pixel.
  *
- * Noise. `oracle` and `tracer` render COMPARE_BATCHES times with seeds of their own. The variance
- * of a pixel's mean is the mean of what the batches say of themselves, over their number; how the
- * batches scatter in it says how well that variance is known, in relative terms `unsure`: its
- * square is 2 over the degrees of freedom of Student's t. Where these are few (a light next to a
- * path), a difference must be as large as t then demands, and the pixel is counted apart from those
- * whose z-scores must have variance 1.
+ * Noise: `oracle` and `tracer` render COMPARE_BATCHES times, each time with another seed. The
+ * variance of a pixel's mean is the mean of the variances that the batches state, over their
+ * number. The scatter of the stated variances gives the relative standard error of that variance,
+ * `unsure`; its square is 2 over the degrees of freedom of Student's t. A pixel of few degrees of
+ * freedom (a light close to a path) must differ by as much as t then demands, and is counted apart
+ * from the pixels whose z-scores must have variance 1.
  *
- * A scene with a pixel or a sum over pixels that is unlikely is rendered again with other seeds and
- * more samples; only what is unlikely then, too, disagrees.
+ * A scene with an unlikely pixel, or an unlikely sum over pixels, is rendered again with other
+ * seeds and more samples. Only a difference that is unlikely then, too, is a disagreement.
  *
- * `march` has no noise but a step bias. It agrees when its deviation from the reference is rounding,
- * or falls as its steps are refined as a first-order method's would, or faster.
+ * `march` has no noise but a step bias. It agrees when its deviation from the reference is
+ * rounding, or falls with finer steps as the deviation of a first-order method does, or faster.
  */
 #ifndef NEPH_TESTS_RANDOM_SCENES_COMPARE_H
 #define NEPH_TESTS_RANDOM_SCENES_COMPARE_H
@@ -44,7 +44,7 @@ enum compare_pair {
     PAIR_COUNT,
 };
 
-enum { COMPARE_BATCHES = 6, COMPARE_PIXELS = 24, COMPARE_STAGES = 3 };
+enum { COMPARE_BATCHES = 4, COMPARE_PIXELS = 24, COMPARE_STAGES = 3 };
 
 /* z-scores of the first samples of all scenes. */
 struct compare_scores {
@@ -57,7 +57,8 @@ struct compare_scores {
 };
 
 struct compare_march {
-    long count, rounding; /* pixels; those that agree within rounding at the first step count */
+    long count, rounding; /* scenes; those that agree within rounding at the first step count */
+    long left_out;        /* pixels next to a light */
     double largest_bias;  /* relative, explained by steps */
 };
 

@@ -4,7 +4,7 @@
  * disagreement is shrunk and kept as a scene file.
  *
  *   random_scenes --seed 36 --count 200
- *   random_scenes --seed 36 --first 1000 --count 1000 --seconds 3600     one of two pieces
+ *   random_scenes --seed 36 --count 2000 --processes 16 --seconds 3600
  *   random_scenes --scene build/release/random_scenes/random_36_17.yaml  a kept scene again
  *   random_scenes --seed 36 --first 17 --print                           as YAML, on stdout
  *
@@ -25,9 +25,13 @@
 #include <argp.h>
 #include <errno.h>
 #include <math.h>
+#include <sched.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -35,7 +39,7 @@ enum { ATTEMPTS_MAX = 64, SHRINK_TURNS_MAX = 120 };
 
 struct options {
     uint64_t seed;
-    int first, count;
+    int first, count, processes;
     double seconds;     /* no scene begins after so long; +inf: none */
     const char *folder; /* for kept scenes */
     const char *scene;  /* a file to compare in place of random scenes */
@@ -166,15 +170,22 @@ static enum neph_status draw_scene(uint64_t seed, int index, const char *folder,
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-struct run {
-    const struct options *options;
-    struct neph_vulkan *vulkan;
+/* What scenes have come to. Processes send it through a pipe. */
+struct tally {
     struct compare_scores scores[PAIR_COUNT];
     struct compare_march marched;
-    int scenes, disagreements, kept;
+    int scenes, disagreements;
     int covered[COMPARE_ENGINES];
     double seconds[COMPARE_ENGINES];
     int stages[COMPARE_STAGES + 1]; /* scenes that needed so many */
+};
+
+struct run {
+    const struct options *options;
+    struct neph_vulkan *vulkan;
+    struct tally tally;
+    atomic_int *next; /* index of the next scene, shared by all processes */
+    double start_s;
 };
 
 static enum neph_status compare_recipe(struct run *run, const struct moment *written,
@@ -188,8 +199,8 @@ static enum neph_status compare_recipe(struct run *run, const struct moment *wri
                                             .seed = seed,
                                             .engines = engines,
                                             .first_stage = first_stage};
-    return compare_scene(&request, is_scored ? run->scores : NULL, is_scored ? &run->marched : NULL,
-                         result, diag);
+    return compare_scene(&request, is_scored ? run->tally.scores : NULL,
+                         is_scored ? &run->tally.marched : NULL, result, diag);
 }
 
 /* Whether the same two engines still disagree about a simpler recipe. */
@@ -284,7 +295,7 @@ static void report(struct run *run, const struct recipe *recipe, struct compare_
 {
     for (int i = 0; i < result->finding_count; i++) {
         struct compare_finding finding = result->findings[i];
-        run->disagreements++;
+        run->tally.disagreements++;
         printf("scene %d disagrees (", recipe->index);
         print_media(recipe);
         printf(")\n  %s and %s: %s\n", compare_engine_names[finding.test],
@@ -298,7 +309,6 @@ static void report(struct run *run, const struct recipe *recipe, struct compare_
         print_media(&smallest);
         printf("\n  %s\n", finding.what);
         keep(run, &smallest, suffix, &finding);
-        run->kept++;
     }
     fflush(stdout);
 }
@@ -323,11 +333,11 @@ static enum neph_status run_scene(struct run *run, int index, struct neph_diag *
     close_moment(&still);
     if (status)
         return status;
-    run->scenes++;
-    run->stages[result.stages]++;
+    run->tally.scenes++;
+    run->tally.stages[result.stages]++;
     for (int e = 0; e < COMPARE_ENGINES; e++) {
-        run->covered[e] += result.refusals[e][0] == '\0';
-        run->seconds[e] += result.seconds[e];
+        run->tally.covered[e] += result.refusals[e][0] == '\0';
+        run->tally.seconds[e] += result.seconds[e];
     }
     if (!run->options->is_quiet) {
         printf("%5d %5.1f s (", index, neph_wall_s() - start_s);
@@ -360,7 +370,7 @@ static bool print_scores(const struct run *run)
     bool is_right = true;
     for (int p = 0; p <= PAIR_TRACER_ORACLE + 1; p++) {
         const bool is_sum = p > PAIR_TRACER_ORACLE;
-        const struct compare_scores *s = is_sum ? &all : &run->scores[p];
+        const struct compare_scores *s = is_sum ? &all : &run->tally.scores[p];
         const double n = fmax(1.0, (double)s->count), mean = s->sum / n;
         const double variance = s->square_sum / n, expected = s->expected_sum / n;
         printf("%-16s %8ld %+8.3f %9.3f %9.3f %8ld %9.3f\n", is_sum ? "all" : names[p], s->count,
@@ -384,29 +394,134 @@ static bool print_summary(const struct run *run)
 {
     printf("seed %llu, scenes %d to %d: %d compared, %d disagreements\n",
            (unsigned long long)run->options->seed, run->options->first,
-           run->options->first + run->scenes - 1, run->scenes, run->disagreements);
+           run->options->first + run->tally.scenes - 1, run->tally.scenes,
+           run->tally.disagreements);
     for (int e = 0; e < COMPARE_ENGINES; e++)
-        printf("  %-7s %5d scenes %8.1f s\n", compare_engine_names[e], run->covered[e],
-               run->seconds[e]);
-    printf("  rendered again with more samples: %d once, %d twice\n", run->stages[2],
-           run->stages[3]);
-    printf("  march: %ld scenes, %ld at once within rounding, largest step bias %.1f %%\n",
-           run->marched.count, run->marched.rounding, 100.0 * run->marched.largest_bias);
+        printf("  %-7s %5d scenes %8.1f s\n", compare_engine_names[e], run->tally.covered[e],
+               run->tally.seconds[e]);
+    printf("  rendered again with more samples: %d once, %d twice\n", run->tally.stages[2],
+           run->tally.stages[3]);
+    printf(
+        "  march: %ld scenes, %ld at once within rounding, largest step bias %.1f %%; %ld pixels "
+        "next to a light left out\n",
+        run->tally.marched.count, run->tally.marched.rounding,
+        100.0 * run->tally.marched.largest_bias, run->tally.marched.left_out);
     return print_scores(run);
+}
+
+/* ---- processes ------------------------------------------------------------------------------- */
+
+/* Take scenes from the shared counter until there are none, or no time. */
+static enum neph_status run_some(struct run *run, struct neph_diag *diag)
+{
+    const struct options *options = run->options;
+    const bool needs_device = options->engines >> COMPARE_TRACER != 0;
+    enum neph_status status = needs_device ? neph_vulkan_open(&run->vulkan, diag) : NEPH_OK;
+    while (!status && neph_wall_s() - run->start_s <= options->seconds) {
+        const int turn = atomic_fetch_add(run->next, 1);
+        if (turn >= options->count)
+            break;
+        status = run_scene(run, options->first + turn, diag);
+    }
+    neph_vulkan_destroy(run->vulkan);
+    run->vulkan = NULL;
+    return status;
+}
+
+/* A process of its own on a processor of its own: `file` gets its tally when all went well. */
+static void run_process(struct run *run, int number, int file)
+{
+    cpu_set_t processors, one;
+    CPU_ZERO(&one);
+    if (!sched_getaffinity(0, sizeof(processors), &processors)) {
+        int left = number % CPU_COUNT(&processors);
+        for (int i = 0; i < CPU_SETSIZE; i++)
+            if (CPU_ISSET(i, &processors) && left-- == 0)
+                CPU_SET(i, &one);
+        sched_setaffinity(0, sizeof(one), &one);
+    }
+    struct neph_diag diag = {0};
+    const enum neph_status status = run_some(run, &diag);
+    if (status)
+        fprintf(stderr, "random_scenes: process %d: %s\n", number, diag.message);
+    else if (write(file, &run->tally, sizeof(run->tally)) != sizeof(run->tally))
+        fprintf(stderr, "random_scenes: process %d: no tally: %s\n", number, strerror(errno));
+    fflush(stdout);
+    _exit(status ? 70 : 0);
+}
+
+static void add_scores(struct compare_scores *sum, const struct compare_scores *part)
+{
+    sum->count += part->count;
+    sum->sum += part->sum;
+    sum->square_sum += part->square_sum;
+    sum->expected_sum += part->expected_sum;
+    sum->unsure += part->unsure;
+    sum->unsure_square_sum += part->unsure_square_sum;
+    sum->without_noise += part->without_noise;
+}
+
+static void add_tally(struct tally *sum, const struct tally *part)
+{
+    for (int p = 0; p < PAIR_COUNT; p++)
+        add_scores(&sum->scores[p], &part->scores[p]);
+    sum->marched.count += part->marched.count;
+    sum->marched.rounding += part->marched.rounding;
+    sum->marched.left_out += part->marched.left_out;
+    sum->marched.largest_bias = fmax(sum->marched.largest_bias, part->marched.largest_bias);
+    sum->scenes += part->scenes;
+    sum->disagreements += part->disagreements;
+    for (int e = 0; e < COMPARE_ENGINES; e++) {
+        sum->covered[e] += part->covered[e];
+        sum->seconds[e] += part->seconds[e];
+    }
+    for (int i = 0; i <= COMPARE_STAGES; i++)
+        sum->stages[i] += part->stages[i];
+}
+
+/* Start all processes, add up what they send. A process that dies is an error: its scenes have not
+ * been compared. */
+static enum neph_status run_processes(struct run *run, struct neph_diag *diag)
+{
+    const int count = run->options->processes;
+    int ends[2], sent = 0;
+    if (pipe(ends))
+        return neph_fail(diag, NEPH_ERR_IO, "no pipe: %s", strerror(errno));
+    for (int i = 0; i < count; i++) {
+        const pid_t child = fork();
+        if (child == 0)
+            run_process(run, i, ends[1]);
+        if (child < 0)
+            fprintf(stderr, "random_scenes: process %d: %s\n", i, strerror(errno));
+    }
+    close(ends[1]);
+    struct tally part;
+    while (read(ends[0], &part, sizeof(part)) == sizeof(part)) {
+        add_tally(&run->tally, &part);
+        sent++;
+    }
+    close(ends[0]);
+    while (wait(NULL) > 0)
+        ;
+    return sent == count ? NEPH_OK
+                         : neph_fail(diag, NEPH_ERR_ENGINE, "%d of %d processes did not finish",
+                                     count - sent, count);
 }
 
 static enum neph_status run_all(struct run *run, struct neph_diag *diag)
 {
     const struct options *options = run->options;
-    const double start_s = neph_wall_s();
-    enum neph_status status = NEPH_OK;
+    run->next = mmap(NULL, sizeof(*run->next), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS,
+                     -1, 0);
+    if (run->next == MAP_FAILED)
+        return neph_fail_memory(diag);
+    atomic_init(run->next, 0);
     printf("random scenes of seed %llu, %d from %d on\n", (unsigned long long)options->seed,
            options->count, options->first);
-    for (int i = 0; i < options->count && !status; i++) {
-        if (neph_wall_s() - start_s > options->seconds)
-            break;
-        status = run_scene(run, options->first + i, diag);
-    }
+    fflush(stdout);
+    const enum neph_status status = options->processes > 1 ? run_processes(run, diag)
+                                                           : run_some(run, diag);
+    munmap(run->next, sizeof(*run->next));
     return status;
 }
 
@@ -415,7 +530,9 @@ static enum neph_status run_file(struct run *run, struct neph_diag *diag)
     const struct options *options = run->options;
     struct moment written = {NULL, NULL}, still = {NULL, NULL};
     struct compare_result result;
-    enum neph_status status = open_moment(options->scene, options->frame, &written, diag);
+    enum neph_status status = neph_vulkan_open(&run->vulkan, diag);
+    if (!status)
+        status = open_moment(options->scene, options->frame, &written, diag);
     if (!status)
         status = open_moment(options->still ? options->still : options->scene, options->frame,
                              &still, diag);
@@ -429,10 +546,11 @@ static enum neph_status run_file(struct run *run, struct neph_diag *diag)
         printf("%s and %s disagree: %s\n", compare_engine_names[result.findings[i].test],
                compare_engine_names[result.findings[i].truth], result.findings[i].what);
     if (!status)
-        run->disagreements = result.finding_count;
-    run->scenes = 1;
+        run->tally.disagreements = result.finding_count;
+    run->tally.scenes = 1;
     close_moment(&written);
     close_moment(&still);
+    neph_vulkan_destroy(run->vulkan);
     return status;
 }
 
@@ -457,6 +575,7 @@ static enum neph_status print_recipe(const struct options *options, struct neph_
 
 enum {
     KEY_FIRST = 256,
+    KEY_PROCESSES,
     KEY_SECONDS,
     KEY_FOLDER,
     KEY_SCENE,
@@ -472,6 +591,7 @@ static const struct argp_option argp_options[] = {
     {"seed", 's', "N", 0, "of all scenes; `today`: the day", 0},
     {"first", KEY_FIRST, "N", 0, "index of the first scene (default 0)", 0},
     {"count", 'n', "N", 0, "scenes (default 20)", 0},
+    {"processes", KEY_PROCESSES, "N", 0, "that share the scenes (default 1)", 0},
     {"seconds", KEY_SECONDS, "S", 0, "no scene begins after so long", 0},
     {"folder", KEY_FOLDER, "DIR", 0, "for scenes that disagree (default random_scenes)", 0},
     {"scene", KEY_SCENE, "FILE", 0, "compare this scene file", 0},
@@ -525,6 +645,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case 'n':
         options->count = (int)parse_number(text, 1, 1e9, state);
         return 0;
+    case KEY_PROCESSES:
+        options->processes = (int)parse_number(text, 1, 256, state);
+        return 0;
     case KEY_SECONDS:
         options->seconds = parse_number(text, 0, 1e9, state);
         return 0;
@@ -571,30 +694,26 @@ int main(int argc, char **argv)
         NULL,         NULL,  NULL};
     struct options options = {.seed = 36,
                               .count = 20,
+                              .processes = 1,
                               .seconds = INFINITY,
                               .folder = "random_scenes",
                               .engines = (1u << COMPARE_ENGINES) - 1u};
     argp_err_exit_status = 64;
     argp_parse(&argp, argc, argv, 0, NULL, &options);
     struct neph_diag diag = {0};
-    struct run run = {.options = &options};
-    const bool needs_device = options.engines >> COMPARE_TRACER != 0 && !options.prints;
+    struct run run = {.options = &options, .start_s = neph_wall_s()};
     bool is_right = true;
     enum neph_status status = make_folder(options.folder, &diag);
     if (!status && options.prints)
         status = print_recipe(&options, &diag);
     else if (!status) {
-        if (needs_device)
-            status = neph_vulkan_open(&run.vulkan, &diag);
-        if (!status)
-            status = options.scene ? run_file(&run, &diag) : run_all(&run, &diag);
+        status = options.scene ? run_file(&run, &diag) : run_all(&run, &diag);
         if (!status)
             is_right = print_summary(&run) || options.scene;
     }
-    neph_vulkan_destroy(run.vulkan);
     if (status) {
         fprintf(stderr, "random_scenes: %s\n", diag.message);
         return 70;
     }
-    return run.disagreements > 0 || !is_right;
+    return run.tally.disagreements > 0 || !is_right;
 }
