@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Engines `exact`, `oracle`, `tracer` and `march` on one scene, compared with each other pixel by
+ * pixel.
+ *
+ * Noise: `oracle` and `tracer` render COMPARE_BATCHES times, each time with another seed. The
+ * variance of a pixel's mean is the mean of the variances that the batches state, over their
+ * number. The scatter of the stated variances gives the relative standard error of that variance,
+ * `unsure`; its square is 2 over the degrees of freedom of Student's t. A pixel of few degrees of
+ * freedom (a light close to a path) must differ by as much as t then demands, and is counted apart
+ * from the pixels whose z-scores must have variance 1.
+ *
+ * A scene with an unlikely pixel, or an unlikely sum over pixels, is rendered again with other
+ * seeds and more samples. Only a difference that is unlikely then, too, is a disagreement.
+ *
+ * `march` has no noise but a step bias. It agrees when its deviation from the reference is
+ * rounding, or falls with finer steps as the deviation of a first-order method does, or faster.
+ */
+#ifndef NEPH_TESTS_RANDOM_SCENES_COMPARE_H
+#define NEPH_TESTS_RANDOM_SCENES_COMPARE_H
+
+#include "renderer/vulkan.h"
+#include "scenes/scene.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum compare_engine {
+    COMPARE_EXACT,
+    COMPARE_ORACLE,
+    COMPARE_TRACER,
+    COMPARE_MARCH,
+    COMPARE_ENGINES
+};
+extern const char *const compare_engine_names[COMPARE_ENGINES];
+
+/* Pairs of engines that have noise of their own, and those without. */
+enum compare_pair {
+    PAIR_ORACLE_EXACT,
+    PAIR_TRACER_EXACT,
+    PAIR_TRACER_ORACLE,
+    PAIR_MARCH_EXACT,
+    PAIR_MARCH_ORACLE, /* where there is no exact answer */
+    PAIR_COUNT,
+};
+
+enum { COMPARE_BATCHES = 4, COMPARE_PIXELS = 24, COMPARE_STAGES = 3 };
+
+/* z-scores of the first samples of all scenes. */
+struct compare_scores {
+    long count;
+    double sum, square_sum;
+    double expected_sum; /* of dof / (dof - 2): what the square sum should be */
+    long unsure;         /* pixels whose variance is not known well enough, left out of the above */
+    double unsure_square_sum;
+    long without_noise; /* pixels that are compared within rounding */
+};
+
+struct compare_march {
+    long count, rounding; /* scenes; those that agree within rounding at the first step count */
+    long left_out;        /* pixels next to a light */
+    double largest_bias;  /* relative, explained by steps */
+};
+
+struct compare_request {
+    /* At one moment (neph_scene_at()). `written` has wind in it; `still` has its media put by hand
+     * where the wind has carried them, and is what exact and oracle render. */
+    const struct neph_scene *written, *still;
+    struct neph_vulkan *vulkan; /* NULL: without tracer and march */
+    uint64_t seed;
+    unsigned engines; /* bits of enum compare_engine that take part */
+    int first_stage;  /* 0; the shrinker begins later */
+};
+
+struct compare_finding {
+    bool disagrees;
+    enum compare_engine test, truth;
+    char what[400]; /* a sentence with pixel, channel, values and how unlikely they are */
+};
+
+struct compare_result {
+    struct compare_finding findings[PAIR_COUNT + COMPARE_ENGINES];
+    int finding_count;
+    char refusals[COMPARE_ENGINES][200]; /* why an engine takes no part; empty: it does */
+    double seconds[COMPARE_ENGINES];
+    int stages; /* that were rendered */
+};
+
+/* Scores may be NULL. Interruption and lack of memory are errors; an engine that fails is a
+ * finding. */
+enum neph_status compare_scene(const struct compare_request *request,
+                               struct compare_scores scores[PAIR_COUNT],
+                               struct compare_march *marched, struct compare_result *result,
+                               struct neph_diag *diag);
+
+#endif
