@@ -25,6 +25,16 @@ static const uint64_t gpu_thread_turns_max = 1ull << 20;
 /* The rays of one dispatch, at most: 32 MiB of results. */
 static const uint64_t dispatch_rays_max = 1u << 19;
 
+static uint64_t least(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+static uint64_t most(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
 bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params)
 {
     for (int i = 0; i < scene->medium_count; i++)
@@ -123,18 +133,29 @@ static struct turns turns_in(const struct neph_scene *scene, const struct neph_g
     return turns;
 }
 
-/* Parts of a step for one lamp, at most (shaders/march_lamp_steps.glsl): so many that a dispatch on
- * a CPU has room for 16 steps, and 8 where it has not. 0: there is no lamp. */
-static uint64_t lamp_parts(const struct neph_gpu_scene *gpu)
+static bool is_on_cpu(const struct neph_gpu_scene *gpu)
+{
+    return (gpu->constants[1] & NEPH_GPU_ON_CPU) != 0;
+}
+
+/* Parts that all steps of a ray are divided into for one lamp, beside one for each step, at most
+ * (shaders/march_lamp_steps.glsl): 7 for each four steps, 112 of few, and no more than 3/4 of a
+ * thread's turns have room for, but 8. On a CPU that is less than 7 for each four from some 500
+ * steps on. 0: there is no lamp. */
+static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_march_params *params)
 {
     const struct neph_gpu_frame *frame = gpu->frame;
     const uint64_t media = 1 + 3 * (uint64_t)frame->medium_count, lamps = frame->lamp_count;
+    const bool marches = params->sun == NEPH_MARCH_MARCHED ||
+                         (gpu->constants[0] >> NEPH_MEDIUM_HORIZON & 1u) != 0;
+    const uint64_t sun_steps = marches ? (uint64_t)params->sun_steps : 0;
     const uint64_t turns = neph_gpu_solid_turns(frame->solid_count) + 3 * media +
-                           2 * gpu->optical_depth_turns + frame->sun_steps * (3 + 3 * media);
-    uint64_t parts = lamps > 0 ? 64 : 0;
-    while (parts > 8 && parts * lamps * turns > NEPH_KERNEL_LOOP_TURNS_MAX / 16)
-        parts /= 2;
-    return parts;
+                           2 * gpu->optical_depth_turns + sun_steps * (3 + 3 * media);
+    const uint64_t all = is_on_cpu(gpu) ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max;
+    const uint64_t wanted = 7 * (uint64_t)params->steps / 4;
+    if (lamps == 0)
+        return 0;
+    return most(8, least(most(112, least(wanted, 0xffff)), all / 4 * 3 / (lamps * turns)));
 }
 
 /* Loop turns of the shader as a whole. */
@@ -147,15 +168,17 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                         octave_count(scene, params->lighting) * (1 + turns.media);
     if (params->lighting == NEPH_MARCH_SLAB)
         sunlight *= 2; /* and away from the sun */
-    /* Each light is looked for as the sun is, from each part of a step, and that is a step itself. */
-    sunlight += lamp_parts(gpu) * (uint64_t)scene->light_count *
-                (turns.solids + turns.sun + 2 * turns.media + turns.exact);
+    /* Each light is looked for as the sun is, from each part of a step, which is a step itself. */
+    const uint64_t lamplight = (uint64_t)scene->light_count *
+                               (turns.solids + turns.sun + 2 * turns.media + turns.exact);
+    sunlight += lamplight;
     if (params->sky.is_on)
         sunlight += 2 * neph_sky_look_turns(scene->medium_count, params->sky.tables.field.degree);
     if (params->fog.is_look)
         sunlight += 2 * NEPH_GPU_LAYERS_MAX; /* to the eye and to the sun */
     *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
-    *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight + 1;
+    *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight +
+                    lamp_parts(gpu, params) * lamplight + 1;
 }
 
 /* `SHORTCUTS` of shaders/shortcuts.glsl, and veils. */
@@ -190,12 +213,7 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[4] = params->lighting;
     constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
                    (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u) |
-                   (uint32_t)lamp_parts(gpu) << 16;
-}
-
-static uint64_t least(uint64_t a, uint64_t b)
-{
-    return a < b ? a : b;
+                   (uint32_t)lamp_parts(gpu, params) << 16;
 }
 
 static uint64_t turns_of(const struct neph_march_cut *cut, uint64_t steps)

@@ -13,16 +13,25 @@
 
 #include "march_lamps.glsl"
 
-// Parts of a step, at most; lamp_parts() of renderer/march_cut.c says how many turns are left.
-const uint LAMP_STEP_PARTS_MAX = SHORTCUTS >> 16u;
+// Parts of all steps of a ray for one lamp, beside one for each step: lamp_parts() of
+// renderer/march_cut.c says how many turns of a thread there are for them.
+const uint LAMP_RAY_PARTS = SHORTCUTS >> 16u;
 
-// The extent of a part in u: with 64 steps and fewer that of a froxel's parts.
-float lamp_step_part() { return LAMP_PART * min(1.0, 64.0 / float(own(frame.steps))); }
+// Beyond so many heights from the foot, where 1e-9 of the light is, no step is divided; and the
+// extent of a ray in u, at most: 2 asinh(LAMP_END).
+const float LAMP_END = 1e9, LAMP_EXTENT = 42.9;
 
-// u of a place. Beyond 1e18 the square would leave float32.
+// The extent of a part: with 64 steps and fewer that of a froxel's parts.
+float lamp_step_part()
+{
+    return max(LAMP_PART * min(1.0, 64.0 / float(own(frame.steps))),
+               LAMP_EXTENT / float(LAMP_RAY_PARTS));
+}
+
+// u of a place.
 float lamp_place(LampPass pass, float s_m)
 {
-    float slope = min(abs(s_m) / pass.height_m, 1e18);
+    float slope = min(abs(s_m) / pass.height_m, LAMP_END);
     return sign(s_m) * log(slope + sqrt(1.0 + slope * slope));
 }
 
@@ -43,7 +52,7 @@ vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, flo
 {
     float s0_m = start_m - pass.foot_m, end_m = s0_m + length_m;
     float first = lamp_place(pass, s0_m), extent = lamp_place(pass, end_m) - first;
-    uint parts = min(1u + uint(extent / lamp_step_part()), LAMP_STEP_PARTS_MAX);
+    uint parts = 1u + uint(max(extent, 0.0) / lamp_step_part());
     is_divided = parts > 1u;
     vec3 sum = vec3(0.0), depth = vec3(0.0);
     for (uint i = 1; i <= parts; i++) {
