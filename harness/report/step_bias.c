@@ -205,7 +205,7 @@ static double quotient(double a, double b)
     return b > 0.0 ? a / b : 0.0;
 }
 
-/* The light that a place scatters per optical depth, over the irradiance; g is `part` of its own. */
+/* The light that a place scatters per optical depth and irradiance; g is `part` of its own. */
 static struct neph_rgb scattered_per_depth(const struct neph_scene *scene, struct neph_vec3 point_m,
                                            double cosine, double part)
 {
