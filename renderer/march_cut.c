@@ -140,8 +140,7 @@ static bool is_on_cpu(const struct neph_gpu_scene *gpu)
 
 /* Parts that all steps of a ray are divided into for one lamp, beside one for each step, at most
  * (shaders/march_lamp_steps.glsl): 7 for each four steps, 112 of few, and no more than 3/4 of a
- * thread's turns have room for, but 8. On a CPU that is less than 7 for each four from some 500
- * steps on. 0: there is no lamp. */
+ * thread's turns have room for, but 8. 0: there is no lamp. */
 static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_march_params *params)
 {
     const struct neph_gpu_frame *frame = gpu->frame;
