@@ -300,6 +300,7 @@ static void report(struct run *run, const struct recipe *recipe, struct compare_
         print_media(recipe);
         printf(")\n  %s and %s: %s\n", compare_engine_names[finding.test],
                compare_engine_names[finding.truth], finding.what);
+        fflush(stdout); /* shrinking takes a while */
         char suffix[40];
         snprintf(suffix, sizeof(suffix), "_%s_%s", compare_engine_names[finding.test],
                  compare_engine_names[finding.truth]);
