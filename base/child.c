@@ -12,6 +12,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -184,7 +185,7 @@ static enum neph_status explain_start(const struct neph_child_params *params,
     case NEPH_KEEPER_FOLDER:
         return fail_start(program, params->working_directory, report->error, diag);
     case NEPH_KEEPER_CONFINE:
-        return fail_start(program, "landlock", report->error, diag);
+        return fail_start(program, "confining it to its folder", report->error, diag);
     case NEPH_KEEPER_FILES:
         return fail_start(program, "its files", report->error, diag);
     case NEPH_KEEPER_FORK:
@@ -302,6 +303,7 @@ static enum neph_status run(const struct neph_child_params *params,
     job.program = program;
     job.folder = params->working_directory;
     job.is_confined = params->is_confined;
+    job.limits = params->limits;
     job.time_limit_s = params->time_limit_s;
     /* execve() takes pointers to non-const for historical reasons and changes nothing. */
     job.argv = (char *const *)params->argv;
@@ -310,6 +312,10 @@ static enum neph_status run(const struct neph_child_params *params,
         status = open_files(params, &job, diag);
     if (!status)
         status = run_kept(params, &job, report, diag);
+    if (!status && report->excess == NEPH_EXCESS_LOG &&
+        ftruncate(job.output_fd, params->limits.log_bytes) != 0)
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot cut '%s': %s", params->log_path,
+                           strerror(errno));
     close_if_open(&job.output_fd);
     close_if_open(&job.input_fd);
     free_environment(&environment);
@@ -350,7 +356,8 @@ static const char *last_lines(char *text)
 static void quote_log(const char *log_path, char quote[QUOTE_BYTES + 64])
 {
     quote[0] = '\0';
-    int fd = log_path ? open(log_path, O_RDONLY | O_CLOEXEC) : -1;
+    /* O_NONBLOCK: the child may have put a pipe in its place. */
+    int fd = log_path ? open(log_path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY) : -1;
     if (fd < 0)
         return;
     char text[QUOTE_BYTES + 1];
@@ -365,20 +372,54 @@ static void quote_log(const char *log_path, char quote[QUOTE_BYTES + 64])
         snprintf(quote, QUOTE_BYTES + 64, "; its last words:\n%s", lines);
 }
 
+static enum neph_status explain_excess(const struct neph_child_params *params,
+                                       enum neph_child_excess excess, const char *quote,
+                                       struct neph_diag *diag)
+{
+    const struct neph_child_limits *limits = &params->limits;
+    const char *program = params->argv[0];
+    switch (excess) {
+    case NEPH_EXCESS_NONE:
+        break;
+    case NEPH_EXCESS_BYTES:
+        return neph_fail(diag, NEPH_ERR_ENGINE,
+                         "'%s' was stopped: its folder holds more than %" PRId64 " MiB%s", program,
+                         limits->folder_bytes >> 20, quote);
+    case NEPH_EXCESS_ENTRIES:
+        return neph_fail(diag, NEPH_ERR_ENGINE,
+                         "'%s' was stopped: its folder holds more than %" PRId64
+                         " files and folders%s",
+                         program, limits->folder_entries, quote);
+    case NEPH_EXCESS_HIDDEN:
+        return neph_fail(diag, NEPH_ERR_ENGINE,
+                         "'%s' was stopped: in its folder are folders that cannot be read, or more "
+                         "than 64 of them inside one another%s",
+                         program, quote);
+    case NEPH_EXCESS_LOG:
+        return neph_fail(diag, NEPH_ERR_ENGINE,
+                         "'%s' was stopped: it printed more than %" PRId64 " MiB%s", program,
+                         limits->log_bytes >> 20, quote);
+    }
+    return NEPH_OK;
+}
+
 static enum neph_status explain_end(const struct neph_child_params *params,
                                     const struct neph_child_result *result,
-                                    enum neph_status ended_for, struct neph_diag *diag)
+                                    enum neph_status ended_for, enum neph_child_excess excess,
+                                    struct neph_diag *diag)
 {
     const char *program = params->argv[0];
     if (ended_for == NEPH_ERR_INTERRUPTED)
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "'%s' was stopped by an interrupt", program);
-    if (!ended_for && !result->signal && result->exit_code == 0)
+    if (!ended_for && !excess && !result->signal && result->exit_code == 0)
         return NEPH_OK;
 
     char quote[QUOTE_BYTES + 64];
     quote_log(params->log_path, quote);
     enum neph_status status;
-    if (ended_for == NEPH_ERR_TIMEOUT)
+    if (excess)
+        status = explain_excess(params, excess, quote, diag);
+    else if (ended_for == NEPH_ERR_TIMEOUT)
         status = neph_fail(diag, NEPH_ERR_TIMEOUT, "'%s' was stopped at its time limit of %g s%s",
                            program, params->time_limit_s, quote);
     else if (result->signal) {
@@ -403,5 +444,5 @@ enum neph_status neph_child_run(const struct neph_child_params *params,
     if (status)
         return status;
     *result = report.result;
-    return explain_end(params, result, report.ended_for, diag);
+    return explain_end(params, result, report.ended_for, report.excess, diag);
 }

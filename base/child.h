@@ -20,23 +20,24 @@ struct neph_child_params {
      * (NULL: HOME=/nonexistent), then these "NAME=value" (NULL: none). Nothing else of the user's
      * environment reaches a child. */
     const char *home;
-    bool is_confined; /* it and all that it starts write into `working_directory` alone, where the
-                         kernel can see to that (confine.h) */
+    bool is_confined; /* it and all that it starts change files in `working_directory` alone, where
+                         the kernel can see to that (confine.h) */
+    struct neph_child_limits limits; /* the first two need a `working_directory` */
     const char *const *environment;
     double time_limit_s; /* <= 0: none */
 };
 
-/* Run to the end, which is the end of the child: everything that it has started and left behind, in
- * whatever group or session, then gets SIGKILL and is gone when this returns. On time limit or
+/* Run to the end, which is the end of the child: everything that it has started and left behind,
+ * in whatever group or session, then gets SIGKILL and is gone when this returns. On time limit or
  * neph_interrupted() the child's group gets SIGTERM, two seconds later SIGKILL, and the status is
- * NEPH_ERR_TIMEOUT or NEPH_ERR_INTERRUPTED. If neph itself dies, even by SIGKILL, the child and all
- * beneath it are killed too. (To find what has left the group takes a kernel with
+ * NEPH_ERR_TIMEOUT or NEPH_ERR_INTERRUPTED. If neph itself dies, even by SIGKILL, the child and
+ * all beneath it are killed too. (To find what has left the group takes a kernel with
  * CONFIG_PROC_CHILDREN, as all distributions have it; without it the group alone is killed.) stdin
  * is /dev/null. NEPH_ERR_UNAVAILABLE: no such program, or not one that can be executed.
- * NEPH_ERR_ENGINE: it ended with a non-zero exit code or a signal; the diag quotes the last lines
- * of its log. NEPH_ERR_IO: no such working directory, or the log cannot be written. `result` is
- * filled in every case in which the child has run and its end was seen. May be called from several
- * threads. */
+ * NEPH_ERR_ENGINE: it ended with a non-zero exit code or a signal, or was ended at one of its
+ * limits, and then its log is cut there; the diag quotes the last lines of its log. NEPH_ERR_IO:
+ * no such working directory, or the log cannot be written. `result` is filled in every case in
+ * which the child has run and its end was seen. May be called from several threads. */
 enum neph_status neph_child_run(const struct neph_child_params *params,
                                 struct neph_child_result *result, struct neph_diag *diag);
 

@@ -7,6 +7,23 @@
 
 #include <stdint.h>
 
+/* How much a child may write; 0 in a field: no limit. The keeper measures every 0.1 s and once more
+ * at the end, so a child may be over a limit for that long. */
+struct neph_child_limits {
+    int64_t folder_bytes;   /* in its working folder; a confined child: any single file, too */
+    int64_t folder_entries; /* there: files, folders, links and the like */
+    int64_t log_bytes;      /* what it prints */
+};
+
+/* Which of them it has passed. */
+enum neph_child_excess {
+    NEPH_EXCESS_NONE,
+    NEPH_EXCESS_BYTES,
+    NEPH_EXCESS_ENTRIES,
+    NEPH_EXCESS_HIDDEN, /* folders that cannot be counted: neph_usage_measure() */
+    NEPH_EXCESS_LOG,
+};
+
 struct neph_child_result {
     int exit_code; /* valid when signal is 0 */
     int signal;    /* the signal that ended it, or 0 */

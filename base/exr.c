@@ -6,6 +6,8 @@
  */
 #include "base/exr.h"
 
+#include "base/exr_header.h"
+#include "base/exr_labels.h"
 #include "base/files.h"
 #include "base/text.h"
 
@@ -27,7 +29,6 @@ enum {
     EXR_FLAG_TILED = 0x200,
     EXR_FLAG_DEEP = 0x800,
     EXR_FLAG_MULTIPART = 0x1000,
-    PREFIX_BYTES = 8,
     SHORT_NAME_MAX = 31, /* longer names need a flag in the file */
     CHANNEL_COUNT_MAX = 1024,
     ONLY_PART = 0,
@@ -45,6 +46,8 @@ struct stream {
     char *data;          /* writing */
     size_t capacity;     /* writing */
     char complaint[256]; /* the library's last message */
+    char *header;        /* reading: the bytes of the attributes; owned */
+    size_t header_bytes;
 };
 
 static struct stream *stream_of(exr_const_context_t context)
@@ -113,22 +116,6 @@ static enum neph_status fail_write(const char *path, const struct stream *stream
                      reason(stream, result));
 }
 
-/* Names that the format itself gives a meaning to. */
-static bool is_reserved_attribute(const char *name)
-{
-    static const char *const reserved[] = {
-        "channels",          "compression", "dataWindow",
-        "displayWindow",     "lineOrder",   "pixelAspectRatio",
-        "chunkCount",        "name",        "screenWindowCenter",
-        "screenWindowWidth", "type",        "tiles",
-        "version",           "view",        "preview",
-    };
-    for (size_t i = 0; i < sizeof(reserved) / sizeof(reserved[0]); i++)
-        if (strcmp(name, reserved[i]) == 0)
-            return true;
-    return false;
-}
-
 static enum neph_status check_writable(const struct neph_image *image, const char *path,
                                        struct neph_diag *diag)
 {
@@ -137,7 +124,7 @@ static enum neph_status check_writable(const struct neph_image *image, const cha
                          path);
     for (int i = 0; i < image->attribute_count; i++) {
         const char *name = image->attributes[i].name;
-        if (name[0] == '\0' || is_reserved_attribute(name))
+        if (name[0] == '\0' || neph_exr_is_reserved(name))
             return neph_fail(diag, NEPH_ERR_INPUT,
                              "cannot write '%s': '%s' is not a free name for an attribute", path,
                              name);
@@ -145,8 +132,20 @@ static enum neph_status check_writable(const struct neph_image *image, const cha
     return NEPH_OK;
 }
 
+/* Attributes that a file had and that are not text; an image may have none. */
+static bool next_kept(const struct neph_image *image, size_t *at,
+                      struct neph_exr_attribute *attribute)
+{
+    return image->header && neph_exr_next_attribute(image->header->attributes,
+                                                    image->header->attribute_bytes, at, attribute);
+}
+
 static bool has_long_names(const struct neph_image *image)
 {
+    struct neph_exr_attribute kept;
+    for (size_t at = 0; next_kept(image, &at, &kept);)
+        if (strlen(kept.name) > SHORT_NAME_MAX || strlen(kept.type) > SHORT_NAME_MAX)
+            return true;
     for (int i = 0; i < image->channel_count; i++)
         if (strlen(image->channels[i].name) > SHORT_NAME_MAX)
             return true;
@@ -154,6 +153,37 @@ static bool has_long_names(const struct neph_image *image)
         if (strlen(image->attributes[i].name) > SHORT_NAME_MAX)
             return true;
     return false;
+}
+
+/* The row of the data window that row 0 of the image is. */
+static int top_of(const struct neph_image *image)
+{
+    return image->header ? image->header->data_min_px[1] : 0;
+}
+
+static exr_result_t write_windows(exr_context_t context, const struct neph_image *image,
+                                  exr_compression_t compression)
+{
+    const struct neph_file_header *header = image->header;
+    if (!header)
+        return exr_initialize_required_attr_simple(context, ONLY_PART, image->width_px,
+                                                   image->height_px, compression);
+    const int32_t *data = header->data_min_px, *display = header->display_min_px;
+    exr_attr_box2i_t window, whole;
+    exr_attr_v2f_t center;
+    window.min.x = data[0];
+    window.min.y = data[1];
+    window.max.x = data[0] + image->width_px - 1;
+    window.max.y = data[1] + image->height_px - 1;
+    whole.min.x = display[0];
+    whole.min.y = display[1];
+    whole.max.x = (int32_t)((int64_t)display[0] + header->display_px[0] - 1);
+    whole.max.y = (int32_t)((int64_t)display[1] + header->display_px[1] - 1);
+    center.x = header->screen_center[0];
+    center.y = header->screen_center[1];
+    return exr_initialize_required_attr(context, ONLY_PART, &whole, &window, header->pixel_aspect,
+                                        &center, header->screen_width, EXR_LINEORDER_INCREASING_Y,
+                                        compression);
 }
 
 static exr_result_t write_header(exr_context_t context, const struct neph_image *image,
@@ -165,14 +195,14 @@ static exr_result_t write_header(exr_context_t context, const struct neph_image 
     if (!result)
         result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
     if (!result)
-        result = exr_initialize_required_attr_simple(context, part, image->width_px,
-                                                     image->height_px, compression);
+        result = write_windows(context, image, compression);
     for (int i = 0; i < image->channel_count && !result; i++)
         result = exr_add_channel(context, part, image->channels[i].name, EXR_PIXEL_FLOAT,
                                  EXR_PERCEPTUALLY_LINEAR, 1, 1);
     for (int i = 0; i < image->attribute_count && !result; i++)
-        result = exr_attr_set_string(context, part, image->attributes[i].name,
-                                     image->attributes[i].value);
+        if (!neph_exr_is_ours(image->attributes[i].name))
+            result = exr_attr_set_string(context, part, image->attributes[i].name,
+                                         image->attributes[i].value);
     return result ? result : exr_write_header(context);
 }
 
@@ -226,7 +256,8 @@ static exr_result_t write_chunk(exr_context_t context, exr_encode_pipeline_t *en
                                 int y)
 {
     exr_chunk_info_t chunk;
-    exr_result_t result = exr_write_scanline_chunk_info(context, ONLY_PART, y, &chunk);
+    exr_result_t result = exr_write_scanline_chunk_info(context, ONLY_PART, top_of(image) + y,
+                                                        &chunk);
     if (result)
         return result;
     bool first = y == 0;
@@ -250,6 +281,22 @@ static exr_result_t write_pixels(exr_context_t context, const struct neph_image 
         result = write_chunk(context, &encoder, &compressor, image, y);
     exr_encoding_destroy(context, &encoder);
     return result;
+}
+
+/* Attributes of other types than text go into the file as they are: the library has a function for
+ * each type, and none for all. A text of the image takes the place of one of its name. */
+static enum neph_status add_kept(struct stream *stream, const struct neph_image *image,
+                                 exr_compression_t compression, struct neph_diag *diag)
+{
+    const int rows_per_chunk = compression == EXR_COMPRESSION_ZIP ? 16 : 1;
+    const int64_t chunk_count = (image->height_px + rows_per_chunk - 1) / rows_per_chunk;
+    struct neph_exr_attribute kept;
+    enum neph_status status = NEPH_OK;
+    for (size_t at = 0; !status && next_kept(image, &at, &kept);)
+        if (!neph_image_attribute(image, kept.name))
+            status = neph_exr_add_attributes(&stream->data, &stream->size_bytes, chunk_count,
+                                             kept.start, kept.bytes, diag);
+    return status;
 }
 
 static enum neph_status write_compressed(const char *path, const struct neph_image *image,
@@ -276,7 +323,9 @@ static enum neph_status write_compressed(const char *path, const struct neph_ima
         result = result ? result : finished;
     }
     status = result ? fail_write(path, &stream, result, diag)
-                    : neph_file_write(path, stream.data, stream.size_bytes, diag);
+                    : add_kept(&stream, image, compression, diag);
+    if (!status)
+        status = neph_file_write(path, stream.data, stream.size_bytes, diag);
     free(stream.data);
     return status;
 }
@@ -340,12 +389,6 @@ static enum neph_status fail_read(const char *path, const struct stream *stream,
     return status;
 }
 
-static uint32_t little_endian_32(const unsigned char *bytes)
-{
-    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
-           (uint32_t)bytes[3] << 24;
-}
-
 static enum neph_status refuse_kind(const char *path, const char *kind, struct neph_diag *diag)
 {
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a %s OpenEXR file; only flat scanlines are read", path,
@@ -354,17 +397,51 @@ static enum neph_status refuse_kind(const char *path, const char *kind, struct n
     return NEPH_ERR_INPUT;
 }
 
+/* Codes of the attribute `compression` that the library of today does not know; it takes an unknown
+ * code for ZIP. Their names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
+static const struct {
+    int code;
+    const char *name;
+} new_compressions[] = {
+    {10, "HTJ2K, 256 lines"},
+    {11, "HTJ2K, 32 lines"},
+};
+
+static enum neph_status refuse_compression(const char *path, int code, struct neph_diag *diag)
+{
+    const char *name = NULL;
+    for (size_t i = 0; i < sizeof(new_compressions) / sizeof(new_compressions[0]); i++)
+        if (new_compressions[i].code == code)
+            name = new_compressions[i].name;
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has the compression %d%s%s%s, which is not read", path,
+              code, name ? " (" : "", name ? name : "", name ? ")" : "");
+    neph_hint(diag, "write it with ZIP compression");
+    return NEPH_ERR_INPUT;
+}
+
+/* What the library would take for another, or for damage. */
+static enum neph_status check_compression(const char *path, const char *header, size_t size,
+                                          struct neph_diag *diag)
+{
+    struct neph_exr_attribute attribute;
+    for (size_t at = 0; neph_exr_next_attribute(header, size, &at, &attribute);)
+        if (strcmp(attribute.name, "compression") == 0 && attribute.value_bytes == 1 &&
+            attribute.value[0] >= EXR_COMPRESSION_LAST_TYPE)
+            return refuse_compression(path, attribute.value[0], diag);
+    return NEPH_OK;
+}
+
 /* Refuse what is no business of ours before the library parses any of it. */
 static enum neph_status check_prefix(const char *path, struct stream *stream,
                                      struct neph_diag *diag)
 {
-    unsigned char prefix[PREFIX_BYTES];
+    unsigned char prefix[NEPH_EXR_PREFIX_BYTES];
     int64_t got = read_bytes(NULL, stream, prefix, sizeof(prefix), 0, NULL);
     if (got < 0)
         return fail_read(path, stream, EXR_ERR_READ_IO, diag);
-    if (got < PREFIX_BYTES || little_endian_32(prefix) != EXR_MAGIC)
+    if (got < NEPH_EXR_PREFIX_BYTES || neph_exr_u32(prefix) != EXR_MAGIC)
         return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not an OpenEXR file", path);
-    uint32_t flags = little_endian_32(prefix + 4);
+    uint32_t flags = neph_exr_u32(prefix + 4);
     if (flags & EXR_FLAG_MULTIPART)
         return refuse_kind(path, "multi-part", diag);
     if (flags & EXR_FLAG_DEEP)
@@ -374,11 +451,24 @@ static enum neph_status check_prefix(const char *path, struct stream *stream,
     return NEPH_OK;
 }
 
+static enum neph_status read_header(const char *path, struct stream *stream, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_exr_read_header(
+        stream->fd, stream->size_bytes, &stream->header, &stream->header_bytes, diag);
+    if (status == NEPH_ERR_IO) {
+        stream->io_error = errno;
+        return fail_read(path, stream, EXR_ERR_READ_IO, diag);
+    }
+    return status ? status : check_compression(path, stream->header, stream->header_bytes, diag);
+}
+
 static enum neph_status open_stream(const char *path, struct stream *stream, struct neph_diag *diag)
 {
     *stream = (struct stream){.fd = -1};
-    const enum neph_status status = neph_file_open(path, &stream->fd, &stream->size_bytes, diag);
-    return status ? status : check_prefix(path, stream, diag);
+    enum neph_status status = neph_file_open(path, &stream->fd, &stream->size_bytes, diag);
+    if (!status)
+        status = check_prefix(path, stream, diag);
+    return status ? status : read_header(path, stream, diag);
 }
 
 /* What the header says about the pixels. */
@@ -512,21 +602,11 @@ static enum neph_status add_channels(struct neph_image *image, const struct layo
     return status;
 }
 
-/* Names that tell of the file itself: a text in it is not to pass for that. */
-static bool is_ours(const char *name)
-{
-    static const char *const ours[] = {"crop", "primaries", "pixel_aspect", "encoding"};
-    for (size_t i = 0; i < sizeof(ours) / sizeof(ours[0]); i++)
-        if (strcmp(name, ours[i]) == 0)
-            return true;
-    return false;
-}
-
 static enum neph_status add_attribute(struct neph_image *image, const char *path,
                                       const exr_attribute_t *attribute, struct neph_diag *diag)
 {
-    if (attribute->type != EXR_ATTR_STRING || is_reserved_attribute(attribute->name) ||
-        is_ours(attribute->name))
+    if (attribute->type != EXR_ATTR_STRING || neph_exr_is_reserved(attribute->name) ||
+        neph_exr_is_ours(attribute->name))
         return NEPH_OK;
     if (strlen(attribute->name) >= NEPH_IMAGE_NAME_MAX)
         return neph_fail(diag, NEPH_ERR_INPUT,
@@ -679,6 +759,74 @@ static enum neph_status add_pixel_aspect(struct neph_image *image, exr_const_con
     return neph_image_set_attribute(image, "pixel_aspect", diag, "%.9g", (double)aspect);
 }
 
+static bool is_plain(const struct neph_file_header *header, const struct layout *layout)
+{
+    const int32_t *data = header->data_min_px, *display = header->display_min_px;
+    return data[0] == 0 && data[1] == 0 && display[0] == 0 && display[1] == 0 &&
+           header->display_px[0] == layout->width_px &&
+           header->display_px[1] == layout->height_px && header->pixel_aspect == 1.0f &&
+           header->screen_center[0] == 0.0f && header->screen_center[1] == 0.0f &&
+           header->screen_width == 1.0f && header->attribute_bytes == 0;
+}
+
+/* Whether the library has found the same attributes: it takes those of a fixed size for as long as
+ * that, whatever length the file gives them. */
+static bool has_same_attributes(exr_const_context_t context, const struct stream *stream)
+{
+    struct neph_exr_attribute attribute;
+    const exr_attribute_t *found = NULL;
+    int32_t expected = -1, count = 0;
+    exr_get_attribute_count(context, ONLY_PART, &expected);
+    for (size_t at = 0;
+         neph_exr_next_attribute(stream->header, stream->header_bytes, &at, &attribute); count++)
+        if (exr_get_attribute_by_name(context, ONLY_PART, attribute.name, &found) !=
+            EXR_ERR_SUCCESS)
+            return false;
+    return count == expected;
+}
+
+/* For when the image is written again. Most files have nothing for it. */
+static enum neph_status add_header(struct neph_image *image, const struct layout *layout,
+                                   exr_const_context_t context, const struct stream *stream,
+                                   struct neph_diag *diag)
+{
+    const exr_attr_box2i_t *data = &layout->window, *display = &layout->display;
+    const int64_t width_px = (int64_t)display->max.x - display->min.x + 1,
+                  height_px = (int64_t)display->max.y - display->min.y + 1;
+    exr_attr_v2f_t center;
+    struct neph_file_header header = {.data_min_px = {data->min.x, data->min.y},
+                                      .display_min_px = {display->min.x, display->min.y},
+                                      .display_px = {(int32_t)width_px, (int32_t)height_px},
+                                      .pixel_aspect = 1.0f,
+                                      .screen_width = 1.0f};
+    if (width_px > INT32_MAX || height_px > INT32_MAX)
+        return NEPH_OK; /* no picture is as large */
+    exr_get_pixel_aspect_ratio(context, ONLY_PART, &header.pixel_aspect);
+    exr_get_screen_window_width(context, ONLY_PART, &header.screen_width);
+    if (exr_get_screen_window_center(context, ONLY_PART, &center) == EXR_ERR_SUCCESS) {
+        header.screen_center[0] = center.x;
+        header.screen_center[1] = center.y;
+    }
+    header.attributes = malloc(stream->header_bytes + 1);
+    image->header = malloc(sizeof(header));
+    if (!header.attributes || !image->header) {
+        free(header.attributes);
+        free(image->header);
+        image->header = NULL;
+        return neph_fail_memory(diag);
+    }
+    if (has_same_attributes(context, stream))
+        header.attribute_bytes = neph_exr_keep_attributes(stream->header, stream->header_bytes,
+                                                          header.attributes);
+    *image->header = header;
+    if (is_plain(&header, layout)) {
+        free(header.attributes);
+        free(image->header);
+        image->header = NULL;
+    }
+    return NEPH_OK;
+}
+
 static enum neph_status read_part(exr_const_context_t context, const char *path,
                                   const struct stream *stream, struct neph_image **image,
                                   struct neph_diag *diag)
@@ -701,6 +849,10 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
         status = add_primaries(created, context, diag);
     if (!status)
         status = add_pixel_aspect(created, context, diag);
+    if (!status)
+        status = neph_exr_interpret_attributes(stream->header, stream->header_bytes, created, diag);
+    if (!status)
+        status = add_header(created, &layout, context, stream, diag);
     if (!status && (result = read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
     if (status)
@@ -731,6 +883,7 @@ enum neph_status neph_exr_read(const char *path, struct neph_image **image, stru
 done:
     if (context)
         exr_finish(&context); /* also after a failure, or the context leaks */
+    free(stream.header);
     if (stream.fd >= 0)
         close(stream.fd);
     return status;

@@ -413,6 +413,30 @@ static bool remove_entries(DIR *folder)
     }
 }
 
+/* Open a folder to remove what is in it. A program may have taken the rights to do so away, from
+ * itself too. */
+static int open_for_removal(int parent_fd, const char *name)
+{
+    const int flags = O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
+    const int fd = openat(parent_fd, name, O_RDONLY | flags);
+    if (fd >= 0) {
+        struct stat info;
+        if (fstat(fd, &info) == 0 && (info.st_mode & S_IRWXU) != S_IRWXU)
+            fchmod(fd, S_IRWXU);
+        return fd;
+    }
+    const int path_fd = errno == EACCES ? openat(parent_fd, name, O_PATH | flags) : -1;
+    if (path_fd < 0)
+        return -1;
+    char path[64];
+    snprintf(path, sizeof(path), "/proc/self/fd/%d", path_fd);
+    const bool is_changed = chmod(path, S_IRWXU) == 0;
+    close(path_fd);
+    if (!is_changed)
+        errno = EACCES;
+    return is_changed ? openat(parent_fd, name, O_RDONLY | flags) : -1;
+}
+
 /* All by file descriptor, so that nobody can swap a folder for a symbolic link under us. */
 static bool remove_at(int parent_fd, const char *name)
 {
@@ -420,7 +444,7 @@ static bool remove_at(int parent_fd, const char *name)
         return true;
     if (errno != EISDIR)
         return false;
-    int fd = openat(parent_fd, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    int fd = open_for_removal(parent_fd, name);
     if (fd < 0)
         return false;
     DIR *folder = fdopendir(fd);

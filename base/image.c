@@ -32,6 +32,9 @@ void neph_image_destroy(struct neph_image *image)
         free(image->attributes[i].value);
     free(image->channels);
     free(image->attributes);
+    if (image->header)
+        free(image->header->attributes);
+    free(image->header);
     free(image);
 }
 
@@ -203,4 +206,79 @@ const char *neph_image_attribute(const struct neph_image *image, const char *nam
 {
     const struct neph_attribute *attribute = find_attribute(image, name);
     return attribute ? attribute->value : NULL;
+}
+
+/* ---- what goes along ------------------------------------------------------------------------- */
+
+/* A length or a place of a picture that goes from `from_px` pixels to `to_px`. */
+static bool scale(int32_t *value_px, int from_px, int to_px)
+{
+    const int64_t scaled = (int64_t)*value_px * to_px;
+    if (scaled % from_px != 0 || scaled / from_px > INT32_MAX || scaled / from_px < INT32_MIN)
+        return false;
+    *value_px = (int32_t)(scaled / from_px);
+    return true;
+}
+
+static bool is_crop(const struct neph_image *image)
+{
+    const struct neph_file_header *header = image->header;
+    return header->data_min_px[0] != header->display_min_px[0] ||
+           header->data_min_px[1] != header->display_min_px[1] ||
+           header->display_px[0] != image->width_px || header->display_px[1] != image->height_px;
+}
+
+static enum neph_status scale_windows(const struct neph_image *from, struct neph_image *to,
+                                      struct neph_diag *diag)
+{
+    const int from_px[2] = {from->width_px, from->height_px},
+              to_px[2] = {to->width_px, to->height_px};
+    struct neph_file_header *header = to->header;
+    bool fits = true;
+    for (int axis = 0; axis < 2; axis++) {
+        if (!is_crop(from)) {
+            header->display_px[axis] = to_px[axis];
+            continue;
+        }
+        fits &= scale(&header->data_min_px[axis], from_px[axis], to_px[axis]);
+        fits &= scale(&header->display_min_px[axis], from_px[axis], to_px[axis]);
+        fits &= scale(&header->display_px[axis], from_px[axis], to_px[axis]);
+    }
+    if (fits)
+        return NEPH_OK;
+    neph_fail(
+        diag, NEPH_ERR_INPUT,
+        "a data window of %dx%d pixels that becomes %dx%d would lie between the pixels of its "
+        "display window",
+        from_px[0], from_px[1], to_px[0], to_px[1]);
+    neph_hint(diag, "write a data window that is equal to the display window");
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status copy_header(const struct neph_image *from, struct neph_image *to,
+                                    struct neph_diag *diag)
+{
+    struct neph_file_header *header = malloc(sizeof(*header));
+    char *attributes = malloc(from->header->attribute_bytes + 1);
+    if (!header || !attributes) {
+        free(header);
+        free(attributes);
+        return neph_fail_memory(diag);
+    }
+    *header = *from->header;
+    header->attributes = attributes;
+    if (header->attribute_bytes > 0)
+        memcpy(attributes, from->header->attributes, header->attribute_bytes);
+    to->header = header;
+    return scale_windows(from, to, diag);
+}
+
+enum neph_status neph_image_copy_labels(const struct neph_image *from, struct neph_image *to,
+                                        struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < from->attribute_count && !status; i++)
+        status = neph_image_set_attribute(to, from->attributes[i].name, diag, "%s",
+                                          from->attributes[i].value);
+    return status || !from->header ? status : copy_header(from, to, diag);
 }

@@ -25,6 +25,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #define NEPH_IMAGE_NAME_MAX 64
 #define NEPH_IMAGE_SIDE_MAX_PX 16384
@@ -39,12 +40,22 @@ struct neph_attribute {
     char *value; /* owned by the image */
 };
 
+/* What an EXR file has beside channels and texts, for when the image is written again. */
+struct neph_file_header {
+    int32_t data_min_px[2];                   /* where the image lies; its size is the image's */
+    int32_t display_min_px[2], display_px[2]; /* the whole picture: corner and size */
+    float pixel_aspect, screen_center[2], screen_width;
+    char *attributes; /* of other types than text, as they stand in the file; owned */
+    size_t attribute_bytes;
+};
+
 struct neph_image {
     int width_px, height_px;
     int channel_count;
     struct neph_channel *channels;
     int attribute_count;
     struct neph_attribute *attributes;
+    struct neph_file_header *header; /* owned; NULL: the image is the whole picture, and no more */
 };
 
 /* An image without channels. Sides must be 1..NEPH_IMAGE_SIDE_MAX_PX. Free with _destroy. */
@@ -83,6 +94,11 @@ enum neph_status neph_image_set_attribute(struct neph_image *image, const char *
 
 /* The value of an attribute, or NULL. */
 const char *neph_image_attribute(const struct neph_image *image, const char *name);
+
+/* Copy texts and header of a file. An image of another size lies where the first lies in a picture
+ * that is enlarged or made smaller with it. NEPH_ERR_INPUT: that is between pixels. */
+enum neph_status neph_image_copy_labels(const struct neph_image *from, struct neph_image *to,
+                                        struct neph_diag *diag);
 
 static inline size_t neph_image_pixel_count(const struct neph_image *image)
 {

@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/confine.h"
+#include "base/usage.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -20,6 +21,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,6 +29,8 @@ enum {
     TALK_FD = STDERR_FILENO + 1,
     SAMPLE_FIRST_MS = 1, /* of the memory high-water mark, see peak_memory_bytes() */
     SAMPLE_LAST_MS = 100,
+    LIMITS_EVERY_MS = 100, /* or, of folders that take long to measure, */
+    LIMITS_PAUSE = 20,     /* after a pause of so many times that */
     EXIT_NOT_STARTED = 127,
 };
 
@@ -43,6 +47,7 @@ struct keeper {
     bool alone;                   /* neph is dead */
     int64_t inherited_peak_bytes; /* of neph, which the kernel counts as the program's */
     int64_t seen_peak_bytes;
+    double next_check_s; /* of the limits */
     struct neph_keeper_report report;
 };
 
@@ -84,18 +89,32 @@ static void restore_signals(void)
     sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
+/* Where files are limited, a crash writes no core file. The kernel refuses a single file above the
+ * limit, but only to a confined program: memory that graphics drivers share counts as files. */
+static bool limit_files(const struct neph_keeper_job *job)
+{
+    const struct rlimit none = {0, 0},
+                        one = {(rlim_t)job->limits.folder_bytes, (rlim_t)job->limits.folder_bytes};
+    return job->limits.folder_bytes <= 0 ||
+           (setrlimit(RLIMIT_CORE, &none) == 0 &&
+            (!job->is_confined || setrlimit(RLIMIT_FSIZE, &one) == 0));
+}
+
+/* The death signal comes after what changes the rights of the process, which takes it back. */
 _Noreturn static void become_program(const struct neph_keeper_job *job, pid_t keeper, int words_fd)
 {
-    if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0)
-        give_up(words_fd, NEPH_KEEPER_DEATH_SIGNAL);
-    if (getppid() != keeper) /* it died before the line above */
-        _exit(EXIT_NOT_STARTED);
     if (setpgid(0, 0) != 0)
         give_up(words_fd, NEPH_KEEPER_GROUP);
     if (job->folder && chdir(job->folder) != 0)
         give_up(words_fd, NEPH_KEEPER_FOLDER);
-    if (job->is_confined && !neph_confine_writes("."))
+    if (job->is_confined && neph_confine(".") == NEPH_CONFINE_FAILED)
         give_up(words_fd, NEPH_KEEPER_CONFINE);
+    if (!limit_files(job))
+        give_up(words_fd, NEPH_KEEPER_CONFINE);
+    if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0)
+        give_up(words_fd, NEPH_KEEPER_DEATH_SIGNAL);
+    if (getppid() != keeper) /* it died before the line above */
+        _exit(EXIT_NOT_STARTED);
     restore_signals();
     send_first_words(words_fd, NEPH_KEEPER_READY, 0);
     execve(job->program, job->argv, job->environment);
@@ -242,6 +261,35 @@ static void kill_program(const struct keeper *keeper)
     kill(keeper->pid, SIGKILL);
 }
 
+/* ---- limits ---------------------------------------------------------------------------------- */
+
+static enum neph_child_excess find_excess(const struct neph_keeper_job *job)
+{
+    const struct neph_child_limits *limits = &job->limits;
+    struct stat log;
+    if (limits->log_bytes > 0 && fstat(STDOUT_FILENO, &log) == 0 && log.st_size > limits->log_bytes)
+        return NEPH_EXCESS_LOG;
+    if (limits->folder_bytes <= 0 || !job->folder)
+        return NEPH_EXCESS_NONE;
+    const struct neph_usage usage = neph_usage_measure(job->folder);
+    return usage.bytes > limits->folder_bytes ? NEPH_EXCESS_BYTES
+           : limits->folder_entries > 0 && usage.entries > limits->folder_entries
+               ? NEPH_EXCESS_ENTRIES
+           : !usage.is_known ? NEPH_EXCESS_HIDDEN
+                             : NEPH_EXCESS_NONE;
+}
+
+/* Measure what the program has written, when it is time to. */
+static void check_limits(struct keeper *keeper)
+{
+    const double start_s = neph_wall_s();
+    if (start_s < keeper->next_check_s)
+        return;
+    keeper->report.excess = find_excess(keeper->job);
+    const double end_s = neph_wall_s();
+    keeper->next_check_s = end_s + fmax(1e-3 * LIMITS_EVERY_MS, LIMITS_PAUSE * (end_s - start_s));
+}
+
 /* Wait until the program ends, ending it when it must. */
 static void watch(struct keeper *keeper)
 {
@@ -252,9 +300,15 @@ static void watch(struct keeper *keeper)
     int pause_ms = SAMPLE_FIRST_MS;
     while (!wait_for_end(keeper, &interrupted, timeout_ms(deadline_s, pause_ms))) {
         sample_memory(keeper);
+        if (!killed)
+            check_limits(keeper);
         pause_ms = pause_ms * 2 < SAMPLE_LAST_MS ? pause_ms * 2 : SAMPLE_LAST_MS;
         const bool overdue = neph_wall_s() >= deadline_s;
-        if (*ended_for == NEPH_OK && (overdue || interrupted)) {
+        if (keeper->report.excess && !killed) {
+            kill_program(keeper);
+            killed = true;
+            deadline_s = INFINITY;
+        } else if (*ended_for == NEPH_OK && !killed && (overdue || interrupted)) {
             *ended_for = overdue ? NEPH_ERR_TIMEOUT : NEPH_ERR_INTERRUPTED;
             kill(-keeper->pid, SIGTERM);
             deadline_s = neph_wall_s() + grace_s;
@@ -352,6 +406,8 @@ _Noreturn void neph_keeper_run(const struct neph_keeper_job *job)
         watch(&keeper);
     if (keeper.pid > 0)
         end_program(&keeper);
+    if (keeper.report.step == NEPH_KEEPER_READY && !keeper.report.excess && !keeper.alone)
+        keeper.report.excess = find_excess(job);
     send(TALK_FD, &keeper.report, sizeof(keeper.report), MSG_NOSIGNAL);
     _exit(0);
 }

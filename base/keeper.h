@@ -18,8 +18,9 @@ struct neph_keeper_job {
     const char *program; /* absolute */
     char *const *argv;
     char *const *environment;
-    const char *folder;      /* NULL: unchanged */
-    bool is_confined;        /* writes into that folder alone */
+    const char *folder; /* NULL: unchanged */
+    bool is_confined;   /* changes files in that folder alone */
+    struct neph_child_limits limits;
     int input_fd, output_fd; /* stdin; stdout and stderr */
     int talk_fd;             /* the keeper's end of a SOCK_SEQPACKET pair; neph holds the other */
     double start_s;          /* as of neph_wall_s() */
@@ -44,6 +45,7 @@ struct neph_keeper_report {
     enum neph_keeper_step step; /* READY, or the step that failed with errno `error` */
     int error;
     enum neph_status ended_for; /* NEPH_OK, NEPH_ERR_TIMEOUT, NEPH_ERR_INTERRUPTED */
+    enum neph_child_excess excess;
     struct neph_child_result result;
 };
 

@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
+
 struct neph_settings neph_options_default(const struct neph_option *options)
 {
     struct neph_settings settings = {{0}};

@@ -14,6 +14,7 @@ enum neph_option_kind {
     NEPH_OPTION_INTEGER,
     NEPH_OPTION_REAL,
     NEPH_OPTION_CHOICE,
+    NEPH_OPTION_KIND_COUNT,
 };
 
 /* One option. A table of them ends with a NULL name and has at most NEPH_OPTIONS_MAX. */

@@ -244,6 +244,24 @@ static const char *find_chunk(const struct reader *reader, const char *name, siz
     return NULL;
 }
 
+/* An animation (chunk acTL, third edition of the specification, 11.3.6) is refused: one of its
+ * pictures would be compared. An animation of one picture is that picture where its control chunk
+ * (fcTL) stands before the pixels; else the pixels are a picture beside it. */
+static void check_still(struct reader *reader)
+{
+    const char *animation = find_chunk(reader, "acTL", 8);
+    if (!animation)
+        return;
+    const uint32_t frame_count = big_endian_32(animation);
+    const bool is_first = find_chunk(reader, "fcTL", 26) != NULL;
+    if (frame_count == 1 && is_first)
+        return;
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is an animated PNG: it holds %llu pictures",
+              reader->path, (unsigned long long)frame_count + !is_first);
+    neph_hint(reader->diag, "write each picture to a file of its own");
+    escape_with(reader, NEPH_ERR_INPUT);
+}
+
 _Noreturn static void refuse_colour(struct reader *reader, const char *what)
 {
     neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is not an sRGB picture: %s", reader->path, what);
@@ -358,6 +376,7 @@ static void read_picture(struct reader *reader)
     /* A damaged colour chunk would else be dropped in silence, and the picture taken for sRGB. */
     png_set_crc_action(reader->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     read_size(reader);
+    check_still(reader);
     check_colour_space(reader);
     /* To 8 or 16 bits of RGB, and alpha where the file has any. All are exact: 1, 2 and 4 bits of
      * grey are multiplied by 255, 85 and 17. */

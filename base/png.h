@@ -19,6 +19,7 @@ enum neph_status neph_png_write_rgb8(const char *path, int width_px, int height_
 enum neph_png_space {
     NEPH_PNG_SRGB,
     NEPH_PNG_BT2020_PQ, /* ITU-R BT.2100 PQ, full range */
+    NEPH_PNG_SPACE_COUNT,
 };
 
 /* Write a picture of `bits` a channel, 9 to 16: `rgb` holds width * height * 3 codes of
@@ -41,9 +42,9 @@ enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *heigh
  *
  * A file without colour chunks is taken for sRGB. With chunks it must be sRGB: an sRGB chunk, a
  * profile that libpng knows to be sRGB, a cICP of 1/13/0/1, or gAMA 0.45455 and the chromaticities
- * of Rec.709 (each alone is enough). NEPH_ERR_INPUT: of another colour space, translucent, larger
- * than NEPH_IMAGE_SIDE_MAX_PX, truncated, damaged (wrong checksums of colour chunks are damage
- * too), or not a PNG. NEPH_ERR_NOT_FOUND, NEPH_ERR_IO, NEPH_ERR_MEMORY. */
+ * of Rec.709 (each alone is enough). NEPH_ERR_INPUT: of another colour space, translucent, an
+ * animation, larger than NEPH_IMAGE_SIDE_MAX_PX, truncated, damaged (wrong checksums of colour
+ * chunks are damage too), or not a PNG. NEPH_ERR_NOT_FOUND, NEPH_ERR_IO, NEPH_ERR_MEMORY. */
 enum neph_status neph_png_read_image(const char *path, struct neph_image **image,
                                      struct neph_diag *diag);
 

@@ -13,6 +13,9 @@
 
 #include <png.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PNG_SPACE_COUNT == 2, "a new kind");
+
 /* All that lives across a longjmp() of libpng is in here and not in local variables. */
 struct writer {
     const char *path;

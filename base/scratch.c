@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "base/lock.h"
+#include "base/usage.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -102,6 +103,8 @@ void neph_scratch_destroy(struct neph_scratch *scratch)
 bool neph_scratch_keep(struct neph_scratch *scratch)
 {
     const bool kept = rmdir(scratch->path) != 0 && errno == ENOTEMPTY;
+    if (kept)
+        neph_usage_trim(scratch->path);
     unlink(scratch->lock_path);
     close(scratch->lock_fd);
     scratch->lock_fd = -1;

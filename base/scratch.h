@@ -25,8 +25,8 @@ const char *neph_scratch_path(const struct neph_scratch *scratch);
 /* Remove the folder, if it is still there, and let go of it. */
 void neph_scratch_destroy(struct neph_scratch *scratch);
 
-/* Leave the folder where it is, for somebody who was told of it: nobody sweeps it any more. An
- * empty one is removed; whether it was kept. Frees. */
+/* Leave the folder where it is, for somebody who was told of it: nobody sweeps it any more. What it
+ * holds is made to fit (neph_usage_trim()). An empty one is removed; whether it was kept. Frees. */
 bool neph_scratch_keep(struct neph_scratch *scratch);
 
 /* Remove what nobody works in any more. What cannot be removed stays for the next time. */

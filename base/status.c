@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STATUS_COUNT == 13, "a new kind");
+
 static const struct {
     const char *name;
     int exit_code;
@@ -48,6 +51,47 @@ void neph_hint(struct neph_diag *diag, const char *format, ...)
     vsnprintf(diag->hint, sizeof(diag->hint), format, arguments);
     va_end(arguments);
     neph_text_clean(diag->hint, sizeof(diag->hint));
+}
+
+void neph_prefix(struct neph_diag *diag, const char *format, ...)
+{
+    if (!diag)
+        return;
+    char message[sizeof(diag->message)];
+    memcpy(message, diag->message, sizeof(message));
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(diag->message, sizeof(diag->message), format, arguments);
+    va_end(arguments);
+    const size_t used = strlen(diag->message);
+    snprintf(diag->message + used, sizeof(diag->message) - used, "%s", message);
+    neph_text_clean(diag->message, sizeof(diag->message));
+}
+
+/* Every `from` in a text of `size` bytes becomes `to`. */
+static void replace(char *text, size_t size, const char *from, const char *to)
+{
+    char *at = text;
+    while (*from && (at = strstr(at, from))) {
+        char rest[sizeof(((struct neph_diag *)NULL)->message)];
+        snprintf(rest, sizeof(rest), "%s", at + strlen(from));
+        const size_t room = size - (size_t)(at - text);
+        snprintf(at, room, "%s%s", to, rest);
+        at += strlen(to) < room ? strlen(to) : room - 1;
+    }
+    neph_text_clean(text, size);
+}
+
+void neph_move_paths(struct neph_diag *diag, const char *from, const char *to)
+{
+    if (!diag)
+        return;
+    if (to) {
+        replace(diag->message, sizeof(diag->message), from, to);
+        replace(diag->hint, sizeof(diag->hint), from, to);
+    } else if (strstr(diag->hint, from)) {
+        diag->hint[0] = '\0';
+    }
 }
 
 void neph_locate(struct neph_diag *diag, const char *file, int line, int column)

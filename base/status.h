@@ -24,10 +24,11 @@ enum neph_status {
     NEPH_ERR_INTERRUPTED, /* Ctrl-C or SIGTERM */
     NEPH_ERR_GATE,        /* a measured number is outside its gate */
     NEPH_ERR_INTERNAL,    /* a bug in neph */
+    NEPH_STATUS_COUNT,
 };
 
 /* What to tell a person. Zero-initialise it; `file` is empty and `line` 0 when there is none. The
- * three functions below keep all texts fit for terminals and JSON (base/text.h), whatever bytes
+ * functions below keep all texts fit for terminals and JSON (base/text.h), whatever bytes
  * they are given. */
 struct neph_diag {
     char message[1024];
@@ -45,6 +46,15 @@ enum neph_status neph_fail(struct neph_diag *diag, enum neph_status status, cons
 /* Add the way out to a diag that already holds a message. */
 void neph_hint(struct neph_diag *diag, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* Put words before the message of a diag, which keeps its hint and its position:
+ * `neph_prefix(diag, "'%s': ", path)`. */
+void neph_prefix(struct neph_diag *diag, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* A folder that a diag may name is at `to` now; NULL: it is removed, and a hint that names it is
+ * dropped. */
+void neph_move_paths(struct neph_diag *diag, const char *from, const char *to);
 
 /* Add the position in the user's input to a diag that already holds a message. */
 void neph_locate(struct neph_diag *diag, const char *file, int line, int column);

@@ -10,6 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_DATA_SCENES_COUNT == 2, "a new kind");
+
 static const char *const scene_folders[NEPH_DATA_SCENES_COUNT] = {
     [NEPH_DATA_CATALOG] = "scenes/catalog",
     [NEPH_DATA_FAILURES] = "scenes/failure",

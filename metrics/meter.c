@@ -16,6 +16,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+_Static_assert(NEPH_POOL_COUNT == 16, "a new kind");
+
 /* An extractor at work on a quantity. */
 struct run {
     const struct neph_meter_choice *choice;
@@ -576,6 +580,9 @@ static enum neph_status check_sizes(const struct neph_meter *meter,
     if (status)
         return status;
     const int width = images[0]->width_px, height = images[0]->height_px;
+    if (meter->width_px > 0 && (meter->width_px != width || meter->height_px != height))
+        return neph_fail(diag, NEPH_ERR_INPUT, "frame %d is %dx%d pixels, those before %dx%d",
+                         meter->frame_count, width, height, meter->width_px, meter->height_px);
     for (int m = 0; m < meter->mask_count; m++) {
         const struct neph_mask *mask = meter->masks[m].mask;
         if (mask->width_px != width || mask->height_px != height)
@@ -583,9 +590,6 @@ static enum neph_status check_sizes(const struct neph_meter *meter,
                              "the mask '%s' is %dx%d pixels, the images %dx%d", mask->name,
                              mask->width_px, mask->height_px, width, height);
     }
-    if (meter->width_px > 0 && (meter->width_px != width || meter->height_px != height))
-        return neph_fail(diag, NEPH_ERR_INPUT, "frame %d is %dx%d pixels, those before %dx%d",
-                         meter->frame_count, width, height, meter->width_px, meter->height_px);
     return NEPH_OK;
 }
 

@@ -48,6 +48,7 @@ enum neph_pool {
     NEPH_POOL_WEIGHTED_PERCENTILE, /* first of sorted v with running sum > p * sum (FLIP's tool) */
     NEPH_POOL_TRIMMED_MEAN,        /* mean v without the ceil(p n) largest of n */
     NEPH_POOL_SCALAR, /* not from a map: a number of the whole frame, from extractor->scalar */
+    NEPH_POOL_COUNT,
 };
 
 struct neph_metric {
@@ -68,6 +69,7 @@ enum neph_interval_kind {
     NEPH_INTERVAL_TILES,         /* bootstrap over tiles, see interval.h: n tiles */
     NEPH_INTERVAL_CYCLES,        /* batch means over whole cycles, see series.h: n batches */
     NEPH_INTERVAL_RUNS,          /* Student's t over independent runs, see series.h: n runs */
+    NEPH_INTERVAL_KIND_COUNT,
 };
 
 /* Beyond what a metric sees no difference. */

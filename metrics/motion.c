@@ -5,6 +5,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MOTION_DEPTH_COUNT == 2, "a new kind");
+
 static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -19,6 +19,7 @@ struct neph_motion_camera {
 enum neph_motion_depth {
     NEPH_MOTION_EYE_DEPTH, /* along the axis of the camera: Z */
     NEPH_MOTION_DISTANCE,  /* along the ray: volume.distance */
+    NEPH_MOTION_DEPTH_COUNT,
 };
 
 /* The motion of what was behind the camera before: out of any image. */

@@ -6,6 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PAIR_VERDICT_COUNT == 3, "a new kind");
+
 enum { SUM_COUNT, SUM_MEAN, SUM_DIFFERENCE, SUM_PRODUCT, SUM_NOISE, SUMS };
 
 static bool mean_difference(const void *context, const double *sums, double *value)

@@ -21,6 +21,7 @@ enum neph_pair_verdict {
     NEPH_PAIR_AGREE,       /* the difference is certainly smaller than what is meant */
     NEPH_PAIR_DIFFER,      /* certainly there, and larger than what is meant */
     NEPH_PAIR_CANNOT_TELL, /* the noise is too large for either */
+    NEPH_PAIR_VERDICT_COUNT,
 };
 
 /* All relative to the mean of both renderers over the mask; intervals at the level asked for, by

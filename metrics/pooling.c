@@ -15,6 +15,10 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_POOL_CERTAINTY_COUNT == 3, "a new kind");
+_Static_assert(NEPH_POOL_COUNT == 16, "a new kind");
+
 /* Sums of a tile over the places where v has a value. */
 enum { SUM_N, SUM_V, SUM_V2, SUM_W, SUM_COUNT };
 
@@ -389,6 +393,7 @@ static bool evaluate(const void *context, const double *sums, double *value)
         return known(sums[statistic->part_v] / sums[statistic->part_n], value);
     case NEPH_POOL_MAX:
     case NEPH_POOL_SCALAR:
+    case NEPH_POOL_COUNT:
         break;
     }
     return false;
@@ -691,9 +696,21 @@ static const char *undefined_because(const struct neph_metric *metric)
         return neph_pool_no_error;
     case NEPH_POOL_ROOT_MEAN_ABOVE:
         return below_noise;
-    default:
-        return no_value;
+    case NEPH_POOL_MEAN:
+    case NEPH_POOL_RMS:
+    case NEPH_POOL_ROOT_MEAN:
+    case NEPH_POOL_ROOT_OF_MEAN:
+    case NEPH_POOL_ROOT_MEAN_LESS:
+    case NEPH_POOL_SHARE_ABOVE:
+    case NEPH_POOL_MAX:
+    case NEPH_POOL_PERCENTILE:
+    case NEPH_POOL_WEIGHTED_PERCENTILE:
+    case NEPH_POOL_TRIMMED_MEAN:
+    case NEPH_POOL_SCALAR:
+    case NEPH_POOL_COUNT:
+        break;
     }
+    return no_value;
 }
 
 /* Why nothing at all can be said over a mask, or NULL. */

@@ -44,6 +44,7 @@ enum neph_pool_certainty {
     NEPH_POOL_NUMBER_ALONE,
     NEPH_POOL_INTERVAL, /* bootstrap over tiles (interval.h) */
     NEPH_POOL_DRAWS,    /* and keep its draws */
+    NEPH_POOL_CERTAINTY_COUNT,
 };
 
 /* One number over one mask. */

@@ -6,6 +6,10 @@
 
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+_Static_assert(NEPH_REPLICATE_COUNT == 2, "a new kind");
+
 static const double interval_alpha = 0.05;
 
 /* Beyond it the correlation is a trend, which no interval describes, and the correction grows

@@ -33,6 +33,7 @@ enum {
 enum neph_replicate {
     NEPH_REPLICATE_FRAMES, /* of one sequence, in order, warm-up left out */
     NEPH_REPLICATE_RUNS,   /* independent: seeds, camera paths, scenes; in any order */
+    NEPH_REPLICATE_COUNT,
 };
 
 /* A mean. Undefined (all zero) when there is no value, or one that is not finite.

@@ -9,6 +9,10 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SHADOW_PLANE_COUNT == 2, "a new kind");
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+
 static const uint32_t cloud_shadow_spirv[] = {
 #include "shaders/cloud_shadow.comp.inc"
 };

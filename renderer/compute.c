@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_BUFFER_USE_COUNT == 3, "a new kind");
+
 /* --- buffers ------------------------------------------------------------------------------ */
 
 /* What each use needs of its memory, and what it would like on top. */

@@ -31,6 +31,7 @@ enum neph_buffer_use {
     NEPH_BUFFER_UPLOAD,   /* written by the CPU, read by kernels, source of copies */
     NEPH_BUFFER_DEVICE,   /* written and read by kernels, source and target of copies */
     NEPH_BUFFER_READBACK, /* target of copies, read by the CPU */
+    NEPH_BUFFER_USE_COUNT,
 };
 
 /* One storage buffer in its own allocation. */

@@ -11,6 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 static const uint32_t fill_spirv[] = {
 #include "shaders/diffuse_fill.comp.inc"
 };

@@ -8,6 +8,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
+
 static const uint32_t fog_look_spirv[] = {
 #include "shaders/fog_look.comp.inc"
 };

@@ -15,6 +15,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_GPU_DATA_COUNT == 3, "a new kind");
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 static void set_rgb(float out[3], struct neph_rgb rgb)
 {
     out[0] = (float)rgb.r;
@@ -61,7 +67,7 @@ _Static_assert(NEPH_GPU_FITTED_OCTAVES == NEPH_OCTAVES_FITTED_COUNT, "one number
 static void fit_octaves(const struct neph_medium *medium, struct neph_gpu_medium *gpu)
 {
     const struct neph_rgb albedo = medium->albedo;
-    const double g = medium->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN ? medium->phase.g : 0.0;
+    const double g = neph_phase_mean_cosine(&medium->phase);
     const struct neph_octaves mean = neph_octaves_of(&neph_octaves_fitted, g,
                                                      (albedo.r + albedo.g + albedo.b) / 3.0);
     const double of_channels[3] = {albedo.r, albedo.g, albedo.b};

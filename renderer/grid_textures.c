@@ -4,6 +4,9 @@
 #include "renderer/media/grid.h"
 #include "renderer/texture.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+
 static void slab_of_grid(const void *context, int z, float *values)
 {
     const struct neph_medium *medium = context;

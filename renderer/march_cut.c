@@ -25,6 +25,16 @@ static const uint64_t gpu_thread_turns_max = 1ull << 20;
 /* The rays of one dispatch, at most: 32 MiB of results. */
 static const uint64_t dispatch_rays_max = 1u << 19;
 
+static uint64_t least(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+static uint64_t most(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
 bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params)
 {
     for (int i = 0; i < scene->medium_count; i++)
@@ -123,6 +133,27 @@ static struct turns turns_in(const struct neph_scene *scene, const struct neph_g
     return turns;
 }
 
+static bool is_on_cpu(const struct neph_gpu_scene *gpu)
+{
+    return (gpu->constants[1] & NEPH_GPU_ON_CPU) != 0;
+}
+
+/* Parts that all steps of a ray are divided into for one lamp, beside one for each step, at most
+ * (shaders/march_lamp_steps.glsl): 7 for each four steps, 112 of few, and no more than half of a
+ * thread's turns have room for, but 8. 0: there is no lamp. */
+static uint64_t lamp_parts(const struct neph_gpu_scene *gpu)
+{
+    const struct neph_gpu_frame *frame = gpu->frame;
+    const uint64_t media = 1 + 3 * (uint64_t)frame->medium_count, lamps = frame->lamp_count;
+    const uint64_t turns = neph_gpu_solid_turns(frame->solid_count) + 3 * media +
+                           2 * gpu->optical_depth_turns + frame->sun_steps * (3 + 3 * media);
+    const uint64_t room = (is_on_cpu(gpu) ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max) / 2;
+    const uint64_t wanted = 7 * (uint64_t)frame->steps / 4;
+    if (lamps == 0)
+        return 0;
+    return most(8, least(most(112, least(wanted, 0xffff)), room / (lamps * turns)));
+}
+
 /* Loop turns of the shader as a whole. */
 static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                         const struct neph_march_params *params, uint64_t *per_step,
@@ -133,14 +164,17 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                         octave_count(scene, params->lighting) * (1 + turns.media);
     if (params->lighting == NEPH_MARCH_SLAB)
         sunlight *= 2; /* and away from the sun */
-    /* Each light is looked for as the sun is, from each part of a step. */
-    sunlight *= 1 + NEPH_GPU_LAMP_PARTS * (uint64_t)scene->light_count;
+    /* Each light is looked for as the sun is, from each part of a step, which is a step itself. */
+    const uint64_t lamplight = (uint64_t)scene->light_count *
+                               (turns.solids + turns.sun + 2 * turns.media + turns.exact);
+    sunlight += lamplight;
     if (params->sky.is_on)
         sunlight += 2 * neph_sky_look_turns(scene->medium_count, params->sky.tables.field.degree);
     if (params->fog.is_look)
         sunlight += 2 * NEPH_GPU_LAYERS_MAX; /* to the eye and to the sun */
     *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
-    *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight + 1;
+    *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight +
+                    lamp_parts(gpu) * lamplight + 1;
 }
 
 /* `SHORTCUTS` of shaders/shortcuts.glsl, and veils. */
@@ -174,12 +208,8 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[3] = params->sun;
     constants[4] = params->lighting;
     constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
-                   (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u);
-}
-
-static uint64_t least(uint64_t a, uint64_t b)
-{
-    return a < b ? a : b;
+                   (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u) |
+                   (uint32_t)lamp_parts(gpu) << 16;
 }
 
 static uint64_t turns_of(const struct neph_march_cut *cut, uint64_t steps)

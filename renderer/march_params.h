@@ -17,6 +17,7 @@
 enum neph_march_mode {
     NEPH_MARCH_EXACT, /* closed forms; Horizon clouds, which have none, are marched all the same */
     NEPH_MARCH_MARCHED, /* the sum over steps of extinction at the middle of the step */
+    NEPH_MARCH_MODE_COUNT,
 };
 
 /* How light gets to a point of a medium; the formulas are in shaders/march_light.glsl. */
@@ -30,6 +31,7 @@ enum neph_march_lighting {
     NEPH_MARCH_DIFFUSED,       /* single, and higher orders by diffusion (diffused_light.h) */
     NEPH_MARCH_SIMILARITY,     /* single, and octaves of the similar isotropic medium: a look */
     NEPH_MARCH_SLAB,           /* single, and higher orders as in a slab (slab_light.h): a look */
+    NEPH_MARCH_LIGHTING_COUNT,
 };
 
 #define NEPH_MARCH_SIDE_MAX_PX 4096
@@ -47,6 +49,7 @@ enum neph_texel_format {
 enum neph_shadow_plane {
     NEPH_SHADOW_LEVEL, /* a level plane through the middle of the clouds; they stay with these */
     NEPH_SHADOW_SUN,   /* the plane across the sunlight, with which they turn */
+    NEPH_SHADOW_PLANE_COUNT,
 };
 
 /* A shadow map of clouds, for struct neph_shortcuts alone. */

@@ -7,6 +7,9 @@
 #include "scenes/fog_translation.h"
 #include "scenes/motion.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+
 static enum neph_status create_turns(const struct neph_vulkan *vulkan,
                                      struct neph_march_scene *scene, struct neph_diag *diag)
 {

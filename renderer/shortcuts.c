@@ -4,6 +4,10 @@
 #include <math.h>
 #include <stddef.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+_Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
+
 const char *const neph_sun_caches[] = {"off", "grid", NULL};
 const char *const neph_skips[] = {"off", "majorant", NULL};
 const char *const neph_grid_samplings[] = {"exact", "texture", NULL};

@@ -9,6 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+
 /* 32 KiB of bits, which a GPU keeps near its threads. */
 static const double cells_wanted = 64.0 * 64.0 * 64.0;
 

@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/slab_light.h"
 
+#include "scenes/media.h"
+
 #include <math.h>
 #include <stdlib.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
 enum { NODES = NEPH_GPU_SLAB_NODES, CELLS = 48 };
 
@@ -119,7 +124,7 @@ static double isotropic_albedo(double albedo, double g)
 /* By albedo of each channel. */
 static void fill(const struct neph_medium *medium, float table[NODES * NODES][4])
 {
-    const double g = medium->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN ? medium->phase.g : 0.0;
+    const double g = neph_phase_mean_cosine(&medium->phase);
     const double albedos[3] = {medium->albedo.r, medium->albedo.g, medium->albedo.b};
     for (int i = 0; i < NODES * NODES; i++)
         for (int c = 0; c < 3; c++)

@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_TEXEL_FORMAT_COUNT == 3, "a new kind");
+
 static const struct {
     VkFormat format;
     size_t bytes;

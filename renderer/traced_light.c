@@ -6,6 +6,9 @@
 
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+
 static const uint32_t walk_spirv[] = {
 #include "shaders/light_walk.comp.inc"
 };

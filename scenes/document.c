@@ -113,9 +113,13 @@ static enum neph_status check_event(struct scan *scan, const yaml_event_t *event
     case YAML_MAPPING_END_EVENT:
         scan->depth--;
         return NEPH_OK;
-    default:
-        return NEPH_OK;
+    case YAML_NO_EVENT:
+    case YAML_STREAM_START_EVENT:
+    case YAML_STREAM_END_EVENT:
+    case YAML_DOCUMENT_END_EVENT:
+        break;
     }
+    return NEPH_OK;
 }
 
 /* One pass over the events before anything is built: it stops at the first thing that is refused,

@@ -32,6 +32,7 @@ enum neph_failing_measure {
 enum neph_failing_truth {
     NEPH_FAILING_MARCH, /* the march of the same moment with the same steps, many rays a pixel */
     NEPH_FAILING_EXACT, /* engine exact, through centres of pixels */
+    NEPH_FAILING_TRUTH_COUNT,
 };
 
 struct neph_failing_limit {

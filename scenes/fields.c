@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FIELD_TYPE_COUNT == 11, "a new kind");
+
 static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t *node,
                                    const struct neph_field *field, void *target);
 
@@ -161,6 +164,8 @@ void neph_field_describe(const struct neph_field *field, char *text, size_t size
     case NEPH_ENTRIES:
     case NEPH_LIST:
         append(text, size, "a list of %d to %d entries", field->least, field->most);
+        break;
+    case NEPH_FIELD_TYPE_COUNT:
         break;
     }
 }
@@ -420,9 +425,15 @@ static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t
         if (node->type != YAML_MAPPING_NODE)
             return refuse_value(reader, node, field);
         return read_record(reader, node, field->record, value);
-    default:
-        return read_sequence(reader, node, field, target);
+    case NEPH_THREE:
+    case NEPH_WHOLES:
+    case NEPH_NUMBERS:
+    case NEPH_ENTRIES:
+    case NEPH_LIST:
+    case NEPH_FIELD_TYPE_COUNT:
+        break;
     }
+    return read_sequence(reader, node, field, target);
 }
 
 static enum neph_status refuse_unknown(const struct neph_reader *reader, const yaml_node_t *key,

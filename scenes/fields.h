@@ -31,6 +31,7 @@ enum neph_field_type {
     NEPH_NUMBERS, /* double[most] and a count */
     NEPH_ENTRIES, /* mappings: an array[most] and a count */
     NEPH_LIST,    /* mappings: a pointer to an owned array, and a count */
+    NEPH_FIELD_TYPE_COUNT,
 };
 
 struct neph_reader;

@@ -6,6 +6,9 @@
 
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FIELD_TYPE_COUNT == 11, "a new kind");
+
 static bool is_text_same(const char *a, const char *b)
 {
     return a == b || (a && b && !strcmp(a, b));

@@ -4,6 +4,9 @@
  */
 #include "scenes/fog_look.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FOG_CONTROL_COUNT == 9, "a new kind");
+
 #define LOOK(member) offsetof(struct neph_fog_look, member)
 
 const char *const neph_fog_model_words[] = {"unreal", "filament", NULL};

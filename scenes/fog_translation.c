@@ -6,6 +6,11 @@
 
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 const struct neph_medium *neph_fog_look_medium(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++)
@@ -30,7 +35,7 @@ struct neph_fog_look neph_fog_look_of_physics(const struct neph_scene *scene,
 {
     const struct neph_fog_look none = {.present = true, .directional_exponent = 4.0};
     struct neph_fog_look look = neph_fog_look_only(&none, 0);
-    const double g = fog->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN ? fog->phase.g : 0.0;
+    const double g = neph_phase_mean_cosine(&fog->phase);
     const struct neph_rgb glow = neph_medium_glow(fog);
     look.inscattering_w_per_m2_sr = glow;
     if (g > 0.5) {

@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+
 #define FAILING(member) offsetof(struct neph_failing, member)
 #define LIMIT(member) offsetof(struct neph_failing_limit, member)
 #define AXIS(member) offsetof(struct neph_failing_axis, member)

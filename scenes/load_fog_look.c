@@ -9,6 +9,9 @@
 #include <math.h>
 #include <stddef.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+
 #define LOOK(member) offsetof(struct neph_fog_look, member)
 
 _Static_assert((int)NEPH_FOG_NO_OBSERVER_M == (int)NEPH_FAR_M, "as the table says");

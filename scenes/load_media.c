@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
+
 #define AT(member) offsetof(struct neph_medium, member)
 #define BOUNDS(member) offsetof(struct neph_bounds, member)
 
@@ -102,7 +105,7 @@ static enum neph_status check_optics(const struct neph_reader *reader, const yam
                                      const struct neph_medium *medium)
 {
     const bool has_g = neph_reader_has(reader, node, "asymmetry_g");
-    const bool wants_g = medium->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN;
+    const bool wants_g = neph_phase_has_asymmetry(medium->phase.kind);
     const struct neph_rgb color = medium->extinction_color;
     if (wants_g && !has_g)
         return neph_refuse(reader, "phase", "henyey_greenstein needs the key asymmetry_g");
@@ -219,5 +222,15 @@ void neph_forms_print(FILE *file)
     }
 }
 
-const struct neph_record neph_medium_record = {sizeof(struct neph_medium), common_fields,
+/* For the table of keys: the common keys stand inside the mapping of the kind. */
+static const struct neph_record common_record = {sizeof(struct neph_medium), common_fields, NULL};
+
+static const struct neph_field kind_fields[] = {
+    {"KIND", NEPH_RECORD,
+     .note = "a kind by its name, from the end of this table; each has these keys and its own",
+     .record = &common_record},
+    {0},
+};
+
+const struct neph_record neph_medium_record = {sizeof(struct neph_medium), kind_fields,
                                                read_medium};

@@ -12,6 +12,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+
 static const struct neph_medium_row *const rows[NEPH_MEDIUM_KIND_COUNT] = {
     [NEPH_MEDIUM_HOMOGENEOUS] = &neph_medium_homogeneous,
     [NEPH_MEDIUM_HEIGHT_FOG] = &neph_medium_height_fog,
@@ -233,7 +236,36 @@ double neph_phase_per_sr(const struct neph_phase *phase, double cosine)
     case NEPH_PHASE_RAYLEIGH:
         return 3.0 / (16.0 * M_PI) * (1.0 + cosine * cosine);
     case NEPH_PHASE_ISOTROPIC:
+        return 1.0 / (4.0 * M_PI);
+    case NEPH_PHASE_KIND_COUNT:
         break;
     }
-    return 1.0 / (4.0 * M_PI);
+    return NAN;
+}
+
+bool neph_phase_has_asymmetry(enum neph_phase_kind kind)
+{
+    switch (kind) {
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
+        return true;
+    case NEPH_PHASE_ISOTROPIC:
+    case NEPH_PHASE_RAYLEIGH:
+    case NEPH_PHASE_KIND_COUNT:
+        break;
+    }
+    return false;
+}
+
+double neph_phase_mean_cosine(const struct neph_phase *phase)
+{
+    switch (phase->kind) {
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
+        return phase->g;
+    case NEPH_PHASE_ISOTROPIC:
+    case NEPH_PHASE_RAYLEIGH:
+        return 0.0;
+    case NEPH_PHASE_KIND_COUNT:
+        break;
+    }
+    return NAN;
 }

@@ -100,6 +100,12 @@ struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct 
  * before and after. */
 double neph_phase_per_sr(const struct neph_phase *phase, double cosine);
 
+/* Whether `g` of a phase function means anything. */
+bool neph_phase_has_asymmetry(enum neph_phase_kind kind);
+
+/* The mean over the sphere of the cosine, weighted by the phase function. */
+double neph_phase_mean_cosine(const struct neph_phase *phase);
+
 /* Unreal Engine's ExponentialHeightFog (UI values; height in metres) <-> natural exponent.
  *   sigma_t = a e^{-b (y-h)},  a = (ln 2)^2 density_ui / 10,  b = ln 2 falloff_ui / 10  [1/m].
  * Source: HeightFogCommon.ush and FogRendering.cpp: the shader's missing 1/ln 2 in the line

@@ -4,22 +4,21 @@
  */
 #include "scenes/grid.h"
 
-#include "base/files.h"
 #include "scenes/hash_text.h"
+#include "scenes/load_volume.h"
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
 #include "scenes/sheet.h"
 #include "scenes/solids.h"
-#include "scenes/volume_file.h"
 
 #include <math.h>
 #include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SHEET_PATTERN_COUNT == 2, "a new kind");
 
 #define AT(member) offsetof(struct neph_medium, member)
 #define GRID(member) offsetof(struct written_grid, member)
-#define VOLUME(member) offsetof(struct written_volume, member)
 #define SHEET(member) offsetof(struct written_sheet, member)
 
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
@@ -202,94 +201,6 @@ static enum neph_status finish_grid(struct neph_reader *reader, const yaml_node_
     return neph_grid_seal(medium->grid, reader->diag);
 }
 
-/* Put in place by the block of voxels: nodes times spacing. */
-struct written_volume {
-    struct neph_written_medium common;
-    char *file, *grid;
-    struct neph_vec3 center_m;
-    double longest_side_m;
-    int memory_limit_mib;
-};
-
-static const struct neph_field volume_fields[] = {
-    {"file", NEPH_TEXT, VOLUME(file),
-     .note = ".vdb (float or half grid, scale and translation alone) or .df3; absolute, from the "
-             "scene file on, or $NAME or $NAME/... from the environment",
-     .least = 1, .most = 1000},
-    {"grid", NEPH_TEXT, VOLUME(grid), .note = "its name in a .vdb", .least = 1, .most = 64,
-     .standard = "the only one, or `density`"},
-    {"center_m", NEPH_THREE, VOLUME(center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "of the block of voxels"},
-    {"longest_side_m", NEPH_NUMBER, VOLUME(longest_side_m), "m", 1e-3, NEPH_FAR_M,
-     .note = "of the block of voxels"},
-    {"memory_limit_mib", NEPH_WHOLE, VOLUME(memory_limit_mib), "MiB", 1,
-     NEPH_GRID_NODES_MAX * sizeof(float) >> 20, .note = "of voxels in memory, 4 bytes each",
-     .standard = "512"},
-    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
-    {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
-    {0},
-};
-
-/* "$NAME/rest" starts in a folder, or is a file, that the environment names; a relative path starts
- * at the scene file. For the caller to free. */
-static enum neph_status resolve_file(const char *file, const char *scene_path, char **path,
-                                     struct neph_diag *diag)
-{
-    const char *slash = strrchr(scene_path, '/');
-    if (file[0] == '$') {
-        const size_t length = strcspn(file + 1, "/");
-        char *name = strndup(file + 1, length);
-        const char *value = name ? getenv(name) : NULL;
-        free(name);
-        if (!value || !*value) {
-            neph_fail(diag, NEPH_ERR_NOT_FOUND, "'%s': the environment variable %.*s is not set",
-                      file, (int)length, file + 1);
-            neph_hint(diag, "export %.*s=/path/to/the/volume", (int)length, file + 1);
-            return NEPH_ERR_NOT_FOUND;
-        }
-        *path = neph_format("%s%s", value, file + 1 + length);
-    } else if (file[0] == '/' || !slash) {
-        *path = strdup(file);
-    } else {
-        *path = neph_format("%.*s/%s", (int)(slash - scene_path), scene_path, file);
-    }
-    return *path ? NEPH_OK : neph_fail_memory(diag);
-}
-
-/* Scale and move it so that the block of voxels has its longest side and its centre. */
-static enum neph_status place_volume(struct neph_grid *grid, const struct written_volume *volume,
-                                     struct neph_diag *diag)
-{
-    const struct neph_vec3 sides_m = {grid->size[0] * grid->spacing_m.x,
-                                      grid->size[1] * grid->spacing_m.y,
-                                      grid->size[2] * grid->spacing_m.z};
-    const double longest = fmax(sides_m.x, fmax(sides_m.y, sides_m.z));
-    const double scale = volume->longest_side_m / longest;
-    const struct neph_vec3 spacing_m = neph_vec3_scale(grid->spacing_m, scale);
-    const struct neph_vec3 half_m = neph_vec3_scale(neph_vec3_sub(sides_m, grid->spacing_m),
-                                                    0.5 * scale);
-    return neph_grid_place(grid, neph_vec3_sub(volume->center_m, half_m), spacing_m, diag);
-}
-
-static enum neph_status finish_volume(struct neph_reader *reader, const yaml_node_t *node,
-                                      void *written)
-{
-    const struct written_volume *volume = written;
-    struct neph_medium *medium = written;
-    (void)node;
-    if (volume->file[0] != '$' && !neph_volume_has_known_extension(volume->file))
-        return neph_refuse(reader, "file", "'%s' must end in .vdb or .df3", volume->file);
-    char *path = NULL;
-    enum neph_status status = resolve_file(volume->file, reader->document->file, &path,
-                                           reader->diag);
-    if (!status)
-        status = neph_volume_read(path, volume->file, volume->grid,
-                                  (size_t)volume->memory_limit_mib << 20, &medium->grid,
-                                  reader->diag);
-    free(path);
-    return status ? status : place_volume(medium->grid, volume, reader->diag);
-}
-
 static const char *const patterns[] = {
     [NEPH_SHEET_EVEN] = "even", [NEPH_SHEET_STREAKS] = "streaks", NULL};
 
@@ -354,8 +265,8 @@ const struct neph_medium_row neph_medium_grid = {
     .forms = {{"grid",
                "voxels, trilinear between nodes, falling to 0 one cell beyond the outermost",
                grid_fields, sizeof(struct written_grid), finish_grid},
-              {"volume", "voxels from a file", volume_fields, sizeof(struct written_volume),
-               finish_volume},
+              {"volume", "voxels from a file", neph_volume_fields,
+               sizeof(struct neph_written_volume), neph_finish_volume},
               {"sheet", "a thin layer, such as cirrus (scenes/sheet.h)", sheet_fields,
                sizeof(struct written_sheet), finish_sheet}},
     .extinction_per_m = extinction_per_m,

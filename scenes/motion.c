@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 /* --- between keys ---------------------------------------------------------------------------- */
 
 /* The keys around a frame, and how far it is from the one to the other: 0..1. */

@@ -101,8 +101,7 @@ struct neph_relight neph_relight_of(const struct neph_scene *scene)
     }
     if (scene->medium_count > 0) {
         const struct neph_medium *medium = &scene->media[0];
-        const bool is_hg = medium->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN;
-        light.g = is_hg ? medium->phase.g : 0.0;
+        light.g = neph_phase_mean_cosine(&medium->phase);
         light.albedo = medium->albedo.g;
         light.density = medium->extinction_color.g;
     }

@@ -37,6 +37,7 @@ enum neph_phase_kind {
     NEPH_PHASE_ISOTROPIC,
     NEPH_PHASE_HENYEY_GREENSTEIN,
     NEPH_PHASE_RAYLEIGH,
+    NEPH_PHASE_KIND_COUNT,
 };
 
 struct neph_phase {
@@ -129,6 +130,7 @@ struct neph_medium {
 enum neph_solid_kind {
     NEPH_SOLID_BOX,
     NEPH_SOLID_SPHERE,
+    NEPH_SOLID_KIND_COUNT,
 };
 
 /* About an axis of the world, by the right hand. */
@@ -171,6 +173,7 @@ enum neph_scattering {
     NEPH_SCATTERING_NONE,   /* media only attenuate; solids are lit by attenuated sun and lights */
     NEPH_SCATTERING_SINGLE, /* plus light of these scattered exactly once by a medium */
     NEPH_SCATTERING_MULTIPLE, /* everything: all orders, surface bounces included */
+    NEPH_SCATTERING_COUNT,
 };
 
 /* Multiple scattering as a sum of scaled single scatterings, a look and not physics: octave i has
@@ -255,6 +258,7 @@ enum neph_gate_quantity {
     NEPH_QUANTITY_RADIANCE,
     NEPH_QUANTITY_TRANSMITTANCE,
     NEPH_QUANTITY_DEPTH,
+    NEPH_QUANTITY_COUNT,
 };
 
 /* A pass/fail limit that comes from physics, written in the scene file with its reason. */

@@ -12,6 +12,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 /* Raise it when the meaning of a field changes: old results must not be taken for new ones. */
 #define HASH_VERSION 1
 

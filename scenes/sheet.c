@@ -5,6 +5,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SHEET_PATTERN_COUNT == 2, "a new kind");
+
 /* More wisps than a sheet has: nothing repeats on it. */
 enum { PERIOD = 1 << 16, OCTAVES = 5 };
 

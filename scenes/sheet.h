@@ -18,6 +18,7 @@
 enum neph_sheet_pattern {
     NEPH_SHEET_EVEN,    /* 1 everywhere */
     NEPH_SHEET_STREAKS, /* wisps drawn out along a direction, with clear air between them */
+    NEPH_SHEET_PATTERN_COUNT,
 };
 
 struct neph_sheet {

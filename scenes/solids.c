@@ -12,6 +12,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 /* --- turned boxes ---------------------------------------------------------------------------- */
 
 struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 v)

@@ -4,6 +4,9 @@
 #include <math.h>
 #include <stdint.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
+
 static uint32_t pcg3d_first(uint32_t x, uint32_t y, uint32_t z)
 {
     uint32_t v[3] = {x, y, z};

@@ -22,6 +22,7 @@
 enum neph_pattern {
     NEPH_PATTERN_CHECKER,
     NEPH_PATTERN_NOISE,
+    NEPH_PATTERN_COUNT,
 };
 
 /* A pattern on the faces of a box, painted on: it moves and turns with it. A place has as

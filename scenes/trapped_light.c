@@ -8,6 +8,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 const char neph_trapped_light_reason[] =
     "multiple scattering without absorption in a fog that has no end: paths of infinite mean "
     "length (give it bounds, a ground, or an albedo below 1)";

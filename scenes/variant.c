@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_VARIANT_KIND_COUNT == 3, "a new kind");
+
 const int neph_variant_periods[NEPH_VARIANT_PERIOD_COUNT] = {16, 32, 64};
 
 /* A step of two stops is far above noise and dither and stays on a display. Three sines of 0.3 of

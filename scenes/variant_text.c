@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_VARIANT_KIND_COUNT == 3, "a new kind");
+
 /* name, title, frames, sun or camera, and the files of volumes */
 enum { SPLICES_MAX = 4 + NEPH_SCENE_MEDIA_MAX };
 

@@ -23,73 +23,131 @@ static double code_max(int width_bytes)
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static enum neph_status read_header(const struct neph_volume_request *request, FILE *file,
-                                    int size[3], int *width_bytes, struct neph_diag *diag)
+/* What the header says. */
+struct header {
+    int size[3];
+    int width_bytes; /* of a node */
+};
+
+static enum neph_status read_header(const struct neph_volume_source *source, struct header *header,
+                                    struct neph_diag *diag)
 {
-    unsigned char header[HEADER_BYTES];
-    if (fread(header, 1, HEADER_BYTES, file) != HEADER_BYTES)
+    unsigned char bytes[HEADER_BYTES];
+    int *size = header->size;
+    if (fread(bytes, 1, HEADER_BYTES, source->file) != HEADER_BYTES)
         return neph_fail(diag, NEPH_ERR_INPUT, "shorter than the header of a .df3, 6 bytes");
     for (int axis = 0; axis < 3; axis++)
-        size[axis] = header[2 * axis] << 8 | header[2 * axis + 1];
+        size[axis] = bytes[2 * axis] << 8 | bytes[2 * axis + 1];
     const uint64_t nodes = (uint64_t)size[0] * (uint64_t)size[1] * (uint64_t)size[2];
     if (nodes == 0)
         return neph_fail(diag, NEPH_ERR_INPUT, "its header says %d x %d x %d nodes, which is none",
                          size[0], size[1], size[2]);
-    const uint64_t body = request->file_bytes - HEADER_BYTES;
+    const uint64_t body = source->size_bytes - HEADER_BYTES;
     const uint64_t width = body / nodes;
     if (body % nodes != 0 || (width != 1 && width != 2 && width != 4))
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "its header says %d x %d x %d nodes, but the %llu bytes after it are "
                          "neither 1, 2 nor 4 for each: truncated, or not a .df3",
                          size[0], size[1], size[2], (unsigned long long)body);
-    *width_bytes = (int)width;
+    header->width_bytes = (int)width;
     return NEPH_OK;
 }
 
-static void decode(const unsigned char *bytes, size_t count, int width_bytes, float *values)
+/* The nodes to read. */
+static enum neph_status find_box(const struct neph_volume_request *request,
+                                 const struct header *header, struct neph_volume_box *box,
+                                 struct neph_diag *diag)
+{
+    const int *size = header->size;
+    *box = (struct neph_volume_box){{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
+    if (!request->index_box)
+        return NEPH_OK;
+    *box = *request->index_box;
+    for (int axis = 0; axis < 3; axis++)
+        if (box->first[axis] < 0 || box->last[axis] >= size[axis]) {
+            neph_fail(diag, NEPH_ERR_INPUT, "index_box reaches from %d to %d along %c",
+                      box->first[axis], box->last[axis], "xyz"[axis]);
+            neph_hint(diag, "its nodes have the indices 0 to %d there", size[axis] - 1);
+            return NEPH_ERR_INPUT;
+        }
+    return NEPH_OK;
+}
+
+static void decode(const unsigned char *bytes, int count, int width_bytes, float *to,
+                   ptrdiff_t step)
 {
     const double largest = code_max(width_bytes);
-    for (size_t i = 0; i < count; i++) {
+    for (int i = 0; i < count; i++) {
         uint32_t code = 0;
         for (int b = 0; b < width_bytes; b++)
             code = code << 8 | *bytes++;
-        values[i] = (float)(code / largest);
+        to[i * step] = (float)(code / largest);
     }
 }
 
-static enum neph_status read_slices(FILE *file, int width_bytes, struct neph_grid *grid,
+static struct neph_block block_of(const struct neph_volume_box *box)
+{
+    const int *first = box->first, *last = box->last;
+    return (struct neph_block){
+        {last[0] - first[0] + 1, last[1] - first[1] + 1, last[2] - first[2] + 1},
+        {first[0], first[1], first[2]},
+        {1.0, 1.0, 1.0}};
+}
+
+/* The rows of one slice that are in the box. */
+static void take_slice(const unsigned char *bytes, const struct header *header,
+                       const struct neph_volume_box *box, int k,
+                       const struct neph_turned_block *turned, float *values)
+{
+    const int *first = box->first, *last = box->last;
+    for (int j = first[1]; j <= last[1]; j++) {
+        const size_t node = (size_t)j * (size_t)header->size[0] + (size_t)first[0];
+        float *row = values + turned->first + (j - first[1]) * turned->step[1] +
+                     (k - first[2]) * turned->step[2];
+        decode(bytes + node * (size_t)header->width_bytes, last[0] - first[0] + 1,
+               header->width_bytes, row, turned->step[0]);
+    }
+}
+
+static enum neph_status read_slices(FILE *file, const struct header *header,
+                                    const struct neph_volume_box *box,
+                                    const struct neph_turned_block *turned, float *values,
                                     struct neph_diag *diag)
 {
-    const size_t count = (size_t)grid->size[0] * (size_t)grid->size[1];
-    unsigned char *bytes = malloc(count * (size_t)width_bytes);
+    const size_t count = (size_t)header->size[0] * (size_t)header->size[1];
+    unsigned char *bytes = malloc(count * (size_t)header->width_bytes);
     if (!bytes)
         return neph_fail_memory(diag);
     enum neph_status status = NEPH_OK;
-    for (int k = 0; k < grid->size[2] && !status; k++) {
-        if (fread(bytes, (size_t)width_bytes, count, file) == count)
-            decode(bytes, count, width_bytes, grid->values + (size_t)k * count);
-        else
+    for (int k = 0; k <= box->last[2] && !status; k++) {
+        if (fread(bytes, (size_t)header->width_bytes, count, file) != count)
             status = neph_fail(diag, NEPH_ERR_IO, "%s",
                                ferror(file) ? strerror(errno) : "it became shorter meanwhile");
+        else if (k >= box->first[2])
+            take_slice(bytes, header, box, k, turned, values);
     }
     free(bytes);
     return status;
 }
 
-enum neph_status neph_volume_read_df3(const struct neph_volume_request *request, FILE *file,
+enum neph_status neph_volume_read_df3(const struct neph_volume_request *request,
+                                      const struct neph_volume_source *source,
                                       struct neph_grid **grid, struct neph_diag *diag)
 {
-    int size[3], width_bytes = 0;
+    struct header header;
+    struct neph_volume_box box;
+    struct neph_turned_block turned;
     struct neph_grid *made = NULL;
-    enum neph_status status = read_header(request, file, size, &width_bytes, diag);
+    enum neph_status status = read_header(source, &header, diag);
     if (!status)
-        status = neph_volume_check_size(request, size, diag);
+        status = find_box(request, &header, &box, diag);
     if (!status) {
-        const struct neph_vec3 spacing = {1.0 / size[0], 1.0 / size[1], 1.0 / size[2]};
-        status = neph_grid_create(size, neph_vec3_scale(spacing, 0.5), spacing, &made, diag);
+        const struct neph_block block = block_of(&box);
+        status = neph_volume_create_grid(request, &neph_axis_turn_none, &block, &turned, &made,
+                                         diag);
     }
     if (!status)
-        status = read_slices(file, width_bytes, made, diag);
+        status = read_slices(source->file, &header, &box, &turned, made->values, diag);
     if (status)
         neph_grid_destroy(made);
     else

@@ -22,14 +22,15 @@ static enum neph_status write_vdb(const char *path, const struct neph_grid *grid
 
 struct format {
     const char *extension;
+    bool has_transform;
     neph_volume_reader *read;
     enum neph_status (*write)(const char *path, const struct neph_grid *grid,
                               struct neph_diag *diag);
 };
 
 static const struct format formats[] = {
-    {".vdb", neph_volume_read_vdb, write_vdb},
-    {".df3", neph_volume_read_df3, neph_volume_write_df3},
+    {".vdb", true, neph_volume_read_vdb, write_vdb},
+    {".df3", false, neph_volume_read_df3, neph_volume_write_df3},
 };
 enum { FORMAT_COUNT = sizeof(formats) / sizeof(formats[0]) };
 
@@ -56,6 +57,12 @@ bool neph_volume_has_known_extension(const char *path)
     return find_format(path) != NULL;
 }
 
+bool neph_volume_has_transform(const char *path)
+{
+    const struct format *format = find_format(path);
+    return format && format->has_transform;
+}
+
 enum neph_status neph_volume_write(const char *path, const struct neph_grid *grid,
                                    struct neph_diag *diag)
 {
@@ -64,7 +71,7 @@ enum neph_status neph_volume_write(const char *path, const struct neph_grid *gri
 }
 
 /* O_NONBLOCK: a named pipe must be refused and not waited for. */
-static enum neph_status open_file(const char *path, FILE **file, size_t *size_bytes,
+static enum neph_status open_file(const char *path, struct neph_volume_source *source,
                                   struct neph_diag *diag)
 {
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -84,17 +91,17 @@ static enum neph_status open_file(const char *path, FILE **file, size_t *size_by
         close(fd);
         return status;
     }
-    *file = opened;
-    *size_bytes = (size_t)info.st_size;
+    *source = (struct neph_volume_source){opened, (size_t)info.st_size};
     return NEPH_OK;
 }
 
 static enum neph_status read_and_seal(neph_volume_reader *read,
-                                      const struct neph_volume_request *request, FILE *file,
+                                      const struct neph_volume_request *request,
+                                      const struct neph_volume_source *source,
                                       struct neph_grid **grid, struct neph_diag *diag)
 {
     struct neph_grid *made = NULL;
-    enum neph_status status = read(request, file, &made, diag);
+    enum neph_status status = read(request, source, &made, diag);
     if (!status)
         status = neph_grid_seal(made, diag);
     if (status)
@@ -104,21 +111,20 @@ static enum neph_status read_and_seal(neph_volume_reader *read,
     return status;
 }
 
-enum neph_status neph_volume_read(const char *path, const char *shown, const char *grid_name,
-                                  size_t memory_limit_bytes, struct neph_grid **grid,
-                                  struct neph_diag *diag)
+enum neph_status neph_volume_read(const struct neph_volume_request *request,
+                                  struct neph_grid **grid, struct neph_diag *diag)
 {
-    const struct format *format = find_format(path);
+    const char *shown = request->shown ? request->shown : request->path;
+    const struct format *format = find_format(request->path);
     if (!format)
         return refuse_format(shown, diag);
-    struct neph_volume_request request = {path, grid_name, memory_limit_bytes, 0};
     struct neph_diag inner = {.line = 0};
-    FILE *file = NULL;
-    enum neph_status status = open_file(path, &file, &request.file_bytes, &inner);
+    struct neph_volume_source source = {.file = NULL};
+    enum neph_status status = open_file(request->path, &source, &inner);
     if (!status)
-        status = read_and_seal(format->read, &request, file, grid, &inner);
-    if (file)
-        fclose(file);
+        status = read_and_seal(format->read, request, &source, grid, &inner);
+    if (source.file)
+        fclose(source.file);
     if (status) {
         neph_fail(diag, status, "cannot read the volume '%s': %s", shown, inner.message);
         if (inner.hint[0])

@@ -1,27 +1,32 @@
 /* SPDX-License-Identifier: MIT
  *
- * Volumes from and to files: OpenVDB (.vdb; float or half grids whose transform is a scale and a
- * translation) and POV-Ray density files (.df3; 8, 16 or 32 bits). Axes in files are the world's:
- * x, y, z of the file are x, y, z here, in the file's own unit of length.
+ * Volumes from and to files: OpenVDB (.vdb; float or half grids, placed by scale, translation,
+ * turns by 90 degrees and mirrors) and POV-Ray density files (.df3; 8, 16 or 32 bits).
  */
 #ifndef NEPH_SCENES_VOLUME_FILE_H
 #define NEPH_SCENES_VOLUME_FILE_H
 
 #include "scenes/grid.h"
+#include "scenes/volume_request.h"
 
-/* Read a volume into a grid in the file's own coordinates (index space scaled and moved by the
- * file's transform; a .df3 fills the unit cube: node i at (i + 0.5) / size). The grid covers the
- * active voxels of a .vdb. `grid_name` is for .vdb alone; NULL: the only grid, or "density".
+/* Read a volume into a grid in the file's own unit of length, along the axes of the world.
  *
- * `shown` is what messages call the file: as the user wrote it, since `path` may hold more than
- * that (the value of an environment variable). Every error names the file so, and what is wrong
- * with it: not readable, truncated, says it is larger than it is, no such grid (lists those there
- * are), not a float or half grid, rotated or sheared, NaN, infinite or negative values, larger than
- * `memory_limit_bytes` of float nodes (NEPH_ERR_INPUT). Memory stays below the limit plus the tree
- * of the file. */
-enum neph_status neph_volume_read(const char *path, const char *shown, const char *grid_name,
-                                  size_t memory_limit_bytes, struct neph_grid **grid,
-                                  struct neph_diag *diag);
+ * The block of voxels is `index_box` where it is given. Else the block of a .vdb is the smallest
+ * box around the active voxels that are not 0, or around all active voxels (with `counts_zeros`, or
+ * if all of them are 0); the transform of the file places it. The block of a .df3 is all of its
+ * nodes, zeros included: 1 apart, the first at the origin, because the format has no transform.
+ *
+ * Every error names the file, and what is wrong with it: not readable, truncated, says it is larger
+ * than it is, no such grid or several of that name (lists those there are), not a float or half
+ * grid, turned by other angles than 90 degrees or sheared, NaN, infinite or negative values, a side
+ * of more than NEPH_GRID_SIDE_MAX, more nodes than `memory_limit_bytes` holds, and, for a fitted
+ * block, stray voxels that decide its size (NEPH_ERR_INPUT). Memory stays below the limit plus the
+ * tree of the file. */
+enum neph_status neph_volume_read(const struct neph_volume_request *request,
+                                  struct neph_grid **grid, struct neph_diag *diag);
+
+/* Whether the format of the file, by its extension, says how large a voxel is and where. */
+bool neph_volume_has_transform(const char *path);
 
 /* The names of the extensions that neph_volume_read() knows: ".vdb", ".df3". */
 bool neph_volume_has_known_extension(const char *path);
@@ -42,6 +47,7 @@ enum neph_vdb_layout {
      * outermost nodes down to 0 is kept alive by one more layer of active voxels of 1e-9 on every
      * side. */
     NEPH_VDB_BLENDER,
+    NEPH_VDB_LAYOUT_COUNT,
 };
 
 /* Write a sealed grid as .vdb (float, zip, a fog volume named "density"). The same grid gives the
@@ -52,7 +58,9 @@ enum neph_status neph_volume_write_vdb(const char *path, const struct neph_grid 
 /* Write the values of a sealed grid / its maximum as a 32-bit .df3, with one layer of zeros on
  * every side (size + 2): POV-Ray puts node i of N, trilinear, at i / N of the unit cube and wraps
  * from the last to the first. So `scale (size + 2) * spacing translate origin - spacing` puts it in
- * place, and the maximum belongs into the scattering colour. Whole or not at all. */
+ * place, and the maximum belongs into the scattering colour. In a scene file a volume with `size_m`
+ * (size + 2) * spacing, and `center_m` in the middle of the nodes, puts it in place. Whole or not
+ * at all. */
 enum neph_status neph_volume_write_df3(const char *path, const struct neph_grid *grid,
                                        struct neph_diag *diag);
 

@@ -6,20 +6,21 @@
 #define NEPH_SCENES_VOLUME_FORMAT_H
 
 #include "scenes/grid.h"
+#include "scenes/volume_request.h"
+#include "scenes/volume_turn.h"
 
 #include <stdio.h>
 
-/* What a reader is asked for: the parameters of neph_volume_read(). */
-struct neph_volume_request {
-    const char *path;
-    const char *grid_name; /* NULL: the only one, or "density" */
-    size_t memory_limit_bytes;
-    size_t file_bytes; /* of the file, which is a regular one */
+/* An open file, which is a regular one. */
+struct neph_volume_source {
+    FILE *file;
+    size_t size_bytes;
 };
 
 /* Read one format into an unsealed grid. The dispatcher seals it, and names the file in the message
  * of any error. */
-typedef enum neph_status neph_volume_reader(const struct neph_volume_request *request, FILE *file,
+typedef enum neph_status neph_volume_reader(const struct neph_volume_request *request,
+                                            const struct neph_volume_source *source,
                                             struct neph_grid **grid, struct neph_diag *diag);
 
 neph_volume_reader neph_volume_read_vdb;
@@ -28,5 +29,14 @@ neph_volume_reader neph_volume_read_df3;
 /* NEPH_ERR_INPUT, in words, when so many nodes do not fit into the limit of the request. */
 enum neph_status neph_volume_check_size(const struct neph_volume_request *request,
                                         const int size[3], struct neph_diag *diag);
+
+/* A grid of zeros for a block in the order of the file. The transform of the file turns its axes by
+ * `turn` and puts its first node at `origin`; `is_z_up` of the request comes after that. `turned`
+ * says where the values go. Errors as of neph_volume_check_size() and neph_grid_create(). */
+enum neph_status neph_volume_create_grid(const struct neph_volume_request *request,
+                                         const struct neph_axis_turn *turn,
+                                         const struct neph_block *block,
+                                         struct neph_turned_block *turned, struct neph_grid **grid,
+                                         struct neph_diag *diag);
 
 #endif

@@ -19,7 +19,10 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-enum { REASON_BYTES = 700, PATH_BYTES = 64, UUID_BYTES = 40, ARGUMENTS_MAX = 8 };
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_VDB_LAYOUT_COUNT == 2, "a new kind");
+
+enum { REASON_BYTES = 1000, PATH_BYTES = 64, UUID_BYTES = 40, BOX_BYTES = 80, ARGUMENTS_MAX = 11 };
 
 /* Zip is read at 50 MB/s and more; a file that takes ten times as long is not honest. */
 static const size_t cpu_bytes_per_s = 5000000;
@@ -74,7 +77,24 @@ static void shared_destroy(struct shared *shared)
         close(shared->fd);
 }
 
-/* The last line of the log, in printable ASCII: names in damaged files may be anything. */
+/* What the last line of the log says: why, and the way out ("" if there is none). */
+struct reason {
+    char text[REASON_BYTES];
+    const char *hint;
+};
+
+/* Split it, in printable ASCII: names in damaged files may be anything. */
+static void find_hint(struct reason *reason)
+{
+    char *tab = strchr(reason->text, '\t');
+    reason->hint = tab ? tab + 1 : "";
+    if (tab)
+        *tab = '\0';
+    for (char *at = reason->text; at < reason->text + sizeof(reason->text); at++)
+        if (*at && ((unsigned char)*at < ' ' || (unsigned char)*at > '~'))
+            *at = '?';
+}
+
 static void last_line(int log_fd, char reason[REASON_BYTES])
 {
     struct stat info = {.st_size = 0};
@@ -87,16 +107,14 @@ static void last_line(int log_fd, char reason[REASON_BYTES])
     const char *newline = strrchr(reason, '\n');
     if (newline)
         memmove(reason, newline + 1, strlen(newline + 1) + 1);
-    for (char *at = reason; *at; at++)
-        if ((unsigned char)*at < ' ' || (unsigned char)*at > '~')
-            *at = '?';
 }
 
 static enum neph_status explain(const struct neph_child_result *result, int log_fd,
                                 struct neph_diag *diag)
 {
-    char reason[REASON_BYTES];
-    last_line(log_fd, reason);
+    struct reason reason = {.text = ""};
+    last_line(log_fd, reason.text);
+    find_hint(&reason);
     if (result->signal == SIGXCPU)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "damaged: OpenVDB took %.0f s without coming to an end", result->cpu_s);
@@ -105,14 +123,17 @@ static enum neph_status explain(const struct neph_child_result *result, int log_
                          result->signal);
     switch (result->exit_code) {
     case EX_DATAERR:
-        return neph_fail(diag, NEPH_ERR_INPUT, "%s", reason);
+        neph_fail(diag, NEPH_ERR_INPUT, "%s", reason.text);
+        if (*reason.hint)
+            neph_hint(diag, "%s", reason.hint);
+        return NEPH_ERR_INPUT;
     case EX_IOERR:
-        return neph_fail(diag, NEPH_ERR_IO, "%s", reason);
+        return neph_fail(diag, NEPH_ERR_IO, "%s", reason.text);
     case EX_OSERR:
-        return neph_fail(diag, NEPH_ERR_MEMORY, "%s", reason);
+        return neph_fail(diag, NEPH_ERR_MEMORY, "%s", reason.text);
     }
     return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s does not work: exit code %d, '%s'",
-                     program_name, result->exit_code, reason);
+                     program_name, result->exit_code, reason.text);
 }
 
 /* Where neph found its own libraries, this other half of it finds its own. */
@@ -153,15 +174,33 @@ static enum neph_status run_program(const char *argv[ARGUMENTS_MAX], double time
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static enum neph_status run_reader(const struct neph_volume_request *request,
+/* "all", or "i,j,k,i,j,k". */
+static void format_box(const struct neph_volume_box *box, char text[BOX_BYTES])
+{
+    if (box)
+        snprintf(text, BOX_BYTES, "%d,%d,%d,%d,%d,%d", box->first[0], box->first[1], box->first[2],
+                 box->last[0], box->last[1], box->last[2]);
+    else
+        snprintf(text, BOX_BYTES, "all");
+}
+
+static const char *use_of(const struct neph_volume_request *request)
+{
+    return request->counts_zeros ? "active" : request->is_fitted ? "fit" : "file";
+}
+
+static enum neph_status run_reader(const struct neph_volume_request *request, size_t file_bytes,
                                    const struct shared *voxels, struct neph_diag *diag)
 {
-    const size_t cpu_s = cpu_start_s + request->file_bytes / cpu_bytes_per_s;
-    char memory_limit[32], cpu_limit[32];
+    const size_t cpu_s = cpu_start_s + file_bytes / cpu_bytes_per_s;
+    char memory_limit[32], cpu_limit[32], side_max[32], index_box[BOX_BYTES];
     snprintf(memory_limit, sizeof(memory_limit), "%zu", request->memory_limit_bytes);
     snprintf(cpu_limit, sizeof(cpu_limit), "%zu", cpu_s);
-    const char *argv[ARGUMENTS_MAX] = {NULL,         "read",    voxels->path,      request->path,
-                                       memory_limit, cpu_limit, request->grid_name};
+    snprintf(side_max, sizeof(side_max), "%d", NEPH_GRID_SIDE_MAX);
+    format_box(request->index_box, index_box);
+    const char *argv[ARGUMENTS_MAX] = {
+        NULL,      "read",   voxels->path,    request->path, memory_limit,
+        cpu_limit, side_max, use_of(request), index_box,     request->grid_name};
     return run_program(argv, wall_per_cpu * (double)cpu_s, diag);
 }
 
@@ -180,50 +219,74 @@ static bool take(struct voxels *voxels, void *to, size_t size)
     return true;
 }
 
-static enum neph_status create_grid(const struct neph_volume_request *request,
-                                    const struct neph_vdb_placement *placement,
-                                    struct neph_grid **grid, struct neph_diag *diag)
+static enum neph_status check_placement(const struct neph_vdb_placement *placement,
+                                        struct neph_axis_turn *turn, struct neph_block *block,
+                                        struct neph_diag *diag)
 {
-    int size[3];
     for (int axis = 0; axis < 3; axis++) {
         const int64_t side = placement->size[axis];
         if (side < 1 || side > NEPH_GRID_SIDE_MAX)
             return neph_fail(diag, NEPH_ERR_INPUT,
                              "%" PRId64 " nodes along %c; a side must be 1..%d", side, "xyz"[axis],
                              NEPH_GRID_SIDE_MAX);
-        size[axis] = (int)side;
+        block->size[axis] = (int)side;
+        turn->axis[axis] = placement->axis[axis];
+        turn->is_reversed[axis] = placement->is_reversed[axis] != 0;
     }
-    enum neph_status status = neph_volume_check_size(request, size, diag);
-    if (status)
-        return status;
     const double *o = placement->origin, *h = placement->spacing;
-    return neph_grid_create(size, (struct neph_vec3){o[0], o[1], o[2]},
-                            (struct neph_vec3){h[0], h[1], h[2]}, grid, diag);
+    block->origin = (struct neph_vec3){o[0], o[1], o[2]};
+    block->spacing = (struct neph_vec3){h[0], h[1], h[2]};
+    return neph_axis_turn_is_sound(turn)
+               ? NEPH_OK
+               : neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB read nonsense from it");
 }
 
-static bool is_inside(const struct neph_grid *grid, const struct neph_vdb_block *block)
+/* A grid of zeros, and where its values go. */
+static enum neph_status create_grid(const struct neph_volume_request *request,
+                                    const struct neph_vdb_placement *placement,
+                                    struct neph_turned_block *turned, struct neph_grid **grid,
+                                    struct neph_diag *diag)
+{
+    struct neph_axis_turn turn;
+    struct neph_block block;
+    const enum neph_status status = check_placement(placement, &turn, &block, diag);
+    return status ? status : neph_volume_create_grid(request, &turn, &block, turned, grid, diag);
+}
+
+static bool is_inside(const int64_t size[3], const struct neph_vdb_block *block)
 {
     for (int axis = 0; axis < 3; axis++)
         if (block->first[axis] < 0 || block->last[axis] < block->first[axis] ||
-            block->last[axis] >= grid->size[axis])
+            block->last[axis] >= size[axis])
             return false;
     return true;
 }
 
-static bool take_block(struct voxels *voxels, struct neph_grid *grid)
+static bool take_row(struct voxels *voxels, const struct neph_vdb_block *block, float *to,
+                     ptrdiff_t step)
+{
+    const int count = block->last[0] - block->first[0] + 1;
+    for (int i = 0; i < count; i++) {
+        to[i * step] = block->value;
+        if (!block->is_uniform && !take(voxels, &to[i * step], sizeof(*to)))
+            return false;
+    }
+    return true;
+}
+
+static bool take_block(struct voxels *voxels, const int64_t size[3],
+                       const struct neph_turned_block *turned, float *values)
 {
     struct neph_vdb_block block;
-    if (!take(voxels, &block, sizeof(block)) || !is_inside(grid, &block))
+    if (!take(voxels, &block, sizeof(block)) || !is_inside(size, &block))
         return false;
-    const size_t count = (size_t)(block.last[0] - block.first[0] + 1);
+    const ptrdiff_t *step = turned->step;
     for (int k = block.first[2]; k <= block.last[2]; k++)
         for (int j = block.first[1]; j <= block.last[1]; j++) {
-            const size_t row = (size_t)k * (size_t)grid->size[1] + (size_t)j;
-            float *to = grid->values + row * (size_t)grid->size[0] + block.first[0];
-            if (!block.is_uniform && !take(voxels, to, count * sizeof(*to)))
+            float *row = values + turned->first + block.first[0] * step[0] + j * step[1] +
+                         k * step[2];
+            if (!take_row(voxels, &block, row, step[0]))
                 return false;
-            for (size_t i = 0; block.is_uniform && i < count; i++)
-                to[i] = block.value;
         }
     return true;
 }
@@ -232,12 +295,13 @@ static enum neph_status take_grid(const struct neph_volume_request *request, str
                                   struct neph_grid **grid, struct neph_diag *diag)
 {
     struct neph_vdb_placement placement;
+    struct neph_turned_block turned;
     if (!take(voxels, &placement, sizeof(placement)))
         return neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB gave up on it without a word");
     struct neph_grid *made = NULL;
-    enum neph_status status = create_grid(request, &placement, &made, diag);
+    enum neph_status status = create_grid(request, &placement, &turned, &made, diag);
     while (!status && voxels->used < voxels->size)
-        if (!take_block(voxels, made))
+        if (!take_block(voxels, placement.size, &turned, made->values))
             status = neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB read nonsense from it");
     if (status)
         neph_grid_destroy(made);
@@ -263,16 +327,16 @@ static enum neph_status map_and_take(const struct neph_volume_request *request, 
     return status;
 }
 
-/* The program opens the file by its path again; `file` only proved that it can be read. */
-enum neph_status neph_volume_read_vdb(const struct neph_volume_request *request, FILE *file,
+/* The program opens the file by its path again; `source` only proved that it can be read. */
+enum neph_status neph_volume_read_vdb(const struct neph_volume_request *request,
+                                      const struct neph_volume_source *source,
                                       struct neph_grid **grid, struct neph_diag *diag)
 {
-    (void)file;
     struct shared voxels;
     enum neph_status status = shared_create("neph-vdb-voxels", &voxels, diag);
     if (status)
         return status;
-    status = run_reader(request, &voxels, diag);
+    status = run_reader(request, source->size_bytes, &voxels, diag);
     if (!status)
         status = map_and_take(request, voxels.fd, grid, diag);
     shared_destroy(&voxels);
@@ -292,8 +356,9 @@ static float node_or_padding(const struct neph_grid *grid, int i, int j, int k)
 static struct neph_vdb_placement world_placement(const struct neph_grid *grid)
 {
     const struct neph_vec3 o = grid->origin_m, h = grid->spacing_m;
-    return (struct neph_vdb_placement){
-        {o.x, o.y, o.z}, {h.x, h.y, h.z}, {grid->size[0], grid->size[1], grid->size[2]}};
+    return (struct neph_vdb_placement){.origin = {o.x, o.y, o.z},
+                                       .spacing = {h.x, h.y, h.z},
+                                       .size = {grid->size[0], grid->size[1], grid->size[2]}};
 }
 
 static float world_value(const struct neph_grid *grid, int i, int j, int k)
@@ -307,9 +372,10 @@ static struct neph_vdb_placement blender_placement(const struct neph_grid *grid)
 {
     const struct neph_vec3 o = grid->origin_m, h = grid->spacing_m;
     const double last_z = o.z + (grid->size[2] - 1) * h.z;
-    return (struct neph_vdb_placement){{o.x - 1.5 * h.x, -last_z - 1.5 * h.z, o.y - 1.5 * h.y},
-                                       {h.x, h.z, h.y},
-                                       {grid->size[0] + 2, grid->size[2] + 2, grid->size[1] + 2}};
+    return (struct neph_vdb_placement){
+        .origin = {o.x - 1.5 * h.x, -last_z - 1.5 * h.z, o.y - 1.5 * h.y},
+        .spacing = {h.x, h.z, h.y},
+        .size = {grid->size[0] + 2, grid->size[2] + 2, grid->size[1] + 2}};
 }
 
 static float blender_value(const struct neph_grid *grid, int i, int j, int k)

@@ -7,6 +7,7 @@
 #include "scenes/openvdb_grids.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -14,10 +15,12 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -46,17 +49,35 @@ constexpr uint64_t base_memory_bytes = uint64_t{512} << 20;
 constexpr int32_t grids_max = 1024;
 constexpr size_t listed_names_max = 8;
 
-/* Off the diagonal of a transform, relative to its scale: rounding of a rotation by zero. */
-constexpr double shear_max = 1e-9;
+/* How far, in voxels, a transform may move a node from where a turn by 90 degrees puts it: programs
+ * that turn in float32 have a cosine of 4.4e-8 there, which is 4.5e-5 of a voxel after 1024. */
+constexpr double skew_max_voxels = 1e-3;
 
-/* The file is to blame, in words for its owner. */
+/* Voxels are stray when they have less than this part of the density and make a side of the box so
+ * many times as long. The detached wisps of the Disney cloud have less, and make 1.03 of it. */
+constexpr double stray_density_max = 1e-3;
+constexpr double stray_growth_min = 1.1;
+
+/* The file is to blame, in words for its owner; after a tab the way out. */
 struct bad_file : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/* What neph asks for. */
+struct request {
+    const char *path;
+    uint64_t memory_limit_bytes;
+    int32_t side_max;
+    bool is_fitted;
+    bool counts_zeros;
+    bool has_index_box;
+    CoordBBox index_box;
+    const char *grid_name; /* nullptr: not given */
+};
+
 [[gnu::format(printf, 1, 2)]] std::string words(const char *format, ...)
 {
-    char text[512];
+    char text[900];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof(text), format, arguments);
@@ -76,12 +97,36 @@ void limit(int resource, uint64_t maximum)
 struct entry {
     openvdb::io::GridDescriptor descriptor;
     openvdb::GridBase::Ptr grid; /* empty */
+    std::string label;           /* "density", or "density[1]" where several have the name */
 
     std::string name() const
     {
-        return openvdb::io::GridDescriptor::nameAsString(descriptor.uniqueName());
+        return label;
     }
 };
+
+/* As the file has it, without the number that tells it from others of the name. */
+std::string plain_name(const entry &each)
+{
+    return openvdb::io::GridDescriptor::stripSuffix(each.descriptor.uniqueName());
+}
+
+/* OpenVDB's own numbers, and where they are missing the order in the file. */
+void set_labels(std::vector<entry> &entries)
+{
+    for (entry &each : entries)
+        each.label = openvdb::io::GridDescriptor::nameAsString(each.descriptor.uniqueName());
+    for (entry &each : entries) {
+        const std::string label = each.label;
+        const auto has_label = [&](const entry &other) { return other.label == label; };
+        if (std::count_if(entries.begin(), entries.end(), has_label) < 2)
+            continue;
+        int number = 0;
+        for (entry &same : entries)
+            if (has_label(same))
+                same.label += words("[%d]", number++);
+    }
+}
 
 /* openvdb::io::File never asks whether a read came short, and would fill a truncated grid with what
  * happens to be in memory. This reads the same way from a stream that throws at the end of the
@@ -119,6 +164,7 @@ class archive : openvdb::io::Archive
             each.grid = each.descriptor.read(stream);
             each.descriptor.seekToEnd(stream);
         }
+        set_labels(entries);
         return entries;
     }
 
@@ -146,14 +192,15 @@ class archive : openvdb::io::Archive
     std::ifstream stream;
 };
 
-std::string list_names(const std::vector<entry> &entries)
+std::string list_names(const std::vector<entry *> &entries)
 {
     std::string list;
     for (size_t i = 0; i < entries.size() && i < listed_names_max; i++)
-        list += words("%s'%.40s'", i > 0 ? ", " : "", entries[i].name().c_str());
+        list += words("%s'%.40s'", i > 0 ? ", " : "", entries[i]->name().c_str());
     return entries.size() > listed_names_max ? list + ", ..." : list;
 }
 
+/* The grid with this label, or the only grid with this name. */
 entry &choose(std::vector<entry> &entries, const char *wanted)
 {
     if (entries.empty())
@@ -161,11 +208,23 @@ entry &choose(std::vector<entry> &entries, const char *wanted)
     if (!wanted && entries.size() == 1)
         return entries[0];
     const std::string name = wanted ? wanted : "density";
-    for (entry &each : entries)
+    std::vector<entry *> all, same;
+    for (entry &each : entries) {
         if (each.name() == name)
             return each;
-    throw bad_file(
-        words("it has no grid '%.60s'; it has %s", name.c_str(), list_names(entries).c_str()));
+        all.push_back(&each);
+        if (plain_name(each) == name)
+            same.push_back(&each);
+    }
+    if (same.size() > 1)
+        throw bad_file(words("it has %zu grids '%.60s'\tsay which with the key grid, such as "
+                             "grid: \"%.40s\"; there are %s",
+                             same.size(), name.c_str(), same[0]->name().c_str(),
+                             list_names(same).c_str()));
+    if (same.size() == 1)
+        return *same[0];
+    throw bad_file(words("it has no grid '%.60s'; it has %s\tsay which with the key grid",
+                         name.c_str(), list_names(all).c_str()));
 }
 
 /* ---- what a density must be ------------------------------------------------------------------ */
@@ -192,51 +251,288 @@ void check_class(const entry &chosen)
                              openvdb::GridBase::gridClassToMenuName(grid_class).c_str()));
 }
 
-/* index * spacing + origin, or a refusal. */
-void get_placement(const entry &chosen, double origin[3], double spacing[3])
+/* Which axis of the world an axis of the index lies along, at most a little skewed. */
+int main_axis(const openvdb::math::Mat4d &m, int i)
 {
-    const std::string name = chosen.name();
+    int axis = 0;
+    for (int j = 1; j < 3; j++)
+        if (std::fabs(m(i, j)) > std::fabs(m(i, axis)))
+            axis = j;
+    return axis;
+}
+
+/* Axes of the index along axes of the world, forwards or backwards, or a refusal. */
+void place_axes(const entry &chosen, const openvdb::math::Mat4d &m, neph_vdb_placement &placement)
+{
+    double spacing_along[3] = {0.0, 0.0, 0.0}; /* of the world */
+    for (int i = 0; i < 3; i++) {
+        const int axis = main_axis(m, i);
+        placement.axis[i] = axis;
+        placement.is_reversed[i] = m(i, axis) < 0.0;
+        placement.spacing[i] = spacing_along[axis] = std::fabs(m(i, axis));
+        if (!(placement.spacing[i] > 0.0) || !std::isfinite(placement.spacing[i]) ||
+            !std::isfinite(m(3, i)))
+            throw bad_file(words("grid '%.60s' has the scale %g and the offset %g on axis %c; the "
+                                 "scale must not be 0, and both finite",
+                                 chosen.name().c_str(), m(i, axis), m(3, i), "xyz"[i]));
+    }
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (j != placement.axis[i] &&
+                !(static_cast<double>(placement.size[i]) * std::fabs(m(i, j)) <=
+                  skew_max_voxels * spacing_along[j]))
+                throw bad_file(
+                    words("grid '%.60s' is turned by other angles than 90 degrees, or "
+                          "sheared\tneph does not resample: resample it onto the axes of "
+                          "the world in the program that wrote it "
+                          "(openvdb::tools::resampleToMatch), and save it again",
+                          chosen.name().c_str()));
+}
+
+/* Where the transform of the file puts a box of voxels. */
+neph_vdb_placement placement_of(const entry &chosen, const CoordBBox &box)
+{
     const openvdb::math::MapBase::ConstPtr map = chosen.grid->transform().baseMap();
     if (!map->isLinear())
-        throw bad_file(words("grid '%.60s' is placed by a frustum; only scale and translation are "
-                             "possible",
-                             name.c_str()));
+        throw bad_file(
+            words("grid '%.60s' is placed by a frustum\tneph does not resample: resample "
+                  "it onto a grid with a linear transform, and save it again",
+                  chosen.name().c_str()));
     const openvdb::math::Mat4d m = map->getAffineMap()->getMat4();
-    for (int i = 0; i < 3; i++) {
-        spacing[i] = m(i, i);
-        origin[i] = m(3, i);
-        for (int j = 0; j < 3; j++)
-            if (i != j && !(std::fabs(m(i, j)) <= shear_max * std::fabs(m(i, i))))
-                throw bad_file(words("grid '%.60s' is rotated or sheared; only scale and "
-                                     "translation are possible",
-                                     name.c_str()));
-        if (!(spacing[i] > 0.0) || !std::isfinite(spacing[i]) || !std::isfinite(origin[i]))
-            throw bad_file(words("grid '%.60s' has the scale %g and the offset %g on axis %c; the "
-                                 "scale must be above 0 and both finite",
-                                 name.c_str(), spacing[i], origin[i], "xyz"[i]));
-    }
-}
-
-void check_size(const CoordBBox &box, uint64_t memory_limit_bytes)
-{
-    double sides[3];
+    neph_vdb_placement placement = {};
     for (int i = 0; i < 3; i++)
-        sides[i] = static_cast<double>(box.max()[i]) - box.min()[i] + 1.0;
-    const double bytes = sides[0] * sides[1] * sides[2] * sizeof(float);
-    if (!(bytes <= static_cast<double>(memory_limit_bytes)))
-        throw bad_file(words("%.0f x %.0f x %.0f nodes need %.0f MiB of memory, and the limit is "
-                             "%.0f MiB; resample the volume to fewer nodes",
-                             sides[0], sides[1], sides[2], bytes / 0x1p20,
-                             static_cast<double>(memory_limit_bytes) / 0x1p20));
+        placement.size[i] = box.dim()[i];
+    place_axes(chosen, m, placement);
+    for (int j = 0; j < 3; j++)
+        placement.origin[j] = m(3, j);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            placement.origin[j] += m(i, j) * box.min()[i];
+    return placement;
 }
 
-/* What the metadata promise, so that a giant is refused before its topology is read. */
-void check_promised_size(const entry &chosen, uint64_t memory_limit_bytes)
+/* ---- which voxels ---------------------------------------------------------------------------- */
+
+struct sides {
+    explicit sides(const CoordBBox &box)
+    {
+        for (int i = 0; i < 3; i++)
+            at[i] = static_cast<double>(box.max()[i]) - box.min()[i] + 1.0;
+    }
+    double longest() const
+    {
+        return std::max(at[0], std::max(at[1], at[2]));
+    }
+    double bytes() const
+    {
+        return at[0] * at[1] * at[2] * sizeof(float);
+    }
+    double at[3];
+};
+
+bool fits(const request &asked, const CoordBBox &box)
+{
+    return sides(box).longest() <= asked.side_max &&
+           sides(box).bytes() <= static_cast<double>(asked.memory_limit_bytes);
+}
+
+/* As in a scene file. */
+std::string key_of(const CoordBBox &box)
+{
+    const Coord low = box.min(), high = box.max();
+    return words("index_box: {first: [%d, %d, %d], last: [%d, %d, %d]}", low[0], low[1], low[2],
+                 high[0], high[1], high[2]);
+}
+
+[[noreturn]] void refuse_size(const request &asked, const CoordBBox &box, const std::string &hint)
+{
+    const sides of(box);
+    if (of.longest() > asked.side_max)
+        throw bad_file(words("%.0f x %.0f x %.0f voxels from (%d, %d, %d) on; a side may have at "
+                             "most %d",
+                             of.at[0], of.at[1], of.at[2], box.min()[0], box.min()[1], box.min()[2],
+                             asked.side_max) +
+                       "\t" + hint);
+    throw bad_file(words("%.0f x %.0f x %.0f nodes need %.0f MiB of memory, and the limit is "
+                         "%.0f MiB",
+                         of.at[0], of.at[1], of.at[2], of.bytes() / 0x1p20,
+                         static_cast<double>(asked.memory_limit_bytes) / 0x1p20) +
+                   "\t" + hint);
+}
+
+const char *const smaller = "resample the volume to fewer nodes, or read a part of it with the key "
+                            "index_box";
+
+/* What the metadata promise, so that a giant is refused before its topology is read. A box that is
+ * too large because of stray voxels is looked into. */
+void check_promised_size(const entry &chosen, const request &asked)
 {
     const auto low = chosen.grid->getMetadata<openvdb::Vec3IMetadata>("file_bbox_min");
     const auto high = chosen.grid->getMetadata<openvdb::Vec3IMetadata>("file_bbox_max");
-    if (low && high && low->value()[0] <= high->value()[0])
-        check_size(CoordBBox(Coord(low->value()), Coord(high->value())), memory_limit_bytes);
+    const auto count = chosen.grid->getMetadata<openvdb::Int64Metadata>("file_voxel_count");
+    if (!low || !high || !count || low->value()[0] > high->value()[0])
+        return;
+    const CoordBBox box(Coord(low->value()), Coord(high->value()));
+    if (!fits(asked, box) && static_cast<double>(count->value()) * sizeof(float) >
+                                 static_cast<double>(asked.memory_limit_bytes))
+        refuse_size(asked, box, smaller);
+}
+
+using leaf_node = FloatTree::LeafNodeType;
+
+/* All parts of the tree within a box: uniform(box, value) for tiles that are not 0, and
+ * leaf(node, box) for voxels. */
+template <typename Uniform, typename Leaf>
+void for_each_part(const FloatTree &tree, const CoordBBox &within, Uniform uniform, Leaf leaf)
+{
+    FloatTree::ValueAllCIter tile = tree.cbeginValueAll();
+    tile.setMaxDepth(FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+        CoordBBox box = tile.getBoundingBox();
+        box.intersect(within);
+        if (*tile != 0.0f && !box.empty())
+            uniform(box, *tile);
+    }
+    for (auto node = tree.cbeginLeaf(); node; ++node) {
+        CoordBBox box = node->getNodeBoundingBox();
+        box.intersect(within);
+        if (!box.empty())
+            leaf(*node, box);
+    }
+}
+
+/* The smallest box around what is not 0. */
+CoordBBox box_of_values(const FloatTree &tree, const CoordBBox &within)
+{
+    CoordBBox box;
+    for_each_part(
+        tree, within, [&](const CoordBBox &tile, float) { box.expand(tile); },
+        [&](const leaf_node &node, const CoordBBox &part) {
+            if (!box.empty() && box.isInside(part))
+                return;
+            for (auto place = part.begin(); place; ++place)
+                if (node.getValue(*place) != 0.0f)
+                    box.expand(*place);
+        });
+    return box;
+}
+
+double sum_of_values(const FloatTree &tree, const CoordBBox &within)
+{
+    double sum = 0.0;
+    for_each_part(
+        tree, within,
+        [&](const CoordBBox &tile, float value) {
+            sum += static_cast<double>(value) * static_cast<double>(tile.volume());
+        },
+        [&](const leaf_node &node, const CoordBBox &part) {
+            for (auto place = part.begin(); place; ++place)
+                sum += static_cast<double>(node.getValue(*place));
+        });
+    return sum;
+}
+
+/* The values of each plane across an axis, added up; a plane that is all 0 has no entry. */
+using plane_sums = std::map<int32_t, double>;
+
+void add_tile(const CoordBBox &tile, float value, std::array<plane_sums, 3> &sums)
+{
+    for (int i = 0; i < 3; i++) {
+        const double of_plane = static_cast<double>(value) * static_cast<double>(tile.volume()) /
+                                tile.dim()[i];
+        for (int64_t plane = tile.min()[i]; plane <= tile.max()[i]; plane++)
+            sums[i][static_cast<int32_t>(plane)] += of_plane;
+    }
+}
+
+void add_leaf(const leaf_node &node, const CoordBBox &part, std::array<plane_sums, 3> &sums)
+{
+    double own[3][leaf_node::DIM] = {};
+    for (auto place = part.begin(); place; ++place)
+        for (int i = 0; i < 3; i++)
+            own[i][(*place)[i] - part.min()[i]] += static_cast<double>(node.getValue(*place));
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < part.dim()[i]; k++)
+            if (own[i][k] != 0.0)
+                sums[i][part.min()[i] + k] += own[i][k];
+}
+
+std::array<plane_sums, 3> sum_planes(const FloatTree &tree, const CoordBBox &within)
+{
+    std::array<plane_sums, 3> sums;
+    for_each_part(
+        tree, within, [&](const CoordBBox &tile, float value) { add_tile(tile, value, sums); },
+        [&](const leaf_node &node, const CoordBBox &part) { add_leaf(node, part, sums); });
+    return sums;
+}
+
+/* The run of neighbouring planes with the largest sum. */
+std::pair<int32_t, int32_t> densest_run(const plane_sums &sums)
+{
+    std::pair<int32_t, int32_t> best(0, -1);
+    double best_sum = -1.0, sum = 0.0;
+    int32_t first = 0, before = 0;
+    for (const auto &[plane, value] : sums) {
+        const bool goes_on = sum > 0.0 && plane == before + 1;
+        first = goes_on ? first : plane;
+        sum = goes_on ? sum + value : value;
+        before = plane;
+        if (sum > best_sum) {
+            best_sum = sum;
+            best = {first, plane};
+        }
+    }
+    return best;
+}
+
+/* The box without stray voxels, which planes without any value separate from the rest. Empty if no
+ * voxels are separated, or if they have too much of the density to be stray. */
+CoordBBox box_without_strays(const FloatTree &tree, const CoordBBox &box)
+{
+    const std::array<plane_sums, 3> sums = sum_planes(tree, box);
+    CoordBBox main;
+    for (int i = 0; i < 3; i++) {
+        const auto [first, last] = densest_run(sums[i]);
+        main.min()[i] = first;
+        main.max()[i] = last;
+    }
+    if (main.empty() || main == box ||
+        !(sum_of_values(tree, main) >= (1.0 - stray_density_max) * sum_of_values(tree, box)))
+        return CoordBBox();
+    return box_of_values(tree, main);
+}
+
+/* Whether some side of a box is much longer in another one. */
+bool grows(const sides &from, const sides &to)
+{
+    for (int i = 0; i < 3; i++)
+        if (to.at[i] >= stray_growth_min * from.at[i])
+            return true;
+    return false;
+}
+
+/* Refuse a box that is too large, or whose size will decide a scale and depends on stray voxels. */
+void check_strays(const FloatTree &tree, const request &asked, const CoordBBox &box)
+{
+    const bool is_too_large = !fits(asked, box);
+    if (!is_too_large && !asked.is_fitted)
+        return;
+    const CoordBBox main = box_without_strays(tree, box);
+    const sides all(box), rest(main);
+    if (is_too_large && (main.empty() || !fits(asked, main)))
+        refuse_size(asked, box, smaller);
+    if (is_too_large)
+        refuse_size(asked, box,
+                    "stray voxels make it so large; leave them out with " + key_of(main));
+    if (main.empty() || !grows(rest, all))
+        return;
+    throw bad_file(
+        words("stray voxels decide its size: %.0f x %.0f x %.0f voxels, and %.0f x %.0f x "
+              "%.0f hold more than %g %% of the density\t"
+              "leave them out with %s, count them with %s, or use the scale of the file: "
+              "placement: file, without center_m and a side",
+              all.at[0], all.at[1], all.at[2], rest.at[0], rest.at[1], rest.at[2],
+              100.0 * (1.0 - stray_density_max), key_of(main).c_str(), key_of(box).c_str()));
 }
 
 void check_voxel_count(const entry &chosen, const FloatTree &tree)
@@ -281,8 +577,11 @@ class block_writer
 class exporter
 {
   public:
-    exporter(block_writer &to, const CoordBBox &active) : out(to), box(active)
+    /* `block` is what neph gets; outside of `active` all of it is 0. */
+    exporter(block_writer &to, const CoordBBox &block, const CoordBBox &active)
+        : out(to), corner(block.min()), box(block)
     {
+        box.intersect(active);
     }
 
     void tile(const CoordBBox &where, float value)
@@ -295,14 +594,13 @@ class exporter
         out.put(&block, sizeof(block));
     }
 
-    void leaf(const FloatTree::LeafNodeType &node)
+    void leaf(const leaf_node &node)
     {
         neph_vdb_block block;
         if (!start_block(node.getNodeBoundingBox(), block))
             return;
-        float values[FloatTree::LeafNodeType::SIZE];
+        float values[leaf_node::SIZE];
         size_t count = 0;
-        const Coord corner = box.min();
         for (int k = block.first[2]; k <= block.last[2]; k++)
             for (int j = block.first[1]; j <= block.last[1]; j++)
                 for (int i = block.first[0]; i <= block.last[0]; i++)
@@ -324,20 +622,22 @@ class exporter
             throw bad_file("damaged: nodes of its tree overlap");
         block = {};
         for (int i = 0; i < 3; i++) {
-            block.first[i] = where.min()[i] - box.min()[i];
-            block.last[i] = where.max()[i] - box.min()[i];
+            block.first[i] = where.min()[i] - corner[i];
+            block.last[i] = where.max()[i] - corner[i];
         }
         return true;
     }
 
     block_writer &out;
-    const CoordBBox box;
+    const Coord corner;
+    CoordBBox box;
     uint64_t covered = 0;
 };
 
-void export_voxels(const FloatTree &tree, const CoordBBox &box, block_writer &out)
+void export_voxels(const FloatTree &tree, const CoordBBox &block, const CoordBBox &active,
+                   block_writer &out)
 {
-    exporter to(out, box);
+    exporter to(out, block, active);
     FloatTree::ValueAllCIter tile = tree.cbeginValueAll();
     tile.setMaxDepth(FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
     for (; tile; ++tile)
@@ -346,27 +646,30 @@ void export_voxels(const FloatTree &tree, const CoordBBox &box, block_writer &ou
         to.leaf(*leaf);
 }
 
-neph_vdb_placement placement_of(const entry &chosen, const CoordBBox &box)
+/* The box that neph gets, once the values are read. */
+CoordBBox choose_block(const FloatTree &tree, const request &asked, const CoordBBox &active)
 {
-    neph_vdb_placement placement;
-    get_placement(chosen, placement.origin, placement.spacing);
-    for (int i = 0; i < 3; i++) {
-        placement.origin[i] += placement.spacing[i] * box.min()[i];
-        placement.size[i] = box.dim()[i];
-    }
-    return placement;
+    if (asked.has_index_box)
+        return asked.index_box;
+    CoordBBox box = asked.counts_zeros ? active : box_of_values(tree, active);
+    if (box.empty())
+        box = active;
+    check_strays(tree, asked, box);
+    return box;
 }
 
-void read_volume(const char *voxels, const char *path, uint64_t memory_limit_bytes,
-                 const char *grid_name)
+void read_volume(const char *voxels, const request &asked)
 {
-    archive file(path);
+    archive file(asked.path);
     std::vector<entry> entries = file.contents();
-    entry &chosen = choose(entries, grid_name);
+    entry &chosen = choose(entries, asked.grid_name);
     check_kind(chosen);
     file.read_metadata(chosen);
     check_class(chosen);
-    check_promised_size(chosen, memory_limit_bytes);
+    if (!asked.has_index_box)
+        check_promised_size(chosen, asked);
+    else if (!fits(asked, asked.index_box))
+        refuse_size(asked, asked.index_box, "make index_box smaller");
     file.read_topology(chosen);
 
     const FloatTree &tree = openvdb::gridConstPtrCast<FloatGrid>(chosen.grid)->tree();
@@ -374,18 +677,43 @@ void read_volume(const char *voxels, const char *path, uint64_t memory_limit_byt
         throw bad_file(words("grid '%.60s' has a density of %g everywhere outside its voxels; it "
                              "must be 0",
                              chosen.name().c_str(), static_cast<double>(tree.background())));
-    CoordBBox box;
-    if (!tree.evalActiveVoxelBoundingBox(box))
+    CoordBBox active;
+    if (!tree.evalActiveVoxelBoundingBox(active))
         throw bad_file(words("grid '%.60s' has no active voxel", chosen.name().c_str()));
-    check_size(box, memory_limit_bytes);
     check_voxel_count(chosen, tree);
-    const neph_vdb_placement placement = placement_of(chosen, box);
 
     file.read_voxels(chosen);
+    const CoordBBox block = choose_block(tree, asked, active);
+    const neph_vdb_placement placement = placement_of(chosen, block);
     block_writer out(voxels);
     out.put(&placement, sizeof(placement));
-    export_voxels(tree, box, out);
+    export_voxels(tree, block, active, out);
     out.finish();
+}
+
+/* "i,j,k,i,j,k" */
+CoordBBox parse_box(const char *text)
+{
+    Coord low, high;
+    if (sscanf(text, "%d,%d,%d,%d,%d,%d", &low[0], &low[1], &low[2], &high[0], &high[1],
+               &high[2]) != 6)
+        throw std::runtime_error("an index box is six numbers");
+    return {low, high};
+}
+
+request parse_request(int argc, char **argv)
+{
+    request asked = {};
+    asked.path = argv[3];
+    asked.memory_limit_bytes = strtoull(argv[4], nullptr, 10);
+    asked.side_max = static_cast<int32_t>(strtol(argv[6], nullptr, 10));
+    asked.is_fitted = strcmp(argv[7], "fit") == 0;
+    asked.counts_zeros = strcmp(argv[7], "active") == 0;
+    asked.has_index_box = strcmp(argv[8], "all") != 0;
+    if (asked.has_index_box)
+        asked.index_box = parse_box(argv[8]);
+    asked.grid_name = argc > 9 ? argv[9] : nullptr;
+    return asked;
 }
 
 int run_read(int argc, char **argv)
@@ -404,7 +732,7 @@ int run_read(int argc, char **argv)
         return EX_OSERR;
     }
     try {
-        read_volume(argv[2], argv[3], memory_limit_bytes, argc > 6 ? argv[6] : nullptr);
+        read_volume(argv[2], parse_request(argc, argv));
         return EX_OK;
     } catch (const std::bad_alloc &) {
         fprintf(stderr, "damaged, or its tree needs far more memory than the limit of %.0f MiB\n",
@@ -507,7 +835,7 @@ int run_write(char **argv)
 
 int main(int argc, char **argv)
 {
-    if ((argc == 6 || argc == 7) && strcmp(argv[1], "read") == 0)
+    if ((argc == 9 || argc == 10) && strcmp(argv[1], "read") == 0)
         return run_read(argc, argv);
     if (argc == 5 && strcmp(argv[1], "write") == 0)
         return run_write(argv);

@@ -3,6 +3,13 @@
 
 #include "scenes/scene.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+_Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
+_Static_assert(NEPH_INJECTED_VALUES == 6, "a new kind");
+_Static_assert(NEPH_QUANTITY_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 const char *const neph_scattering_words[] = {
     [NEPH_SCATTERING_NONE] = "none",
     [NEPH_SCATTERING_SINGLE] = "single",

@@ -565,6 +565,8 @@ def build(spec: dict, render_pass: dict):
     kind = render_pass["kind"]
     if kind not in ("radiance", "emission", "transmittance", "depth"):
         raise ValueError("unknown kind of pass")
+    if spec["scattering"] not in ("none", "single", "multiple"):
+        raise ValueError("unknown scattering")
     emits = kind == "emission" or (kind == "radiance" and spec["scattering"] == "multiple")
     scene = bpy.data.scenes.new(pass_name(render_pass))
     units = Units(spec)

@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
+
 /* The textbook's 1 + g^2 - ((1 - g^2) / (1 - g + 2 g u))^2 over 2 g cancels at both ends of g. Its
  * difference to 1, multiplied out, does not, and holds at g = 0 (L. G. Henyey, J. L. Greenstein,
  * ApJ 93, 1941, for the function). */
@@ -28,9 +31,11 @@ static double forward_versine(const struct neph_phase *phase, double u)
     case NEPH_PHASE_RAYLEIGH:
         return fmax(0.0, fmin(2.0, rayleigh_versine(u)));
     case NEPH_PHASE_ISOTROPIC:
+        return 2.0 * (1.0 - u);
+    case NEPH_PHASE_KIND_COUNT:
         break;
     }
-    return 2.0 * (1.0 - u);
+    return NAN;
 }
 
 static bool is_backward(const struct neph_phase *phase)

@@ -7,6 +7,9 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* Optical depths at which a fog layer gets an edge. */
 static const double ladder[NEPH_FLIGHT_LADDER] = {0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.0, 6.0, 12.0};
 

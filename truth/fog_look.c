@@ -4,6 +4,9 @@
 #include "scenes/fog_translation.h"
 #include "scenes/media.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
+
 /* No depth is infinite: times 0 it would be no number. */
 static const double opaque = 1e300;
 

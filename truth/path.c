@@ -17,6 +17,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* A path that can still bring less than this part of its start may be ended (and is worth more when
  * it is not). */
 static const double roulette_below = 0.05;
@@ -109,6 +112,12 @@ static struct neph_rgb sunlight(const struct path *path, double per_sr)
     return neph_rgb_scale(neph_rgb_mul(path_value(path), light), per_sr);
 }
 
+/* A part of an extinction that may be infinite, far down in a fog without ground. */
+static double scaled(double part, double per_m)
+{
+    return part > 0.0 ? part * per_m : 0.0; /* 0 * inf */
+}
+
 /* What media scatter from one direction into another, per metre of the way [1/(m sr)]. */
 static struct neph_rgb scattered_per_m_sr(const struct neph_scene *scene, struct neph_vec3 point_m,
                                           double cosine)
@@ -118,7 +127,9 @@ static struct neph_rgb scattered_per_m_sr(const struct neph_scene *scene, struct
         const struct neph_medium *medium = &scene->media[m];
         const double per_m_sr = neph_medium_extinction_per_m(medium, point_m) *
                                 neph_phase_per_sr(&medium->phase, cosine);
-        add(&sum, neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color), per_m_sr));
+        const struct neph_rgb part = neph_rgb_mul(medium->albedo, medium->extinction_color);
+        add(&sum, (struct neph_rgb){scaled(part.r, per_m_sr), scaled(part.g, per_m_sr),
+                                    scaled(part.b, per_m_sr)});
     }
     return sum;
 }
@@ -128,6 +139,15 @@ static struct neph_rgb transmittance_between(const struct path *path, struct nep
 {
     const struct neph_ray ray = {from_m, direction, length_m};
     return neph_tracker_transmittance(path->tracker, &ray, 0.0, path->random, path->cost);
+}
+
+/* Light times the transmittance of its way, 0 where the way is opaque: a fog without ground grows
+ * denser downwards without bound, and 0 * inf is not a number. */
+static struct neph_rgb attenuated(struct neph_rgb light, struct neph_rgb through)
+{
+    return (struct neph_rgb){through.r > 0.0 ? light.r * through.r : 0.0,
+                             through.g > 0.0 ? light.g * through.g : 0.0,
+                             through.b > 0.0 ? light.b * through.b : 0.0};
 }
 
 /* Light of a light that media scatter into the segment from here to `end_m`. */
@@ -153,7 +173,7 @@ static struct neph_rgb segment_lamplight(const struct path *path, double end_m)
     const struct neph_rgb through = neph_rgb_mul(
         transmittance_between(path, path->at_m, path->direction, place.t_m),
         transmittance_between(path, point_m, place.to_light, place.distance_m));
-    return neph_rgb_mul(path_value(path), neph_rgb_mul(arriving, through));
+    return neph_rgb_mul(path_value(path), attenuated(arriving, through));
 }
 
 /* Light of a light that a surface reflects where the path is. */

@@ -9,6 +9,10 @@
 #include <math.h>
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_REFLECTED_PARTS == 8, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 /* A path whose throughput is below this may be ended (and is worth more when it is not). */
 static const double roulette_below = 0.05;
 

@@ -63,7 +63,7 @@ static enum neph_status check(const struct neph_slab_params *params, struct neph
         if (!(params->view_cosines[i] >= NEPH_SLAB_COSINE_MIN && params->view_cosines[i] <= 1.0))
             return neph_fail(diag, NEPH_ERR_INPUT, "slab: cosine of view %d is %g, not in %g..1", i,
                              params->view_cosines[i], NEPH_SLAB_COSINE_MIN);
-    if (params->view_count > 0 && params->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN &&
+    if (params->view_count > 0 && neph_phase_has_asymmetry(params->phase.kind) &&
         fabs(params->phase.g) > NEPH_SLAB_RADIANCE_G_MAX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "slab: radiances for an asymmetry of %g: above %g only fluxes are exact",
@@ -73,11 +73,17 @@ static enum neph_status check(const struct neph_slab_params *params, struct neph
 
 static double moment(const struct neph_phase *phase, int l)
 {
-    if (phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+    switch (phase->kind) {
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
         return pow(phase->g, l);
-    if (phase->kind == NEPH_PHASE_RAYLEIGH && l == 2)
-        return 0.1;
-    return l == 0 ? 1.0 : 0.0;
+    case NEPH_PHASE_RAYLEIGH:
+        return l == 0 ? 1.0 : l == 2 ? 0.1 : 0.0;
+    case NEPH_PHASE_ISOTROPIC:
+        return l == 0 ? 1.0 : 0.0;
+    case NEPH_PHASE_KIND_COUNT:
+        break;
+    }
+    return NAN;
 }
 
 /* Nodes so that series_rest is reached. */
@@ -85,7 +91,7 @@ static int choose_nodes(const struct neph_slab_params *params)
 {
     if (params->node_count > 0)
         return params->node_count;
-    if (params->phase.kind != NEPH_PHASE_HENYEY_GREENSTEIN || params->phase.g == 0.0)
+    if (!neph_phase_has_asymmetry(params->phase.kind) || params->phase.g == 0.0)
         return 64;
     const double wanted = ceil(0.5 * log(series_rest) / log(fabs(params->phase.g)));
     return (int)fmin(256.0, fmax(64.0, wanted));
@@ -252,6 +258,7 @@ static int mode_max(const struct neph_slab_params *params, int moment_count)
     case NEPH_PHASE_RAYLEIGH:
         return 3;
     case NEPH_PHASE_HENYEY_GREENSTEIN:
+    case NEPH_PHASE_KIND_COUNT:
         break;
     }
     return params->phase.g == 0.0 ? 1 : moment_count;

@@ -5,6 +5,10 @@
 
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_REFLECTED_PARTS == 8, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 static const int samples_max = 1 << 30;
 
 /* In the order of enum neph_reflected_part. */

@@ -27,6 +27,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* Beyond this optical depth less than 1e-19 of the light is left: nothing in double, beside light
  * that has not come as far. */
 static const double opaque_optical_depth = 45.0;

@@ -4,12 +4,14 @@
  */
 #include "harness/cli/cli.h"
 
+#include "base/files.h"
 #include "harness/data.h"
 #include "harness/engines/bakes.h"
 #include "scenes/media.h"
 #include "scenes/volume_file.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 struct request {
     struct neph_cli_shared shared;
@@ -78,19 +80,38 @@ static enum neph_status bake(const struct request *request, const struct neph_sc
     return neph_medium_bake(result->medium, &box, resolution, &result->bake, diag);
 }
 
+/* The entry of a scene file that makes the written file a medium again, in place and as dense. For
+ * free(); NULL: no memory. */
+static char *volume_entry(const char *path, const struct result *result)
+{
+    const struct neph_grid *grid = result->bake.grid;
+    const struct neph_vec3 first_m = grid->origin_m, h = grid->spacing_m;
+    const int *size = grid->size;
+    if (neph_volume_has_transform(path))
+        return neph_format("volume: {file: \"%s\", extinction_per_m: %.15g}", path,
+                           result->bake.extinction_per_m);
+    return neph_format("volume: {file: \"%s\", center_m: [%.15g, %.15g, %.15g], size_m: [%.15g, "
+                       "%.15g, %.15g], extinction_per_m: %.15g}",
+                       path, first_m.x + 0.5 * (size[0] - 1) * h.x,
+                       first_m.y + 0.5 * (size[1] - 1) * h.y, first_m.z + 0.5 * (size[2] - 1) * h.z,
+                       (size[0] + 2) * h.x, (size[1] + 2) * h.y, (size[2] + 2) * h.z,
+                       result->bake.extinction_per_m * (double)grid->maximum);
+}
+
 static json_t *vector_json(struct neph_vec3 v)
 {
     return json_pack("[f,f,f]", v.x, v.y, v.z);
 }
 
-static json_t *result_json(const char *path, const struct result *result)
+static json_t *result_json(const char *path, const char *entry, const struct result *result)
 {
     const struct neph_grid *grid = result->bake.grid;
-    return json_pack("{s:s, s:s, s:[i,i,i], s:o, s:o, s:f, s:f, s:b, s:f, s:i, s:i, s:o}", "file",
-                     path, "kind", neph_medium_facts(result->medium->kind)->name, "size",
-                     grid->size[0], grid->size[1], grid->size[2], "origin_m",
-                     vector_json(grid->origin_m), "spacing_m", vector_json(grid->spacing_m),
-                     "density_maximum", (double)grid->maximum, "extinction_of_density_1_per_m",
+    return json_pack("{s:s, s:s, s:s, s:[i,i,i], s:o, s:o, s:f, s:f, s:b, s:f, s:i, s:i, s:o}",
+                     "file", path, "scene_entry", entry, "kind",
+                     neph_medium_facts(result->medium->kind)->name, "size", grid->size[0],
+                     grid->size[1], grid->size[2], "origin_m", vector_json(grid->origin_m),
+                     "spacing_m", vector_json(grid->spacing_m), "density_maximum",
+                     (double)grid->maximum, "extinction_of_density_1_per_m",
                      result->bake.extinction_per_m, "is_copy", result->bake.is_copy, "cut_error",
                      result->cut_error, "points", result->bake.error.point_count, "chords",
                      result->bake.error.chord_count, "error", neph_bakes_json(&result->bake, 1));
@@ -107,7 +128,7 @@ static void print_error(const struct neph_bake_error *error)
     printf("  transmittance  largest %.3g\n", error->transmittance_max);
 }
 
-static void print_result(const char *path, const struct result *result)
+static void print_result(const char *path, const char *entry, const struct result *result)
 {
     const struct neph_grid *grid = result->bake.grid;
     printf("%s: %s as %d x %d x %d nodes of %.6g x %.6g x %.6g m, the first at (%.6g, %.6g, %.6g) "
@@ -123,6 +144,7 @@ static void print_result(const char *path, const struct result *result)
         print_error(&result->bake.error);
     if (result->cut_error > 0.0)
         printf("  cut to a box, which costs up to %.3g of transmittance\n", result->cut_error);
+    printf("  in a scene file, with an albedo: %s\n", entry);
 }
 
 enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
@@ -142,10 +164,14 @@ enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
         status = bake(&request, scene, &result, diag);
     if (!status)
         status = neph_volume_write(output, result.bake.grid, diag);
+    char *entry = status ? NULL : volume_entry(output, &result);
+    if (!status && !entry)
+        status = neph_fail_memory(diag);
     if (!status && request.shared.json)
-        status = neph_cli_print_json(result_json(output, &result), diag);
+        status = neph_cli_print_json(result_json(output, entry, &result), diag);
     else if (!status)
-        print_result(output, &result);
+        print_result(output, entry, &result);
+    free(entry);
     neph_bake_finish(&result.bake);
     neph_scene_destroy(scene);
     return status;

@@ -62,7 +62,9 @@ static const struct neph_cli_syntax syntax = {
     .check = check_request,
     .doc = "Which nights the others are compared with, and who said so.\v"
            "accept makes a night the baseline of all series, or of SERIES alone, as nightly.json "
-           "names them. Acceptances are added and never changed: the last one counts, and its "
+           "names them. SERIES that the night has lost is accepted as lost: later nights do not "
+           "expect "
+           "it. Acceptances are added and never changed: the last one counts, and its "
            "frames are kept by `neph store gc`.\n\n"
            "Examples:\n"
            "  neph baseline accept --why \"first night, looked at\"\n"

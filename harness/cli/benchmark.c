@@ -20,6 +20,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_RMSE_FOUND_COUNT == 5, "a new kind");
+
 struct request {
     struct neph_cli_shared shared;
     const char *engines, *preset, *chain;

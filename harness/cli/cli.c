@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
+
 static const char scratch_prefix[] = ".neph-scratch-";
 
 enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag)
@@ -43,6 +46,8 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
                           struct neph_diag *diag)
 {
     if (!scratch || (status != NEPH_ERR_ENGINE && status != NEPH_ERR_TIMEOUT)) {
+        if (scratch && status)
+            neph_move_paths(diag, neph_scratch_path(scratch), NULL);
         neph_scratch_destroy(scratch);
         return;
     }

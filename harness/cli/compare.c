@@ -38,9 +38,11 @@ enum neph_status neph_cli_compare(int argc, char **argv, struct neph_diag *diag)
     enum neph_status status = neph_cli_comparison_prepare(&request, false, &comparison, diag);
     comparison.frozen_is_fine = true; /* nothing here speaks of stability */
     if (!status)
-        status = neph_sequence_find(1, &request.shared.operands[0], &comparison.reference, diag);
+        status = neph_sequence_find(1, &request.shared.operands[0], comparison.by_position,
+                                    &comparison.reference, diag);
     if (!status)
-        status = neph_sequence_find(1, &request.shared.operands[1], &comparison.test, diag);
+        status = neph_sequence_find(1, &request.shared.operands[1], comparison.by_position,
+                                    &comparison.test, diag);
     if (!status)
         status = neph_cli_comparison_run(&request, &comparison, diag);
     neph_comparison_finish(&comparison);

@@ -232,7 +232,8 @@ enum neph_status neph_cli_comparison_prepare(const struct neph_cli_comparison *a
     if (!status)
         status = choose_limited(comparison, &asked->below, true, diag);
     if (!status && asked->second)
-        status = neph_sequence_find(1, &asked->second, &comparison->second, diag);
+        status = neph_sequence_find(1, &asked->second, asked->by_position, &comparison->second,
+                                    diag);
     comparison->warm_up_frames = asked->warm_up_frames;
     comparison->mask = wanted_mask(asked);
     if (asked->mask && !is_mask_name(asked->mask))
@@ -318,7 +319,8 @@ static enum neph_status find_versus(const struct neph_cli_comparison *asked,
 {
     if (!asked->versus)
         return NEPH_OK;
-    enum neph_status status = neph_sequence_find(1, &asked->versus, other, diag);
+    enum neph_status status = neph_sequence_find(1, &asked->versus, asked->by_position, other,
+                                                 diag);
     if (!status && other->count != comparison->test.count)
         status = neph_fail(diag, NEPH_ERR_INPUT,
                            "%d frames of the other test, %d of the test: as many are needed",

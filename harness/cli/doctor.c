@@ -5,6 +5,7 @@
 #include "harness/cli/cli.h"
 
 #include "base/child.h"
+#include "base/confine.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/fly/window.h"
@@ -36,6 +37,14 @@ static bool has_windows(const char *library)
     return neph_window_has_library();
 }
 
+/* User engines are confined in a folder like those that they get. */
+static bool has_confinement(const char *name)
+{
+    (void)name;
+    const char *folder = getenv("TMPDIR");
+    return neph_confine_probe(folder && folder[0] ? folder : "/tmp") == NEPH_CONFINE_TO_FOLDER;
+}
+
 static const struct {
     const char *program;
     bool (*is_there)(const char *program);
@@ -48,6 +57,9 @@ static const struct {
     {"chromium", neph_child_program_exists, "the browser test of the report",
      "apt-get install chromium"},
     {"sbatch", neph_child_program_exists, "nights by Slurm", "apt-get install slurm-client"},
+    {"confine", has_confinement, "user engines, which then change files in their folder only",
+     "a Linux kernel of 5.13 or later with Landlock, and user namespaces that users may make; "
+     "docs/command.md says what a user engine can change without"},
     {"SDL 2", has_windows, "neph fly", "apt-get install libsdl2-dev, and build neph again"},
 };
 

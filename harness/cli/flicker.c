@@ -80,9 +80,11 @@ static enum neph_status split(const struct request *request, struct neph_compari
             tests[test_count++] = words[i];
     }
     if (!status)
-        status = neph_sequence_find(reference_count, references, &comparison->reference, diag);
+        status = neph_sequence_find(reference_count, references, comparison->by_position,
+                                    &comparison->reference, diag);
     if (!status)
-        status = neph_sequence_find(test_count, tests, &comparison->test, diag);
+        status = neph_sequence_find(test_count, tests, comparison->by_position, &comparison->test,
+                                    diag);
     free(is_reference);
     free(references);
     free(tests);

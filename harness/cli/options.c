@@ -12,6 +12,9 @@
 #include <string.h>
 #include <sys/types.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CLI_KIND_COUNT == 10, "a new kind");
+
 enum { ROWS_MAX = 48, KEY_FIRST = 0x100 }; /* keys of options without a letter lie above those */
 
 static const struct neph_cli_option shared_options[] = {

@@ -38,6 +38,7 @@ enum neph_cli_kind {
     NEPH_CLI_REAL,    /* double; NaN. Any, when minimum and maximum are 0 */
     NEPH_CLI_SIZE,    /* struct neph_cli_size; 0 x 0 */
     NEPH_CLI_ALIAS,   /* another name of the row above */
+    NEPH_CLI_KIND_COUNT,
 };
 
 struct neph_cli_option {

@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CHOICE_NUMBERS == 6, "a new kind");
+
 struct request {
     struct neph_cli_shared shared; /* operands: a scene; with presets, scenes */
     double error, flicker, ms, half_life, lag, evaluations;

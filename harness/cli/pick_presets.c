@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
+
 static enum neph_status write_text(const char *folder, const char *name, const char *text,
                                    struct neph_diag *diag)
 {

@@ -15,6 +15,7 @@
 #include "harness/progress.h"
 #include "harness/run/chain_times.h"
 #include "harness/run/showing.h"
+#include "metrics/validity.h"
 #include "renderer/post/display.h"
 
 #include <limits.h>
@@ -285,11 +286,52 @@ static enum neph_status run(struct work *work, const struct neph_image *frame, b
 
 static double frame_rate_hz(const struct work *work, const struct neph_image *frame)
 {
-    const char *text = neph_image_attribute(frame, NEPH_FRAME_RATE_ATTRIBUTE);
-    const double said_hz = text ? strtod(text, NULL) : 0.0;
+    const double said_hz = neph_frame_rate_hz(frame);
     if (!isnan(work->request->rate_hz))
         return work->request->rate_hz;
-    return isfinite(said_hz) && said_hz > 0.0 ? said_hz : 30.0;
+    return isnan(said_hz) ? 30.0 : said_hz;
+}
+
+/* The chain is one of linear Rec.709: its tables of colours and its luminance are. */
+static enum neph_status check_radiance(const char *path, const struct neph_image *frame,
+                                       struct neph_diag *diag)
+{
+    const char *space = neph_image_attribute(frame, "colour_space");
+    if (neph_image_attribute(frame, "encoding"))
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
+                         path);
+    if (!space)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in linear Rec.709: it says that it is in %s", path,
+              space);
+    neph_hint(diag, "convert it to linear Rec.709 (lin_rec709_scene); if its values are in it in "
+                    "truth, write it without colorInteropID and oiio:ColorSpace");
+    return NEPH_ERR_INPUT;
+}
+
+/* Channels that mean nothing to us (alpha, identifiers, layers of other programs) stay what they
+ * are, under the names of the file, in a picture of the frame's size. */
+static enum neph_status keep_strangers(const struct neph_image *frame, struct neph_image *picture,
+                                       struct neph_diag *diag)
+{
+    static const char vector[] = "vector.";
+    const bool fits = frame->width_px == picture->width_px &&
+                      frame->height_px == picture->height_px;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < frame->channel_count && fits && !status; i++) {
+        const char *name = frame->channels[i].name;
+        float *samples;
+        if (neph_validity_knows(name))
+            continue;
+        name += strncmp(name, vector, strlen(vector)) == 0 ? strlen(vector) : 0;
+        if (neph_image_channel(picture, name))
+            continue;
+        status = neph_image_add_channel(picture, name, &samples, diag);
+        if (!status)
+            memcpy(samples, frame->channels[i].samples,
+                   neph_image_pixel_count(frame) * sizeof(*samples));
+    }
+    return status;
 }
 
 static enum neph_status make(struct work *work, int index, struct neph_diag *diag)
@@ -298,17 +340,19 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     struct neph_image *frame = NULL, *picture = NULL;
     struct neph_post_stats stats;
     struct neph_chain_times times;
-    enum neph_status status = neph_frame_read(path, work->request->layer, 0, &frame, diag);
+    enum neph_status status = neph_frame_read_as_written(path, work->request->layer, 0, &frame,
+                                                         diag);
     if (status)
         return status;
     work->showing.params.step_s = 1.0 / frame_rate_hz(work, frame);
     status = neph_showing_settle(
         &work->showing, work->frames.numbers ? (int)work->frames.numbers[index] : index, diag);
-    if (!status && neph_image_attribute(frame, "encoding"))
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
-                           path);
+    if (!status)
+        status = check_radiance(path, frame, diag);
     if (!status)
         status = run(work, frame, index == 0, &picture, &stats, &times, diag);
+    if (!status)
+        status = keep_strangers(frame, picture, diag);
     if (!status)
         status = write(work, path, picture, diag);
     if (!status)
@@ -345,7 +389,7 @@ static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
     const struct request *request = work->request;
     enum neph_status status = find_settings(work, diag);
     if (!status)
-        status = neph_sequence_find(request->shared.operand_count, request->shared.operands,
+        status = neph_sequence_find(request->shared.operand_count, request->shared.operands, false,
                                     &work->frames, diag);
     if (!status)
         status = make_all(work, diag);

@@ -15,6 +15,7 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/progress.h"
 #include "harness/report/scene_layers.h"
+#include "harness/report/step_bias.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/configuration.h"
 #include "harness/run/job.h"
@@ -268,23 +269,32 @@ static enum neph_status find_noise(const struct request *request, const struct n
     return status;
 }
 
-/* On stderr, what a picture does not show. */
-static void say(const struct request *request, const struct neph_job *job, double noise,
-                double step_depth)
+/* What a picture does not show; each NaN where it is not known. */
+struct unseen {
+    double noise, step_depth, step_bias;
+};
+
+static void warn(const struct neph_job *job, char *warning)
 {
-    char *warning = neph_step_depth_warning(step_depth, job->engine);
     if (warning)
         fprintf(stderr, "neph render: warning: frame %d: %s\n", job->shot.frame, warning);
     free(warning);
-    if (isfinite(noise) && !request->shared.quiet)
+}
+
+static void say(const struct request *request, const struct neph_job *job,
+                const struct unseen *unseen)
+{
+    warn(job, neph_step_depth_warning(unseen->step_depth, job->engine));
+    warn(job, neph_step_bias_warning(unseen->step_bias, job->engine));
+    if (isfinite(unseen->noise) && !request->shared.quiet)
         fprintf(stderr, "frame %d: noise %.2g %% of the rms radiance, seed %llu\n", job->shot.frame,
-                100.0 * noise, (unsigned long long)job->shot.seed);
+                100.0 * unseen->noise, (unsigned long long)job->shot.seed);
 }
 
 /* The picture of a frame beside it, and the line of both in the results. */
 static enum neph_status show_and_note(struct run *run, const struct neph_image *frame,
-                                      const char *path, const struct neph_cost *cost, double noise,
-                                      double step_depth, struct neph_diag *diag)
+                                      const char *path, const struct neph_cost *cost,
+                                      const struct unseen *unseen, struct neph_diag *diag)
 {
     const struct neph_shot *shot = &run->job->shot;
     char *name = neph_scene_name_of(path), *shown = NULL;
@@ -296,12 +306,14 @@ static enum neph_status show_and_note(struct run *run, const struct neph_image *
     if (!status)
         status = neph_json_append(
             run->results,
-            json_pack("{s:s, s:s?, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o, s:I, s:o, s:o}", "exr",
-                      path, "shown", shown, "frame", shot->frame, "size_px", frame->width_px,
+            json_pack("{s:s, s:s?, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o, s:I, s:o, s:o, s:o}",
+                      "exr", path, "shown", shown, "frame", shot->frame, "size_px", frame->width_px,
                       frame->height_px, "render_s", cost->render_s, "wall_s", cost->wall_s, "cpu_s",
                       cost->cpu_s, "peak_memory_bytes", (json_int_t)cost->peak_memory_bytes,
                       "stats", json_incref(stats), "seed", (json_int_t)shot->seed, "noise",
-                      real_or_null(noise), "step_optical_depth", real_or_null(step_depth)),
+                      real_or_null(unseen->noise), "step_optical_depth",
+                      real_or_null(unseen->step_depth), "step_bias",
+                      real_or_null(unseen->step_bias)),
             diag);
     if (!status && !run->request->shared.json)
         printf("%s\n%s%s", path, shown ? shown : "", shown ? "\n" : "");
@@ -327,18 +339,19 @@ static enum neph_status render_one(struct run *run, const char *depth, struct ne
         job->shot.scratch_directory = neph_scratch_path(scratch);
         status = neph_job_render(job, &frame, &cost, diag);
     }
-    double noise = NAN;
+    struct unseen unseen = {NAN, NAN, NAN};
     if (!status)
-        status = find_noise(request, job, frame, &noise, diag);
+        status = find_noise(request, job, frame, &unseen.noise, diag);
     if (!status && request->scene_layers)
         status = neph_scene_layers_add(job->shot.scene, job->shot.frame, frame, diag);
     if (!status)
         status = neph_exr_write(path, frame, diag);
-    const double step_depth = status ? NAN : neph_step_depth(&job->shot, job->engine);
-    if (!status)
-        say(request, job, noise, step_depth);
-    if (!status)
-        status = show_and_note(run, frame, path, &cost, noise, step_depth, diag);
+    if (!status) {
+        unseen.step_depth = neph_step_depth(&job->shot, job->engine);
+        unseen.step_bias = neph_step_bias(&job->shot, job->engine, frame);
+        say(request, job, &unseen);
+        status = show_and_note(run, frame, path, &cost, &unseen, diag);
+    }
     neph_cli_end_scratch(scratch, status, diag);
     job->shot.scratch_directory = NULL;
     neph_image_destroy(frame);
@@ -358,7 +371,7 @@ static enum neph_status find_depths(const struct request *request, int frame_cou
 {
     if (!request->depth)
         return NEPH_OK;
-    const enum neph_status status = neph_sequence_find(1, &request->depth, depths, diag);
+    const enum neph_status status = neph_sequence_find(1, &request->depth, false, depths, diag);
     if (!status && depths->count != 1 && depths->count != frame_count)
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--depth gives %d files and --frames asks for %d; give one file for all "

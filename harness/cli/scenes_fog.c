@@ -8,6 +8,10 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 enum { CELL_SIZE = 80 };
 
 /* ---- what physics has and a look has not ----------------------------------------------------- */

@@ -20,7 +20,9 @@ struct request {
 
 static const struct neph_cli_option options[] = {
     {.name = "output", .help = "Folder of the store, as of the other verbs", .otherwise = "out"},
-    {"repair", 0, NULL, "check: remove frames that are damaged; a run that wants them renders anew",
+    {"repair", 0, NULL,
+     "check: remove damaged frames, which the next run renders anew; write torn acceptances anew "
+     "from their copies; make a damaged database again",
      NEPH_CLI_FLAG, .at = offsetof(struct request, repairs)},
     {"limit", 0, "SIZE", "gc: what all frames may take, such as 500M, 20G", NEPH_CLI_WORD,
      .at = offsetof(struct request, limit)},
@@ -58,7 +60,8 @@ static const struct neph_cli_syntax syntax = {
     .check = check_request,
     .doc = "Keep the store of a folder: is it whole, room in it, and what it knows as JSON.\v"
            "check reads every frame and holds it against its record, and the database against the "
-           "frames and the finished nights; exit code 1 when anything is damaged. A database that "
+           "frames, the finished nights and the acceptances; exit code 1 when anything is damaged. "
+           "A database that "
            "cannot even be opened is set aside and made again of the files beside it, whichever "
            "verb opens the store.\n\n"
            "gc removes frames, the longest unused first, until the rest fits into --limit. What an "
@@ -83,9 +86,10 @@ static void tell_fault(const struct neph_store_fault *fault, void *context)
     else
         printf("%s  %s%s%s\n", fault->key[0] ? fault->key : "database", fault->why,
                fault->of_baseline ? "; an accepted night has used it" : "",
-               !fault->removed ? ""
-               : fault->key[0] ? "; removed"
-                               : "; made again");
+               !fault->removed      ? ""
+               : fault->is_document ? "; written anew"
+               : fault->key[0]      ? "; removed"
+                                    : "; made again");
 }
 
 static enum neph_status run_check(const struct request *request, struct neph_store *store,
@@ -112,7 +116,8 @@ static enum neph_status run_check(const struct request *request, struct neph_sto
     neph_fail(diag, NEPH_ERR_GATE, "damaged: %lld; the lines above name them", (long long)sums.bad);
     if (!request->repairs)
         neph_hint(diag, "--repair removes damaged frames, which the next run that wants them "
-                        "renders anew, and makes a damaged database again");
+                        "renders anew, writes torn acceptances anew, and makes a damaged database "
+                        "again");
     return NEPH_ERR_GATE;
 }
 

@@ -14,6 +14,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STUDY_VERDICT_COUNT == 3, "a new kind");
+
 struct request {
     struct neph_cli_shared shared; /* operands: the engine and the scene */
     bool renew;                    /* at most the scene */

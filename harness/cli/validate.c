@@ -193,8 +193,8 @@ static enum neph_status run_physics(const struct request *request, int time_limi
     validation->title = "Nephelometer physics suite";
     validation->physics = physics;
     validation->verdict = physics->passes ? NEPH_VERDICT_PASS : NEPH_VERDICT_FAIL;
-    validation->counts = (struct neph_counts){physics->expected, physics->row_count,
-                                              physics->tests};
+    validation->counts = (struct neph_counts){
+        .expected = physics->expected, .reported = physics->row_count, .compared = physics->tests};
     validation->seconds = physics->seconds;
     return NEPH_OK;
 }
@@ -284,6 +284,12 @@ static enum neph_status tell(const struct request *request,
     FILE *out = request->shared.json ? stderr : stdout;
     fprintf(out, "%s: %d of %d in the report, %d compared with the truth\n",
             physics ? "rows" : "frames", counts->reported, counts->expected, counts->compared);
+    if (counts->ungated > 0)
+        fprintf(
+            out,
+            "gates: of %d no gate limits the radiance: its mean is to be within a factor of two "
+            "of the truth's\n",
+            counts->ungated);
     fprintf(out, "verdict: %s\nreport: %s/index.html\n", neph_verdict_name(validation->verdict),
             report_folder);
     if (status || validation->verdict == NEPH_VERDICT_PASS)

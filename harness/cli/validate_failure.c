@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILURE_PICTURES_COUNT == 4, "a new kind");
+
 enum neph_failure_pictures neph_cli_failure_pictures(const char *word)
 {
     static const char *const words[NEPH_FAILURE_PICTURES_COUNT] = {

@@ -134,7 +134,8 @@ static enum neph_status find_sets(const struct request *request, struct neph_vie
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && !status; i++) {
         view->sets[i].label = label_of(words, count, i);
-        status = neph_sequence_find(1, &words[i], &view->sets[i].frames, diag);
+        status = neph_sequence_find(1, &words[i], request->by_position, &view->sets[i].frames,
+                                    diag);
         view->set_count += !status;
     }
     return status;

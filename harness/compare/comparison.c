@@ -6,6 +6,7 @@
 #include "base/interrupt.h"
 #include "base/png.h"
 #include "harness/compare/frame.h"
+#include "harness/compare/frame_labels.h"
 #include "harness/compare/map_names.h"
 #include "harness/progress.h"
 #include "metrics/display.h"
@@ -34,6 +35,7 @@ struct work {
     bool has_masks_of_another; /* of this pass */
     struct neph_meter *meter;  /* owned */
     struct neph_frozen frozen;
+    struct neph_frame_form forms[3];       /* of reference, second reference and test; owned */
     bool has_overlooked[OVERLOOKED_COUNT]; /* any frame so far */
     char strangers[400];                   /* names of channels that mean nothing here */
     char declared_cycles[512];             /* by the first test frame; else empty */
@@ -177,39 +179,11 @@ static enum neph_status read_frames(struct pass *pass, struct work *work, int in
     return status;
 }
 
-/* Pixels alone do not say where in the picture a crop belongs, nor how wide they are. */
-static enum neph_status check_places(const struct neph_image *reference,
-                                     const struct neph_image *other, struct neph_diag *diag)
-{
-    static const struct {
-        const char *attribute, *what, *usual, *hint;
-    } places[] = {
-        {"crop", "the data window", "the whole picture",
-         "write data windows that are equal to the display window"},
-        {"pixel_aspect", "the pixel aspect ratio", "1", "render both with the same pixels"},
-    };
-    for (size_t i = 0; other && i < sizeof(places) / sizeof(places[0]); i++) {
-        const char *first = neph_image_attribute(reference, places[i].attribute);
-        const char *second = neph_image_attribute(other, places[i].attribute);
-        first = first ? first : places[i].usual;
-        second = second ? second : places[i].usual;
-        if (strcmp(first, second) == 0)
-            continue;
-        neph_fail(diag, NEPH_ERR_INPUT,
-                  "the images are not of the same place: %s of the reference is %s, that of the "
-                  "other image %s",
-                  places[i].what, first, second);
-        neph_hint(diag, "%s", places[i].hint);
-        return NEPH_ERR_INPUT;
-    }
-    return NEPH_OK;
-}
-
 static enum neph_status check_kinds(const struct work *work, struct neph_diag *diag)
 {
-    enum neph_status status = check_places(work->reference, work->test, diag);
+    enum neph_status status = neph_frame_check_pair(work->reference, work->test, diag);
     if (!status)
-        status = check_places(work->reference, work->second, diag);
+        status = neph_frame_check_pair(work->reference, work->second, diag);
     if (status)
         return status;
     if (work->second && is_picture(work->second) != is_picture(work->reference))
@@ -279,12 +253,35 @@ static void drop_unwanted_masks(struct work *work)
     work->mask_count = kept;
 }
 
-static enum neph_status unite_masks_of(struct work *work, const char *path, struct neph_diag *diag)
+/* Which of many frames it is that does not fit. */
+static enum neph_status name_file(enum neph_status status, const char *path, struct neph_diag *diag)
+{
+    if (status == NEPH_ERR_INPUT)
+        neph_prefix(diag, "'%s': ", path);
+    return status;
+}
+
+/* A sequence is one in all of its frames. */
+static enum neph_status check_form(struct neph_frame_form *form,
+                                   const struct neph_sequence *sequence, int index,
+                                   const struct neph_image *image, struct neph_diag *diag)
+{
+    return sequence->count > 1
+               ? neph_frame_form_check(form, sequence->paths[index], image, true, diag)
+               : NEPH_OK;
+}
+
+static enum neph_status unite_masks_of(struct work *work, int index, struct neph_diag *diag)
 {
     struct neph_image *frame = NULL;
+    const struct neph_sequence *reference = &work->asked->reference;
+    const char *path = reference->paths[index];
     enum neph_status status = neph_frame_read(path, work->asked->layer, SIZE_MAX, &frame, diag);
     if (!status)
-        status = neph_masks_unite(frame, work->masks, work->mask_count, diag);
+        status = check_form(&work->forms[0], reference, index, frame, diag);
+    if (!status)
+        status = name_file(neph_masks_unite(frame, work->masks, work->mask_count, diag), path,
+                           diag);
     neph_image_destroy(frame);
     return status;
 }
@@ -298,7 +295,7 @@ static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     for (int i = 1; i < work->frame_count && !status; i++) {
         if (strcmp(paths[i], paths[i - 1]) != 0) /* of a file twice, the masks are the same */
-            status = unite_masks_of(work, paths[i], diag);
+            status = unite_masks_of(work, asked->warm_up_frames + i, diag);
         if (!status && neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
     }
@@ -493,12 +490,14 @@ static enum neph_status give_maps(struct work *work, int frame, struct neph_diag
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* As fast as the frames were meant to be shown, when they say so and nobody wants otherwise. */
+/* As fast as the frames were meant to be shown, where the test says it, or else the reference, and
+ * nothing else was asked for. */
 static void take_frame_rate(struct work *work)
 {
-    const char *text = neph_image_attribute(work->test, NEPH_FRAME_RATE_ATTRIBUTE);
-    const double rate_hz = text ? strtod(text, NULL) : 0.0;
-    if (work->asked->own_frame_rate && isfinite(rate_hz) && rate_hz > 0.0)
+    double rate_hz = neph_frame_rate_hz(work->test);
+    if (isnan(rate_hz))
+        rate_hz = neph_frame_rate_hz(work->reference);
+    if (work->asked->own_frame_rate && !isnan(rate_hz))
         work->viewing.frame_rate_hz = rate_hz;
 }
 
@@ -570,14 +569,16 @@ static void note_strangers(struct work *work, const struct neph_image *image)
                  count - SHOWN_MAX);
 }
 
-/* Which of many frames it is that does not fit. */
-static enum neph_status name_file(enum neph_status status, const char *path, struct neph_diag *diag)
+static enum neph_status check_forms(struct work *work, int index, struct neph_diag *diag)
 {
-    if (status != NEPH_ERR_INPUT || !diag)
-        return status;
-    char what[sizeof(diag->message)];
-    memcpy(what, diag->message, sizeof(what));
-    return neph_fail(diag, status, "'%s': %s", path, what);
+    const struct neph_comparison *asked = work->asked;
+    enum neph_status status = check_form(&work->forms[0], &asked->reference, index, work->reference,
+                                         diag);
+    if (!status)
+        status = check_form(&work->forms[1], &asked->second, index, work->second, diag);
+    if (!status)
+        status = check_form(&work->forms[2], &asked->test, index, work->test, diag);
+    return status;
 }
 
 static enum neph_status begin_work(const struct pass *pass, struct work *work,
@@ -605,6 +606,8 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
     const int index = work->asked->warm_up_frames + frame;
     const char *path = work->asked->test.paths[index];
     enum neph_status status = read_frames(pass, work, index, diag);
+    if (!status)
+        status = check_forms(work, index, diag);
     if (!status)
         status = name_file(check_kinds(work, diag), path, diag);
     if (!status && frame == 0)
@@ -776,6 +779,8 @@ static enum neph_status prepare(const struct neph_comparison *asked, struct work
 static void finish_work(struct work *work)
 {
     neph_meter_destroy(work->meter);
+    for (int i = 0; i < 3; i++)
+        neph_frame_form_finish(&work->forms[i]);
     if (!work->has_masks_of_another)
         neph_masks_destroy(work->masks, work->mask_count);
 }

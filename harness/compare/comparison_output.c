@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+
 static bool is_bounded(enum neph_interval_kind interval)
 {
     return interval != NEPH_INTERVAL_NONE && interval != NEPH_INTERVAL_DETERMINISTIC;

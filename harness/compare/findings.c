@@ -13,6 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+_Static_assert(NEPH_FLICKER_KIND_COUNT == 3, "a new kind");
+
 /* The one who tells: from which numbers, of what at the moment, and where to. */
 struct teller {
     const struct neph_measurements *numbers;

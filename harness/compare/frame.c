@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -50,12 +51,17 @@ static enum neph_status check(const char *path, const struct neph_image *image,
 {
     struct neph_validity validity = {0};
     enum neph_status status = neph_validity_count(image, &validity, diag);
+    for (int i = 0; i < validity.channel_count; i++) { /* of strangers no value is looked at */
+        struct neph_validity_channel *channel = &validity.channels[i];
+        if (neph_validity_knows(channel->name))
+            continue;
+        validity.non_finite_count -= channel->non_finite_count;
+        channel->non_finite_count = 0;
+    }
     if (!status)
         status = neph_validity_gate(&validity, negative_allowed, diag);
-    if (status == NEPH_ERR_GATE && diag) {
-        char what[sizeof(diag->message)];
-        memcpy(what, diag->message, sizeof(what));
-        neph_fail(diag, status, "'%s': %s", path, what);
+    if (status == NEPH_ERR_GATE) {
+        neph_prefix(diag, "'%s': ", path);
         neph_hint(diag, validity.non_finite_count > 0
                             ? "such a frame is no measurement"
                             : "if a filter with negative lobes made them, say --negative-ok");
@@ -163,13 +169,24 @@ static enum neph_status set_vector_aside(const char *path, struct neph_image *im
     return NEPH_OK;
 }
 
-/* Blender's sky lies at 1e10; no scene is measured in units of which so many are near. */
+/* Depths that renderers write where a ray meets nothing, for there is no such thing as a surface at
+ * just these: 0 (Mitsuba's aov integrator; nothing visible is at the eye), the largest half and the
+ * largest 16-bit integer, to which larger ones were clamped, and 1e9. Blender's sky lies at 1e10;
+ * no scene is measured in units of which so many are near. A NaN stays. */
+static bool is_sky(float depth)
+{
+    static const float skies[] = {0.0f, 65504.0f, 65535.0f, 1e9f}, far = 1e10f;
+    bool found = depth >= far;
+    for (size_t i = 0; i < sizeof(skies) / sizeof(skies[0]); i++)
+        found |= depth == skies[i];
+    return found;
+}
+
 static void mark_sky(struct neph_image *image)
 {
-    static const float far = 1e10f;
     float *depth = neph_image_channel(image, "Z");
     for (size_t i = 0; depth && i < neph_image_pixel_count(image); i++)
-        depth[i] = depth[i] >= far ? INFINITY : depth[i]; /* a NaN stays */
+        depth[i] = is_sky(depth[i]) ? INFINITY : depth[i];
 }
 
 /* Frames of ours that a display has the last word on. */
@@ -179,8 +196,21 @@ static enum neph_status mark_picture(struct neph_image *image, struct neph_diag 
     return display ? neph_image_set_attribute(image, "encoding", diag, "%s", display) : NEPH_OK;
 }
 
-enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
-                                 struct neph_image **image, struct neph_diag *diag)
+double neph_frame_rate_hz(const struct neph_image *image)
+{
+    static const char *const names[] = {NEPH_FRAME_RATE_ATTRIBUTE, "frames_per_second"};
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+        const char *text = neph_image_attribute(image, names[i]);
+        const double rate_hz = text ? strtod(text, NULL) : 0.0;
+        if (isfinite(rate_hz) && rate_hz > 0.0)
+            return rate_hz;
+    }
+    return NAN;
+}
+
+enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
+                                            size_t negative_allowed, struct neph_image **image,
+                                            struct neph_diag *diag)
 {
     const struct format *format = NULL;
     struct neph_image *frame = NULL;
@@ -196,10 +226,6 @@ enum neph_status neph_frame_read(const char *path, const char *layer, size_t neg
     if (!status)
         status = make_grey_rgb(frame, diag);
     if (!status)
-        drop_strangers(frame);
-    if (!status)
-        mark_sky(frame);
-    if (!status)
         status = mark_picture(frame, diag);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
@@ -207,5 +233,17 @@ enum neph_status neph_frame_read(const char *path, const char *layer, size_t neg
         neph_image_destroy(frame);
     else
         *image = frame;
+    return status;
+}
+
+enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
+                                 struct neph_image **image, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_frame_read_as_written(path, layer, negative_allowed, image,
+                                                               diag);
+    if (!status) {
+        drop_strangers(*image);
+        mark_sky(*image);
+    }
     return status;
 }

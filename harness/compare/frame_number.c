@@ -7,13 +7,19 @@
 
 /* ---- names ----------------------------------------------------------------------------------- */
 
-/* A run of digits in a path, before the extension, in a folder's name too: path[head, tail). Paths
- * are cut anew whenever they are compared: it is cheap, and nothing has to be kept beside them. */
+/* A run of digits in a path, before the extension, in a folder's name too: path[head, tail). A
+ * minus before it is path[head]. Paths are cut anew whenever they are compared: it is cheap, and
+ * nothing has to be kept beside them. */
 struct run {
-    size_t head, tail;
+    size_t head, digits, tail;
 };
 
-enum { DIGITS_MAX = 18 }; /* more do not fit a long long, and are no frame number */
+enum {
+    DIGITS_MAX = 18, /* more do not fit a long long, and are no frame number */
+    WORDS_MAX = 64   /* bits of neph_frame_reading.ids */
+};
+
+static const struct neph_frame_reading plain = {.ids = 0};
 
 size_t neph_frame_name_start(const char *path)
 {
@@ -31,15 +37,86 @@ size_t neph_frame_extension_start(const char *path)
     return is_extension ? (size_t)(dot - path) : strlen(path);
 }
 
+static bool is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static bool is_of_word(char c)
+{
+    return is_letter(c) || is_digit(c);
+}
+
+/* Whether the character before path[digits] is the minus of the number that starts there. */
+static bool has_minus(const char *path, size_t digits, const struct neph_frame_reading *reading)
+{
+    if (digits == 0 || path[digits - 1] != '-')
+        return false;
+    if (digits == 1)
+        return true;
+    const char before = path[digits - 2];
+    return strchr("._-/ ", before) || (reading->hyphen_is_minus && is_letter(before));
+}
+
+/* ---- identifiers ----------------------------------------------------------------------------- */
+
+/* A word of letters and digits: path[head, tail). */
+struct word {
+    size_t head, tail;
+};
+
+/* The word of that index, counted from the left; false when there are not as many. */
+static bool find_word(const char *path, int index, struct word *word)
+{
+    const size_t end = neph_frame_extension_start(path);
+    size_t at = 0;
+    for (int i = 0; i <= index; i++) {
+        while (at < end && !is_of_word(path[at]))
+            at++;
+        word->head = at;
+        while (at < end && is_of_word(path[at]))
+            at++;
+        word->tail = at;
+        if (word->head == word->tail)
+            return false;
+    }
+    return true;
+}
+
+/* Where the identifier ends that starts at path[at]; `at` when none does. */
+static size_t id_end(const char *path, size_t at, const struct neph_frame_reading *reading)
+{
+    struct word word;
+    if (!reading->ids || (at > 0 && is_of_word(path[at - 1])))
+        return at;
+    for (int i = 0; i < WORDS_MAX && find_word(path, i, &word) && word.head <= at; i++)
+        if (word.head == at && (reading->ids >> i & 1))
+            return word.tail;
+    return at;
+}
+
+/* ---- runs ------------------------------------------------------------------------------------ */
+
 /* The first run from path[from] on; false when there is none before path[end]. */
-static bool next_run(const char *path, size_t from, size_t end, struct run *run)
+static bool next_run(const char *path, size_t from, size_t end,
+                     const struct neph_frame_reading *reading, struct run *run)
 {
     while (from < end) {
+        const size_t behind = id_end(path, from, reading);
+        if (behind > from) {
+            from = behind;
+            continue;
+        }
         size_t tail = from;
-        while (tail < end && isdigit((unsigned char)path[tail]))
+        while (tail < end && is_digit(path[tail]))
             tail++;
         if (tail > from && tail - from <= DIGITS_MAX) {
-            *run = (struct run){from, tail};
+            *run = (struct run){from - has_minus(path, from, reading), from, tail};
             return true;
         }
         from = tail > from ? tail : from + 1;
@@ -48,32 +125,37 @@ static bool next_run(const char *path, size_t from, size_t end, struct run *run)
 }
 
 /* The run of that index, counted from the left; false when there are not as many. */
-static bool find_run(const char *path, int index, struct run *run)
+static bool find_run(const char *path, int index, const struct neph_frame_reading *reading,
+                     struct run *run)
 {
     const size_t end = neph_frame_extension_start(path);
     size_t from = 0;
     for (int i = 0; i <= index; i++) {
-        if (!next_run(path, from, end, run))
+        if (!next_run(path, from, end, reading, run))
             return false;
         from = run->tail;
     }
     return index >= 0;
 }
 
-int neph_frame_run_count(const char *path)
+static int count_runs(const char *path, const struct neph_frame_reading *reading)
 {
     int count = 0;
     struct run run;
-    while (find_run(path, count, &run))
+    while (find_run(path, count, reading, &run))
         count++;
     return count;
 }
 
-/* -1: there is no such run. */
-long long neph_frame_number_at(const char *path, int index)
+int neph_frame_run_count(const char *path)
+{
+    return count_runs(path, &plain);
+}
+
+static long long number_at(const char *path, int index, const struct neph_frame_reading *reading)
 {
     struct run run;
-    return find_run(path, index, &run) ? strtoll(path + run.head, NULL, 10) : -1;
+    return find_run(path, index, reading, &run) ? strtoll(path + run.head, NULL, 10) : 0;
 }
 
 static int compare_text(const char *a, size_t a_length, const char *b, size_t b_length)
@@ -82,17 +164,47 @@ static int compare_text(const char *a, size_t a_length, const char *b, size_t b_
     return order != 0 ? order : (a_length > b_length) - (a_length < b_length);
 }
 
+/* The text of a path between its runs, identifiers left out, piece by piece. */
+struct piece {
+    size_t head, tail;
+};
+
+static struct piece next_piece(const char *path, size_t from, size_t end,
+                               const struct neph_frame_reading *reading)
+{
+    size_t tail = from;
+    while (tail < end && id_end(path, tail, reading) == tail)
+        tail++;
+    return (struct piece){from, tail};
+}
+
+/* The order of the texts a[a_from, a_end) and b[b_from, b_end), identifiers left out. */
+static int compare_between(const char *a, size_t a_from, size_t a_end, const char *b, size_t b_from,
+                           size_t b_end, const struct neph_frame_reading *reading)
+{
+    for (;;) {
+        const struct piece of_a = next_piece(a, a_from, a_end, reading),
+                           of_b = next_piece(b, b_from, b_end, reading);
+        const int order = compare_text(a + of_a.head, of_a.tail - of_a.head, b + of_b.head,
+                                       of_b.tail - of_b.head);
+        const bool a_ends = of_a.tail == a_end, b_ends = of_b.tail == b_end;
+        if (order != 0 || a_ends || b_ends)
+            return order != 0 ? order : (int)b_ends - (int)a_ends;
+        a_from = id_end(a, of_a.tail, reading);
+        b_from = id_end(b, of_b.tail, reading);
+    }
+}
+
 /* 0: the same path but for the values of its runs. */
-int neph_frame_compare_shapes(const char *a, const char *b)
+static int compare_shapes(const char *a, const char *b, const struct neph_frame_reading *reading)
 {
     const size_t a_end = neph_frame_extension_start(a), b_end = neph_frame_extension_start(b);
     size_t a_from = 0, b_from = 0;
     for (;;) {
-        struct run of_a = {strlen(a), strlen(a)}, of_b = {strlen(b), strlen(b)};
-        const bool a_has = next_run(a, a_from, a_end, &of_a);
-        const bool b_has = next_run(b, b_from, b_end, &of_b);
-        const int order = compare_text(a + a_from, of_a.head - a_from, b + b_from,
-                                       of_b.head - b_from);
+        struct run of_a = {.head = strlen(a)}, of_b = {.head = strlen(b)};
+        const bool a_has = next_run(a, a_from, a_end, reading, &of_a);
+        const bool b_has = next_run(b, b_from, b_end, reading, &of_b);
+        const int order = compare_between(a, a_from, of_a.head, b, b_from, of_b.head, reading);
         if (order != 0 || !a_has || !b_has)
             return order != 0 ? order : (int)a_has - (int)b_has;
         a_from = of_a.tail;
@@ -100,13 +212,24 @@ int neph_frame_compare_shapes(const char *a, const char *b)
     }
 }
 
+int neph_frame_compare_shapes(const char *a, const char *b)
+{
+    return compare_shapes(a, b, &plain);
+}
+
 /* Whether paths of one shape have different digits there. */
-bool neph_frame_differs_at(const char *a, const char *b, int index)
+static bool differs_at(const char *a, const char *b, int index,
+                       const struct neph_frame_reading *reading)
 {
     struct run of_a, of_b;
-    return find_run(a, index, &of_a) && find_run(b, index, &of_b) &&
+    return find_run(a, index, reading, &of_a) && find_run(b, index, reading, &of_b) &&
            compare_text(a + of_a.head, of_a.tail - of_a.head, b + of_b.head,
                         of_b.tail - of_b.head) != 0;
+}
+
+bool neph_frame_differs_at(const char *a, const char *b, int index)
+{
+    return differs_at(a, b, index, &plain);
 }
 
 bool neph_frame_equal_but_for(const char *a, const char *b, int index)
@@ -119,50 +242,171 @@ bool neph_frame_equal_but_for(const char *a, const char *b, int index)
     return true;
 }
 
-/* ---- series ---------------------------------------------------------------------------------- */
+/* ---- how a series is read -------------------------------------------------------------------- */
 
-/* `index` points at that of a run. */
-static int compare_numbers(const void *a, const void *b, void *index)
-{
-    const char *first = *(char *const *)a, *second = *(char *const *)b;
-    const long long x = neph_frame_number_at(first, *(int *)index),
-                    y = neph_frame_number_at(second, *(int *)index);
-    return x != y ? (x > y) - (x < y) : strcmp(first, second);
-}
-
-static void sort_by_number(char **paths, int count, int index)
-{
-    qsort_r(paths, (size_t)count, sizeof(*paths), compare_numbers, &index);
-}
-
-static bool changes_at(char *const *paths, int count, int index)
+static bool have_one_shape(char *const *paths, int count, const struct neph_frame_reading *reading)
 {
     for (int i = 1; i < count; i++)
-        if (neph_frame_differs_at(paths[0], paths[i], index))
-            return true;
-    return false;
-}
-
-/* Sorts them by it. */
-static bool counts_up_at(char **paths, int count, int index)
-{
-    sort_by_number(paths, count, index);
-    for (int i = 1; i < count; i++)
-        if (neph_frame_number_at(paths[i], index) != neph_frame_number_at(paths[i - 1], index) + 1)
+        if (compare_shapes(paths[0], paths[i], reading) != 0)
             return false;
     return true;
 }
 
-static enum neph_status fail_ambiguous(char *const *paths, int count, int one, int other,
+static bool is_mixed(const char *path, const struct word *word)
+{
+    bool has_letter = false, has_digit = false;
+    for (size_t i = word->head; i < word->tail; i++) {
+        has_letter |= is_letter(path[i]);
+        has_digit |= is_digit(path[i]);
+    }
+    return has_letter && has_digit;
+}
+
+static bool is_hex(const char *path, const struct word *word)
+{
+    return strspn(path + word->head, "0123456789abcdefABCDEF") >= word->tail - word->head;
+}
+
+/* Whether two words are the same but for digits. */
+static bool are_alike(const char *a, struct word of_a, const char *b, struct word of_b)
+{
+    size_t i = of_a.head, k = of_b.head;
+    while (i < of_a.tail && k < of_b.tail) {
+        if (is_digit(a[i]) != is_digit(b[k]) || (is_letter(a[i]) && a[i] != b[k]))
+            return false;
+        const bool in_run = is_digit(a[i]);
+        do
+            i++;
+        while (in_run && i < of_a.tail && is_digit(a[i]));
+        do
+            k++;
+        while (in_run && k < of_b.tail && is_digit(b[k]));
+    }
+    return i == of_a.tail && k == of_b.tail;
+}
+
+/* What the words at one place of all names are. */
+enum place {
+    PLACE_MISSING, /* some names have fewer words */
+    PLACE_ALIKE,   /* the same but for digits */
+    PLACE_NAMES,   /* letters differ, and few have digits */
+    PLACE_MAYBE_IDS,
+    PLACE_IDS, /* of one length or hexadecimal, which do not start alike */
+};
+
+static enum place look_at_place(char *const *paths, int count, int index)
+{
+    enum { ID_LENGTH_MIN = 4 };
+    struct word first, word;
+    size_t shortest = SIZE_MAX;
+    int mixed = 0, found = 0;
+    bool alike = true, same_length = true, same_start = true, are_hex = true;
+    if (!find_word(paths[0], index, &first))
+        first = (struct word){0, 0};
+    for (int i = 0; i < count; i++) {
+        if (!find_word(paths[i], index, &word))
+            continue;
+        found++;
+        alike &= are_alike(paths[0], first, paths[i], word);
+        const size_t length = word.tail - word.head;
+        shortest = length < shortest ? length : shortest;
+        same_length &= length == first.tail - first.head;
+        same_start &= paths[i][word.head] == paths[0][first.head];
+        mixed += is_mixed(paths[i], &word);
+        are_hex &= is_hex(paths[i], &word);
+    }
+    if (found < count)
+        return PLACE_MISSING;
+    if (alike)
+        return PLACE_ALIKE;
+    if (2 * mixed < count && !(are_hex && mixed > 0))
+        return PLACE_NAMES;
+    const bool are_ids = shortest >= ID_LENGTH_MIN && (same_length || are_hex) && !same_start;
+    return are_ids ? PLACE_IDS : PLACE_MAYBE_IDS;
+}
+
+/* Words that each file has of its own are left aside, if the rest has one shape. */
+static bool read_with_ids(char *const *paths, int count, struct neph_frame_reading *reading)
+{
+    *reading = (struct neph_frame_reading){.ids = 0};
+    for (int i = 0; i < WORDS_MAX; i++) {
+        const enum place place = look_at_place(paths, count, i);
+        if (place == PLACE_MISSING)
+            break;
+        if (place == PLACE_NAMES)
+            return false;
+        if (place != PLACE_ALIKE)
+            reading->ids |= UINT64_C(1) << i;
+        reading->is_guess |= place == PLACE_MAYBE_IDS;
+    }
+    return reading->ids && have_one_shape(paths, count, reading);
+}
+
+/* ---- order ----------------------------------------------------------------------------------- */
+
+static int compare_numbers(const void *a, const void *b, void *series_)
+{
+    const char *first = *(char *const *)a, *second = *(char *const *)b;
+    const struct neph_frame_series *series = series_;
+    const long long x = neph_frame_number(first, series), y = neph_frame_number(second, series);
+    return x != y ? (x > y) - (x < y) : strcmp(first, second);
+}
+
+static void sort_by_number(char **paths, int count, const struct neph_frame_series *series)
+{
+    struct neph_frame_series key = *series;
+    qsort_r(paths, (size_t)count, sizeof(*paths), compare_numbers, &key);
+}
+
+/* By all numbers, from the left. */
+static int compare_all_numbers(const void *a, const void *b, void *reading)
+{
+    const char *first = *(char *const *)a, *second = *(char *const *)b;
+    const int count = count_runs(first, reading);
+    for (int i = 0; i < count; i++) {
+        const long long x = number_at(first, i, reading), y = number_at(second, i, reading);
+        if (x != y)
+            return (x > y) - (x < y);
+    }
+    return strcmp(first, second);
+}
+
+static bool changes_at(char *const *paths, int count, int index,
+                       const struct neph_frame_reading *reading)
+{
+    for (int i = 1; i < count; i++)
+        if (differs_at(paths[0], paths[i], index, reading))
+            return true;
+    return false;
+}
+
+static bool counts_up(char *const *paths, int count, const struct neph_frame_series *series)
+{
+    for (int i = 1; i < count; i++)
+        if (neph_frame_number(paths[i], series) != neph_frame_number(paths[i - 1], series) + 1)
+            return false;
+    return true;
+}
+
+/* ---- series ---------------------------------------------------------------------------------- */
+
+long long neph_frame_number(const char *path, const struct neph_frame_series *series)
+{
+    return number_at(path, series->run, &series->reading);
+}
+
+static enum neph_status fail_ambiguous(char *const *paths, int count, const int changing[2],
+                                       const struct neph_frame_reading *reading,
                                        struct neph_diag *diag)
 {
+    const int one = changing[1], other = changing[0];
     int unlike = 1; /* a file that shows it */
-    while (unlike + 1 < count && !(neph_frame_differs_at(paths[0], paths[unlike], one) &&
-                                   neph_frame_differs_at(paths[0], paths[unlike], other)))
+    while (unlike + 1 < count && !(differs_at(paths[0], paths[unlike], one, reading) &&
+                                   differs_at(paths[0], paths[unlike], other, reading)))
         unlike++;
-    struct run first = {0, 0}, second = {0, 0};
-    find_run(paths[0], one, &first);
-    find_run(paths[0], other, &second);
+    struct run first = {.head = 0}, second = {.head = 0};
+    find_run(paths[0], one, reading, &first);
+    find_run(paths[0], other, reading, &second);
     neph_fail(diag, NEPH_ERR_INPUT,
               "which number of '%s' is that of the frame, '%.*s' or '%.*s'? Both change: '%s'",
               paths[0], (int)(first.tail - first.head), paths[0] + first.head,
@@ -171,56 +415,131 @@ static enum neph_status fail_ambiguous(char *const *paths, int count, int one, i
     return NEPH_ERR_INPUT;
 }
 
-/* Which run of files of one shape is their frame number: the one that changes. When several do, the
- * one that counts up by one and has each value once. NEPH_FRAME_NO_RUN: none changes. */
-static enum neph_status find_frame_run(char **paths, int count, int *found, struct neph_diag *diag)
+/* Which runs of files of one shape change: the last and the first of them. */
+struct changes {
+    int count, runs[2];
+    int counting_count, counting; /* those that count up by one, and the first of these */
+};
+
+static struct changes find_changes(char **paths, int count,
+                                   const struct neph_frame_reading *reading)
 {
-    int changing_count = 0, counting_count = 0,
-        changing[2] = {NEPH_FRAME_NO_RUN, NEPH_FRAME_NO_RUN}, counting = NEPH_FRAME_NO_RUN;
-    for (int i = neph_frame_run_count(paths[0]) - 1; i >= 0; i--) {
-        if (!changes_at(paths, count, i))
+    struct changes changes = {.runs = {NEPH_FRAME_NO_RUN, NEPH_FRAME_NO_RUN},
+                              .counting = NEPH_FRAME_NO_RUN};
+    for (int i = count_runs(paths[0], reading) - 1; i >= 0; i--) {
+        const struct neph_frame_series series = {.reading = *reading, .run = i};
+        if (!changes_at(paths, count, i, reading))
             continue;
-        changing[changing_count++ > 0] = i;
-        if (counts_up_at(paths, count, i)) {
-            counting = i;
-            counting_count++;
+        changes.runs[changes.count++ > 0] = i;
+        sort_by_number(paths, count, &series);
+        if (counts_up(paths, count, &series)) {
+            changes.counting = i;
+            changes.counting_count++;
         }
     }
-    if (changing_count > 1 && counting_count != 1)
-        return fail_ambiguous(paths, count, changing[1], changing[0], diag);
-    *found = changing_count > 1 ? counting : changing[0];
-    return NEPH_OK;
+    return changes;
 }
 
-/* Two neighbours of a sorted series. */
-static enum neph_status check_step(const char *path, const char *next, int index,
-                                   struct neph_diag *diag)
+static bool has_frame_run(const struct changes *changes, int *run)
 {
-    if (strcmp(path, next) == 0)
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is there twice", path);
-    const long long number = neph_frame_number_at(path, index),
-                    number_of_next = neph_frame_number_at(next, index);
-    if (number == number_of_next)
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' and '%s' have the same frame number", path,
-                         next);
-    if (number_of_next == number + 1)
-        return NEPH_OK;
-    struct run run = {0, 0};
-    find_run(path, index, &run);
-    neph_fail(diag, NEPH_ERR_INPUT, "frame '%.*s%0*lld%s' is missing (%lld from %lld to %lld)",
-              (int)run.head, path, (int)(run.tail - run.head), number + 1, path + run.tail,
-              number_of_next - number - 1, number + 1, number_of_next - 1);
-    neph_hint(diag, "a sequence has no gaps: render what is missing, or number the files anew");
+    *run = changes->count > 1 ? changes->counting : changes->runs[0];
+    return changes->count <= 1 || changes->counting_count == 1;
+}
+
+/* Whether they are a series without a gap when they are read like that. Sorts them. */
+static bool counts_up_read(char **paths, int count, const struct neph_frame_reading *reading)
+{
+    struct neph_frame_series series = {.reading = *reading};
+    const struct changes changes = find_changes(paths, count, reading);
+    if (!has_frame_run(&changes, &series.run) || series.run == NEPH_FRAME_NO_RUN)
+        return false;
+    sort_by_number(paths, count, &series);
+    return counts_up(paths, count, &series);
+}
+
+static bool has_changing_run(char *const *paths, int count,
+                             const struct neph_frame_reading *reading)
+{
+    for (int i = count_runs(paths[0], reading) - 1; i >= 0; i--)
+        if (changes_at(paths, count, i, reading))
+            return true;
+    return false;
+}
+
+bool neph_frame_find_series(char **paths, int count, struct neph_frame_reading *reading)
+{
+    const struct neph_frame_reading with_minus = {.hyphen_is_minus = true};
+    struct neph_frame_reading with_ids;
+    *reading = plain;
+    if (have_one_shape(paths, count, &plain))
+        return true;
+    if (have_one_shape(paths, count, &with_minus) && counts_up_read(paths, count, &with_minus)) {
+        *reading = with_minus;
+        return true;
+    }
+    if (!read_with_ids(paths, count, &with_ids) || !has_changing_run(paths, count, &with_ids) ||
+        (with_ids.is_guess && !counts_up_read(paths, count, &with_ids)))
+        return false;
+    *reading = with_ids;
+    return true;
+}
+
+/* A frame is missing between two neighbours of a series. */
+static enum neph_status fail_missing(const char *path, long long number, long long next,
+                                     const struct neph_frame_series *series, struct neph_diag *diag)
+{
+    struct run run = {.head = 0};
+    const long long missing = number + 1, count = next - missing;
+    find_run(path, series->run, &series->reading, &run);
+    if (series->reading.ids) /* the name of a file that is not there is not known */
+        neph_fail(diag, NEPH_ERR_INPUT,
+                  "frame %lld is missing (%lld from %lld to %lld), the one behind '%s'", missing,
+                  count, missing, next - 1, path);
+    else
+        neph_fail(diag, NEPH_ERR_INPUT,
+                  "frame '%.*s%s%0*lld%s' is missing (%lld from %lld to %lld)", (int)run.head, path,
+                  missing < 0 ? "-" : "", (int)(run.tail - run.digits), llabs(missing),
+                  path + run.tail, count, missing, next - 1);
+    neph_hint(diag, "a sequence has no gaps: render what is missing, or number the files anew; "
+                    "`neph compare`, `flicker` and `view` take it as it is with --by-position");
     return NEPH_ERR_INPUT;
 }
 
-/* Put files of one shape in the order of their frame numbers, and look at these. */
-enum neph_status neph_frame_arrange(char **paths, int count, int *index, struct neph_diag *diag)
+/* Two neighbours of a sorted series. */
+static enum neph_status check_step(const char *path, const char *next,
+                                   const struct neph_frame_series *series, struct neph_diag *diag)
 {
-    enum neph_status status = find_frame_run(paths, count, index, diag);
-    if (!status)
-        sort_by_number(paths, count, *index);
-    for (int i = 1; i < count && !status; i++)
-        status = check_step(paths[i - 1], paths[i], *index, diag);
+    if (strcmp(path, next) == 0)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is there twice", path);
+    const long long number = neph_frame_number(path, series),
+                    number_of_next = neph_frame_number(next, series);
+    if (number == number_of_next)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' and '%s' have the same frame number", path,
+                         next);
+    return number_of_next == number + 1 ? NEPH_OK
+                                        : fail_missing(path, number, number_of_next, series, diag);
+}
+
+enum neph_status neph_frame_arrange(char **paths, int count,
+                                    const struct neph_frame_reading *reading, bool by_position,
+                                    struct neph_frame_series *series, struct neph_diag *diag)
+{
+    struct neph_frame_reading key = *reading;
+    const struct changes changes = find_changes(paths, count, reading);
+    *series = (struct neph_frame_series){.reading = *reading};
+    const bool is_clear = has_frame_run(&changes, &series->run);
+    if (!is_clear && !by_position)
+        return fail_ambiguous(paths, count, changes.runs, reading, diag);
+    if (!is_clear) {
+        series->run = NEPH_FRAME_NO_RUN;
+        series->has_gaps = true;
+        qsort_r(paths, (size_t)count, sizeof(*paths), compare_all_numbers, &key);
+        return NEPH_OK;
+    }
+    sort_by_number(paths, count, series);
+    series->has_gaps = !counts_up(paths, count, series);
+    enum neph_status status = NEPH_OK;
+    for (int i = 1; i < count && !status && !by_position; i++)
+        status = check_step(paths[i - 1], paths[i], series, diag);
     return status;
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which number in the name of a file is that of its frame. A path has runs of digits before its
- * extension, in names of folders too, counted 0, 1, ... from the left; one of more than 18 digits
- * is no number. Paths that differ in nothing but the digits of their runs have one shape.
+ * Which number in the name of a file is the number of its frame. A path has runs of digits before
+ * its extension, in names of folders too, counted 0, 1, ... from the left; one of more than 18
+ * digits is no number. A hyphen is the minus of the run behind it at the start of a name and behind
+ * one of . _ - / and the space: f.-0032.exr is frame -32, shot-0032.exr is frame 32. Paths that
+ * differ in nothing but the numbers of their runs have one shape.
  */
 #ifndef NEPH_HARNESS_COMPARE_FRAME_NUMBER_H
 #define NEPH_HARNESS_COMPARE_FRAME_NUMBER_H
@@ -11,6 +13,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum { NEPH_FRAME_NO_RUN = -1 };
 
@@ -23,23 +26,46 @@ size_t neph_frame_extension_start(const char *path);
 
 int neph_frame_run_count(const char *path);
 
-/* The value of a run; -1 when there is no such run. */
-long long neph_frame_number_at(const char *path, int run);
-
 /* 0: of one shape. Else the order of the paths as text, runs aside. */
 int neph_frame_compare_shapes(const char *a, const char *b);
 
-/* Whether the digits of that run differ (1 and 01 do) in paths of one shape. */
+/* Whether the numbers of that run differ as text (1 and 01 do) in paths of one shape. */
 bool neph_frame_differs_at(const char *a, const char *b, int run);
 
 /* Whether they have one shape, and no other run differs. */
 bool neph_frame_equal_but_for(const char *a, const char *b, int run);
 
-/* Put paths of one shape in the order of their frame numbers. These are the run that changes; when
- * several do, the one that counts up by one from file to file. `*run`: which it is, or
- * NEPH_FRAME_NO_RUN for a path alone. NEPH_ERR_INPUT, with the way out: several change, and not one
- * alone counts up (the message names two); a frame is missing; a number, or a path, is there twice.
- */
-enum neph_status neph_frame_arrange(char **paths, int count, int *run, struct neph_diag *diag);
+/* How the names of a series are read, where it is not in the plain way. */
+struct neph_frame_reading {
+    bool hyphen_is_minus; /* behind a letter too: f-016.exr beside f0015.exr */
+    uint64_t ids;         /* a bit for each word of letters and digits, from the left: an identifier
+                             that each file has of its own, which orders nothing */
+    bool is_guess;        /* the words may be names: only a series without a gap is one */
+};
+
+/* Whether paths that are sorted by neph_frame_compare_shapes() are frames of one series, and how
+ * their names are read: they have one shape; or have one when identifiers of letters and digits
+ * (f.0001.9e3779b1.exr) are left aside; or some have a hyphen before their number, and the numbers
+ * count up by one. May change the order of the paths. */
+bool neph_frame_find_series(char **paths, int count, struct neph_frame_reading *reading);
+
+struct neph_frame_series {
+    struct neph_frame_reading reading;
+    int run;       /* which is the frame number, identifiers not counted, or NEPH_FRAME_NO_RUN */
+    bool has_gaps; /* or a number twice */
+};
+
+/* Put paths of a series in the order of their frame numbers. These are the run that changes; when
+ * several do, the one that counts up by one from file to file. `series->run` is NEPH_FRAME_NO_RUN
+ * for a path by itself. NEPH_ERR_INPUT, with the way out: several change, and more or fewer than
+ * one count up (the message names two); a frame is missing; a number, or a path, is there twice.
+ * `by_position`: such numbers are no error. Files are in the order of the number that changes, and
+ * of all numbers from the left where several do. */
+enum neph_status neph_frame_arrange(char **paths, int count,
+                                    const struct neph_frame_reading *reading, bool by_position,
+                                    struct neph_frame_series *series, struct neph_diag *diag);
+
+/* The frame number of a path of a series that has one. */
+long long neph_frame_number(const char *path, const struct neph_frame_series *series);
 
 #endif

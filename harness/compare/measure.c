@@ -8,6 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_BOUND_COUNT == 3, "a new kind");
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+
 static const char *const interval_names[] = {
     [NEPH_INTERVAL_NONE] = "none",
     [NEPH_INTERVAL_DETERMINISTIC] = "deterministic",

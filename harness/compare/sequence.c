@@ -31,12 +31,16 @@ static int shape_count(char *const *paths, int count)
     return same;
 }
 
-static enum neph_status arrange_each(char **paths, int count, struct neph_diag *diag)
+/* The files of each shape are a series. */
+static enum neph_status arrange_each(char **paths, int count, bool by_position,
+                                     struct neph_diag *diag)
 {
+    const struct neph_frame_reading plain = {.ids = 0};
+    struct neph_frame_series series;
     enum neph_status status = NEPH_OK;
-    for (int first = 0, index; first < count && !status;) {
+    for (int first = 0; first < count && !status;) {
         const int same = shape_count(paths + first, count - first);
-        status = neph_frame_arrange(paths + first, same, &index, diag);
+        status = neph_frame_arrange(paths + first, same, &plain, by_position, &series, diag);
         first += same;
     }
     return status;
@@ -126,73 +130,159 @@ static enum neph_status expand_folder(const char *word, struct neph_sequence *li
 
 /* ---- patterns -------------------------------------------------------------------------------- */
 
-/* A name with a %d or %0Nd in it. */
+/* A name with the number of a frame in it. */
 struct pattern {
-    const char *name; /* of the file */
-    size_t head;      /* before the % */
-    const char *tail; /* behind the d */
-    size_t width;     /* N; 0 for %d */
+    const char *name;  /* of the file */
+    size_t head;       /* before the conversion */
+    const char *tail;  /* behind it */
+    size_t width;      /* digits at least; 0: as few as the number has */
+    bool is_any_width; /* zeros before the number or none */
 };
 
-/* The length of the %d or %0Nd at `text`, or 0. */
-static size_t conversion_length(const char *text, size_t *width)
+static bool is_letter(char c)
 {
-    *width = 0;
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+/* The length of the %d or %0Nd at `text`, or 0. */
+static size_t percent_length(const char *text, struct pattern *pattern)
+{
+    pattern->width = 0;
     if (text[0] == '%' && text[1] == 'd')
         return 2;
     if (text[0] == '%' && text[1] == '0' && text[2] >= '1' && text[2] <= '9' && text[3] == 'd') {
-        *width = (size_t)(text[2] - '0');
+        pattern->width = (size_t)(text[2] - '0');
         return 4;
     }
     return 0;
 }
 
-static enum neph_status parse_pattern(const char *word, struct pattern *pattern,
-                                      struct neph_diag *diag)
+/* The length of the $F or $FN at `text`, or 0: $FF and $FOO are others. */
+static size_t dollar_length(const char *text, struct pattern *pattern)
 {
-    pattern->name = word + neph_frame_name_start(word);
-    const char *percent = strchr(pattern->name, '%');
-    const size_t length = percent ? conversion_length(percent, &pattern->width) : 0;
-    if (length == 0 || strchr(percent + length, '%') || percent > strchr(word, '%')) {
-        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is neither a file nor a pattern", word);
-        neph_hint(diag,
-                  "a pattern has one %%d or %%04d in the name of the file, as frame.%%04d.exr");
-        return NEPH_ERR_USAGE;
-    }
-    pattern->head = (size_t)(percent - pattern->name);
-    pattern->tail = percent + length;
-    return NEPH_OK;
+    if (text[0] != '$' || text[1] != 'F')
+        return 0;
+    const bool has_width = text[2] >= '1' && text[2] <= '9';
+    const size_t length = has_width ? 3 : 2;
+    const char behind = text[length];
+    if (is_letter(behind) || (behind >= '0' && behind <= '9') || behind == '_')
+        return 0;
+    pattern->width = has_width ? (size_t)(text[2] - '0') : 0;
+    return length;
 }
 
-/* Could printf have made this name? */
+/* The length of the run of # at `text`, or 0. One # is four digits to some programs, and one digit
+ * to others. */
+static size_t hash_length(const char *text, struct pattern *pattern)
+{
+    const size_t length = strspn(text, "#");
+    pattern->width = length > 1 ? length : 0;
+    pattern->is_any_width = length == 1;
+    return length;
+}
+
+typedef size_t conversion_length(const char *text, struct pattern *pattern);
+
+/* How often a conversion stands in the name of the file; the pattern is of the last one. */
+static int find_conversion(const char *word, conversion_length *length_at, struct pattern *pattern)
+{
+    int count = 0;
+    const char *name = word + neph_frame_name_start(word);
+    for (const char *at = name; *at; at++) {
+        struct pattern found = {.name = name, .head = (size_t)(at - name)};
+        const size_t length = length_at(at, &found);
+        if (length == 0)
+            continue;
+        found.tail = at + length;
+        *pattern = found;
+        at += length - 1;
+        count++;
+    }
+    return count;
+}
+
+static enum neph_status fail_pattern(const char *word, struct neph_diag *diag)
+{
+    neph_fail(diag, NEPH_ERR_USAGE, "'%s' is neither a file nor a pattern", word);
+    neph_hint(diag, "a pattern has one %%d, %%04d, #### or $F4 in the name of the file, as "
+                    "frame.%%04d.exr; quote it");
+    return NEPH_ERR_USAGE;
+}
+
+/* A word with a %: nothing else may follow one. */
+static enum neph_status parse_percent(const char *word, struct pattern *pattern,
+                                      struct neph_diag *diag)
+{
+    const char *first = strchr(word, '%');
+    const bool is_one = find_conversion(word, percent_length, pattern) == 1 &&
+                        first == pattern->name + pattern->head && !strchr(first + 1, '%');
+    return is_one ? NEPH_OK : fail_pattern(word, diag);
+}
+
+/* A word with a $F or a # in the name of the file. A # beside one of these, or beside a longer run,
+ * is a letter. */
+static enum neph_status parse_other(const char *word, struct pattern *pattern,
+                                    struct neph_diag *diag)
+{
+    const int dollars = find_conversion(word, dollar_length, pattern);
+    if (dollars > 0)
+        return dollars == 1 ? NEPH_OK : fail_pattern(word, diag);
+    return find_conversion(word, hash_length, pattern) == 1 ? NEPH_OK : fail_pattern(word, diag);
+}
+
+static bool is_other_pattern(const char *word)
+{
+    struct pattern pattern;
+    return find_conversion(word, dollar_length, &pattern) > 0 ||
+           find_conversion(word, hash_length, &pattern) > 0;
+}
+
+/* Could printf have made this name? A minus counts in its width; to other programs it does not. */
 static bool matches_pattern(const char *name, const void *wanted)
 {
     const struct pattern *pattern = wanted;
     if (strncmp(name, pattern->name, pattern->head) != 0)
         return false;
-    const char *digits = name + pattern->head;
+    const bool is_negative = name[pattern->head] == '-';
+    const char *digits = name + pattern->head + is_negative;
     const size_t count = strspn(digits, "0123456789");
-    const size_t least = pattern->width ? pattern->width : 1;
-    const bool is_padded = count > least && digits[0] == '0';
-    return count >= least && !is_padded && strcmp(digits + count, pattern->tail) == 0;
+    const size_t width = pattern->width ? pattern->width : 1;
+    const size_t least = is_negative && width > 1 ? width - 1 : width;
+    const bool is_padded = count > width && digits[0] == '0';
+    return count >= least && (!is_padded || pattern->is_any_width) &&
+           strcmp(digits + count, pattern->tail) == 0;
 }
 
-static enum neph_status expand_pattern(const char *word, struct neph_sequence *list,
-                                       struct neph_diag *diag)
+/* Behind a letter or a digit a hyphen is one, where no file is without it. */
+static bool has_hyphens_only(const struct pattern *pattern, char *const *paths, int count)
 {
-    struct pattern pattern;
-    enum neph_status status = parse_pattern(word, &pattern, diag);
-    if (status)
-        return status;
+    const char before = pattern->head > 0 ? pattern->name[pattern->head - 1] : '.';
+    if (strchr("._- ", before))
+        return false;
+    for (int i = 0; i < count; i++)
+        if (paths[i][neph_frame_name_start(paths[i]) + pattern->head] != '-')
+            return false;
+    return true;
+}
+
+static enum neph_status expand_pattern(const char *word, const struct pattern *pattern,
+                                       struct neph_sequence *list, struct neph_diag *diag)
+{
     char *folder = strndup(word, neph_frame_name_start(word));
     if (!folder)
         return neph_fail_memory(diag);
     const int before = list->count;
-    status = list_folder(folder, matches_pattern, &pattern, list, diag);
+    enum neph_status status = list_folder(folder, matches_pattern, pattern, list, diag);
     free(folder);
     if (!status && list->count == before)
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no file matches '%s'", word);
-    return status;
+        return neph_fail(diag, NEPH_ERR_NOT_FOUND, "no file matches '%s'", word);
+    if (status || !has_hyphens_only(pattern, list->paths + before, list->count - before))
+        return status;
+    neph_fail(diag, NEPH_ERR_NOT_FOUND, "no file matches '%s' but with a hyphen: '%s'", word,
+              list->paths[before]);
+    neph_hint(diag, "if the hyphen is a part of the name, write it into the pattern; if it is a "
+                    "minus, name the folder or give the files other names");
+    return NEPH_ERR_NOT_FOUND;
 }
 
 static enum neph_status expand_glob(const char *word, struct neph_sequence *list,
@@ -230,31 +320,50 @@ static enum neph_status check_one_series(const char *word, char *const *paths, i
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds more than one sequence: '%s' and '%s'", word,
               paths[0], paths[other]);
-    neph_hint(diag, "name one of them by a pattern such as frame.%%04d.exr");
+    neph_hint(diag, "name one of them by a pattern such as frame.%%04d.exr, or by a glob");
     return NEPH_ERR_INPUT;
 }
 
-static enum neph_status expand(const char *word, struct neph_sequence *list, struct neph_diag *diag)
+/* The files of a word, in no order. */
+static enum neph_status list_word(const char *word, struct neph_sequence *list,
+                                  struct neph_diag *diag)
+{
+    struct pattern pattern;
+    enum neph_status status;
+    if (neph_path_is_dir(word))
+        return expand_folder(word, list, diag);
+    if (strchr(word, '%')) {
+        status = parse_percent(word, &pattern, diag);
+        return status ? status : expand_pattern(word, &pattern, list, diag);
+    }
+    if (strpbrk(word, "*?["))
+        return expand_glob(word, list, diag);
+    if (is_other_pattern(word)) {
+        status = parse_other(word, &pattern, diag);
+        return status ? status : expand_pattern(word, &pattern, list, diag);
+    }
+    return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no file '%s'", word);
+}
+
+static enum neph_status expand(const char *word, bool by_position, struct neph_sequence *list,
+                               struct neph_diag *diag)
 {
     const int before = list->count;
     if (neph_path_exists(word) && !neph_path_is_dir(word))
         return append(list, strdup(word), diag);
-    enum neph_status status;
-    if (neph_path_is_dir(word))
-        status = expand_folder(word, list, diag);
-    else if (strchr(word, '%'))
-        status = expand_pattern(word, list, diag);
-    else if (strpbrk(word, "*?["))
-        status = expand_glob(word, list, diag);
-    else
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no file '%s'", word);
+    enum neph_status status = list_word(word, list, diag);
     if (status)
         return status;
+    struct neph_frame_reading reading;
+    struct neph_frame_series series;
     char **found = list->paths + before;
     const int count = list->count - before;
     sort(found, count);
+    if (neph_frame_find_series(found, count, &reading))
+        return neph_frame_arrange(found, count, &reading, by_position, &series, diag);
+    sort(found, count);
     status = check_one_series(word, found, count, diag);
-    return status ? status : arrange_each(found, count, diag);
+    return status ? status : arrange_each(found, count, by_position, diag);
 }
 
 static enum neph_status check_formats(const struct neph_sequence *list, struct neph_diag *diag)
@@ -271,41 +380,49 @@ static enum neph_status check_formats(const struct neph_sequence *list, struct n
 }
 
 /* Take over the order of `sorted`, which is of one series, and its numbers. */
-static enum neph_status take_order(struct neph_sequence *list, char *const *sorted, int index,
-                                   struct neph_diag *diag)
+static enum neph_status take_order(struct neph_sequence *list, char *const *sorted,
+                                   const struct neph_frame_series *series, struct neph_diag *diag)
 {
     memcpy(list->paths, sorted, (size_t)list->count * sizeof(*sorted));
-    if (index == NEPH_FRAME_NO_RUN)
+    if (series->run == NEPH_FRAME_NO_RUN || series->has_gaps)
         return NEPH_OK;
     list->numbers = calloc((size_t)list->count, sizeof(*list->numbers));
     if (!list->numbers)
         return neph_fail_memory(diag);
     for (int i = 0; i < list->count; i++)
-        list->numbers[i] = neph_frame_number_at(list->paths[i], index);
+        list->numbers[i] = neph_frame_number(list->paths[i], series);
     return NEPH_OK;
 }
 
-static enum neph_status number_all(struct neph_sequence *list, struct neph_diag *diag)
+/* Several words whose numbers do not say the order keep theirs. */
+static bool keeps_words_order(const struct neph_frame_series *series, int word_count)
 {
+    return series->run == NEPH_FRAME_NO_RUN && word_count > 1;
+}
+
+static enum neph_status number_all(struct neph_sequence *list, int word_count, bool by_position,
+                                   struct neph_diag *diag)
+{
+    struct neph_frame_reading reading;
+    struct neph_frame_series series = {.run = NEPH_FRAME_NO_RUN};
     char **sorted = malloc((size_t)list->count * sizeof(*sorted));
     if (!sorted)
         return neph_fail_memory(diag);
     memcpy(sorted, list->paths, (size_t)list->count * sizeof(*sorted));
     sort(sorted, list->count);
-    int index = NEPH_FRAME_NO_RUN;
-    enum neph_status status;
-    if (shape_count(sorted, list->count) < list->count) {
-        status = arrange_each(sorted, list->count, diag);
-    } else {
-        status = neph_frame_arrange(sorted, list->count, &index, diag);
-        if (!status)
-            status = take_order(list, sorted, index, diag);
-    }
+    const bool is_series = neph_frame_find_series(sorted, list->count, &reading);
+    if (!is_series)
+        sort(sorted, list->count);
+    enum neph_status status = is_series ? neph_frame_arrange(sorted, list->count, &reading,
+                                                             by_position, &series, diag)
+                                        : arrange_each(sorted, list->count, by_position, diag);
+    if (!status && is_series && !keeps_words_order(&series, word_count))
+        status = take_order(list, sorted, &series, diag);
     free(sorted);
     return status;
 }
 
-enum neph_status neph_sequence_find(int word_count, const char *const *words,
+enum neph_status neph_sequence_find(int word_count, const char *const *words, bool by_position,
                                     struct neph_sequence *sequence, struct neph_diag *diag)
 {
     struct neph_sequence list = {0};
@@ -313,11 +430,11 @@ enum neph_status neph_sequence_find(int word_count, const char *const *words,
     if (word_count < 1)
         status = neph_fail(diag, NEPH_ERR_USAGE, "no frames are named");
     for (int i = 0; i < word_count && !status; i++)
-        status = expand(words[i], &list, diag);
+        status = expand(words[i], by_position, &list, diag);
     if (!status)
         status = check_formats(&list, diag);
     if (!status)
-        status = number_all(&list, diag);
+        status = number_all(&list, word_count, by_position, diag);
     if (status)
         neph_sequence_finish(&list);
     else

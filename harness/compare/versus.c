@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+
 /* Both tests. Every frame has the same numbers in the same order, frames first. */
 struct sides {
     const struct neph_measurements *first, *second;

@@ -15,11 +15,9 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/program.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const double probe_limit_s = 30.0;
 static const char install_line[] = "export NEPH_COMMAND=/path/to/your/program";
@@ -91,11 +89,12 @@ static void probe(struct neph_engine_info *info)
 struct sequence {
     struct neph_scratch *scratch; /* NULL: the folder is another's */
     const char *folder;
+    struct neph_usage before; /* of the folder, ahead of the first picture */
     int pictures;
     bool keeps; /* somebody was told to look into it */
 };
 
-/* What is owned are the paths. */
+/* Their paths, owned. */
 struct files {
     char *frame, *cannot, *log;
 };
@@ -107,11 +106,19 @@ static void free_files(struct files *files)
     free(files->log);
 }
 
-static enum neph_status remove_old(const char *path, struct neph_diag *diag)
+/* The program may have put a folder in a file's place, or a link that leads neph's own writing to
+ * another file. */
+static enum neph_status remove_old(const char *folder, struct neph_diag *diag)
 {
-    if (unlink(path) == 0 || errno == ENOENT)
-        return NEPH_OK;
-    return neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", path, strerror(errno));
+    static const char *const names[] = {"frame.exr", "cannot.txt", "program.log", "job.json",
+                                        "depth.exr"};
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !status; i++) {
+        char *path = neph_path_join(folder, names[i]);
+        status = path ? neph_dir_remove(path, diag) : neph_fail_memory(diag);
+        free(path);
+    }
+    return status;
 }
 
 /* What is there afterwards is new. */
@@ -122,23 +129,25 @@ static enum neph_status name_files(const char *folder, struct files *files, stru
                             neph_path_join(folder, "program.log")};
     if (!files->frame || !files->cannot || !files->log)
         return neph_fail_memory(diag);
-    const enum neph_status status = remove_old(files->frame, diag);
-    return status ? status : remove_old(files->cannot, diag);
+    return remove_old(folder, diag);
 }
 
-static enum neph_status run(const char *folder, const char *log, double time_limit_s,
-                            struct neph_cost *cost, struct neph_diag *diag)
+static enum neph_status run(const struct sequence *sequence, const struct neph_shot *shot,
+                            const char *log, struct neph_cost *cost, struct neph_diag *diag)
 {
+    const char *folder = sequence->folder;
     const char *program = program_of_the_user();
     if (!program)
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "NEPH_COMMAND names no program");
     const char *argv[] = {program, "job.json", NULL};
-    const struct neph_child_params params = {.argv = argv,
-                                             .working_directory = folder,
-                                             .log_path = log,
-                                             .home = folder,
-                                             .is_confined = true,
-                                             .time_limit_s = time_limit_s};
+    const struct neph_child_params params = {
+        .argv = argv,
+        .working_directory = folder,
+        .log_path = log,
+        .home = folder,
+        .is_confined = true,
+        .limits = neph_program_limits(&sequence->before, shot->width_px, shot->height_px),
+        .time_limit_s = shot->time_limit_s};
     struct neph_child_result result = {0};
     const enum neph_status status = neph_child_run(&params, &result, diag);
     *cost = (struct neph_cost){.render_s = result.wall_s,
@@ -152,7 +161,8 @@ static enum neph_status refuse(const char *path, struct neph_diag *diag)
 {
     char *reason = NULL;
     size_t size = 0;
-    enum neph_status status = neph_file_read(path, reason_max_bytes, &reason, &size, diag);
+    enum neph_status status = neph_program_status(
+        neph_file_read(path, reason_max_bytes, &reason, &size, diag));
     if (status)
         return status;
     reason[strcspn(reason, "\n")] = '\0';
@@ -203,7 +213,7 @@ static enum neph_status take_channels(const struct neph_image *from, struct neph
 static enum neph_status check_file(const struct neph_image *image, const struct neph_shot *shot,
                                    struct neph_diag *diag)
 {
-    static const char *const unusual[] = {"primaries", "crop", "pixel_aspect"};
+    static const char *const unusual[] = {"primaries", "colour_space", "crop", "pixel_aspect"};
     float *rgb[3];
     for (size_t i = 0; i < sizeof(unusual) / sizeof(unusual[0]); i++)
         if (neph_image_attribute(image, unusual[i]))
@@ -223,14 +233,17 @@ static enum neph_status read_frame(const struct files *files, const struct neph_
                                    struct neph_image **frame, struct neph_cost *cost,
                                    struct neph_diag *diag)
 {
-    if (neph_path_exists(files->cannot))
-        return refuse(files->cannot, diag);
-    if (!neph_path_exists(files->frame))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "the program ended well and left no frame.exr");
     struct neph_image *image = NULL, *taken = NULL;
-    enum neph_status status = neph_exr_read(files->frame, &image, diag);
-    if (status == NEPH_ERR_INPUT)
-        status = NEPH_ERR_ENGINE;
+    bool refuses = false, is_left = false;
+    enum neph_status status = neph_program_left(files->cannot, &refuses, diag);
+    if (!status && refuses)
+        return refuse(files->cannot, diag);
+    if (!status)
+        status = neph_program_left(files->frame, &is_left, diag);
+    if (!status && !is_left)
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "the program ended well and left no frame.exr");
+    if (!status)
+        status = neph_program_status(neph_exr_read(files->frame, &image, diag));
     if (!status)
         status = check_file(image, shot, diag);
     if (!status)
@@ -259,7 +272,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
         status = neph_command_job_write(&neph_engine_command, shot, sequence->pictures++,
                                         sequence->folder, diag);
     if (!status)
-        status = run(sequence->folder, files.log, shot->time_limit_s, cost, diag);
+        status = run(sequence, shot, files.log, cost, diag);
     if (!status)
         status = read_frame(&files, shot, frame, cost, diag);
     free_files(&files);
@@ -308,6 +321,7 @@ static enum neph_status open_sequence(const struct neph_shot *shot, void **opene
     enum neph_status status = neph_program_home(scratch_prefix, &sequence->scratch, diag);
     if (!status) {
         sequence->folder = neph_scratch_path(sequence->scratch);
+        sequence->before = neph_usage_measure(sequence->folder);
         status = warm_up(sequence, shot, diag);
     }
     if (status)
@@ -320,7 +334,8 @@ static enum neph_status open_sequence(const struct neph_shot *shot, void **opene
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag)
 {
-    struct sequence sequence = {.folder = shot->scratch_directory};
+    struct sequence sequence = {.folder = shot->scratch_directory,
+                                .before = neph_usage_measure(shot->scratch_directory)};
     const enum neph_status status = warm_up(&sequence, shot, diag);
     return status ? status : next_picture(&sequence, shot, frame, cost, diag);
 }

@@ -24,8 +24,8 @@
 #include "harness/engines/cycles_spec.h"
 #include "harness/engines/cycles_surface.h"
 #include "harness/engines/program.h"
-#include "scenes/media.h"
 #include "scenes/emission.h"
+#include "scenes/media.h"
 #include "scenes/volume_file.h"
 
 #include <math.h>
@@ -295,11 +295,15 @@ static enum neph_status run_script(const struct session *session, const char *bl
     char *log = neph_path_join(session->directory, "blender.log");
     if (!log)
         return neph_fail_memory(diag);
+    const struct neph_usage before = neph_usage_measure(session->directory);
+    const struct neph_child_limits limits = neph_program_limits(&before, session->shot.width_px,
+                                                                session->shot.height_px);
     const struct neph_child_params params = {.argv = argv,
                                              .working_directory = session->directory,
                                              .log_path = log,
                                              .home = session->directory,
                                              .environment = environment,
+                                             .limits = limits,
                                              .time_limit_s = time_limit_s};
     enum neph_status status = neph_child_run(&params, result, diag);
     if (status == NEPH_ERR_UNAVAILABLE)
@@ -317,15 +321,14 @@ static enum neph_status read_pass(const struct session *session, const char *kin
     char *path = neph_format("%s/%s.exr", session->directory, kind);
     if (!path)
         return neph_fail_memory(diag);
-    enum neph_status status;
-    if (!neph_path_exists(path))
-        status = neph_fail(diag, NEPH_ERR_ENGINE,
-                           "Blender ended well but wrote no %s image; see '%s/blender.log'", kind,
-                           session->directory);
-    else
-        status = neph_exr_read(path, &read, diag);
-    if (status == NEPH_ERR_INPUT)
-        status = NEPH_ERR_ENGINE;
+    bool is_left = false;
+    enum neph_status status = neph_program_left(path, &is_left, diag);
+    if (!status && !is_left) {
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "Blender ended well but wrote no %s image", kind);
+        neph_hint(diag, "its whole log is '%s/blender.log'", session->directory);
+    }
+    if (!status)
+        status = neph_program_status(neph_exr_read(path, &read, diag));
     free(path);
     if (!status && (read->width_px != shot->width_px || read->height_px != shot->height_px))
         status = neph_fail(diag, NEPH_ERR_ENGINE,
@@ -511,7 +514,8 @@ static enum neph_status read_timing(const struct session *session, double *rende
     char *path = neph_path_join(session->directory, "timing.json");
     char *text = NULL;
     size_t size = 0;
-    enum neph_status status = path ? neph_file_read(path, 1 << 16, &text, &size, diag)
+    enum neph_status status = path ? neph_program_status(
+                                         neph_file_read(path, 1 << 16, &text, &size, diag))
                                    : neph_fail_memory(diag);
     json_t *timing = status ? NULL : json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
     const double seconds = sum_radiance_s(timing);

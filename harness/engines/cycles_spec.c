@@ -15,6 +15,10 @@
 #include <math.h>
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 enum {
     SPEC_FORMAT = 4, /* raised together with blender_render.py */
     VOLUME_STACK = 31,
@@ -124,7 +128,7 @@ static bool boxes_overlap(const struct neph_bounds *a, const struct neph_bounds 
 /* What Cycles calls anisotropy, of the phase functions that it has. */
 static double asymmetry(const struct neph_phase *phase)
 {
-    return phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN ? phase->g : 0.0;
+    return neph_phase_mean_cosine(phase);
 }
 
 /* A switch, so that a new phase function does not compile before it is known here. */
@@ -135,6 +139,7 @@ static bool has_phase(const struct neph_phase *phase)
     case NEPH_PHASE_HENYEY_GREENSTEIN:
         return true;
     case NEPH_PHASE_RAYLEIGH:
+    case NEPH_PHASE_KIND_COUNT:
         return false;
     }
     return false;

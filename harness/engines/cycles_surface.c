@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
+
 /* Its picture of 0 and 1 has a pixel per square; that of noise one per value, between which it is
  * bilinear. */
 enum { CHECKER_SIDE = 2 };

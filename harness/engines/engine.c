@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_RUNG_COUNT == 4, "a new kind");
+
 static const char *const rung_names[] = {
     [NEPH_RUNG_EXACT] = "exact",
     [NEPH_RUNG_TRACER] = "tracer",

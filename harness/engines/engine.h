@@ -18,6 +18,7 @@ enum neph_rung {
     NEPH_RUNG_TRACER,  /* our unbiased tracers */
     NEPH_RUNG_WITNESS, /* other people's renderers */
     NEPH_RUNG_MODEL,   /* our real-time models: the thing under test */
+    NEPH_RUNG_COUNT,
 };
 
 #define NEPH_BUILD_SIZE 17 /* 16 hexadecimal digits and the NUL */

@@ -19,6 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+
 static const char *const modes[] = {"exact", "marched", NULL};
 static const char *const rays[] = {"1",  "2",  "4",   "8",   "16",
                                    "32", "64", "128", "256", NULL}; /* 2 to the index */
@@ -419,7 +422,7 @@ const struct neph_engine neph_engine_march = {
     .typical_s = 2.0,
     .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
     .options = options,
-    .version = 3, /* no fused fraction of a voxel */
+    .version = 4, /* 4: steps are divided around lamps */
 };
 
 const struct neph_engine neph_engine_march_octaves = {

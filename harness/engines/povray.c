@@ -22,6 +22,7 @@
 #include "harness/engines/baked_scene.h"
 #include "harness/engines/bakes.h"
 #include "harness/engines/povray_exposure.h"
+#include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_scene.h"
 #include "harness/engines/program.h"
 #include "scenes/emission.h"
@@ -36,6 +37,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
 static const double probe_limit_s = 30.0; /* it answers in 0.1 s */
 static const char install_line[] = "apt-get install povray";
@@ -80,6 +86,8 @@ static const struct neph_povray_target transmittance_target = {.relative = 1e-4,
 /* Radiance: 1e-4 of the value, or 1e-6 of the brightest. */
 static const double radiance_relative = 1e-4;
 static const double radiance_of_peak = 1e-6;
+/* With lights, whose rays may be 1e6 times as bright as others, or this part of the median. */
+static const double radiance_of_median = 1e-4;
 /* Below this part of what the scene could scatter at most, a picture counts as black. */
 static const double radiance_black = 1e-13;
 
@@ -308,12 +316,15 @@ static enum neph_status run_povray(struct session *session, const struct files *
                           "-D",         "-P",  "-C",   "-GA",   "+BS8",
                           threads,      NULL};
     const char *const environment[] = {"POVINI=povray.ini", NULL}; /* in the working folder */
-    struct neph_child_params params = {.argv = argv,
-                                       .working_directory = session->shot.scratch_directory,
-                                       .log_path = files->log_path,
-                                       .home = session->shot.scratch_directory,
-                                       .environment = environment,
-                                       .time_limit_s = session->shot.time_limit_s};
+    const struct neph_usage before = neph_usage_measure(session->shot.scratch_directory);
+    struct neph_child_params params = {
+        .argv = argv,
+        .working_directory = session->shot.scratch_directory,
+        .log_path = files->log_path,
+        .home = session->shot.scratch_directory,
+        .environment = environment,
+        .limits = neph_program_limits(&before, session->shot.width_px, session->shot.height_px),
+        .time_limit_s = session->shot.time_limit_s};
     struct neph_child_result result = {0};
     enum neph_status status = neph_child_run(&params, &result, diag);
     if (status == NEPH_ERR_UNAVAILABLE)
@@ -331,13 +342,17 @@ static enum neph_status read_image(const struct session *session, const struct f
 {
     int width_px = 0, height_px = 0;
     uint16_t *read = NULL;
-    if (!neph_path_exists(files->image_path))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image; see '%s'",
-                         files->log_path);
-    enum neph_status status = neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read,
-                                                  diag);
+    bool is_left = false;
+    enum neph_status status = neph_program_left(files->image_path, &is_left, diag);
+    if (!status && !is_left) {
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image");
+        neph_hint(diag, "its whole log is '%s'", files->log_path);
+    }
+    if (!status)
+        status = neph_program_status(
+            neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read, diag));
     if (status)
-        return status == NEPH_ERR_INPUT ? NEPH_ERR_ENGINE : status;
+        return status;
     if (width_px != session->shot.width_px || height_px != session->shot.height_px) {
         free(read);
         return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray's image is %d x %d pixels, not %d x %d",
@@ -580,6 +595,8 @@ static enum neph_status add_picture(struct session *session, const char *name,
             struct neph_povray_target target = {.relative = radiance_relative,
                                                 .absolute = radiance_black * bound,
                                                 .absolute_of_peak = radiance_of_peak};
+            if (session->shot.scene->light_count > 0)
+                target.absolute_of_median = radiance_of_median;
             pass.channel = channel;
             status = expose(session, file, pass, bound, &target, &readings[channel], &wall_s, diag);
             session->cost.render_s += wall_s;
@@ -962,6 +979,8 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     if (!status)
         status = neph_povray_world(session->shot.scene, shot->frame, shot->width_px,
                                    shot->height_px, intervals, &session->world, &why);
+    if (!status)
+        status = neph_povray_cut_rays(&session->world, &why);
     if (status) {
         neph_fail(diag, status, "%s%s", status == NEPH_ERR_UNSUPPORTED ? "POV-Ray cannot: " : "",
                   why.message);
@@ -1057,7 +1076,7 @@ const struct neph_engine neph_engine_povray = {
             "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
             "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/surfaces.md",
     .options = options,
-    .version = 3,
+    .version = 4,
     /* At most 256 intervals: POV-Ray ends with an error beyond. */
     .step = {.option = "intervals", .coarsest = 25, .refine = 2, .level_count = 4, .order = 2},
     .probe = probe,

@@ -2,6 +2,7 @@
 #include "harness/engines/povray_exposure.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const double code_max = 65535.0;
 
@@ -34,10 +35,34 @@ static double peak_of(const struct neph_povray_reading *readings, size_t count)
     return peak;
 }
 
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The median of the largest numbers that the values may be. INFINITY without memory: the peak then
+ * decides. */
+static double median_of(const struct neph_povray_reading *readings, size_t count)
+{
+    double *values = malloc(count * sizeof(*values));
+    if (!values)
+        return INFINITY;
+    for (size_t i = 0; i < count; i++)
+        values[i] = readings[i].value + readings[i].error;
+    qsort(values, count, sizeof(*values), by_value);
+    const double median = values[count / 2];
+    free(values);
+    return median;
+}
+
 double neph_povray_next_gain(const struct neph_povray_reading *readings, size_t count, double gain,
                              const struct neph_povray_target *target)
 {
-    double absolute = fmax(target->absolute, target->absolute_of_peak * peak_of(readings, count));
+    double absolute = target->absolute_of_peak * peak_of(readings, count);
+    if (target->absolute_of_median > 0.0)
+        absolute = fmin(absolute, target->absolute_of_median * median_of(readings, count));
+    absolute = fmax(target->absolute, absolute);
     double brightest = 0.0; /* of the readings that miss the target */
     for (size_t i = 0; i < count; i++) {
         struct neph_povray_reading reading = readings[i];

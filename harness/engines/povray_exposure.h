@@ -40,6 +40,9 @@ struct neph_povray_target {
     double relative;
     double absolute;         /* in the unit of the value */
     double absolute_of_peak; /* the same, as a part of the brightest value */
+    /* The same, as a part of the median, where that is less: beside one very bright pixel the
+     * others are read as well as without it. 0: unused. */
+    double absolute_of_median;
 };
 
 /* The gain of the next render, or 0 when all readings meet the target. Lower than `gain` when a

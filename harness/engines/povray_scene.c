@@ -13,7 +13,7 @@
  *   2e-5 of 1 - exp(-tau) at tau 0.01 to 4, and by -(tau / 200)^2 / 24, which is the midpoint
  *   rule's, at 10 and 20. Uniform media that emit are written as media of uneven density: unlit,
  *   they would be sampled once.
- * - A light of colour C fades by 2 C / (1 + (r / d)^2): with d = 1 unit, 1/r^2 to (1 unit / r)^2.
+ * - A light of colour C fades by 2 C / (1 + (r / d)^2): 1/r^2 to (d / r)^2.
  *   Of a spot `tightness 0` leaves the smoothstep of the cosine between `radius` and `falloff`.
  * - Pigment and density functions wrap at 1: the densest place gets 0.999.
  * - Radiosity has the light of the background, too, and follows mirrors. `reflection` of a colour
@@ -35,311 +35,56 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The radius of the blown-up world. POV-Ray ends rays at 1e7 units; the sun stands at twice the
- * radius, so that no distance exceeds 6e6. Where photons are shot the world is small. */
-static const double world_radius_units = 2e6;
-static const double photon_world_radius_units = 1e4;
-static const double sun_distance_radii = 2.0;
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
+_Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
-/* POV-Ray ignores hits nearer than 1e-3 units. */
-static const double face_gap_units = 2e-3;
-static const double face_step_units = 4e-3;
-static const double solid_minimum_units = 0.02;
-
+static const double sun_distance_radii = 2.0; /* no distance exceeds 6e6 units */
 static const double density_peak = 0.999;
-static const double extinction_maximum_per_unit = 1e30; /* colours are floats */
 
-/* ---- The world ------------------------------------------------------------------------------ */
-
-/* Faces and boxes by axis number: 0 x, 1 y, 2 z. */
-static double axis_of(struct neph_vec3 v, int axis)
-{
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
-static void set_axis(struct neph_vec3 *v, int axis, double value)
-{
-    *(axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z) = value;
-}
-
-static const struct neph_bounds nothing = {{INFINITY, INFINITY, INFINITY},
-                                           {-INFINITY, -INFINITY, -INFINITY}};
-
-static struct neph_bounds join(struct neph_bounds a, struct neph_bounds b)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        set_axis(&a.min_m, axis, fmin(axis_of(a.min_m, axis), axis_of(b.min_m, axis)));
-        set_axis(&a.max_m, axis, fmax(axis_of(a.max_m, axis), axis_of(b.max_m, axis)));
-    }
-    return a;
-}
-
-static bool has_inside(const struct neph_bounds *bounds)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        if (!(axis_of(bounds->min_m, axis) < axis_of(bounds->max_m, axis)))
-            return false;
-    }
-    return true;
-}
-
-static bool is_finite(const struct neph_bounds *bounds)
-{
-    struct neph_vec3 size = neph_vec3_sub(bounds->max_m, bounds->min_m);
-    return isfinite(size.x) && isfinite(size.y) && isfinite(size.z);
-}
-
-static bool is_uniform(const struct neph_medium *medium)
-{
-    if (!neph_medium_is_fog(medium))
-        return false;
-    for (int i = 0; i < medium->layer_count; i++) {
-        if (medium->layers[i].extinction_per_m > 0.0 && medium->layers[i].falloff_per_m > 0.0)
-            return false;
-    }
-    return true;
-}
-
-static double layer_extinction_per_m(const struct neph_fog_layer *layer, double y_m)
-{
-    if (layer->extinction_per_m <= 0.0)
-        return 0.0;
-    return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
-}
-
-static double densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds)
-{
-    if (!neph_medium_is_fog(medium))
-        return neph_medium_extinction_bound_per_m(medium, bounds);
-    double sum_per_m = 0.0;
-    for (int i = 0; i < medium->layer_count; i++)
-        sum_per_m += layer_extinction_per_m(&medium->layers[i], bounds->min_m.y);
-    return sum_per_m;
-}
-
-static bool is_empty(const struct neph_medium *medium)
-{
-    const struct neph_bounds support = neph_medium_support(medium);
-    if (!neph_medium_is_fog(medium))
-        return !(neph_medium_extinction_bound_per_m(medium, &support) > 0.0);
-    for (int i = 0; i < medium->layer_count; i++) {
-        if (medium->layers[i].extinction_per_m > 0.0)
-            return !has_inside(&medium->bounds);
-    }
-    return true;
-}
-
-static enum neph_status place_containers(struct neph_povray_world *world, struct neph_diag *diag)
-{
-    const struct neph_scene *scene = world->scene;
-    for (int i = 0; i < scene->medium_count; i++) {
-        struct neph_povray_container *container = &world->containers[i];
-        if (is_empty(&scene->media[i]))
-            continue;
-        double cut_error = 0.0;
-        container->bounds = neph_medium_container(scene, &scene->media[i], &cut_error);
-        if (!is_finite(&container->bounds) || !has_inside(&container->bounds))
-            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                             "medium %d has no finite box that could hold it", i + 1);
-        container->used = true;
-        container->uniform = is_uniform(&scene->media[i]);
-        world->cut_error += cut_error;
-    }
-    return NEPH_OK;
-}
-
-static double farthest_corner_m(const struct neph_bounds *bounds, struct neph_vec3 from_m)
-{
-    double squared = 0.0;
-    for (int axis = 0; axis < 3; axis++) {
-        double low = axis_of(bounds->min_m, axis) - axis_of(from_m, axis);
-        double high = axis_of(bounds->max_m, axis) - axis_of(from_m, axis);
-        squared += fmax(low * low, high * high);
-    }
-    return sqrt(squared);
-}
-
-bool neph_povray_has_photons(const struct neph_scene *scene)
-{
-    for (int i = 0; i < scene->solid_count; i++)
-        if (scene->sun.present && neph_is_mirror(&scene->solids[i].surface))
-            return true;
-    return false;
-}
-
-/* The origin is put amid the solids: there POV-Ray's float bounding boxes must be finest. */
-static void choose_units(struct neph_povray_world *world)
-{
-    struct neph_bounds solids = nothing;
-    for (int i = 0; i < world->scene->solid_count; i++)
-        solids = join(solids, neph_solid_bounds(&world->scene->solids[i]));
-    struct neph_bounds eye = {world->camera.position_m, world->camera.position_m};
-    struct neph_bounds all = join(solids, eye);
-    for (int i = 0; i < world->scene->light_count; i++) {
-        const struct neph_vec3 at_m = world->scene->lights[i].position_m;
-        all = join(all, (struct neph_bounds){at_m, at_m});
-    }
-    for (int i = 0; i < world->scene->medium_count; i++) {
-        if (world->containers[i].used)
-            all = join(all, world->containers[i].bounds);
-    }
-    const struct neph_bounds *middle = world->scene->solid_count > 0 ? &solids : &all;
-    world->origin_m = neph_vec3_scale(neph_vec3_add(middle->min_m, middle->max_m), 0.5);
-    double radius_m = farthest_corner_m(&all, world->origin_m);
-    world->radius_units = neph_povray_has_photons(world->scene) ? photon_world_radius_units
-                                                                : world_radius_units;
-    world->units_per_m = world->radius_units / (radius_m > 0.0 ? radius_m : 1.0);
-}
-
-static enum neph_status check_solids(const struct neph_povray_world *world, struct neph_diag *diag)
-{
-    for (int i = 0; i < world->scene->solid_count; i++) {
-        struct neph_bounds bounds = neph_solid_bounds(&world->scene->solids[i]);
-        struct neph_vec3 size_m = neph_vec3_sub(bounds.max_m, bounds.min_m);
-        double smallest_m = fmin(size_m.x, fmin(size_m.y, size_m.z));
-        if (!(smallest_m * world->units_per_m >= solid_minimum_units))
-            return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "solids of %g m in a world of %g m radius",
-                             smallest_m, world->radius_units / world->units_per_m);
-    }
-    return NEPH_OK;
-}
-
-/* Is a face of a container on this plane too near to a solid's face, to the eye or to the face of
- * an earlier container? */
-static bool is_crowded(const struct neph_povray_world *world, int container, int axis,
-                       double plane_m)
-{
-    double gap_m = face_gap_units / world->units_per_m;
-    if (fabs(axis_of(world->camera.position_m, axis) - plane_m) < gap_m)
-        return true;
-    for (int i = 0; i < world->scene->solid_count; i++) {
-        struct neph_bounds bounds = neph_solid_bounds(&world->scene->solids[i]);
-        if (fabs(axis_of(bounds.min_m, axis) - plane_m) < gap_m ||
-            fabs(axis_of(bounds.max_m, axis) - plane_m) < gap_m)
-            return true;
-    }
-    for (int i = 0; i < container; i++) {
-        const struct neph_bounds *bounds = &world->containers[i].bounds;
-        if (world->containers[i].used && (fabs(axis_of(bounds->min_m, axis) - plane_m) < gap_m ||
-                                          fabs(axis_of(bounds->max_m, axis) - plane_m) < gap_m))
-            return true;
-    }
-    return false;
-}
-
-static double uncrowded(const struct neph_povray_world *world, int container, int axis,
-                        double plane_m, double outward)
-{
-    double step_m = outward * face_step_units / world->units_per_m;
-    double moved_m = plane_m;
-    for (int i = 1; is_crowded(world, container, axis, moved_m); i++)
-        moved_m = plane_m + i * step_m;
-    return moved_m;
-}
-
-/* Move faces outward until they are alone: onto the inside of a solid that they touch, where
- * nobody looks, or by a few 1e-9 of the world. */
-static void separate_faces(struct neph_povray_world *world)
-{
-    for (int i = 0; i < world->scene->medium_count; i++) {
-        struct neph_bounds *bounds = &world->containers[i].bounds;
-        if (!world->containers[i].used)
-            continue;
-        double shift_m = 0.0;
-        for (int axis = 0; axis < 3; axis++) {
-            double low_m = axis_of(bounds->min_m, axis), high_m = axis_of(bounds->max_m, axis);
-            set_axis(&bounds->min_m, axis, uncrowded(world, i, axis, low_m, -1.0));
-            set_axis(&bounds->max_m, axis, uncrowded(world, i, axis, high_m, 1.0));
-            shift_m = fmax(shift_m, fmax(low_m - axis_of(bounds->min_m, axis),
-                                         axis_of(bounds->max_m, axis) - high_m));
-        }
-        double per_m = densest_per_m(&world->scene->media[i], bounds);
-        world->containers[i].extinction_per_m = per_m;
-        world->shift_error = fmax(world->shift_error, per_m * shift_m);
-    }
-}
-
-static enum neph_status check_extinctions(const struct neph_povray_world *world,
-                                          struct neph_diag *diag)
-{
-    for (int i = 0; i < world->scene->medium_count; i++) {
-        double per_m = world->containers[i].extinction_per_m;
-        if (world->containers[i].used &&
-            !(per_m / world->units_per_m < extinction_maximum_per_unit))
-            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                             "medium %d reaches an extinction of %g per metre at the bottom", i + 1,
-                             per_m);
-    }
-    return NEPH_OK;
-}
-
-/* Planar depth of the farthest corner of a solid's box. */
-static double solid_depth_m(const struct neph_solid *solid, const struct neph_camera *camera)
-{
-    struct neph_bounds bounds = neph_solid_bounds(solid);
-    double depth_m = 0.0;
-    for (int axis = 0; axis < 3; axis++) {
-        double forward = axis_of(camera->forward, axis);
-        double eye_m = axis_of(camera->position_m, axis);
-        depth_m += fmax(forward * (axis_of(bounds.min_m, axis) - eye_m),
-                        forward * (axis_of(bounds.max_m, axis) - eye_m));
-    }
-    return depth_m;
-}
-
-static void choose_depth_range(struct neph_povray_world *world)
-{
-    double depth_m = 0.0;
-    for (int i = 0; i < world->scene->solid_count; i++)
-        depth_m = fmax(depth_m, solid_depth_m(&world->scene->solids[i], &world->camera));
-    world->depth_range_m = depth_m / NEPH_POVRAY_DEPTH_TOP;
-}
-
-enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, int width_px,
-                                   int height_px, int intervals, struct neph_povray_world *world,
-                                   struct neph_diag *diag)
-{
-    struct neph_povray_world made = {.scene = scene,
-                                     .camera = neph_scene_camera(scene, frame),
-                                     .width_px = width_px,
-                                     .height_px = height_px,
-                                     .intervals = intervals};
-    if (neph_scene_has_wide_spot(scene))
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s", neph_wide_spot_reason);
-    enum neph_status status = place_containers(&made, diag);
-    if (status)
-        return status;
-    choose_units(&made);
-    status = check_solids(&made, diag);
-    if (status)
-        return status;
-    separate_faces(&made);
-    status = check_extinctions(&made, diag);
-    if (status)
-        return status;
-    choose_depth_range(&made);
-    *world = made;
-    return NEPH_OK;
-}
+/* Twice what float bounding boxes are off; see povray_world.c. */
+static const double face_margin_units = 4.0;
+/* Cubes around a light, far more than the 1e-3 units that shadow rays ignore beside it. */
+static const double hole_units = 0.01;
+static const double mask_units = 0.05;
+static const double fade_units = 1e-3;
 
 /* ---- Phase functions ------------------------------------------------------------------------ */
 
 bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b)
 {
-    return a->kind == b->kind && (a->kind != NEPH_PHASE_HENYEY_GREENSTEIN || a->g == b->g);
+    return a->kind == b->kind && (!neph_phase_has_asymmetry(a->kind) || a->g == b->g);
 }
 
 double neph_povray_phase_excess(enum neph_phase_kind kind)
 {
-    /* The mean over the sphere of 0.799372013 (1 + cos^2). */
-    return kind == NEPH_PHASE_RAYLEIGH ? 0.799372013 * 4.0 / 3.0 : 1.0;
+    switch (kind) {
+    case NEPH_PHASE_RAYLEIGH:
+        return 0.799372013 * 4.0 / 3.0; /* the mean over the sphere of 0.799372013 (1 + cos^2) */
+    case NEPH_PHASE_ISOTROPIC:
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
+        return 1.0;
+    case NEPH_PHASE_KIND_COUNT:
+        break;
+    }
+    return NAN;
 }
 
 static int povray_phase_type(enum neph_phase_kind kind)
 {
-    static const int types[] = {
-        [NEPH_PHASE_ISOTROPIC] = 1, [NEPH_PHASE_HENYEY_GREENSTEIN] = 5, [NEPH_PHASE_RAYLEIGH] = 4};
-    return types[kind];
+    switch (kind) {
+    case NEPH_PHASE_ISOTROPIC:
+        return 1;
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
+        return 5;
+    case NEPH_PHASE_RAYLEIGH:
+        return 4;
+    case NEPH_PHASE_KIND_COUNT:
+        break;
+    }
+    return 0;
 }
 
 /* ---- The text ------------------------------------------------------------------------------- */
@@ -497,6 +242,182 @@ static bool is_lit(const struct writer *writer)
            kind != NEPH_POVRAY_DEPTH;
 }
 
+/* ---- Containers ------------------------------------------------------------------------------ */
+
+static void corners(struct writer *writer, const struct neph_bounds *bounds)
+{
+    position(writer, bounds->min_m);
+    words(writer, ", ");
+    position(writer, bounds->max_m);
+}
+
+static void box(struct writer *writer, struct neph_bounds bounds)
+{
+    words(writer, "\n  box { ");
+    corners(writer, &bounds);
+    words(writer, " }");
+}
+
+static struct neph_bounds grown(const struct neph_bounds *bounds, double by_units,
+                                const struct writer *writer)
+{
+    const double by_m = by_units / writer->world->units_per_m;
+    const struct neph_vec3 by = {by_m, by_m, by_m};
+    return (struct neph_bounds){neph_vec3_sub(bounds->min_m, by), neph_vec3_add(bounds->max_m, by)};
+}
+
+/* Copy the lower (0) or upper (1) face of `from` across `axis` to that side of `to`. */
+static void copy_face(struct neph_bounds *to, int to_side, const struct neph_bounds *from,
+                      int from_side, int axis)
+{
+    const struct neph_vec3 plane_m = from_side ? from->max_m : from->min_m;
+    neph_povray_set_axis(to_side ? &to->max_m : &to->min_m, axis, neph_povray_axis(plane_m, axis));
+}
+
+/* The first parts of a difference: a box whose marked faces are cut from a larger one. POV-Ray's
+ * bounding box of a difference is its first part's; which side of a marked face a ray begins on is
+ * then decided by the cut, in doubles. */
+static void cut_box(struct writer *writer, const struct neph_bounds *bounds,
+                    const bool is_marked[3][2])
+{
+    const struct neph_bounds large = grown(bounds, face_margin_units, writer);
+    struct neph_bounds first = *bounds;
+    for (int face = 0; face < 6; face++)
+        if (is_marked[face / 2][face % 2])
+            copy_face(&first, face % 2, &large, face % 2, face / 2);
+    box(writer, first);
+    for (int face = 0; face < 6; face++) {
+        struct neph_bounds beyond = grown(&large, face_margin_units, writer);
+        copy_face(&beyond, 1 - face % 2, bounds, face % 2, face / 2);
+        if (is_marked[face / 2][face % 2])
+            box(writer, beyond);
+    }
+}
+
+static bool has_marked_face(const struct neph_povray_container *container)
+{
+    for (int face = 0; face < 6; face++)
+        if (container->is_near_an_eye[face / 2][face % 2])
+            return true;
+    return false;
+}
+
+/* A shadow ray is attenuated where it leaves a medium: around a light inside there is a hole for it
+ * to leave by. A cube, for POV-Ray's spheres of that size are lost in their rounding. */
+static void write_container(struct writer *writer, const struct neph_povray_container *container)
+{
+    const struct neph_scene *scene = writer->world->scene;
+    const struct neph_bounds reach = grown(&container->bounds, 2.0 * hole_units, writer);
+    bool is_difference = has_marked_face(container);
+    for (int i = 0; i < scene->light_count; i++)
+        is_difference |= neph_bounds_contain(&reach, scene->lights[i].position_m);
+    if (!is_difference) {
+        words(writer, "box { ");
+        corners(writer, &container->bounds);
+        return;
+    }
+    words(writer, "difference {");
+    cut_box(writer, &container->bounds, container->is_near_an_eye);
+    for (int i = 0; i < scene->light_count; i++) {
+        const struct neph_vec3 at_m = scene->lights[i].position_m;
+        const struct neph_bounds point = {at_m, at_m};
+        if (neph_bounds_contain(&reach, at_m))
+            box(writer, grown(&point, hole_units, writer));
+    }
+    words(writer, "\n ");
+}
+
+/* ---- Lights ---------------------------------------------------------------------------------- */
+
+/* Do media scatter light in this picture? */
+static bool has_scattering(const struct writer *writer)
+{
+    const enum neph_povray_kind kind = writer->pass->kind;
+    return kind == NEPH_POVRAY_VOLUME ||
+           (kind == NEPH_POVRAY_BEAUTY && writer->world->scene->scattering != NEPH_SCATTERING_NONE);
+}
+
+/* What a spot lets through of a light all around, at a place x, y, z from it. */
+static void write_mask(struct writer *writer, const struct neph_light *light)
+{
+    static const bool all[3][2] = {{true, true}, {true, true}, {true, true}};
+    const struct neph_bounds point = {light->position_m, light->position_m};
+    const struct neph_bounds cube = grown(&point, mask_units, writer);
+    words(writer, "difference {");
+    cut_box(writer, &cube, all);
+    words(writer, "\n  hollow no_image no_reflection\n"
+                  "  pigment { function { Soft(min(1, max(0, ((x*(");
+    named_number(writer, "", light->axis.x, ") + y*(");
+    named_number(writer, "", light->axis.y, ") + z*(");
+    named_number(writer, "", light->axis.z, "))/sqrt(x*x + y*y + z*z) - (");
+    named_number(writer, "", light->outer_cosine, "))*");
+    named_number(writer, "", 1.0 / (light->inner_cosine - light->outer_cosine), "))) }\n");
+    named_number(writer, "    color_map { [0 rgbt 0] [", density_peak, " rgbt 1] } translate ");
+    position(writer, light->position_m);
+    words(writer, " } finish { ambient 0 diffuse 0 } }\n");
+}
+
+static void write_clear(struct writer *writer)
+{
+    words(writer, " hollow no_shadow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n");
+}
+
+/* Where a ray enters or leaves a cone, where it is wide enough not to be a plane. */
+static void write_cone_cut(struct writer *writer, const struct neph_light *light)
+{
+    const double length = 2.0 * writer->world->radius_units;
+    const double tangent = sqrt(1.0 - light->outer_cosine * light->outer_cosine) /
+                           light->outer_cosine;
+    if (!(tangent < 10.0))
+        return;
+    words(writer, "cone { ");
+    position(writer, light->position_m);
+    words(writer, ", 0, ");
+    position(writer, light->position_m);
+    words(writer, " + ");
+    vector(writer, neph_vec3_scale(light->axis, length));
+    named_number(writer, ", ", length * tangent, "");
+    write_clear(writer);
+}
+
+/* Clear cubes, which cut the rays of pixels and no shadow ray. As one object, whose bounding box is
+ * the largest. */
+static void write_cubes(struct writer *writer, const struct neph_povray_lamp *lamp,
+                        struct neph_vec3 at_m)
+{
+    if (lamp->cube_count == 0)
+        return;
+    words(writer, "union {");
+    for (int i = 0; i < lamp->cube_count; i++)
+        box(writer, neph_bounds_around(at_m, lamp->half_sides_m[i]));
+    words(writer, "\n ");
+    write_clear(writer);
+}
+
+static bool is_masked(const struct writer *writer, int light)
+{
+    return has_scattering(writer) && writer->world->lamps[light].is_masked;
+}
+
+/* Beside the sources of light: masks of spots, and what cuts rays near a light (povray_lamps.h). */
+static void write_lamps(struct writer *writer)
+{
+    const struct neph_scene *scene = writer->world->scene;
+    bool is_first = true;
+    for (int i = 0; i < scene->light_count && has_scattering(writer); i++) {
+        if (is_masked(writer, i)) {
+            if (is_first)
+                words(writer, "#declare Soft = function(x) { ");
+            if (is_first)
+                named_number(writer, "", density_peak, "*x*x*(3 - 2*x) }\n");
+            is_first = false;
+            write_mask(writer, &scene->lights[i]);
+            write_cone_cut(writer, &scene->lights[i]);
+        }
+        write_cubes(writer, &writer->world->lamps[i], scene->lights[i].position_m);
+    }
+}
+
 static void write_sun(struct writer *writer)
 {
     const struct neph_sun *sun = &writer->world->scene->sun;
@@ -520,19 +441,20 @@ static void write_cone(struct writer *writer, const struct neph_light *light)
     position(writer, neph_vec3_add(light->position_m, light->axis));
 }
 
-/* As the sun's, of the irradiance at one metre: 1/2 of what it is at `fade_distance`, one unit. */
+/* As the sun's, of the irradiance at one metre: 1/2 of what it is at `fade_distance`. */
 static void write_lights(struct writer *writer)
 {
     const struct neph_scene *scene = writer->world->scene;
-    const double squared_units_per_m2 = writer->world->units_per_m * writer->world->units_per_m;
+    const double fades_per_m = writer->world->units_per_m / fade_units;
     for (int i = 0; i < scene->light_count && is_lit(writer); i++) {
         words(writer, "light_source { ");
         position(writer, scene->lights[i].position_m);
         words(writer, " ");
         colour(writer, neph_rgb_scale(scene->lights[i].intensity_w_per_sr,
-                                      squared_units_per_m2 / (2.0 * M_PI)));
-        words(writer, " fade_distance 1 fade_power 2");
-        write_cone(writer, &scene->lights[i]);
+                                      fades_per_m * fades_per_m / (2.0 * M_PI)));
+        named_number(writer, " fade_distance ", fade_units, " fade_power 2");
+        if (!is_masked(writer, i))
+            write_cone(writer, &scene->lights[i]);
         words(writer, " }\n\n");
     }
 }
@@ -554,6 +476,8 @@ static void write_background(struct writer *writer)
     case NEPH_POVRAY_VOLUME:
     case NEPH_POVRAY_EMISSION:
         words(writer, "rgb 0");
+        break;
+    case NEPH_POVRAY_KIND_COUNT:
         break;
     }
     words(writer, " }\n\n");
@@ -617,7 +541,7 @@ static void write_scattering(struct writer *writer, const struct neph_medium *me
     named_number(writer, "    scattering { ", povray_phase_type(phase->kind), ", ");
     property(writer, neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
                                     scatters ? scale : 0.0));
-    if (phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+    if (neph_phase_has_asymmetry(phase->kind))
         named_number(writer, " eccentricity ", phase->g, "");
     words(writer, " extinction 0 }\n");
 }
@@ -661,7 +585,7 @@ static void write_layers(struct writer *writer, const struct neph_medium *medium
     words(writer, "    density { function { 0");
     for (int i = 0; i < medium->layer_count; i++) {
         const struct neph_fog_layer *layer = &medium->layers[i];
-        double part = layer_extinction_per_m(layer, bottom_m) / container->extinction_per_m;
+        double part = neph_povray_layer_per_m(layer, bottom_m) / container->extinction_per_m;
         if (!(part > 0.0))
             continue;
         named_number(writer, " + ", density_peak * part, "");
@@ -703,35 +627,13 @@ static void write_emission(struct writer *writer, const struct neph_medium *medi
     words(writer, "\n");
 }
 
-/* A shadow ray is attenuated where it leaves a medium: around a light inside there is a hole of one
- * unit for it to leave by. */
-static void write_container(struct writer *writer, const struct neph_bounds *bounds)
-{
-    const struct neph_scene *scene = writer->world->scene;
-    int inside = 0;
-    for (int i = 0; i < scene->light_count; i++)
-        inside += neph_bounds_contain(bounds, scene->lights[i].position_m);
-    words(writer, inside ? "difference { box { " : "box { ");
-    position(writer, bounds->min_m);
-    words(writer, ", ");
-    position(writer, bounds->max_m);
-    words(writer, inside ? " }\n  " : "");
-    for (int i = 0; i < scene->light_count; i++) {
-        if (!neph_bounds_contain(bounds, scene->lights[i].position_m))
-            continue;
-        words(writer, "sphere { ");
-        position(writer, scene->lights[i].position_m);
-        words(writer, ", 1 }\n ");
-    }
-}
-
 static void write_medium(struct writer *writer, int index)
 {
     const struct neph_medium *medium = &writer->world->scene->media[index];
     const struct neph_povray_container *container = &writer->world->containers[index];
     const double per_unit = extinction_per_unit(writer, index);
     write_comment(writer, medium, container);
-    write_container(writer, &container->bounds);
+    write_container(writer, container);
     words(writer, " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
                   "  interior { media {\n");
     named_number(writer, "    method 2 intervals ", intervals_of(writer, is_plain(writer, index)),
@@ -825,6 +727,8 @@ static void write_texture(struct writer *writer, const struct neph_solid *solid)
         words(writer, " }");
         write_finish(writer, solid);
         break;
+    case NEPH_POVRAY_KIND_COUNT:
+        break;
     }
 }
 
@@ -917,7 +821,7 @@ static void write_turn(struct writer *writer, const struct neph_solid *box)
         const struct neph_vec3 unit = {axis == 0, axis == 1, axis == 2};
         const struct neph_vec3 row = neph_turned(&box->turn, unit);
         for (int i = 0; i < 3; i++)
-            named_number(writer, "", axis_of(row, i), ", ");
+            named_number(writer, "", neph_povray_axis(row, i), ", ");
     }
     words(writer, "0, 0, 0> translate ");
     position(writer, middle_m);
@@ -1024,6 +928,7 @@ enum neph_status neph_povray_text(const struct neph_povray_world *world,
     write_camera(&writer);
     write_sun(&writer);
     write_lights(&writer);
+    write_lamps(&writer);
     write_background(&writer);
     write_media(&writer);
     write_solids(&writer);

@@ -6,8 +6,8 @@
 #ifndef NEPH_HARNESS_ENGINES_POVRAY_SCENE_H
 #define NEPH_HARNESS_ENGINES_POVRAY_SCENE_H
 
+#include "harness/engines/povray_world.h"
 #include "scenes/grid.h"
-#include "scenes/scene.h"
 
 #include <stdbool.h>
 
@@ -17,42 +17,6 @@
 /* Directions that POV-Ray has for radiosity; of more it makes new ones. */
 #define NEPH_POVRAY_RAYS_MAX 1600
 
-/* The box that holds one medium. */
-struct neph_povray_container {
-    bool used; /* false: the medium is empty */
-    bool uniform;
-    struct neph_bounds bounds; /* finite */
-    /* For extinction_color 1. Uniform: everywhere; fog: at the lowest height of the box; else the
-     * largest. */
-    double extinction_per_m;
-};
-
-/* Light between solids: rays from places whose light those around them share. */
-struct neph_povray_radiosity {
-    int rays;           /* from a place; 0: there is no such light */
-    double error_bound; /* how different light may be that is shared, in POV-Ray's measure */
-    int photons;        /* that a mirror throws of the sun's light */
-};
-
-/* A frame of a scene, prepared for POV-Ray. */
-struct neph_povray_world {
-    const struct neph_scene *scene; /* borrowed */
-    struct neph_camera camera;
-    int width_px, height_px;
-    int intervals;
-    struct neph_povray_radiosity radiosity; /* for the caller to set; else 0 */
-    /* POV-Ray's tolerances are fixed lengths (1e-4 and 1e-3 units), and a container's face that
-     * near to a lit solid breaks its shadow. The world is blown up until they are small: position
-     * in units = units_per_m * (position - origin). */
-    double units_per_m;
-    double radius_units; /* of the world */
-    struct neph_vec3 origin_m;
-    struct neph_povray_container containers[NEPH_SCENE_MEDIA_MAX];
-    double cut_error;     /* bound on the error in transmittance of cutting open media */
-    double shift_error;   /* optical depth added by moving faces of containers off other faces */
-    double depth_range_m; /* above the depth of all solids; 0: no solid in front of the camera */
-};
-
 enum neph_povray_kind {
     NEPH_POVRAY_BEAUTY,        /* for people: colours as they are */
     NEPH_POVRAY_VOLUME,        /* sunlight scattered by the media of one phase function */
@@ -60,6 +24,7 @@ enum neph_povray_kind {
     NEPH_POVRAY_EMISSION,      /* what absorbing media emit, in the dark */
     NEPH_POVRAY_TRANSMITTANCE, /* background and solids of radiance 1 through absorbing media */
     NEPH_POVRAY_DEPTH,         /* three digits, povray_exposure.h */
+    NEPH_POVRAY_KIND_COUNT,
 };
 
 /* One picture to render. All but BEAUTY and DEPTH are monochrome in three brackets. */
@@ -69,17 +34,6 @@ struct neph_povray_pass {
     double gain;
     struct neph_phase phase; /* VOLUME */
 };
-
-/* Prepare a frame. NEPH_ERR_UNSUPPORTED, with the reason in words, when its sizes are beyond
- * POV-Ray. Nothing to free; `scene` must outlive the world. Only scenes of fogs and grids
- * (baked_scene.h) can be written as text. */
-enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, int width_px,
-                                   int height_px, int intervals, struct neph_povray_world *world,
-                                   struct neph_diag *diag);
-
-/* Does a mirror throw sunlight on others? Such a picture has the same value in all three channels.
- */
-bool neph_povray_has_photons(const struct neph_scene *scene);
 
 /* The text of one pass, for the caller to free. */
 enum neph_status neph_povray_text(const struct neph_povray_world *world,

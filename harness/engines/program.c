@@ -5,11 +5,15 @@
 #include "base/files.h"
 #include "base/hash.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char scratch_prefix[] = "neph-probe-";
 static const size_t text_limit_bytes = 1 << 16;
+static const int64_t folder_bytes = (int64_t)512 << 20, folder_bytes_per_px = 256,
+                     folder_entries = 16384, log_bytes = (int64_t)16 << 20;
 
 enum neph_status neph_program_home(const char *prefix, struct neph_scratch **home,
                                    struct neph_diag *diag)
@@ -22,6 +26,70 @@ enum neph_status neph_program_home(const char *prefix, struct neph_scratch **hom
     return status ? neph_fail(diag, status, "%s (the folder of TMPDIR)", why.message) : NEPH_OK;
 }
 
+/* ---- what it writes -------------------------------------------------------------------------- */
+
+struct neph_child_limits neph_program_limits(const struct neph_usage *before, int width_px,
+                                             int height_px)
+{
+    return (struct neph_child_limits){
+        .folder_bytes = before->bytes + folder_bytes +
+                        folder_bytes_per_px * (int64_t)width_px * (int64_t)height_px,
+        .folder_entries = before->entries + folder_entries,
+        .log_bytes = log_bytes,
+    };
+}
+
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+enum neph_status neph_program_left(const char *path, bool *is_left, struct neph_diag *diag)
+{
+    struct stat info;
+    *is_left = lstat(path, &info) == 0;
+    const bool is_link = *is_left && S_ISLNK(info.st_mode);
+    if (!*is_left && (errno == ENOENT || errno == ENOTDIR))
+        return NEPH_OK;
+    if (!*is_left || (is_link && stat(path, &info) != 0))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "what the program left as '%s' cannot be read: %s",
+                         name_of(path), strerror(errno));
+    if (S_ISREG(info.st_mode))
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_ENGINE, "what the program left as '%s' is %s%s, not a file",
+                     name_of(path), is_link ? "a link to " : "",
+                     S_ISDIR(info.st_mode)    ? "a folder"
+                     : S_ISFIFO(info.st_mode) ? "a pipe"
+                     : S_ISSOCK(info.st_mode) ? "a socket"
+                                              : "a device");
+}
+
+enum neph_status neph_program_status(enum neph_status status)
+{
+    switch (status) {
+    case NEPH_OK:
+    case NEPH_ERR_MEMORY:
+    case NEPH_ERR_TIMEOUT:
+    case NEPH_ERR_INTERRUPTED:
+    case NEPH_ERR_INTERNAL:
+        return status;
+    case NEPH_ERR_USAGE:
+    case NEPH_ERR_INPUT:
+    case NEPH_ERR_NOT_FOUND:
+    case NEPH_ERR_IO:
+    case NEPH_ERR_UNAVAILABLE:
+    case NEPH_ERR_UNSUPPORTED:
+    case NEPH_ERR_ENGINE:
+    case NEPH_ERR_GATE:
+    case NEPH_STATUS_COUNT:
+        return NEPH_ERR_ENGINE;
+    }
+    return NEPH_ERR_ENGINE;
+}
+
+/* ---- its version ----------------------------------------------------------------------------- */
+
 static enum neph_status run_version(const char *program, const char *home, double time_limit_s,
                                     char **text, struct neph_diag *diag)
 {
@@ -29,13 +97,20 @@ static enum neph_status run_version(const char *program, const char *home, doubl
     char *log = neph_path_join(home, "version.log");
     if (!log)
         return neph_fail_memory(diag);
-    const struct neph_child_params params = {
-        .argv = argv, .log_path = log, .home = home, .time_limit_s = time_limit_s};
+    const struct neph_usage nothing = {.bytes = 0};
+    struct neph_child_params params = {.argv = argv,
+                                       .working_directory = home,
+                                       .log_path = log,
+                                       .home = home,
+                                       .is_confined = true,
+                                       .limits = neph_program_limits(&nothing, 0, 0),
+                                       .time_limit_s = time_limit_s};
+    params.limits.log_bytes = (int64_t)text_limit_bytes;
     struct neph_child_result result;
     size_t size = 0;
     enum neph_status status = neph_child_run(&params, &result, diag);
     if (!status)
-        status = neph_file_read(log, text_limit_bytes, text, &size, diag);
+        status = neph_program_status(neph_file_read(log, text_limit_bytes, text, &size, diag));
     free(log);
     return status;
 }
@@ -75,6 +150,8 @@ enum neph_status neph_program_ask(const char *program, const char *name, double 
     enum neph_status status = neph_program_home(scratch_prefix, &home, diag);
     if (!status)
         status = run_version(program, neph_scratch_path(home), time_limit_s, &said, diag);
+    if (status && home)
+        neph_move_paths(diag, neph_scratch_path(home), NULL);
     neph_scratch_destroy(home);
     if (!status) {
         start_with(name, said);

@@ -374,7 +374,7 @@ const struct neph_engine neph_engine_realtime = {
     .remembers = true,
     .takes_given = true,
     .injects = true,
-    .version = 3, /* octaves fitted to whole pictures, too */
+    .version = 4, /* 4: steps are divided around lamps */
     .shortcut_of = "march",
     .stochastic = true,
     .step = {.option = NULL},

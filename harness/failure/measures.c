@@ -8,6 +8,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+
 static double itself(const double numbers[NEPH_FAILURE_NUMBERS])
 {
     return numbers[0];

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILURE_VERDICTS == 12, "a new kind");
+
 enum { COLUMN = 16 };
 
 /* What stands behind a number, or in its place. */

@@ -14,6 +14,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILURE_STATE_COUNT == 3, "a new kind");
+
 static const struct neph_page_file page_files[] = {
     {"failure.html", "index.html"},
     {"report.css", "report.css"},

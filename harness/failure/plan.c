@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+
 static const char *const all_presets[] = {"off",   "seed", "fixed", "ue",   "c52e",
                                           "unity", "ours", "fsr2",  "svgf", NULL};
 static const char *const quick_presets[] = {"seed", "fixed", "ours", NULL};

@@ -29,6 +29,7 @@ enum neph_failure_state {
     NEPH_FAILURE_RUNNING,
     NEPH_FAILURE_FINISHED,
     NEPH_FAILURE_INTERRUPTED,
+    NEPH_FAILURE_STATE_COUNT,
 };
 
 struct neph_failure_params {

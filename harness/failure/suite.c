@@ -14,6 +14,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
+
 /* Guesses before the first is over, on two cores. */
 static const double picture_typical_s = 0.2, take_typical_s = 3.0;
 

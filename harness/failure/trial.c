@@ -15,6 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+
 /* A child process may take this long over a picture of a stamp's size: so much that load does not
  * decide. */
 static const double engine_limit_s = 300.0;
@@ -262,9 +265,11 @@ static bool wants_pictures(enum neph_failure_pictures pictures, enum neph_failur
         return changed;
     case NEPH_FAILURE_PICTURES_FAILED:
         return changed || neph_failure_is_failure(verdict);
-    default:
-        return false;
+    case NEPH_FAILURE_PICTURES_NONE:
+    case NEPH_FAILURE_PICTURES_COUNT:
+        break;
     }
+    return false;
 }
 
 static bool is_drawn(const struct trial *trial)

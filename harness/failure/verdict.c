@@ -3,6 +3,10 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILURE_EXPECTED_COUNT == 4, "a new kind");
+_Static_assert(NEPH_FAILURE_VERDICTS == 12, "a new kind");
+
 static const char *const expected_names[NEPH_FAILURE_EXPECTED_COUNT] = {
     [NEPH_FAILURE_PASSES] = "passes",
     [NEPH_FAILURE_FAILS] = "fails",

@@ -28,6 +28,7 @@ enum neph_fly_command {
     NEPH_FLY_CAPTURE,
     NEPH_FLY_HELP,
     NEPH_FLY_LEAVE,
+    NEPH_FLY_COMMAND_COUNT,
 };
 
 /* A row of the help; keys of the table below. A NULL text ends it. */

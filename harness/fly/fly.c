@@ -23,6 +23,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_VIEW_KIND_COUNT == 4, "a new kind");
+_Static_assert(NEPH_FLY_COMMAND_COUNT == 17, "a new kind");
+
 enum { NOTICE_SIZE = 256, NOTICE_FRAMES = 120 };
 
 /* A frame that takes longer moves the camera by this much: nobody sees where it goes. */

@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_VIEW_KIND_COUNT == 4, "a new kind");
+
 enum { LINE_SIZE = 256, FIRST_FREE_LINE = 3 };
 
 static const uint8_t plain[3] = {255, 255, 255}, loud[3] = {255, 213, 0}, red[3] = {255, 96, 96};

@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_VIEW_KIND_COUNT == 4, "a new kind");
+
 /* A map of flicker is drawn anew after so many frames: it costs more than most of them. */
 enum { A4_EVERY_FRAMES = 8 };
 
@@ -124,7 +127,9 @@ enum neph_status neph_view_draw(struct neph_view *view, struct neph_studio *stud
         return draw_beside_march(view, studio, image, diag);
     case NEPH_VIEW_FLICKER:
         return draw_flicker(view, image, rests, diag);
-    default:
-        return encode(view, image, view->rgb, diag);
+    case NEPH_VIEW_PICTURE:
+    case NEPH_VIEW_KIND_COUNT:
+        break;
     }
+    return encode(view, image, view->rgb, diag);
 }

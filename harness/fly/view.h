@@ -14,6 +14,7 @@ enum neph_view_kind {
     NEPH_VIEW_WIPE,    /* the picture left of a line, the march right of it */
     NEPH_VIEW_ERROR,   /* of the picture against the march */
     NEPH_VIEW_FLICKER, /* of the last frames before a camera at rest */
+    NEPH_VIEW_KIND_COUNT,
 };
 
 /* The ends of the colours of an error, as a share of what is white. */

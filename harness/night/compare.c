@@ -1,22 +1,31 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/night/compare.h"
 
+#include "harness/night/environment.h"
 #include "harness/night/readers.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FOUND_COUNT == 14, "a new kind");
+_Static_assert(NEPH_JUDGED_COUNT == 5, "a new kind");
+
 enum { FINDINGS_FIRST = 64 };
 
 static const char *const found_words[] = {
     [NEPH_FOUND_STEP] = "step failed",
+    [NEPH_FOUND_HISTORY] = "history damaged",
     [NEPH_FOUND_BITS] = "not the same bits",
     [NEPH_FOUND_STALE] = "reference stale",
     [NEPH_FOUND_BLANK] = "blank picture",
     [NEPH_FOUND_MISSING] = "missing",
+    [NEPH_FOUND_LOST] = "lost",
     [NEPH_FOUND_SIZE] = "another size",
     [NEPH_FOUND_WORSE] = "worse",
+    [NEPH_FOUND_WORSE_ELSEWHERE] = "worse elsewhere",
+    [NEPH_FOUND_EDITED] = "edited",
     [NEPH_FOUND_BETTER] = "better",
     [NEPH_FOUND_ENVIRONMENT] = "environment",
     [NEPH_FOUND_MOVED] = "moved",
@@ -40,8 +49,9 @@ struct candidate {
     struct neph_series series;
     double *past, *errors; /* owned, as is `aside` */
     bool *aside;
-    bool was_measured;             /* by the accepted night */
-    const char *other_environment; /* of the accepted night, where it is another */
+    bool was_measured;               /* by the accepted night */
+    const char *other_environment;   /* of the accepted night, where it is another */
+    double other_value, other_error; /* and the number that was measured in it */
     bool other_size;
 };
 
@@ -52,14 +62,14 @@ struct work {
     int count;
     int64_t against;
     double alpha;
+    const struct neph_night_scope *scope; /* NULL: all of the plan was asked for */
 };
 
 /* ---- findings -------------------------------------------------------------------------------- */
 
 /* Worst first: by what it is, then by how far above its floor. */
-static int by_weight(const void *a_, const void *b_)
+static int by_weight(const struct neph_finding *a, const struct neph_finding *b)
 {
-    const struct neph_finding *a = a_, *b = b_;
     if (a->found != b->found)
         return a->found < b->found ? -1 : 1;
     const double of_a = isfinite(a->change) ? fabs(a->change) / fmax(a->floor, 1e-9) : 0.0;
@@ -89,8 +99,10 @@ void neph_night_add_finding(struct neph_night_comparison *comparison,
 {
     if (!make_room(comparison))
         return;
-    comparison->findings[comparison->finding_count++] = *finding;
-    qsort(comparison->findings, (size_t)comparison->finding_count, sizeof(*finding), by_weight);
+    int at = comparison->finding_count++;
+    for (; at > 0 && by_weight(&comparison->findings[at - 1], finding) > 0; at--)
+        comparison->findings[at] = comparison->findings[at - 1];
+    comparison->findings[at] = *finding;
     comparison->passes = comparison->compared > 0 &&
                          !neph_found_fails(comparison->findings[0].found);
 }
@@ -122,19 +134,11 @@ static void find(struct work *work, enum neph_found found, const char *series, c
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* The last acceptance of a series, of itself or of all. */
 static enum neph_status accepted_night(struct work *work, const char *series, int64_t *night,
                                        struct neph_diag *diag)
 {
-    if (work->against > 0) {
-        *night = work->against;
-        return NEPH_OK;
-    }
-    *night = 0;
-    return neph_database_count(work->index, night, diag,
-                               "SELECT night FROM acceptances WHERE series IN ('*', ?) AND night < "
-                               "? AND night IN (SELECT id FROM nights) ORDER BY id DESC LIMIT 1",
-                               "si", series, work->comparison->night);
+    return neph_accepted_night(work->index, work->comparison->night, work->against, series, night,
+                               diag);
 }
 
 /* Engines of one version and device are one program. */
@@ -186,15 +190,25 @@ static enum neph_status read_candidates(struct work *work, struct neph_diag *dia
     return status;
 }
 
-/* The nights from the accepted one on; a place for each, also for those without the number. */
+/* A program that calls a fixed number a drawn one is held to the rule of the accepted night. */
+static void take_accepted_kind(struct candidate *c, const char *word)
+{
+    const enum neph_series_kind kind = neph_series_kind_of(word);
+    if (!c->is_picture && kind < NEPH_SERIES_KINDS)
+        c->series.kind = kind;
+}
+
+/* The accepted night and those after the accepted night of all, so that means over scenes are over
+ * the same nights; a place for each, also for those without the number. */
 static enum neph_status read_past(struct work *work, struct candidate *c, struct neph_diag *diag)
 {
     int64_t nights = 0;
     struct neph_query *query = NULL;
     enum neph_status status = neph_database_count(
         work->index, &nights, diag,
-        "SELECT count(*) FROM nights WHERE ended_utc != '' AND id >= ? AND id < ?", "ii",
-        c->accepted, work->comparison->night);
+        "SELECT count(*) FROM nights WHERE ended_utc != '' AND (id = ? OR id > max(?, ?)) AND id < "
+        "?",
+        "iiii", c->accepted, c->accepted, work->comparison->baseline, work->comparison->night);
     c->past = calloc((size_t)nights + 1, sizeof(*c->past));
     c->errors = calloc((size_t)nights + 1, sizeof(*c->errors));
     c->aside = calloc((size_t)nights + 1, sizeof(*c->aside));
@@ -203,17 +217,18 @@ static enum neph_status read_past(struct work *work, struct candidate *c, struct
     if (!status)
         status = neph_query_begin(
             work->index, &query, diag,
-            "SELECT m.value, m.standard_error, m.environment, m.judgement, m.night IS NOT NULL "
-            "FROM "
+            "SELECT m.value, m.standard_error, m.environment, m.judgement, m.night IS NOT NULL, "
+            "m.kind FROM "
             "nights LEFT JOIN measurements AS m ON m.night = nights.id AND m.series = (SELECT id "
-            "FROM series WHERE name = ?) WHERE ended_utc != '' AND nights.id >= ? AND nights.id < "
-            "? "
-            "ORDER BY nights.id",
-            "sii", c->name, c->accepted, work->comparison->night);
+            "FROM series WHERE name = ?) WHERE ended_utc != '' AND (nights.id = ? OR nights.id > "
+            "max(?, ?)) AND nights.id < ? ORDER BY nights.id",
+            "siiii", c->name, c->accepted, c->accepted, work->comparison->baseline,
+            work->comparison->night);
     int at = 0;
     for (; !status && at < nights && neph_query_next(query, &status, diag); at++) {
         const bool is_there = neph_query_integer(query, 4) != 0;
-        const bool same = is_there && strcmp(neph_query_text(query, 2), c->environment) == 0;
+        const bool same = is_there &&
+                          neph_is_same_environment(neph_query_text(query, 2), c->environment);
         c->past[at] = same ? neph_query_real(query, 0) : NAN;
         c->errors[at] = same ? neph_query_real(query, 1) : NAN;
         c->aside[at] = neph_query_text(query, 3)[0] != '\0';
@@ -223,6 +238,9 @@ static enum neph_status read_past(struct work *work, struct candidate *c, struct
                                                                        neph_query_text(query, 2))
                                                      : NULL;
             c->aside[0] = false; /* it was accepted as it is */
+            c->other_value = neph_query_real(query, 0);
+            c->other_error = neph_query_real(query, 1);
+            take_accepted_kind(c, neph_query_text(query, 5));
         }
     }
     neph_query_end(query);
@@ -268,8 +286,9 @@ static enum neph_status find_failed_steps(struct work *work, struct neph_diag *d
     struct neph_query *query = NULL;
     enum neph_status status = neph_query_begin(
         work->index, &query, diag,
-        "SELECT name, outcome, reason FROM steps WHERE night = ? AND outcome != 'done'", "i",
-        work->comparison->night);
+        "SELECT name, outcome, reason FROM steps WHERE night = ? AND outcome NOT IN ('done', 'not "
+        "run')",
+        "i", work->comparison->night);
     while (!status && neph_query_next(query, &status, diag)) {
         const char *name = neph_arena_text(arena, neph_query_text(query, 0));
         find(work, NEPH_FOUND_STEP, name, name,
@@ -280,56 +299,123 @@ static enum neph_status find_failed_steps(struct work *work, struct neph_diag *d
     return status;
 }
 
-/* A scene that was changed has another hash in the name: that is a new series. */
-static bool has_successor(const struct work *work, const char *series)
+static const char *words_of_loss(struct neph_arena *arena, const struct neph_lost_series *lost)
 {
-    const char *at = strchr(series, '@'), *rest = at ? strchr(at, '/') : NULL;
-    for (int i = 0; rest && i < work->count; i++) {
-        const char *name = work->candidates[i].name, *own = strchr(name, '@');
-        if (own && own - name == at - series && strncmp(name, series, (size_t)(at - series)) == 0 &&
-            strchr(own, '/') && strcmp(strchr(own, '/'), rest) == 0)
-            return true;
+    switch (lost->loss) {
+    case NEPH_LOSS_STEP:
+        return lost->other
+                   ? neph_arena_format(arena,
+                                       "the accepted night has measured it, and tonight's plan has "
+                                       "no step '%s'; tonight measures the same scene as '%s'",
+                                       lost->step, lost->other)
+                   : neph_arena_format(arena,
+                                       "the accepted night has measured it, and tonight's plan has "
+                                       "no step '%s'",
+                                       lost->step);
+    case NEPH_LOSS_SERIES:
+        return "the accepted night has measured it, and tonight has not";
+    case NEPH_LOSS_OVERDUE:
+        return neph_arena_format(arena, "it was not measured for %lld nights",
+                                 (long long)lost->nights);
+    case NEPH_LOSS_EDITED:
+        break; /* told once for all numbers of the scene */
     }
-    return false;
+    return NULL;
 }
 
-/* Numbers of the accepted night, or of one that was accepted for them alone since, whose step was
- * done tonight, too, and which are not there. Of a step that was not calibrated, because the
- * machine was busy, durations are not used. */
 static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
 {
     struct neph_night_comparison *comparison = work->comparison;
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        work->index, &query, diag,
-        "SELECT name, max(step), max(m.night) FROM measurements AS m JOIN series ON series.id = "
-        "m.series WHERE "
-        "(m.series, m.night) IN (SELECT series, night FROM measurements WHERE night = ? UNION "
-        "SELECT s.id, a.night FROM acceptances AS a JOIN series AS s ON s.name = a.series WHERE ? "
-        "= 0 AND a.night < ? AND a.id > (SELECT coalesce(max(id), 0) FROM acceptances WHERE series "
-        "= '*' AND night < ? AND night IN (SELECT id FROM nights))) AND step IN (SELECT name FROM "
-        "steps WHERE night = ? AND outcome = 'done' AND (m.kind != 'timed' OR calibration_s IS NOT "
-        "NULL)) AND NOT EXISTS (SELECT 1 FROM measurements AS n WHERE n.night = ? AND n.series = "
-        "m.series) GROUP BY name ORDER BY name",
-        "iiiiii", comparison->baseline, work->against, comparison->night, comparison->night,
-        comparison->night, comparison->night);
-    while (!status && neph_query_next(query, &status, diag)) {
-        const char *name = neph_arena_text(&comparison->arena, neph_query_text(query, 0));
-        if (!has_successor(work, name))
-            find_by(work, NEPH_FOUND_MISSING, name,
-                    neph_arena_text(&comparison->arena, neph_query_text(query, 1)),
-                    "the accepted night has measured it, and tonight has not", name,
-                    neph_query_integer(query, 2));
-    }
-    neph_query_end(query);
+    struct neph_lost_list lost;
     int64_t not_run = 0;
+    enum neph_status status = neph_lost_find(work->index, comparison->night, work->against,
+                                             work->scope, &comparison->arena, &lost, diag);
+    for (int i = 0; i < lost.count && !status; i++) {
+        const struct neph_lost_series *s = &lost.list[i];
+        const char *words = words_of_loss(&comparison->arena, s);
+        if (words)
+            find_by(work, s->loss == NEPH_LOSS_SERIES ? NEPH_FOUND_MISSING : NEPH_FOUND_LOST,
+                    s->name, s->step, words, s->name, s->accepted);
+    }
     if (!status)
         status = neph_database_count(
             work->index, &not_run, diag,
-            "SELECT count(*) FROM measurements WHERE night = ? AND step NOT IN (SELECT name FROM "
-            "steps WHERE night = ?)",
-            "ii", comparison->baseline, comparison->night);
-    comparison->not_run = (int)not_run;
+            "SELECT count(*) FROM measurements WHERE night = ? AND NOT instr(step, ?) AND step NOT "
+            "IN (SELECT name FROM steps WHERE night = ?)",
+            "isi", comparison->baseline, neph_as_accepted, comparison->night);
+    comparison->not_run = (int)not_run - lost.left_out;
+    return status;
+}
+
+/* What became of the accepted version of a scene that was edited. */
+static const char *words_of_edit(const struct work *work, const struct neph_night_edit *edit)
+{
+    for (int i = 0; work->scope && i < work->scope->edit_count; i++) {
+        const struct neph_night_edit *done = &work->scope->edits[i];
+        if (strcmp(done->step, edit->step) == 0 && done->accepted == edit->accepted && done->words)
+            return done->words;
+    }
+    return "the accepted version was not rendered once more";
+}
+
+static enum neph_status find_edits(struct work *work, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->comparison->arena;
+    struct neph_night_edit *edits = NULL;
+    int count = 0;
+    const enum neph_status status = neph_lost_edits(work->index, work->comparison->night,
+                                                    work->against, arena, &edits, &count, diag);
+    for (int i = 0; i < count && !status; i++)
+        find_by(work, NEPH_FOUND_EDITED, edits[i].before, edits[i].step,
+                neph_arena_format(arena, "its scene was edited, %d numbers are those of %s: %s",
+                                  edits[i].count, edits[i].after, words_of_edit(work, &edits[i])),
+                "", edits[i].accepted);
+    return status;
+}
+
+/* Whether the scene of a step has tonight the terms of the night that counts for its gates, which
+ * may have been accepted by themselves. */
+static enum neph_status are_terms_accepted(struct work *work, const char *step, const char *version,
+                                           const char *terms, bool *accepted,
+                                           struct neph_diag *diag)
+{
+    int64_t night = 0, count = 0;
+    const char *gates = neph_arena_format(&work->comparison->arena, "%s/all/gates failed", version);
+    enum neph_status status = accepted_night(work, gates, &night, diag);
+    if (!status)
+        status = neph_database_count(
+            work->index, &count, diag,
+            "SELECT count(*) FROM night_scenes WHERE night = ? AND step = ? AND terms = ?", "iss",
+            night, step, terms);
+    *accepted = count > 0;
+    return status;
+}
+
+/* Gates and the like are in no hash, so that these series go on. */
+static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->comparison->arena;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        work->index, &query, diag,
+        "SELECT t.step, t.scene, t.hash, t.terms FROM night_scenes AS t JOIN night_scenes AS b ON "
+        "b.step = t.step WHERE t.night = ? AND b.night = ? AND b.hash = t.hash AND b.terms != "
+        "t.terms ORDER BY t.step",
+        "ii", work->comparison->night, work->comparison->baseline);
+    while (!status && neph_query_next(query, &status, diag)) {
+        const char *step = neph_arena_text(arena, neph_query_text(query, 0));
+        const char *version = neph_arena_format(arena, "%.*s/%s@%.8s", (int)strcspn(step, " "),
+                                                step, neph_query_text(query, 1),
+                                                neph_query_text(query, 2));
+        bool accepted = false;
+        status = are_terms_accepted(work, step, version, neph_query_text(query, 3), &accepted,
+                                    diag);
+        if (!status && !accepted)
+            find_by(work, NEPH_FOUND_EDITED, version, step,
+                    "its gates, its exposure or what is measured of it over time were edited", "",
+                    work->comparison->baseline);
+    }
+    neph_query_end(query);
     return status;
 }
 
@@ -350,8 +436,8 @@ static void find_in_pictures(struct work *work)
         if (c->other_size && is_first_of_step(work, i))
             find(work, NEPH_FOUND_SIZE, c->step, c->step,
                  "its frames are of another size than those of the accepted night");
-        if (c->is_picture && c->series.past_count > 0 && c->past[0] > 0.0 &&
-            !(c->series.tonight > 0.0))
+        const double before = c->other_environment ? c->other_value : c->past ? c->past[0] : NAN;
+        if (c->is_picture && c->series.past_count > 0 && before > 0.0 && !(c->series.tonight > 0.0))
             find_by(work, NEPH_FOUND_BLANK, c->name, c->step,
                     c->series.tonight < 0.0
                         ? "it has pixels that are no numbers, and in the accepted night it had none"
@@ -360,24 +446,7 @@ static void find_in_pictures(struct work *work)
     }
 }
 
-/* ---- numbers --------------------------------------------------------------------------------- */
-
-/* Why a number is not judged; NULL: it is for the judge to say. */
-static const char *why_not(struct neph_night_comparison *comparison, const struct candidate *c)
-{
-    if (c->accepted == 0 || !c->was_measured) {
-        comparison->fresh++;
-        return "new: no accepted night has it";
-    }
-    if (c->other_size)
-        return "another size";
-    if (c->other_environment) {
-        comparison->elsewhere++;
-        return neph_arena_format(&comparison->arena, "another environment: %s, accepted was %s",
-                                 c->environment, c->other_environment);
-    }
-    return NULL;
-}
+/* ---- words ----------------------------------------------------------------------------------- */
 
 /* "+3.00 %", or "+3.00 % of 0.001" where the baseline is less than its unit; of a signed number
  * "by 3.00 % further from 0". */
@@ -400,6 +469,81 @@ static const char *words_of(struct neph_arena *arena, const struct candidate *c,
                *chance = j->p > 0.0 ? neph_arena_format(arena, ", p %.1g", j->p) : "";
     return neph_arena_format(arena, "%.6g%s, accepted %.6g: %s%s", c->series.tonight, unit,
                              j->baseline, change_words(arena, c, j), chance);
+}
+
+/* ---- another environment --------------------------------------------------------------------- */
+
+/* A number of another environment that is worse all the same fails the night: a regression does not
+ * pass because a version was raised together with it. */
+static void compare_elsewhere(struct work *work, const struct candidate *c)
+{
+    struct neph_arena *arena = &work->comparison->arena;
+    struct neph_judgement change;
+    if (c->is_picture ||
+        !neph_is_worse_elsewhere(&c->series, c->environment, c->other_value, c->other_error,
+                                 c->other_environment, work->alpha, &change))
+        return;
+    const struct neph_finding finding = {
+        .found = NEPH_FOUND_WORSE_ELSEWHERE,
+        .series = c->name,
+        .step = c->step,
+        .words = neph_arena_format(arena, "%s; another environment: %s, accepted was %s",
+                                   words_of(arena, c, &change), c->environment,
+                                   c->other_environment),
+        .tonight = c->series.tonight,
+        .baseline = change.baseline,
+        .change = change.change,
+        .p = NAN,
+        .floor = change.floor,
+        .standard_error = c->series.standard_error,
+        .example = c->name,
+        .accepted = c->accepted};
+    neph_night_add_finding(work->comparison, &finding);
+}
+
+/* The last comparable night is too long ago. */
+static void find_overdue(struct work *work, const struct candidate *c)
+{
+    int last = c->series.past_count - 1;
+    while (last > 0 && !isfinite(c->past[last]))
+        last--;
+    const int nights = c->series.past_count - last;
+    if (c->other_environment && nights > neph_lost_after_nights)
+        find_by(work, NEPH_FOUND_LOST, c->name, c->step,
+                neph_arena_format(&work->comparison->arena,
+                                  "it was not compared for %d nights: %s, accepted was %s", nights,
+                                  c->environment, c->other_environment),
+                c->name, c->accepted);
+}
+
+static void look_elsewhere(struct work *work)
+{
+    for (int i = 0; i < work->count; i++) {
+        const struct candidate *c = &work->candidates[i];
+        if (!c->other_environment || c->other_size)
+            continue;
+        compare_elsewhere(work, c);
+        find_overdue(work, c);
+    }
+}
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+/* Why a number is not judged; NULL: it is for the judge to say. */
+static const char *why_not(struct neph_night_comparison *comparison, const struct candidate *c)
+{
+    if (c->accepted == 0 || !c->was_measured) {
+        comparison->fresh++;
+        return "new: no accepted night has it";
+    }
+    if (c->other_size)
+        return "another size";
+    if (c->other_environment) {
+        comparison->elsewhere++;
+        return neph_arena_format(&comparison->arena, "another environment: %s, accepted was %s",
+                                 c->environment, c->other_environment);
+    }
+    return NULL;
 }
 
 static const enum neph_found found_of[] = {
@@ -588,8 +732,13 @@ static enum neph_status compare(struct work *work, struct neph_diag *diag)
         status = find_failed_steps(work, diag);
     if (!status)
         status = find_missing(work, diag);
+    if (!status)
+        status = find_edits(work, diag);
+    if (!status)
+        status = find_terms(work, diag);
     if (status)
         return status;
+    look_elsewhere(work);
     find_in_pictures(work);
     find_environments(work);
     comparison->passes = comparison->compared > 0 &&
@@ -599,11 +748,12 @@ static enum neph_status compare(struct work *work, struct neph_diag *diag)
 }
 
 enum neph_status neph_night_compare(struct neph_database *index, int64_t night, int64_t against,
-                                    double alpha, struct neph_night_comparison *comparison,
+                                    const struct neph_night_scope *scope, double alpha,
+                                    struct neph_night_comparison *comparison,
                                     struct neph_diag *diag)
 {
     int64_t known = 0;
-    struct work work = {index, comparison, NULL, 0, against, alpha};
+    struct work work = {index, comparison, NULL, 0, against, alpha, scope};
     comparison->night = night;
     enum neph_status status = NEPH_OK;
     if (against > 0)

@@ -9,19 +9,24 @@
 
 #include "base/arena.h"
 #include "harness/night/judge.h"
+#include "harness/night/lost.h"
 #include "harness/run/database.h"
 
 #include <stdint.h>
 
 /* In the order in which they are told. From NEPH_FOUND_BETTER on they fail no night. */
 enum neph_found {
-    NEPH_FOUND_STEP,  /* a step broke, or did not end in time */
-    NEPH_FOUND_BITS,  /* the same program gave other numbers when it was run once more */
-    NEPH_FOUND_STALE, /* many series of a truth moved: the truth is suspected */
-    NEPH_FOUND_BLANK, /* a picture is empty that was not, or has pixels that are no numbers */
-    NEPH_FOUND_MISSING,
+    NEPH_FOUND_STEP,    /* a step broke, or did not end in time */
+    NEPH_FOUND_HISTORY, /* what was accepted is torn, missing or not as it was written */
+    NEPH_FOUND_BITS,    /* the same program gave other numbers when it was run once more */
+    NEPH_FOUND_STALE,   /* many series of a truth moved: the truth is suspected */
+    NEPH_FOUND_BLANK,   /* a picture is empty that was not, or has pixels that are no numbers */
+    NEPH_FOUND_MISSING, /* its step was done, and did not give the number */
+    NEPH_FOUND_LOST, /* its step is not in the plan, or it was not compared for too many nights */
     NEPH_FOUND_SIZE,
     NEPH_FOUND_WORSE,
+    NEPH_FOUND_WORSE_ELSEWHERE, /* in another environment */
+    NEPH_FOUND_EDITED,          /* a scene, so that its series are others */
     NEPH_FOUND_BETTER,
     NEPH_FOUND_ENVIRONMENT, /* other versions or another device: not compared */
     NEPH_FOUND_MOVED,       /* by less than matters */
@@ -65,14 +70,16 @@ struct neph_night_comparison {
     int series_count;
     int compared, chances;       /* comparisons made, means over scenes included */
     int fresh, elsewhere, young; /* not compared: new series, another environment, too few nights */
-    int not_run;                 /* series of the baseline whose steps were not run tonight */
-    bool passes;                 /* something was compared, and no finding fails it */
+    int not_run; /* series of the baseline whose steps are in the plan and were not run tonight */
+    bool passes; /* something was compared, and no finding fails it */
 };
 
 /* Compare a night with the last that was accepted, or with night `against` where that is not 0.
- * Errors: as of database.h; NEPH_ERR_NOT_FOUND: there is no such night. */
+ * `scope` NULL: no step was left out of the plan. Errors: as of database.h; NEPH_ERR_NOT_FOUND:
+ * there is no such night. */
 enum neph_status neph_night_compare(struct neph_database *index, int64_t night, int64_t against,
-                                    double alpha, struct neph_night_comparison *comparison,
+                                    const struct neph_night_scope *scope, double alpha,
+                                    struct neph_night_comparison *comparison,
                                     struct neph_diag *diag);
 
 /* What a comparison comes to, in words: "pass", "passes" and the like. */

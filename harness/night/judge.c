@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_JUDGED_COUNT == 5, "a new kind");
+_Static_assert(NEPH_SERIES_KINDS == 3, "a new kind");
+
 static const struct neph_series_rule rules[] = {
     [NEPH_SERIES_FIXED] = {"fixed", 0.005, 1, 1},
     [NEPH_SERIES_DRAWN] = {"drawn", 0.01, 8, 1},

@@ -3,7 +3,10 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "harness/night/edited.h"
+#include "harness/night/scene_copy.h"
 #include "harness/run/history.h"
+#include "harness/run/history_check.h"
 #include "harness/run/store_keep.h"
 
 #include <math.h>
@@ -19,7 +22,43 @@ static const double alpha = 0.005;
 /* The share of the steps that are run a second time each night. */
 static const double again_share = 0.02;
 
-static enum neph_status keep_step(struct neph_night_work *work,
+/* Whether a scene is the one that the numbers are of: its file may have changed since. */
+static bool is_measured(const struct neph_night_numbers *numbers,
+                        const struct neph_history_scene *scene, struct neph_arena *arena)
+{
+    const char *hash = neph_arena_format(arena, "@%.8s/", scene->hash);
+    for (int i = 0; i < numbers->count; i++)
+        if (strstr(numbers->list[i].series, hash))
+            return true;
+    return false;
+}
+
+/* The scene of a step that is done, and a copy of its file. One that cannot be loaded any more is
+ * left out: a later night then has no version to render once more. */
+static enum neph_status keep_scene(struct neph_night_work *work, struct neph_database *index,
+                                   const struct neph_night_step *step,
+                                   const struct neph_night_numbers *numbers, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->night->arena;
+    struct neph_history_scene scene = {.step = step->name};
+    struct neph_diag why = {.line = 0};
+    if (!step->scene)
+        return NEPH_OK;
+    const enum neph_status status = neph_scene_copy_keep(neph_store_folder(work->store),
+                                                         step->scene, arena, &scene, &why);
+    if (status == NEPH_ERR_MEMORY || status == NEPH_ERR_INTERRUPTED) {
+        if (diag)
+            *diag = why;
+        return status;
+    }
+    if (status)
+        neph_progress_warn("the store gets no copy of scene '%s': %s", step->scene, why.message);
+    return status || !is_measured(numbers, &scene, arena)
+               ? NEPH_OK
+               : neph_history_add_scene(index, work->night->id, &scene, diag);
+}
+
+static enum neph_status keep_step(struct neph_night_work *work, int step,
                                   const struct neph_history_step *record,
                                   const struct neph_night_numbers *numbers, struct neph_diag *diag)
 {
@@ -28,6 +67,8 @@ static enum neph_status keep_step(struct neph_night_work *work,
     if (!status)
         status = neph_history_add(index, work->night->id, record, numbers->list, numbers->count,
                                   diag);
+    if (!status && strcmp(record->outcome, neph_step_done) == 0)
+        status = keep_scene(work, index, &work->night->plan.steps[step], numbers, diag);
     neph_database_close(index);
     return status;
 }
@@ -56,7 +97,7 @@ static enum neph_status run_steps(struct neph_night_work *work, struct neph_diag
                                neph_night_log(work, index, ".log"), neph_night_limit_s(work, index),
                                &record, &numbers, diag);
         if (!status)
-            status = keep_step(work, &record, &numbers, diag);
+            status = keep_step(work, index, &record, &numbers, diag);
         if (status)
             break;
         neph_night_note(work, index, record.outcome, record.reason);
@@ -89,7 +130,7 @@ static enum neph_status collect_step(struct neph_night_work *work, int index,
                                                    diag);
     if (status || strcmp(record.outcome, neph_night_job_not_run) == 0)
         return status;
-    status = keep_step(work, &record, &numbers, diag);
+    status = keep_step(work, index, &record, &numbers, diag);
     if (!status)
         neph_night_note(work, index, record.outcome, record.reason);
     return status;
@@ -300,6 +341,24 @@ static enum neph_status keep_judgements(struct neph_night_work *work, struct nep
     return status;
 }
 
+/* Steps of the plan that were not run: when the night is accepted, an earlier acceptance goes on
+ * for their numbers. */
+static enum neph_status keep_not_run(struct neph_night_work *work, struct neph_database *index,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < work->night->plan.count && !status; i++) {
+        const struct neph_history_step record = {.name = work->night->plan.steps[i].name,
+                                                 .outcome = neph_night_job_not_run,
+                                                 .reason = "",
+                                                 .size = "",
+                                                 .calibration_s = NAN};
+        if (!work->ran[i])
+            status = neph_history_add(index, work->night->id, &record, NULL, 0, diag);
+    }
+    return status;
+}
+
 static enum neph_status end(struct neph_night_work *work, struct neph_diag *diag)
 {
     struct neph_night *night = work->night;
@@ -308,6 +367,8 @@ static enum neph_status end(struct neph_night_work *work, struct neph_diag *diag
     enum neph_status status = neph_store_index(work->store, &index, diag);
     if (!status)
         status = keep_judgements(work, index, diag);
+    if (!status)
+        status = keep_not_run(work, index, diag);
     if (!status)
         status = list_frames(work, index, &frames, diag);
     if (!status)
@@ -318,13 +379,67 @@ static enum neph_status end(struct neph_night_work *work, struct neph_diag *diag
     return status;
 }
 
+static void find_in_history(const struct neph_history_fault *fault, void *context)
+{
+    struct neph_night_work *work = context;
+    struct neph_arena *arena = &work->night->comparison.arena;
+    const struct neph_finding finding = {
+        .found = NEPH_FOUND_HISTORY,
+        .series = neph_arena_text(arena, fault->document),
+        .step = "",
+        .words = neph_arena_format(arena, "%s; `neph store check --repair` mends what it can",
+                                   fault->why),
+        .tonight = NAN,
+        .baseline = NAN,
+        .change = NAN,
+        .p = NAN,
+        .floor = NAN,
+        .standard_error = NAN,
+        .example = ""};
+    neph_night_add_finding(&work->night->comparison, &finding);
+}
+
+/* Numbers are compared with what was accepted, and not with what became of it. */
+static enum neph_status check_history(struct neph_night_work *work, struct neph_database *index,
+                                      struct neph_diag *diag)
+{
+    const char *folder = neph_store_folder(work->store);
+    const enum neph_status status = neph_history_check_acceptances(index, folder, false,
+                                                                   find_in_history, work, diag);
+    return status || work->params->against > 0
+               ? status
+               : neph_history_check_baseline(index, folder, find_in_history, work, diag);
+}
+
+/* The names of the plan's steps; of the night's arena. */
+static const char *const *list_planned(struct neph_night_work *work)
+{
+    const struct neph_night_plan *plan = &work->night->plan;
+    const char **names = neph_arena_zeroed(&work->night->arena, (size_t)plan->count + 1,
+                                           sizeof(*names));
+    for (int i = 0; names && i < plan->count; i++)
+        names[i] = plan->steps[i].name;
+    return names;
+}
+
 static enum neph_status compare(struct neph_night_work *work, struct neph_diag *diag)
 {
+    const struct neph_night_params *params = work->params;
+    const bool is_chosen = params->against > 0;
     struct neph_database *index = NULL;
-    enum neph_status status = neph_store_index(work->store, &index, diag);
+    struct neph_night_scope scope = {.planned = list_planned(work),
+                                     .planned_count = work->night->plan.count,
+                                     .only = is_chosen ? params->plan.only : NULL,
+                                     .only_count = is_chosen ? params->plan.only_count : 0};
+    enum neph_status status = scope.planned ? neph_night_render_accepted(work, &scope, diag)
+                                            : neph_fail_memory(diag);
     if (!status)
-        status = neph_night_compare(index, work->night->id, work->params->against, alpha,
+        status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_night_compare(index, work->night->id, params->against, &scope, alpha,
                                     &work->night->comparison, diag);
+    if (!status)
+        status = check_history(work, index, diag);
     neph_database_close(index);
     return status;
 }

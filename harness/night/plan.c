@@ -8,6 +8,9 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
+
 enum { STEPS_MAX = 512, WORDS_MAX = 24 };
 
 static const char *const suite_names[] = {
@@ -169,10 +172,12 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
         size = neph_arena_format(making->arena, "%dx%d", making->params->width_px,
                                  making->params->height_px);
     struct neph_night_step *step = &making->plan->steps[making->plan->count++];
-    *step = (struct neph_night_step){.suite = suite,
-                                     .name = name,
-                                     .guess_s = suites[suite].guess_s,
-                                     .guess_series = suites[suite].guess_series};
+    *step = (struct neph_night_step){
+        .suite = suite,
+        .name = name,
+        .scene = suite == NEPH_NIGHT_PHYSICS ? NULL : neph_arena_text(making->arena, of),
+        .guess_s = suites[suite].guess_s,
+        .guess_series = suites[suite].guess_series};
     const char *const own[] = {neph_arena_text(making->arena, of), size ? "--size" : NULL, size};
     add_words(making, step, suites[suite].before, 4);
     add_words(making, step, own, 3);

@@ -27,6 +27,7 @@ const char *neph_night_suite_name(enum neph_night_suite suite);
 struct neph_night_step {
     enum neph_night_suite suite;
     const char *name;                   /* "catalog voxel_grid": the same every night */
+    const char *scene;                  /* its name; NULL: the step has none of the catalogue */
     const char *words[NEPH_STEP_WORDS]; /* after "neph", NULL-terminated; without -o */
     double guess_s;                     /* what it costs, before a night has told */
     int guess_series;                   /* numbers that it gives, before a night has told */

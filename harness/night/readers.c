@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
+
 enum { NUMBERS_MAX = 4096 };
 
 /* Below the unit, changes are relative to it: an error of 1e-7 may triple for any reason. */

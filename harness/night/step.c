@@ -11,6 +11,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
+
 const char neph_step_done[] = "done";
 
 /* The calibration before and after a step may differ by so much. */

@@ -97,8 +97,9 @@ static enum neph_status read_outcome(struct neph_night_work *work, struct neph_d
     struct neph_arena *arena = &work->night->arena;
     struct neph_query *query = NULL;
     enum neph_status status = neph_query_begin(
-        index, &query, diag, "SELECT outcome, reason FROM steps WHERE night = ? AND name = ?", "is",
-        work->night->id, work->night->plan.steps[step].name);
+        index, &query, diag,
+        "SELECT outcome, reason FROM steps WHERE night = ? AND name = ? AND outcome != 'not run'",
+        "is", work->night->id, work->night->plan.steps[step].name);
     if (!status && neph_query_next(query, &status, diag))
         neph_night_note(work, step, neph_arena_text(arena, neph_query_text(query, 0)),
                         neph_arena_text(arena, neph_query_text(query, 1)));

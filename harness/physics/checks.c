@@ -5,6 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
+_Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
+
 #define ISO                                                                                        \
     {                                                                                              \
         NEPH_PHASE_ISOTROPIC, 0.0                                                                  \
@@ -194,11 +198,20 @@ static void add_reciprocal(const struct row *row, struct neph_check *check)
 
 static void describe_phase(struct neph_phase phase, char text[64])
 {
-    if (phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+    switch (phase.kind) {
+    case NEPH_PHASE_HENYEY_GREENSTEIN:
         snprintf(text, 64, "Henyey-Greenstein scattering, g = %g", phase.g);
-    else
-        snprintf(text, 64, "%s scattering",
-                 phase.kind == NEPH_PHASE_RAYLEIGH ? "Rayleigh" : "isotropic");
+        break;
+    case NEPH_PHASE_RAYLEIGH:
+        snprintf(text, 64, "Rayleigh scattering");
+        break;
+    case NEPH_PHASE_ISOTROPIC:
+        snprintf(text, 64, "isotropic scattering");
+        break;
+    case NEPH_PHASE_KIND_COUNT:
+        text[0] = '\0';
+        break;
+    }
 }
 
 static void describe(const struct row *row, char *text, size_t size)

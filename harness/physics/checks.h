@@ -15,6 +15,7 @@ enum neph_check_weight {
     NEPH_CHECK_MEAN, /* the mean over the pixels [W m^-2 sr^-1] */
     NEPH_CHECK_FLUX, /* the flux through the level [1], per vertical sunlight: sum of
                        L |cos| d(solid angle) / (sun_cosine E) over the half on the slab's side */
+    NEPH_CHECK_WEIGHT_COUNT,
 };
 
 struct neph_check_view {

@@ -11,6 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
+_Static_assert(NEPH_LIGHT_LAW_COUNT == 5, "a new kind");
+
 /* Suns around the ball, by the cosine to the view: exact for Legendre orders below 24, of which
  * light of g = 0.7 has 2e-4 beyond. */
 enum { SUNS = 12 };
@@ -127,6 +131,8 @@ int neph_light_law_views(const struct neph_light_law_case *of, const char *name,
         neph_check_hemisphere(&stage, -1.0, views);
         neph_check_hemisphere(&stage, 1.0, views + NEPH_CHECK_FACES);
         return 2 * NEPH_CHECK_FACES;
+    case NEPH_LIGHT_LAW_COUNT:
+        break;
     }
     return 0;
 }
@@ -215,6 +221,8 @@ enum neph_status neph_light_law_value(const struct neph_light_law_case *of,
     case NEPH_LAW_BALANCE: /* all but R and T as it truly is */
         *value = sum_of(views, 2 * NEPH_CHECK_FACES, sums) + 1.0 - fluxes.reflected -
                  fluxes.transmitted;
+        break;
+    case NEPH_LIGHT_LAW_COUNT:
         break;
     }
     return NEPH_OK;

@@ -27,6 +27,7 @@ enum neph_light_law {
     NEPH_LAW_TRANSMITTED,
     NEPH_LAW_BALANCE,
     NEPH_LAW_RECIPROCITY,
+    NEPH_LIGHT_LAW_COUNT,
 };
 
 /* A medium under a law. */

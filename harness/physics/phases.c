@@ -7,6 +7,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
+
 static const struct neph_phase phases[NEPH_PHASES] = {
     {NEPH_PHASE_ISOTROPIC, 0.0},
     {NEPH_PHASE_RAYLEIGH, 0.0},
@@ -59,7 +62,7 @@ struct neph_phase_finding neph_phase_check(const struct neph_phase *phase)
     neph_integrate(over_versine, &copy, pieces, PIECES, density);
     cut(1.0, pieces);
     neph_integrate(over_number, &copy, pieces, PIECES, drawn);
-    const double g = phase->kind == NEPH_PHASE_HENYEY_GREENSTEIN ? phase->g : 0.0;
+    const double g = neph_phase_mean_cosine(phase);
     return (struct neph_phase_finding){
         .phase = *phase,
         .integral = density[0],

@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STAGE_TRUTH_COLUMNS == 4, "a new kind");
+
 /* The brightest true pixel is shown a little below white. */
 static const double white = 0.9;
 

@@ -4,6 +4,9 @@
 #include <math.h>
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PHYSICS_VERDICT_COUNT == 3, "a new kind");
+
 void neph_physics_finish(struct neph_physics *physics)
 {
     neph_arena_finish(&physics->arena);

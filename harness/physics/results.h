@@ -35,6 +35,7 @@ enum neph_physics_verdict {
     NEPH_PHYSICS_NOT_MEASURED,
     NEPH_PHYSICS_AGREES,
     NEPH_PHYSICS_OFF,
+    NEPH_PHYSICS_VERDICT_COUNT,
 };
 
 /* One participant in one check. Numbers are NaN where there are none. */

@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 static enum neph_status see(const struct neph_check_view *view, struct neph_scenery_view *seen,
                             struct neph_diag *diag)
 {

@@ -8,6 +8,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
+_Static_assert(NEPH_STAGE_TRUTH_COLUMNS == 4, "a new kind");
+
 static const double slab_m = 10.0;
 static const double wide_m = 1e5;
 static const double fog_falloff_per_m = 0.1;
@@ -149,6 +153,7 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
     stage->scene.medium_count = 1;
     switch (params->medium) {
     case NEPH_STAGE_BOX:
+    case NEPH_STAGE_MEDIUM_COUNT:
         break;
     case NEPH_STAGE_SLAB:
         medium->bounds = (struct neph_bounds){{-wide_m, 0.0, -wide_m}, {wide_m, slab_m, wide_m}};

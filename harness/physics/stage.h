@@ -24,6 +24,7 @@ enum neph_stage_medium {
     /* Half a period of 8 km of each optical depth of truth/step_cloud.h in turn, three periods of
      * them: what lies beyond is far out of reach of light in 250 m of cloud. */
     NEPH_STAGE_STEP_CLOUD,
+    NEPH_STAGE_MEDIUM_COUNT,
 };
 
 enum neph_stage_truth {

@@ -8,6 +8,9 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
+
 /* ---- one frame ------------------------------------------------------------------------------- */
 
 /* A picture of a view, in the steps that a study chose (NULL: as they are). */

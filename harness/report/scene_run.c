@@ -16,6 +16,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SHOWN_COUNT == 2, "a new kind");
+
 /* What was rendered once within the budget will be again, but on a busy machine perhaps not as
  * fast: a second seed that is given up takes the engine out of the attribution. */
 enum { SECOND_SEED_PATIENCE = 4 };

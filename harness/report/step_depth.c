@@ -2,7 +2,7 @@
 #include "harness/report/step_depth.h"
 
 #include "base/files.h"
-#include "renderer/march.h"
+#include "harness/report/marched_scene.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
@@ -108,11 +108,7 @@ static double most_of_frame(const struct neph_shot *shot, const struct neph_scen
     for (int m = 0; m < scene->medium_count; m++)
         containers[m] = neph_medium_container(scene, &scene->media[m], &cut_error);
     for (int i = 0; i < COLUMNS * ROWS; i++) {
-        /* Pixel centres of the picture itself, so that its shape counts. */
-        const int column = (2 * (i % COLUMNS) + 1) * shot->width_px / (2 * COLUMNS);
-        const int row = (2 * (i / COLUMNS) + 1) * shot->height_px / (2 * ROWS);
-        const struct neph_pixel_ray seen = neph_camera_ray(&camera, shot->width_px, shot->height_px,
-                                                           column, row);
+        const struct neph_pixel_ray seen = neph_lattice_ray(shot, &camera, COLUMNS, ROWS, i);
         struct ray ray = {.scene = scene,
                           .containers = containers,
                           .origin_m = seen.origin_m,
@@ -123,46 +119,16 @@ static double most_of_frame(const struct neph_shot *shot, const struct neph_scen
     return most;
 }
 
-/* The scene as it is at the shot's frame. */
-static double most_of_moment(const struct neph_shot *shot, bool shared, int steps)
-{
-    if (!neph_scene_moves(shot->scene))
-        return most_of_frame(shot, shot->scene, shared, steps);
-    struct neph_scene *still = NULL;
-    if (neph_scene_at(shot->scene, shot->frame, &still, NULL))
-        return NAN;
-    const double most = most_of_frame(shot, still, shared, steps);
-    neph_scene_destroy(still);
-    return most;
-}
-
-/* 0, the first, where an engine has no such choice. */
-static int choice(const struct neph_shot *shot, const struct neph_engine *engine, const char *name)
-{
-    const int option = neph_option_find(engine->options, name);
-    return option < 0 ? 0 : (int)shot->settings.values[option];
-}
-
-/* What of a scene is marched: air from tables (sky=tables) and the look of a fog are not. */
-static bool is_veiled(const struct neph_shot *shot, const struct neph_engine *engine,
-                      struct neph_scene *rest)
-{
-    const struct neph_march_veils veils = {choice(shot, engine, "sky") != 0,
-                                           neph_fog_for_march(choice(shot, engine, "fog"))};
-    char reason[256];
-    return (veils.sky || veils.fog.is_look) &&
-           neph_march_rest(shot->scene, veils, rest, reason, sizeof(reason));
-}
-
 static double most_of_shot(const struct neph_shot *shot, const struct neph_engine *engine,
                            bool shared)
 {
     const int steps = (int)neph_setting(engine, &shot->settings, engine->step.option);
-    struct neph_scene rest;
-    struct neph_shot marched = *shot;
-    if (is_veiled(shot, engine, &rest))
-        marched.scene = &rest;
-    return most_of_moment(&marched, shared, steps);
+    struct neph_marched_scene marched;
+    if (!neph_marched_scene_init(shot, engine, &marched))
+        return NAN;
+    const double most = most_of_frame(shot, marched.scene, shared, steps);
+    neph_marched_scene_finish(&marched);
+    return most;
 }
 
 double neph_step_depth(const struct neph_shot *shot, const struct neph_engine *engine)

@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/validation.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_GATE_VERDICT_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SHOWN_COUNT == 2, "a new kind");
+_Static_assert(NEPH_VERDICT_COUNT == 4, "a new kind");
+
 const char *neph_shown_name(enum neph_shown which)
 {
     static const char *const names[] = {
@@ -33,6 +38,7 @@ static struct neph_counts count_frames(const struct neph_validation *validation,
         counts.reported += scene->frame_count;
         for (int f = 0; f < scene->frame_count && scene->truth >= 0; f++)
             counts.compared += f != scene->truth && scene->frames[f].path;
+        counts.ungated += scene->ungated_count;
     }
     return counts;
 }

@@ -52,7 +52,12 @@ struct neph_frame_result {
     const char *picture, *differences[NEPH_SHOWN_COUNT]; /* inside the report; NULL: none (yet) */
 };
 
-enum neph_gate_verdict { NEPH_GATE_PASS, NEPH_GATE_FAIL, NEPH_GATE_NOT_MEASURED };
+enum neph_gate_verdict {
+    NEPH_GATE_PASS,
+    NEPH_GATE_FAIL,
+    NEPH_GATE_NOT_MEASURED,
+    NEPH_GATE_VERDICT_COUNT
+};
 
 struct neph_gate_result {
     const char *engine, *quantity, *metric, *mask;
@@ -69,8 +74,9 @@ struct neph_scene_result {
     struct neph_frame_result *frames;
     int truth; /* index of the frame that the others are measured against; -1: there is none */
     double difference_scales[NEPH_SHOWN_COUNT]; /* the ends of the colour scales */
-    int gate_count;
+    int gate_count; /* those of the scene; and one for each ungated frame that is far off */
     struct neph_gate_result *gates;
+    int ungated_count; /* frames that claim physics and have a radiance that no gate limits */
     const struct neph_attribution *attribution; /* NULL: nobody to tell apart */
     const char *viewer;                         /* its page inside the report; NULL: none (yet) */
     const char *no_viewer; /* why there is none; NULL: there is one, or no picture, or not yet */
@@ -87,6 +93,7 @@ enum neph_verdict {
     NEPH_VERDICT_FAIL,
     NEPH_VERDICT_RUNNING,
     NEPH_VERDICT_INTERRUPTED,
+    NEPH_VERDICT_COUNT,
 };
 
 /* What a verdict stands on. */
@@ -94,6 +101,7 @@ struct neph_counts {
     int expected; /* frames: scenes that are here times engines; in the physics suite, rows */
     int reported; /* of them in the report, with their outcome */
     int compared; /* of these, measured against the truth */
+    int ungated;  /* of these, limited by a factor of two only: harness/report/gates.h */
 };
 
 /* Start from {0}; free with neph_validation_finish(). */

@@ -4,6 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_GATE_VERDICT_COUNT == 3, "a new kind");
+
 static void print_number(const struct neph_frame_result *frame, const char *quantity,
                          const char *metric)
 {

@@ -5,6 +5,7 @@
 #include "base/interrupt.h"
 #include "base/packed.h"
 #include "harness/compare/frame.h"
+#include "harness/compare/frame_labels.h"
 #include "harness/progress.h"
 #include "harness/report/page.h"
 #include "harness/report/viewer_maps.h"
@@ -35,9 +36,11 @@ struct shop {
     const struct neph_viewer *view;
     const char *folder;
     struct neph_viewer_made made;
-    const char *first_path; /* of the frame that gave the size and the kind; NULL: none yet */
-    bool is_picture;        /* values of a display */
+    const char *first_path;      /* of the frame that gave the size and the kind; NULL: none yet */
+    struct neph_frame_form form; /* of that frame; owned */
+    bool is_picture;             /* values of a display */
     double frame_rate_hz;
+    bool has_frame_rate; /* a frame said it */
     struct neph_progress progress;
 };
 
@@ -72,14 +75,11 @@ static enum neph_status check_counts(const struct neph_viewer *view, int *frame_
 
 static void take_first(struct shop *shop, const char *path, const struct neph_image *image)
 {
-    const char *rate = neph_image_attribute(image, NEPH_FRAME_RATE_ATTRIBUTE);
-    const double rate_hz = rate && shop->view->own_frame_rate ? strtod(rate, NULL) : 0.0;
     shop->first_path = path;
     shop->made.width_px = image->width_px;
     shop->made.height_px = image->height_px;
     shop->is_picture = neph_image_attribute(image, "encoding") != NULL;
-    shop->frame_rate_hz = isfinite(rate_hz) && rate_hz > 0.0 ? rate_hz
-                                                             : shop->view->viewing.frame_rate_hz;
+    shop->frame_rate_hz = shop->view->viewing.frame_rate_hz;
 }
 
 static enum neph_status check_radiance(const char *path, const struct neph_image *image,
@@ -98,12 +98,23 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
     return NEPH_ERR_INPUT;
 }
 
+/* That of the first frame that says one, where nothing else was asked for. */
+static void take_frame_rate(struct shop *shop, const struct neph_image *image)
+{
+    const double rate_hz = neph_frame_rate_hz(image);
+    if (shop->view->own_frame_rate && !shop->has_frame_rate && !isnan(rate_hz)) {
+        shop->frame_rate_hz = rate_hz;
+        shop->has_frame_rate = true;
+    }
+}
+
 /* Whether a frame lies over the others. */
 static enum neph_status check_frame(struct shop *shop, const char *path,
                                     const struct neph_image *image, struct neph_diag *diag)
 {
     if (!shop->first_path)
         take_first(shop, path, image);
+    take_frame_rate(shop, image);
     const bool is_picture = neph_image_attribute(image, "encoding") != NULL;
     if (image->width_px != shop->made.width_px || image->height_px != shop->made.height_px)
         return neph_fail(diag, NEPH_ERR_INPUT,
@@ -117,7 +128,8 @@ static enum neph_status check_frame(struct shop *shop, const char *path,
                          "common scale",
                          is_picture ? path : shop->first_path,
                          is_picture ? shop->first_path : path);
-    return check_radiance(path, image, diag);
+    const enum neph_status status = neph_frame_form_check(&shop->form, path, image, false, diag);
+    return status ? status : check_radiance(path, image, diag);
 }
 
 /* ---- floats ---------------------------------------------------------------------------------- */
@@ -428,6 +440,7 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
     json_decref(codes);
     json_decref(cube);
     neph_display_cube_finish(&baked);
+    neph_frame_form_finish(&shop.form);
     return status;
 }
 

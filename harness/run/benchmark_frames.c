@@ -17,6 +17,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+_Static_assert(NEPH_TEXEL_FORMAT_COUNT == 3, "a new kind");
+
 static const double warm_up_s = 1.0, limit_s = 10.0;
 
 /* A GPU's clock takes its time to rise, and lavapipe's has none. */

@@ -47,13 +47,14 @@ static enum neph_status read_settings(const char *path, const json_t *json,
                                       struct neph_diag *diag)
 {
     char *text = strdup(neph_json_text(json, "settings")), *rest = text;
-    struct neph_diag why = {.line = 0};
     enum neph_status status = text ? NEPH_OK : neph_fail_memory(diag);
     configuration->settings = neph_settings_default(configuration->engine);
     for (char *word = NULL; !status && (word = strsep(&rest, " "));)
         if (word[0] &&
-            neph_settings_set(configuration->engine, &configuration->settings, word, &why))
-            status = neph_fail(diag, NEPH_ERR_INPUT, "'%s': %.400s", path, why.message);
+            neph_settings_set(configuration->engine, &configuration->settings, word, diag)) {
+            neph_prefix(diag, "'%s': ", path);
+            status = NEPH_ERR_INPUT;
+        }
     free(text);
     return status;
 }

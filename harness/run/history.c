@@ -3,8 +3,10 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/hash.h"
 #include "base/lock.h"
 #include "harness/progress.h"
+#include "harness/run/history_documents.h"
 
 #include <ctype.h>
 #include <dirent.h>
@@ -19,17 +21,18 @@ static const size_t document_limit_bytes = 256 << 20;
 
 /* ---- documents ------------------------------------------------------------------------------- */
 
-enum document { NIGHT, ACCEPTANCE };
-
 static const struct {
     const char *prefix, *format, *known;
 } documents[] = {
-    [NIGHT] = {"night-", "neph-night-1",
-               "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''"},
-    [ACCEPTANCE] = {"accept-", "neph-accept-1", "SELECT count(*) FROM acceptances WHERE id = ?"},
+    [NEPH_DOCUMENT_NIGHT] = {"night-", "neph-night-1",
+                             "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''"},
+    [NEPH_DOCUMENT_ACCEPTANCE] = {"accept-", "neph-accept-1",
+                                  "SELECT count(*) FROM acceptances WHERE id = ?"},
+    [NEPH_DOCUMENT_COPY] = {"copy-of-accept-", "neph-accept-1",
+                            "SELECT count(*) FROM acceptances WHERE id = ?"},
 };
 
-static char *document_path(const char *store_folder, enum document kind, int64_t number)
+char *neph_document_path(const char *store_folder, enum neph_document kind, int64_t number)
 {
     return neph_format("%s/history/%s%06lld.json", store_folder, documents[kind].prefix,
                        (long long)number);
@@ -37,11 +40,11 @@ static char *document_path(const char *store_folder, enum document kind, int64_t
 
 char *neph_history_document_path(const char *store_folder, int64_t night)
 {
-    return document_path(store_folder, NIGHT, night);
+    return neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
 }
 
 /* -1: it is none of this kind. */
-static int64_t number_of(const char *name, enum document kind)
+int64_t neph_document_number(const char *name, enum neph_document kind)
 {
     const size_t length = strlen(documents[kind].prefix);
     char *end;
@@ -51,10 +54,10 @@ static int64_t number_of(const char *name, enum document kind)
     return strcmp(end, ".json") == 0 && number > 0 ? number : -1;
 }
 
-static enum neph_status write_document(const char *store_folder, enum document kind, int64_t number,
-                                       const json_t *document, struct neph_diag *diag)
+enum neph_status neph_document_write(const char *store_folder, enum neph_document kind,
+                                     int64_t number, const json_t *document, struct neph_diag *diag)
 {
-    char *path = document_path(store_folder, kind, number);
+    char *path = neph_document_path(store_folder, kind, number);
     char *text = document ? json_dumps(document, JSON_INDENT(1)) : NULL;
     char *folder = neph_path_join(store_folder, "history");
     enum neph_status status = path && text && folder ? neph_dir_create(folder, diag)
@@ -68,10 +71,10 @@ static enum neph_status write_document(const char *store_folder, enum document k
 }
 
 /* A number is taken by its document, also by one that is torn and so has no rows. */
-static enum neph_status is_taken(const char *store_folder, enum document kind, int64_t number,
+static enum neph_status is_taken(const char *store_folder, enum neph_document kind, int64_t number,
                                  bool *taken, struct neph_diag *diag)
 {
-    char *path = document_path(store_folder, kind, number);
+    char *path = neph_document_path(store_folder, kind, number);
     const enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
     *taken = path && neph_path_exists(path);
     free(path);
@@ -79,8 +82,8 @@ static enum neph_status is_taken(const char *store_folder, enum document kind, i
 }
 
 /* The first number from `*number` on that no document has. */
-static enum neph_status next_number(const char *store_folder, enum document kind, int64_t *number,
-                                    struct neph_diag *diag)
+static enum neph_status next_number(const char *store_folder, enum neph_document kind,
+                                    int64_t *number, struct neph_diag *diag)
 {
     bool taken = true;
     enum neph_status status = is_taken(store_folder, kind, *number, &taken, diag);
@@ -90,7 +93,7 @@ static enum neph_status next_number(const char *store_folder, enum document kind
 }
 
 /* What is there is never written over. */
-static enum neph_status write_new_document(const char *store_folder, enum document kind,
+static enum neph_status write_new_document(const char *store_folder, enum neph_document kind,
                                            int64_t number, const json_t *document,
                                            struct neph_diag *diag)
 {
@@ -99,22 +102,25 @@ static enum neph_status write_new_document(const char *store_folder, enum docume
     if (!status && taken)
         return neph_fail(diag, NEPH_ERR_IO, "'%s/history/%s%06lld.json' is there already",
                          store_folder, documents[kind].prefix, (long long)number);
-    return status ? status : write_document(store_folder, kind, number, document, diag);
+    return status ? status : neph_document_write(store_folder, kind, number, document, diag);
 }
 
 /* What its rows cannot be without. */
-static bool is_whole(const json_t *document, enum document kind)
+static bool is_whole(const json_t *document, enum neph_document kind)
 {
     size_t i;
     const json_t *step;
     bool whole = strcmp(neph_json_text(document, "format"), documents[kind].format) == 0;
+    if (kind != NEPH_DOCUMENT_NIGHT)
+        return whole && neph_json_text(document, "series")[0] &&
+               json_integer_value(json_object_get(document, "night")) > 0;
     json_array_foreach(json_object_get(document, "steps"), i, step)
         whole = whole && json_is_number(json_object_get(step, "wall_s"));
     return whole;
 }
 
-static enum neph_status read_document(const char *path, enum document kind, json_t **document,
-                                      struct neph_diag *diag)
+enum neph_status neph_document_read(const char *path, enum neph_document kind, json_t **document,
+                                    struct neph_diag *diag)
 {
     char *text = NULL;
     size_t size;
@@ -129,6 +135,33 @@ static enum neph_status read_document(const char *path, enum document kind, json
     }
     *document = read;
     return NEPH_OK;
+}
+
+enum neph_status neph_document_digest(const json_t *document, char digest[NEPH_HASH_HEX_SIZE],
+                                      struct neph_diag *diag)
+{
+    char *text = json_dumps(document, JSON_COMPACT | JSON_SORT_KEYS);
+    const enum neph_status status = text ? neph_hash(text, strlen(text), digest, diag)
+                                         : neph_fail_memory(diag);
+    free(text);
+    return status;
+}
+
+enum neph_status neph_document_digest_night(const char *store_folder, int64_t night,
+                                            char digest[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
+{
+    json_t *document = NULL;
+    char *path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
+    enum neph_status status = path ? neph_document_read(path, NEPH_DOCUMENT_NIGHT, &document, NULL)
+                                   : neph_fail_memory(diag);
+    digest[0] = '\0';
+    if (!status)
+        status = neph_document_digest(document, digest, diag);
+    else if (path)
+        status = NEPH_OK;
+    json_decref(document);
+    free(path);
+    return status;
 }
 
 /* ---- rows of documents ----------------------------------------------------------------------- */
@@ -155,11 +188,21 @@ static enum neph_status insert_step(struct neph_database *index, int64_t night,
         step->name, step->outcome, step->reason, step->size, step->wall_s, step->calibration_s);
 }
 
+enum neph_status neph_history_add_scene(struct neph_database *index, int64_t night,
+                                        const struct neph_history_scene *scene,
+                                        struct neph_diag *diag)
+{
+    return neph_database_do(index, diag,
+                            "INSERT OR REPLACE INTO night_scenes VALUES (?, ?, ?, ?, ?)", "issss",
+                            night, scene->step, scene->scene, scene->hash, scene->terms);
+}
+
 static enum neph_status insert_lists(struct neph_database *index, int64_t night,
                                      const json_t *document, struct neph_diag *diag)
 {
     const json_t *steps = json_object_get(document, "steps"),
                  *measurements = json_object_get(document, "measurements"),
+                 *scenes = json_object_get(document, "scenes"),
                  *frames = json_object_get(document, "frames");
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < json_array_size(steps); i++) {
@@ -179,6 +222,13 @@ static enum neph_status insert_lists(struct neph_database *index, int64_t night,
         status = insert_measurement(index, night, neph_json_text(m, "step"), &measurement,
                                     neph_json_text(m, "judgement"), diag);
     }
+    for (size_t i = 0; !status && i < json_array_size(scenes); i++) {
+        const json_t *s = json_array_get(scenes, i);
+        const struct neph_history_scene scene = {
+            neph_json_text(s, "step"), neph_json_text(s, "scene"), neph_json_text(s, "hash"),
+            neph_json_text(s, "terms")};
+        status = neph_history_add_scene(index, night, &scene, diag);
+    }
     for (size_t i = 0; !status && i < json_array_size(frames); i++)
         status = neph_database_do(index, diag, "INSERT OR IGNORE INTO night_frames VALUES (?, ?)",
                                   "is", night, json_string_value(json_array_get(frames, i)));
@@ -190,7 +240,8 @@ static enum neph_status forget_night(struct neph_database *index, int64_t night,
 {
     static const char *const statements[] = {
         "DELETE FROM measurements WHERE night = ?", "DELETE FROM steps WHERE night = ?",
-        "DELETE FROM night_frames WHERE night = ?", "DELETE FROM nights WHERE id = ?"};
+        "DELETE FROM night_scenes WHERE night = ?", "DELETE FROM night_frames WHERE night = ?",
+        "DELETE FROM nights WHERE id = ?"};
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < sizeof(statements) / sizeof(statements[0]); i++)
         status = neph_database_do(index, diag, statements[i], "i", night);
@@ -222,14 +273,14 @@ static enum neph_status insert_acceptance(struct neph_database *index, int64_t n
 }
 
 /* All of a document's rows or none. */
-static enum neph_status insert_document(struct neph_database *index, enum document kind,
-                                        int64_t number, const json_t *document,
-                                        struct neph_diag *diag)
+enum neph_status neph_document_insert(struct neph_database *index, enum neph_document kind,
+                                      int64_t number, const json_t *document,
+                                      struct neph_diag *diag)
 {
     enum neph_status status = neph_database_begin(index, diag);
     if (!status)
-        status = kind == NIGHT ? insert_night(index, number, document, diag)
-                               : insert_acceptance(index, number, document, diag);
+        status = kind == NEPH_DOCUMENT_NIGHT ? insert_night(index, number, document, diag)
+                                             : insert_acceptance(index, number, document, diag);
     if (!status)
         return neph_database_commit(index, diag);
     neph_database_rollback(index);
@@ -239,7 +290,8 @@ static enum neph_status insert_document(struct neph_database *index, enum docume
 /* ---- taking over ----------------------------------------------------------------------------- */
 
 static enum neph_status take_document(struct neph_database *index, const char *store_folder,
-                                      enum document kind, int64_t number, struct neph_diag *diag)
+                                      enum neph_document kind, int64_t number,
+                                      struct neph_diag *diag)
 {
     int64_t known = 0;
     json_t *document = NULL;
@@ -248,13 +300,13 @@ static enum neph_status take_document(struct neph_database *index, const char *s
     if (status || known > 0)
         return status;
     struct neph_diag why = {.line = 0};
-    char *path = document_path(store_folder, kind, number);
-    status = path ? read_document(path, kind, &document, &why) : neph_fail_memory(&why);
+    char *path = neph_document_path(store_folder, kind, number);
+    status = path ? neph_document_read(path, kind, &document, &why) : neph_fail_memory(&why);
     if (status && status != NEPH_ERR_MEMORY) {
         neph_progress_warn("'%s' is left out of the history: %s", path, why.message);
         status = NEPH_OK;
     } else if (!status) {
-        status = insert_document(index, kind, number, document, diag);
+        status = neph_document_insert(index, kind, number, document, diag);
     } else if (diag) {
         *diag = why;
     }
@@ -264,12 +316,12 @@ static enum neph_status take_document(struct neph_database *index, const char *s
 }
 
 static enum neph_status take_documents(struct neph_database *index, const char *store_folder,
-                                       enum document kind, struct dirent **names, int count,
+                                       enum neph_document kind, struct dirent **names, int count,
                                        struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && !status; i++) {
-        const int64_t number = number_of(names[i]->d_name, kind);
+        const int64_t number = neph_document_number(names[i]->d_name, kind);
         if (number > 0)
             status = take_document(index, store_folder, kind, number, diag);
     }
@@ -286,9 +338,9 @@ enum neph_status neph_history_refresh(struct neph_database *index, const char *s
     if (folder && count < 0 && errno != ENOENT)
         status = neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder, strerror(errno));
     if (!status) /* acceptances are of nights */
-        status = take_documents(index, store_folder, NIGHT, names, count, diag);
+        status = take_documents(index, store_folder, NEPH_DOCUMENT_NIGHT, names, count, diag);
     if (!status)
-        status = take_documents(index, store_folder, ACCEPTANCE, names, count, diag);
+        status = take_documents(index, store_folder, NEPH_DOCUMENT_ACCEPTANCE, names, count, diag);
     for (int i = 0; i < count; i++)
         free(names[i]);
     free(names);
@@ -336,7 +388,7 @@ static enum neph_status insert_new_night(struct neph_database *index, const char
         "acceptances)",
         "");
     if (!status)
-        status = next_number(store_folder, NIGHT, id, diag);
+        status = next_number(store_folder, NEPH_DOCUMENT_NIGHT, id, diag);
     return status ? status : insert_beginning(index, night, *id, now, diag);
 }
 
@@ -352,7 +404,7 @@ static enum neph_status find_or_insert_night(struct neph_database *index, const 
         "AND host = ? ORDER BY id DESC",
         "ssss", night->plan, night->revision, night->program, night->host);
     if (!status && *id > 0)
-        status = is_taken(store_folder, NIGHT, *id, &taken, diag);
+        status = is_taken(store_folder, NEPH_DOCUMENT_NIGHT, *id, &taken, diag);
     *id = taken ? 0 : *id; /* it could not end */
     *resumed = *id > 0;
     if (!status)
@@ -386,7 +438,7 @@ enum neph_status neph_history_adopt(struct neph_database *index, const char *sto
                                     const char *started_utc, struct neph_diag *diag)
 {
     bool taken = false;
-    enum neph_status status = is_taken(store_folder, NIGHT, id, &taken, diag);
+    enum neph_status status = is_taken(store_folder, NEPH_DOCUMENT_NIGHT, id, &taken, diag);
     if (!status && taken)
         status = neph_fail(diag, NEPH_ERR_IO, "night %lld is over: its document is in '%s/history'",
                            (long long)id, store_folder);
@@ -453,6 +505,13 @@ static json_t *measurement_json(struct neph_query *q)
     return json;
 }
 
+static json_t *scene_json(struct neph_query *q)
+{
+    return json_pack("{s:s, s:s, s:s, s:s}", "step", neph_query_text(q, 0), "scene",
+                     neph_query_text(q, 1), "hash", neph_query_text(q, 2), "terms",
+                     neph_query_text(q, 3));
+}
+
 static json_t *frame_json(struct neph_query *q)
 {
     return json_string(neph_query_text(q, 0));
@@ -461,20 +520,20 @@ static json_t *frame_json(struct neph_query *q)
 static json_t *head_json(struct neph_query *q)
 {
     return json_pack("{s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:s, s:s}", "format",
-                     documents[NIGHT].format, "night", (json_int_t)neph_query_integer(q, 0),
-                     "started_utc", neph_query_text(q, 1), "ended_utc", neph_query_text(q, 2),
-                     "plan", neph_query_text(q, 3), "revision", neph_query_text(q, 4), "program",
-                     neph_query_text(q, 5), "host", neph_query_text(q, 6), "verdict",
-                     neph_query_text(q, 7));
+                     documents[NEPH_DOCUMENT_NIGHT].format, "night",
+                     (json_int_t)neph_query_integer(q, 0), "started_utc", neph_query_text(q, 1),
+                     "ended_utc", neph_query_text(q, 2), "plan", neph_query_text(q, 3), "revision",
+                     neph_query_text(q, 4), "program", neph_query_text(q, 5), "host",
+                     neph_query_text(q, 6), "verdict", neph_query_text(q, 7));
 }
 
 static json_t *acceptance_json(struct neph_query *q)
 {
-    return json_pack("{s:s, s:I, s:s, s:I, s:s, s:s, s:s}", "format", documents[ACCEPTANCE].format,
-                     "acceptance", (json_int_t)neph_query_integer(q, 0), "series",
-                     neph_query_text(q, 1), "night", (json_int_t)neph_query_integer(q, 2), "who",
-                     neph_query_text(q, 3), "when_utc", neph_query_text(q, 4), "why",
-                     neph_query_text(q, 5));
+    return json_pack("{s:s, s:I, s:s, s:I, s:s, s:s, s:s}", "format",
+                     documents[NEPH_DOCUMENT_ACCEPTANCE].format, "acceptance",
+                     (json_int_t)neph_query_integer(q, 0), "series", neph_query_text(q, 1), "night",
+                     (json_int_t)neph_query_integer(q, 2), "who", neph_query_text(q, 3), "when_utc",
+                     neph_query_text(q, 4), "why", neph_query_text(q, 5));
 }
 
 /* The rows of a question about a night as a list. */
@@ -506,17 +565,21 @@ enum neph_status neph_history_document(struct neph_database *index, int64_t nigh
     static const struct {
         const char *name, *question;
         neph_row *row;
+        bool may_lack; /* nights of before it was kept have none */
     } lists[] = {
         {"steps",
          "SELECT name, outcome, reason, size, wall_s, calibration_s FROM steps WHERE night = ? "
          "ORDER BY name",
-         step_json},
+         step_json, false},
         {"measurements",
          "SELECT name, step, kind, value, standard_error, environment, judgement, frame FROM "
          "measurements JOIN series ON series.id = measurements.series WHERE night = ? ORDER BY "
          "name",
-         measurement_json},
-        {"frames", "SELECT key FROM night_frames WHERE night = ? ORDER BY key", frame_json},
+         measurement_json, false},
+        {"scenes",
+         "SELECT step, scene, hash, terms FROM night_scenes WHERE night = ? ORDER BY step",
+         scene_json, true},
+        {"frames", "SELECT key FROM night_frames WHERE night = ? ORDER BY key", frame_json, false},
     };
     json_t *heads = NULL;
     enum neph_status status = list_rows(index,
@@ -530,7 +593,9 @@ enum neph_status neph_history_document(struct neph_database *index, int64_t nigh
     for (size_t i = 0; !status && i < sizeof(lists) / sizeof(lists[0]); i++) {
         json_t *list = NULL;
         status = list_rows(index, lists[i].question, night, lists[i].row, &list, diag);
-        if (!status)
+        if (!status && lists[i].may_lack && json_array_size(list) == 0)
+            json_decref(list);
+        else if (!status)
             status = neph_json_put(made, lists[i].name, list, diag);
     }
     if (status)
@@ -566,9 +631,9 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
     if (!status)
         status = neph_json_put(document, "frames", json_copy((json_t *)frames), diag);
     if (!status)
-        status = write_new_document(store_folder, NIGHT, night, document, diag);
+        status = write_new_document(store_folder, NEPH_DOCUMENT_NIGHT, night, document, diag);
     if (!status)
-        status = insert_document(index, NIGHT, night, document, diag);
+        status = neph_document_insert(index, NEPH_DOCUMENT_NIGHT, night, document, diag);
     json_decref(document);
     return status;
 }
@@ -577,22 +642,32 @@ static enum neph_status check_acceptable(struct neph_database *index, const char
                                          int64_t night, struct neph_diag *diag)
 {
     int64_t count = 0;
-    enum neph_status status = neph_database_count(index, &count, diag, documents[NIGHT].known, "i",
-                                                  night);
+    enum neph_status status = neph_database_count(index, &count, diag,
+                                                  documents[NEPH_DOCUMENT_NIGHT].known, "i", night);
     if (!status && count == 0)
         return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
                          (long long)night);
     if (!status && strcmp(series, "*") != 0)
         status = neph_database_count(index, &count, diag,
                                      "SELECT count(*) FROM measurements JOIN series ON series.id = "
-                                     "measurements.series WHERE night = ? AND name = ?",
-                                     "is", night, series);
+                                     "measurements.series WHERE name = ?1 AND (night = ?2 OR night "
+                                     "IN (SELECT night FROM acceptances WHERE night < ?2))",
+                                     "si", series, night);
     if (!status && count == 0) {
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "night %lld has not measured '%s'",
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
+                           "neither night %lld nor an accepted one has measured '%s'",
                            (long long)night, series);
-        neph_hint(diag, "`neph store export` lists what it has");
+        neph_hint(diag, "`neph store export` lists what they have");
     }
     return status;
+}
+
+/* It is accepted without its copy, too. */
+static void write_copy(const char *store_folder, int64_t number, const json_t *document)
+{
+    struct neph_diag why = {.line = 0};
+    if (neph_document_write(store_folder, NEPH_DOCUMENT_COPY, number, document, &why))
+        neph_progress_warn("acceptance %lld has no copy: %s", (long long)number, why.message);
 }
 
 /* Number, document and rows while nobody else writes: of two at once, each has its own. */
@@ -603,11 +678,13 @@ static enum neph_status number_acceptance(struct neph_database *index, const cha
     enum neph_status status = neph_database_count(
         index, &number, diag, "SELECT coalesce(max(id), 0) + 1 FROM acceptances", "");
     if (!status)
-        status = next_number(store_folder, ACCEPTANCE, &number, diag);
+        status = next_number(store_folder, NEPH_DOCUMENT_ACCEPTANCE, &number, diag);
     if (!status)
         status = neph_json_put(document, "acceptance", json_integer(number), diag);
     if (!status)
-        status = write_new_document(store_folder, ACCEPTANCE, number, document, diag);
+        status = write_new_document(store_folder, NEPH_DOCUMENT_ACCEPTANCE, number, document, diag);
+    if (!status)
+        write_copy(store_folder, number, document);
     return status ? status : insert_acceptance(index, number, document, diag);
 }
 
@@ -637,97 +714,22 @@ enum neph_status neph_history_accept(struct neph_database *index, const char *st
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag)
 {
-    char now[32];
+    char now[32], digest[NEPH_HASH_HEX_SIZE] = "";
     neph_utc_now(now);
     enum neph_status status = check_acceptable(index, series, night, diag);
+    if (!status)
+        status = neph_document_digest_night(store_folder, night, digest, diag);
     if (status)
         return status;
-    json_t *document = json_pack(
-        "{s:s, s:n, s:s, s:I, s:s, s:s, s:s}", "format", documents[ACCEPTANCE].format, "acceptance",
-        "series", series, "night", (json_int_t)night, "who", who, "when_utc", now, "why", why);
+    json_t *document = json_pack("{s:s, s:n, s:s, s:I, s:s, s:s, s:s}", "format",
+                                 documents[NEPH_DOCUMENT_ACCEPTANCE].format, "acceptance", "series",
+                                 series, "night", (json_int_t)night, "who", who, "when_utc", now,
+                                 "why", why);
     status = neph_json_check(document, diag);
+    if (!status && digest[0])
+        status = neph_json_put(document, "night_blake2b", json_string(digest), diag);
     if (!status)
         status = insert_accepted(index, store_folder, document, diag);
     json_decref(document);
     return status;
-}
-
-/* ---- a closer look --------------------------------------------------------------------------- */
-
-/* `*torn`: the document is there and says nothing. One that is missing or cannot be read is an
- * error: the rows are then all that is left of the night. */
-static enum neph_status compare_night(struct neph_database *index, const char *path, int64_t night,
-                                      json_t **rows, bool *torn, struct neph_diag *diag)
-{
-    json_t *document = NULL;
-    *torn = false;
-    enum neph_status status = neph_history_document(index, night, rows, diag);
-    if (status)
-        return status;
-    status = read_document(path, NIGHT, &document, diag);
-    *torn = status == NEPH_ERR_INPUT;
-    if (status && !*torn)
-        neph_hint(diag, "bring it back from a copy of the store; what it said is still in the "
-                        "database, and `neph store export` prints it");
-    if (*torn || (!status && !json_equal(*rows, document)))
-        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
-                           (long long)night, path);
-    json_decref(document);
-    return status;
-}
-
-static enum neph_status check_night(struct neph_database *index, const char *store_folder,
-                                    int64_t night, struct neph_diag *diag)
-{
-    json_t *rows = NULL;
-    bool torn;
-    char *path = document_path(store_folder, NIGHT, night);
-    const enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
-                                         : neph_fail_memory(diag);
-    json_decref(rows);
-    free(path);
-    return status;
-}
-
-/* A document that disagrees is right. So is the lack of rows that cannot be read. */
-static enum neph_status mend_night(struct neph_database *index, const char *store_folder,
-                                   int64_t night, struct neph_diag *diag)
-{
-    json_t *rows = NULL;
-    bool torn = false;
-    char *path = document_path(store_folder, NIGHT, night);
-    enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
-                                   : neph_fail_memory(diag);
-    if (torn)
-        status = write_document(store_folder, NIGHT, night, rows, diag);
-    json_decref(rows);
-    free(path);
-    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
-}
-
-static enum neph_status visit_nights(struct neph_database *index, const char *store_folder,
-                                     enum neph_status (*visit)(struct neph_database *, const char *,
-                                                               int64_t, struct neph_diag *),
-                                     struct neph_diag *diag)
-{
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
-    while (!status && neph_query_next(query, &status, diag))
-        status = visit(index, store_folder, neph_query_integer(query, 0), diag);
-    neph_query_end(query);
-    return status;
-}
-
-enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
-                                    struct neph_diag *diag)
-{
-    return visit_nights(index, store_folder, check_night, diag);
-}
-
-enum neph_status neph_history_mend(struct neph_database *index, const char *store_folder,
-                                   struct neph_diag *diag)
-{
-    const enum neph_status status = visit_nights(index, store_folder, mend_night, diag);
-    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
 }

@@ -7,6 +7,8 @@
  *
  *   STORE/history/night-000012.json    {"format": "neph-night-1", "night": 12, "steps": [...], ...}
  *   STORE/history/accept-000003.json   {"format": "neph-accept-1", "series": "*", "night": 12, ...}
+ *   STORE/history/copy-of-accept-000003.json   the same once more: `neph store check --repair`
+ *                                              restores a torn acceptance from this file
  */
 #ifndef NEPH_HARNESS_RUN_HISTORY_H
 #define NEPH_HARNESS_RUN_HISTORY_H
@@ -27,11 +29,17 @@ struct neph_measurement {
 /* One part of a night. */
 struct neph_history_step {
     const char *name;
-    const char *outcome; /* "done", "failed", "timeout" */
+    const char *outcome; /* "done", "failed", "timeout"; "not run" of a night that is over */
     const char *reason;  /* "" when done */
     const char *size;    /* of its frames, such as "96x54" */
     double wall_s;
     double calibration_s; /* NaN: nothing was timed */
+};
+
+/* The scene that a step has measured. `terms` is a digest of what decides about its numbers and
+ * changes none: gates, exposure, what is measured over time (night/scene_copy.h). */
+struct neph_history_scene {
+    const char *step, *scene, *hash, *terms;
 };
 
 /* Who a night is. */
@@ -46,18 +54,6 @@ struct neph_history_night {
  * alone. */
 enum neph_status neph_history_refresh(struct neph_database *index, const char *store_folder,
                                       struct neph_diag *diag);
-
-/* Whether the rows of each finished night say what its document says: NEPH_ERR_INPUT names the
- * first that does not. NEPH_ERR_NOT_FOUND: a document is missing; NEPH_ERR_IO: it cannot be
- * read. */
-enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
-                                    struct neph_diag *diag);
-
-/* To be called before a database is made again, so that no night is lost: documents that are torn
- * are written anew from their rows, where these can be read. Errors as of neph_history_check(), but
- * never NEPH_ERR_INPUT: the database must then stay as it is. */
-enum neph_status neph_history_mend(struct neph_database *index, const char *store_folder,
-                                   struct neph_diag *diag);
 
 /* Begin a night, or go on with the last when it did not end and is the same in all four; `*resumed`
  * tells. Other nights that did not end are forgotten. A new one has a number that no night, no
@@ -79,6 +75,11 @@ enum neph_status neph_history_add(struct neph_database *index, int64_t night,
                                   const struct neph_measurement *measurements, int count,
                                   struct neph_diag *diag);
 
+/* Keep which scene a step of the night has measured. */
+enum neph_status neph_history_add_scene(struct neph_database *index, int64_t night,
+                                        const struct neph_history_scene *scene,
+                                        struct neph_diag *diag);
+
 /* What was found of one number of the night. */
 enum neph_status neph_history_judge(struct neph_database *index, int64_t night, const char *series,
                                     const char *judgement, struct neph_diag *diag);
@@ -89,8 +90,10 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
                                   int64_t night, const char *verdict, const json_t *frames,
                                   struct neph_diag *diag);
 
-/* Accept a night that is over as the baseline of `series`, or of all ("*"). NEPH_ERR_NOT_FOUND:
- * there is no such night, or it has no such series. */
+/* Accept a night that is over as the baseline of `series`, or of all ("*"). A series that only an
+ * earlier accepted night has measured is accepted as lost: later nights do not miss it. The
+ * document is written twice, and holds a digest of the night's document. NEPH_ERR_NOT_FOUND: there
+ * is no such night, or neither it nor an accepted night has measured the series. */
 enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag);

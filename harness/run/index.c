@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "harness/progress.h"
 #include "harness/run/history.h"
+#include "harness/run/history_check.h"
 #include "harness/run/store_entry.h"
 
 #include <dirent.h>
@@ -55,7 +56,12 @@ static const char *const steps[] = {
     "  id INTEGER PRIMARY KEY, series TEXT NOT NULL, night INTEGER NOT NULL,"
     "  who TEXT NOT NULL, when_utc TEXT NOT NULL, why TEXT NOT NULL) STRICT;",
     /* The key of the picture that a number is of, of a sequence the last; '' when it is of none. */
-    "ALTER TABLE measurements ADD COLUMN frame TEXT NOT NULL DEFAULT '';", NULL};
+    "ALTER TABLE measurements ADD COLUMN frame TEXT NOT NULL DEFAULT '';",
+    /* The scene of a step, and the store's copy of its file (night/scene_copy.h). */
+    "CREATE TABLE night_scenes ("
+    "  night INTEGER NOT NULL REFERENCES nights (id), step TEXT NOT NULL, scene TEXT NOT NULL,"
+    "  hash TEXT NOT NULL, terms TEXT NOT NULL, PRIMARY KEY (night, step)) STRICT, WITHOUT ROWID;",
+    NULL};
 
 /* ---- a frame's record as rows ---------------------------------------------------------------- */
 
@@ -323,14 +329,16 @@ static enum neph_status open_whole(const char *path, const char *store_folder, b
     return status;
 }
 
-/* A store that had frames before it had a database. */
-static void tell_takeover(struct neph_database *index, const char *store_folder)
+/* A store that has frames and no database: it is of before there was one, or the database was
+ * removed, and the two cannot be told apart. */
+static void tell_new_database(struct neph_database *index, const char *store_folder)
 {
     int64_t frames = 0;
     if (neph_database_count(index, &frames, NULL, "SELECT count(*) FROM jobs", "") == NEPH_OK &&
         frames > 0)
-        neph_progress_warn("'%s' is of an older neph: its %lld frames are used, and are in its new "
-                           "database",
+        neph_progress_warn("the store '%s' had no database (it was removed, or the store is older "
+                           "than databases): a new one is made of its %lld frames and its finished "
+                           "nights",
                            store_folder, (long long)frames);
 }
 
@@ -351,13 +359,13 @@ enum neph_status neph_index_open(const char *store_folder, bool reads, struct ne
     struct neph_diag why = {.line = 0};
     enum neph_status status = find_folder(store_folder, &folder, &why);
     char *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
-    const bool is_new = folder && !neph_path_exists(folder);
+    const bool is_new = path && !neph_path_exists(path);
     if (!status)
         status = path ? neph_dir_create(folder, &why) : neph_fail_memory(&why);
     if (!status)
         status = open_whole(path, store_folder, reads, index, &why);
     if (!status && is_new && neph_index_place() == NEPH_INDEX_IN_STORE)
-        tell_takeover(*index, store_folder);
+        tell_new_database(*index, store_folder);
     if (path && is_damage(status)) {
         status = set_aside(path, folder, why.message, &why);
         if (!status)

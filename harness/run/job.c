@@ -15,6 +15,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_OUTCOME_COUNT == 7, "a new kind");
+
 static const char *const outcome_names[] = {
     [NEPH_OUTCOME_RENDERED] = "rendered",       [NEPH_OUTCOME_CANNOT] = "cannot",
     [NEPH_OUTCOME_MISSING] = "missing",         [NEPH_OUTCOME_FAILED] = "failed",
@@ -388,9 +391,18 @@ static enum neph_outcome outcome_of(enum neph_status status, bool *ends_run)
         return NEPH_OUTCOME_TIMEOUT;
     case NEPH_ERR_INTERRUPTED:
         return NEPH_OUTCOME_INTERRUPTED;
-    default:
-        return NEPH_OUTCOME_FAILED;
+    case NEPH_ERR_USAGE:
+    case NEPH_ERR_INPUT:
+    case NEPH_ERR_NOT_FOUND:
+    case NEPH_ERR_IO:
+    case NEPH_ERR_MEMORY:
+    case NEPH_ERR_ENGINE:
+    case NEPH_ERR_GATE:
+    case NEPH_ERR_INTERNAL:
+    case NEPH_STATUS_COUNT:
+        break;
     }
+    return NEPH_OUTCOME_FAILED;
 }
 
 static void explain(struct neph_job_result *result, const struct neph_diag *diag, const char *kept)
@@ -427,6 +439,7 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
         unlink(resting); /* done, or good for nothing */
     if (status) {
         neph_store_abandon(store, key, scratch, &kept);
+        neph_move_paths(&engine_diag, neph_scratch_path(scratch), kept);
         explain(result, &engine_diag, kept);
         if (ends_run && diag)
             *diag = engine_diag;
@@ -436,6 +449,8 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
     path = neph_path_join(neph_scratch_path(scratch), "frame.exr");
     record = make_record(job, result);
     status = path ? neph_json_check(record, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = neph_store_clean(scratch, diag);
     if (!status)
         status = neph_exr_write(path, frame, diag);
     if (!status)

@@ -27,6 +27,7 @@ enum neph_outcome {
     NEPH_OUTCOME_TIMEOUT,
     NEPH_OUTCOME_INTERRUPTED,
     NEPH_OUTCOME_OVER_BUDGET, /* it works, but not in the time it was given: see budget.h */
+    NEPH_OUTCOME_COUNT,
 };
 
 enum { NEPH_JOB_NOTE_SIZE = 400 };

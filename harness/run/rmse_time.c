@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_RMSE_FOUND_COUNT == 5, "a new kind");
+
 static const double least = 1e-30; /* of a square, where a logarithm is taken */
 
 /* The squared spread of log times that differ by a millionth: fewer tell nothing. */

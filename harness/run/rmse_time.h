@@ -15,11 +15,12 @@ struct neph_rmse_rung {
 };
 
 enum neph_rmse_found {
-    NEPH_RMSE_WITHIN, /* between two rungs */
-    NEPH_RMSE_BEFORE, /* the shortest rung is better already; extrapolated */
-    NEPH_RMSE_BEYOND, /* the longest rung is worse; extrapolated */
-    NEPH_RMSE_NEVER,  /* the bias is larger, and significantly so */
-    NEPH_RMSE_UNKNOWN /* not within, and the bias may be larger, or the noise does not fall */
+    NEPH_RMSE_WITHIN,  /* between two rungs */
+    NEPH_RMSE_BEFORE,  /* the shortest rung is better already; extrapolated */
+    NEPH_RMSE_BEYOND,  /* the longest rung is worse; extrapolated */
+    NEPH_RMSE_NEVER,   /* the bias is larger, and significantly so */
+    NEPH_RMSE_UNKNOWN, /* not within, and the bias may be larger, or the noise does not fall */
+    NEPH_RMSE_FOUND_COUNT,
 };
 
 struct neph_rmse_time {

@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "base/lock.h"
 #include "base/owned.h"
+#include "base/usage.h"
 #include "harness/host.h"
 #include "harness/progress.h"
 #include "harness/run/index.h"
@@ -403,24 +404,42 @@ static bool has_ending(const char *name, const char *ending)
     return length >= ending_length && strcmp(name + length - ending_length, ending) == 0;
 }
 
-static bool worth_keeping(const char *name, const json_t *record)
+static bool worth_keeping(const char *name)
 {
     static const char *const endings[] = {".log", ".json", ".pov"};
     for (size_t i = 0; i < sizeof(endings) / sizeof(endings[0]); i++)
         if (has_ending(name, endings[i]))
             return true;
-    return strcmp(name, "frame.exr") == 0 || neph_entry_has_picture(record, name);
+    return strcmp(name, "frame.exr") == 0;
 }
 
-static enum neph_status tidy_entry(const char *path, const char *name, const json_t *record,
-                                   struct neph_diag *diag)
+/* A program names its files as it likes: those that it leaves are kept as far as they fit. */
+static bool fits(const char *path, struct neph_usage *kept)
 {
-    return worth_keeping(name, record) ? neph_file_sync(path, diag) : neph_dir_remove(path, diag);
+    struct stat info;
+    if (lstat(path, &info) != 0 || !S_ISREG(info.st_mode) || access(path, R_OK) != 0)
+        return false;
+    kept->bytes += (int64_t)info.st_size;
+    kept->entries++;
+    const bool is_kept = kept->bytes <= NEPH_KEPT_BYTES && kept->entries <= NEPH_KEPT_ENTRIES;
+    if (!is_kept)
+        kept->bytes -= (int64_t)info.st_size;
+    return is_kept;
 }
 
-/* Remove what need not be kept and bring the rest to disk, the files and then their names. `record`
- * NULL: no pictures. */
-static enum neph_status tidy(const char *scratch, const json_t *record, struct neph_diag *diag)
+/* In what a program has left (`kept` not NULL): its logs and inputs, as far as they fit. Else in
+ * what neph has put together: results and pictures, too. */
+static bool is_to_stay(const char *path, const char *name, const json_t *record,
+                       struct neph_usage *kept)
+{
+    return kept ? worth_keeping(name) && fits(path, kept)
+                : worth_keeping(name) || neph_entry_has_picture(record, name);
+}
+
+/* Remove what need not be kept, and bring what neph has put together to disk, the files and then
+ * their names. */
+static enum neph_status tidy(const char *scratch, const json_t *record, struct neph_usage *kept,
+                             struct neph_diag *diag)
 {
     DIR *directory = opendir(scratch);
     if (!directory)
@@ -430,11 +449,22 @@ static enum neph_status tidy(const char *scratch, const json_t *record, struct n
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;
         char *path = neph_path_join(scratch, entry->d_name);
-        status = path ? tidy_entry(path, entry->d_name, record, diag) : neph_fail_memory(diag);
+        if (!path)
+            status = neph_fail_memory(diag);
+        else if (!is_to_stay(path, entry->d_name, record, kept))
+            status = neph_dir_remove(path, diag);
+        else if (!kept)
+            status = neph_file_sync(path, diag);
         free(path);
     }
     closedir(directory);
-    return status ? status : neph_file_sync(scratch, diag);
+    return status || kept ? status : neph_file_sync(scratch, diag);
+}
+
+enum neph_status neph_store_clean(const struct neph_scratch *scratch, struct neph_diag *diag)
+{
+    struct neph_usage kept = {.bytes = 0};
+    return tidy(neph_scratch_path(scratch), NULL, &kept, diag);
 }
 
 static void remove_failed_try(const struct neph_store *store, const char *key)
@@ -481,7 +511,7 @@ enum neph_status neph_store_publish(struct neph_store *store, const char *key,
     if (!status)
         status = neph_entry_write_record(path, key, record, diag);
     if (!status)
-        status = tidy(path, record, diag);
+        status = tidy(path, record, NULL, diag);
     if (!status)
         status = neph_lock_wait(store->lock, &lock, diag);
     if (!status) {
@@ -519,7 +549,7 @@ void neph_store_abandon(struct neph_store *store, const char *key,
     char *entry = neph_path_join(store->failed, key);
     int lock = -1;
     *kept = NULL;
-    if (!entry || tidy(path, NULL, NULL) || neph_lock_wait(store->lock, &lock, NULL)) {
+    if (!entry || neph_store_clean(scratch, NULL) || neph_lock_wait(store->lock, &lock, NULL)) {
         free(entry);
         return;
     }

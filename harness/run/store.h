@@ -82,6 +82,10 @@ enum neph_status neph_store_publish(struct neph_store *store, const char *key,
 bool neph_store_remove(struct neph_store *store, const char *key, int64_t unused_since_s,
                        const char *why);
 
+/* Remove what an engine has left in the folder, but for its logs and inputs (*.log, *.json, *.pov,
+ * frame.exr), of which NEPH_KEPT_BYTES in NEPH_KEPT_ENTRIES files stay. NEPH_ERR_IO. */
+enum neph_status neph_store_clean(const struct neph_scratch *scratch, struct neph_diag *diag);
+
 /* Keep the logs of a failed try under failed/. `*kept` (to free) receives the folder, or NULL. */
 void neph_store_abandon(struct neph_store *store, const char *key,
                         const struct neph_scratch *scratch, char **kept);

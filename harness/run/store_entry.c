@@ -165,8 +165,10 @@ static enum neph_entry_state check_record(const json_t *record, const char *key,
 {
     char hex[NEPH_HASH_HEX_SIZE];
     if (!json_object_get(record, "key") || !json_object_get(record, "record_blake2b"))
-        return judge(NEPH_ENTRY_BAD,
-                     "its record (job.json) is not signed: of an older neph, or cut short", why);
+        return judge(
+            NEPH_ENTRY_BAD,
+            "its record (job.json) is not signed: cut short, changed by hand, or of an older neph",
+            why);
     if (!holds(record, "key", key))
         return judge(NEPH_ENTRY_BAD, "it belongs to another job", why);
     struct neph_diag diag = {.line = 0};

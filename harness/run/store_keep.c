@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "harness/run/history.h"
+#include "harness/run/history_check.h"
 #include "harness/run/index.h"
 #include "harness/run/store_entry.h"
 
@@ -53,7 +54,7 @@ static enum neph_status report_fault(struct check *check, const char *key, const
                                                         is_of_baseline, "s", key);
     if (status)
         return status;
-    struct neph_store_fault fault = {key, why, of_baseline > 0, false};
+    struct neph_store_fault fault = {key, why, of_baseline > 0, false, false};
     fault.removed = check->repairs && may_go && neph_store_remove(check->store, key, 0, NULL);
     check->sums->bad++;
     check->tell(&fault, check->context);
@@ -117,6 +118,24 @@ static enum neph_status count_rows(struct neph_database *index, struct neph_stor
     return status;
 }
 
+static void report_document(const struct neph_history_fault *found, void *context)
+{
+    struct check *check = context;
+    const struct neph_store_fault fault = {
+        .key = found->document, .why = found->why, .removed = found->mended, .is_document = true};
+    check->sums->bad++;
+    check->tell(&fault, check->context);
+}
+
+static enum neph_status check_documents(struct check *check, struct neph_diag *diag)
+{
+    const char *folder = neph_store_folder(check->store);
+    const enum neph_status status = neph_history_check_acceptances(
+        check->index, folder, check->repairs, report_document, check, diag);
+    return status ? status
+                  : neph_history_check_torn(check->index, folder, report_document, check, diag);
+}
+
 static enum neph_status look_at_index(struct check *check, bool *whole, struct neph_diag *why,
                                       struct neph_diag *diag)
 {
@@ -159,6 +178,8 @@ enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_s
     enum neph_status status = neph_store_index(store, &check.index, diag);
     if (!status)
         status = check_frames(&check, diag);
+    if (!status)
+        status = check_documents(&check, diag);
     if (!status)
         status = check_index(&check, diag);
     if (!status)

@@ -8,11 +8,12 @@
 #include "harness/json.h"
 #include "harness/run/store.h"
 
-/* What is wrong with one frame, or with the database. */
+/* What is wrong with one frame, with a document of the history, or with the database. */
 struct neph_store_fault {
-    const char *key, *why; /* key "": of the database */
+    const char *key, *why; /* key "": of the database; of a document the name of its file */
     bool of_baseline;      /* a night that was accepted has used it */
-    bool removed;
+    bool removed;          /* of a document or the database: written anew */
+    bool is_document;
 };
 
 /* Called for each that is found. */
@@ -25,10 +26,11 @@ struct neph_store_sums {
 };
 
 /* Read all frames and hold them against their records, and the database against the frames and the
- * documents of the nights. `repairs` removes frames that are bad, which the next run that wants
- * them renders anew, and makes the database again where it is not whole, after a document that is
- * torn was written anew from it. NEPH_ERR_NOT_FOUND, or NEPH_ERR_IO: a night's document is missing,
- * or cannot be read; nothing is made again then, as that night would be lost. */
+ * documents of the nights and of the acceptances. `repairs` removes frames that are bad, which the
+ * next run that wants them renders anew, writes a torn acceptance anew from its copy or its row,
+ * and makes the database again where it is not whole, after a document of a night that is torn was
+ * written anew from it. NEPH_ERR_NOT_FOUND, or NEPH_ERR_IO: a night's document is missing, or
+ * cannot be read; nothing is made again then, as that night would be lost. */
 enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_store_tell *tell,
                                   void *context, struct neph_store_sums *sums,
                                   struct neph_diag *diag);

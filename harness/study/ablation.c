@@ -12,6 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+_Static_assert(NEPH_ABLATION_ADVICES == 7, "a new kind");
+_Static_assert(NEPH_ABLATION_VERDICTS == 8, "a new kind");
+
 const struct neph_ablation_measure neph_ablation_measures[] = {
     {"error", "error", "relative RMSE", "rel_rmse", "all", .is_time = false},
     {"flicker", "flicker", "flicker seen", "seen_contrast", "all", .is_time = false},

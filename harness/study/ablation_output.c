@@ -6,6 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_ABLATION_ADVICES == 7, "a new kind");
+_Static_assert(NEPH_ABLATION_PLACES == 2, "a new kind");
+_Static_assert(NEPH_ABLATION_VERDICTS == 8, "a new kind");
+
 /* What was printed into memory, unless memory was short on the way. */
 static enum neph_status close_text(FILE *out, char **text, struct neph_diag *diag)
 {

@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
+
 const struct neph_ablation_part neph_ablation_parts[] = {
     {"split", "one ray in 4x4 pixels, four frames for a whole",
      "F. Bauer, SIGGRAPH 2019: a sixteenth of the rays", "split=none", .stays = true},

@@ -12,6 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_ABLATION_PLACES == 2, "a new kind");
+
 enum { WIDTH = 520, LEFT = 140, RIGHT = 14, ROW = 36, BAR = 12, LINE = 21, MARGIN = 12 };
 
 /* Beyond that bars are cut, and have their number beside them: a decade would leave nothing to see

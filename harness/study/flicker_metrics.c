@@ -3,6 +3,9 @@
 
 #include <stddef.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
+
 static const char *const of_flicker[] = {"seen", "cycles", "flicker", "error", NULL};
 static const char *const of_lag[] = {"lag", NULL};
 static const char *const of_follow[] = {"follow", NULL};

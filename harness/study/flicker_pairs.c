@@ -7,6 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+
 /* The metric's floor, or the highest bound that stands for a number of the preset. */
 static double floor_of(const struct neph_flicker_study *study, int metric, int scene, int preset)
 {

@@ -16,6 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_VARIANT_KIND_COUNT == 3, "a new kind");
+
 enum { KIND_REFERENCE, KIND_TAKE }; /* of progress */
 
 /* Guesses before the first is over, on two cores. */

@@ -11,6 +11,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
+
 static double mean(struct neph_rgb rgb)
 {
     return (rgb.r + rgb.g + rgb.b) / 3.0;

@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_LIGHT_PARTS == 2, "a new kind");
+
 /* A guess before the first is over, on two cores. */
 static const double cell_typical_s = 15.0;
 

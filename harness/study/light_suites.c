@@ -135,9 +135,10 @@ static enum neph_status read_entry(const json_t *entry, struct neph_light_entry 
     made->scene = neph_suite_scene(entry);
     if (!made->scene)
         return neph_fail_memory(diag);
-    struct neph_diag why;
-    const enum neph_status status = read_sweeps(json_object_get(entry, "sweeps"), made, &why);
-    return status ? neph_fail(diag, status, "%s: %s", scene, why.message) : NEPH_OK;
+    const enum neph_status status = read_sweeps(json_object_get(entry, "sweeps"), made, diag);
+    if (status)
+        neph_prefix(diag, "%s: ", scene);
+    return status;
 }
 
 enum neph_status neph_light_suite_find(const char *name, struct neph_light_entry **entries,

@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_LIGHT_AXES == 3, "a new kind");
+
 void neph_light_sums_add(struct neph_light_sums *sums, double model, double first, double second)
 {
     const double half_difference = 0.5 * (first - second);

@@ -10,6 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_REFERENCE_RAYS_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 static const char *const rays_settings[NEPH_REFERENCE_RAYS_COUNT] = {
     [NEPH_REFERENCE_AVERAGED] = "rays_per_px=16",
     [NEPH_REFERENCE_CENTRE] = "rays_per_px=1",

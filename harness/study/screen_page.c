@@ -12,6 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCREEN_LOSSES == 3, "a new kind");
+_Static_assert(NEPH_SCREEN_PARTS == 3, "a new kind");
+
 /* Pictures are small: each of their pixels is a square of so many. */
 enum { SQUARE_PX = 4 };
 

@@ -16,6 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCREEN_PARTS == 3, "a new kind");
+
 static const double scene_typical_s = 30.0;
 
 /* Layers of the truth and of models. */

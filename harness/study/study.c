@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STUDY_VERDICT_COUNT == 3, "a new kind");
+
 bool neph_study_applies(const struct neph_engine *engine, const struct neph_scene *scene)
 {
     if (!engine->step.option)

@@ -21,6 +21,7 @@ enum neph_study_verdict {
     NEPH_STUDY_NOISE,  /* noise hides whether it is */
     NEPH_STUDY_OFF,    /* even the finest step is off by more, or may be: its error does not shrink
                           by the known order, and the last change was larger than the tolerance */
+    NEPH_STUDY_VERDICT_COUNT,
 };
 
 struct neph_study_level {

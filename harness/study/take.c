@@ -465,6 +465,8 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
         status = neph_store_publish(store, key, scratch, record, diag);
     else
         neph_store_abandon(store, key, scratch, &kept);
+    if (status)
+        neph_move_paths(diag, folder, kept);
     json_decref(record);
     free(kept);
     neph_scratch_destroy(scratch);
@@ -486,6 +488,8 @@ enum neph_status neph_take_see(const struct neph_take *take, struct neph_store *
         status = render_frames(take, folder, &frames, &cost, diag);
     if (!status)
         status = show(take, folder, &frames, diag);
+    if (status)
+        neph_move_paths(diag, folder, NULL);
     finish_frames(take, &frames);
     neph_scratch_destroy(scratch);
     return status;

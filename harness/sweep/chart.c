@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SWEEP_AXIS_COUNT == 3, "a new kind");
+
 const struct neph_sweep_chart neph_sweep_charts[] = {
     {"time_error", "Error against the truth, by time", NEPH_SWEEP_AXIS_TIME, NEPH_SWEEP_ERROR},
     {"time_shortcut", "What the shortcut loses of its own model, by time", NEPH_SWEEP_AXIS_TIME,

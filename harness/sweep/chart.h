@@ -13,6 +13,7 @@ enum neph_sweep_axis {
     NEPH_SWEEP_AXIS_TIME, /* milliseconds of a picture */
     NEPH_SWEEP_AXIS_WORK, /* evaluations of density for a pixel of a picture */
     NEPH_SWEEP_AXIS_LAG,  /* frames to half of a step */
+    NEPH_SWEEP_AXIS_COUNT,
 };
 
 struct neph_sweep_chart {

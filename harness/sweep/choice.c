@@ -10,6 +10,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CHOICE_NUMBERS == 6, "a new kind");
+
 const struct neph_choice_measure neph_choice_measures[NEPH_CHOICE_NUMBERS] = {
     [NEPH_CHOICE_FLICKER] = {"flicker", "flicker seen, contrast over threshold", NEPH_STUDY_FLICKER,
                              "seen_contrast", "all", 0},

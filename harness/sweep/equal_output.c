@@ -4,6 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SWEEP_COSTS == 2, "a new kind");
+
 static const struct {
     const char *name, *column; /* of JSON and of the table */
     double scale;

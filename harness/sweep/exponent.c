@@ -5,6 +5,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_EXPONENT_VERDICTS == 4, "a new kind");
+
 const char *const neph_exponent_verdict_words[NEPH_EXPONENT_VERDICTS] = {
     [NEPH_EXPONENT_NONE] = "no exponent",
     [NEPH_EXPONENT_EXPECTED] = "as expected",

@@ -12,6 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_LADDER_MOTION_COUNT == 3, "a new kind");
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 const struct neph_ladder_light neph_ladder_lights[] = {
     {"no scattering", NEPH_SCATTERING_NONE, "march", NULL, false},
     {"scattered once", NEPH_SCATTERING_SINGLE, "march", NULL, false},

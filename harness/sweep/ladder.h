@@ -32,6 +32,7 @@ enum neph_ladder_motion {
     NEPH_LADDER_CAMERA, /* or a solid, or the size of the picture */
     NEPH_LADDER_WIND,
     NEPH_LADDER_ANY, /* of both */
+    NEPH_LADDER_MOTION_COUNT,
 };
 bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion what);
 

@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* Sizes in which configurations are looked at, the last being the full one: what passes in a small
  * picture may be worse than asked by `slack`, as edges and thin things weigh more there. */
 static const struct {

@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 #define PLAN(member) offsetof(struct neph_sweep_plan, member)
 #define SERIES(member) offsetof(struct neph_sweep_series, member)
 
@@ -153,8 +156,11 @@ static enum neph_status check_series(const struct neph_reader *reader,
         for (size_t k = 0; k < sizeof(both) / sizeof(both[0]); k++) {
             struct neph_settings settings;
             struct neph_diag why = {.line = 0};
-            if (neph_sweep_settings(plan, series, i, both[k], &settings, &why))
-                return neph_refuse(reader, neph_at("series[%d]", number).text, "%s", why.message);
+            if (neph_sweep_settings(plan, series, i, both[k], &settings, &why)) {
+                neph_refuse(reader, neph_at("series[%d]", number).text, "%s", why.message);
+                neph_hint(reader->diag, "%s", why.hint);
+                return NEPH_ERR_INPUT;
+            }
         }
     for (int other = 0; other < number; other++)
         if (strcmp(plan->series[other].name, series->name) == 0)

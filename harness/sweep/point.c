@@ -15,6 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SWEEP_NUMBERS == 5, "a new kind");
+
 /* A take with a step is as long as in a flicker study. */
 enum { STEP_FRAMES = 80 };
 

@@ -3,6 +3,9 @@
 
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SWEEP_NUMBERS == 5, "a new kind");
+
 const struct neph_sweep_number_text neph_sweep_number_texts[NEPH_SWEEP_NUMBERS] = {
     [NEPH_SWEEP_ERROR] = {"error", "relative RMSE of radiance against the truth", "rel_rmse"},
     [NEPH_SWEEP_SHORTCUT] = {"shortcut", "relative RMSE of radiance against its own model",

@@ -14,6 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCALING_AXES == 5, "a new kind");
+
 /* Fixed costs make what is small dearer, so that times may grow more slowly than the work. */
 const struct neph_scaling_axis neph_scaling_axes[NEPH_SCALING_AXES] = {
     [NEPH_SCALING_PIXELS] = {"pixels",

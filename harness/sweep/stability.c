@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STABILITY_OUTCOMES == 5, "a new kind");
+
 const char *const neph_stability_words[NEPH_STABILITY_OUTCOMES] = {
     [NEPH_STABILITY_ABSENT] = "absent", [NEPH_STABILITY_OFF] = "off",
     [NEPH_STABILITY_ON] = "on all",     [NEPH_STABILITY_WITHIN] = "within intervals",

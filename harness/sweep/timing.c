@@ -8,6 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SWEEP_NUMBERS == 5, "a new kind");
+
 enum { WARM_UP_FRAMES = 16 }; /* four turns of the four frames: a history */
 
 /* What is gathered of a point over the rounds. */

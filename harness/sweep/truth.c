@@ -11,6 +11,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+
 static const char *const candidates[] = {"exact", "tracer"};
 
 /* --- pictures ------------------------------------------------------------------------------- */

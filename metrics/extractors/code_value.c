@@ -12,6 +12,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CODE_COUNT == 2, "a new kind");
+
 enum {
     DEGREE = 5,
     PIECE_BITS = 5, /* of the mantissa, say which piece of its octave a number is in */

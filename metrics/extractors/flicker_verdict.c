@@ -5,6 +5,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FLICKER_KIND_COUNT == 3, "a new kind");
+
 bool neph_flicker_is_cyclic(const struct neph_flicker_spectrum *luma)
 {
     if (luma->a4 <= NEPH_FLICKER_STEP && luma->a2 <= NEPH_FLICKER_STEP)

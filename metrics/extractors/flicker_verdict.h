@@ -36,6 +36,7 @@ enum neph_flicker_kind {
     NEPH_FLICKER_CALM,     /* still, or it fades */
     NEPH_FLICKER_RESTLESS, /* it flickers, but not in the cycle */
     NEPH_FLICKER_CYCLIC,   /* the cycle of four frames shows */
+    NEPH_FLICKER_KIND_COUNT,
 };
 
 /* The kind of a mask of which `cyclic_share` is cyclic and `restless_share` has an unrest above a

@@ -18,6 +18,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FLIP_TONE_COUNT == 4, "a new kind");
+
 enum {
     TILE_WIDTH_PX = 192,
     TILE_HEIGHT_PX = 256,

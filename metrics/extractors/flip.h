@@ -17,6 +17,7 @@ enum neph_flip_tone {
     NEPH_FLIP_ACES,
     NEPH_FLIP_REINHARD,
     NEPH_FLIP_HABLE,
+    NEPH_FLIP_TONE_COUNT,
 };
 
 /* Names in the order of enum neph_flip_tone, ends with NULL: choices of an option. */

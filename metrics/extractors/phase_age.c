@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/extractors/phase_age.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SLOT_ORDER_COUNT == 3, "a new kind");
+
 /* By phase: its place in the order. */
 static const int places[][NEPH_PHASE_COUNT] = {
     [NEPH_SLOT_CLOCKWISE] = {0, 1, 3, 2},

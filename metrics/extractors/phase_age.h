@@ -16,6 +16,7 @@ enum neph_slot_order {
     NEPH_SLOT_CLOCKWISE, /* (0,0) (1,0) (1,1) (0,1): Red Dead Redemption 2 (Bauer, SIGGRAPH 2019) */
     NEPH_SLOT_Z,         /* (0,0) (1,0) (0,1) (1,1) */
     NEPH_SLOT_DIAGONAL,  /* (0,0) (1,1) (1,0) (0,1): Bayer's */
+    NEPH_SLOT_ORDER_COUNT,
 };
 
 struct neph_phase_age {

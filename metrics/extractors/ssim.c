@@ -12,6 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CODE_COUNT == 2, "a new kind");
+
 enum { OPTION_CODE, OPTION_DECIMATE };
 
 static const char *const code_names[] = {

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/media/kind.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+
 static const struct neph_gpu_kind *const kinds[NEPH_MEDIUM_KIND_COUNT] = {
     [NEPH_MEDIUM_HOMOGENEOUS] = &neph_gpu_homogeneous,
     [NEPH_MEDIUM_HEIGHT_FOG] = &neph_gpu_height_fog,

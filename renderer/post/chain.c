@@ -254,9 +254,11 @@ static size_t thread_count(const struct work *work, const struct neph_post_stage
     case NEPH_POST_MAKES_BLOOM:
         level_sizes(&work->params->settings, work->size, sizes);
         return texel_count(sizes[level]);
-    default:
-        return texel_count(to);
+    case NEPH_POST_MAKES_PICTURE:
+    case NEPH_POST_MAKES_LARGER:
+        break;
     }
+    return texel_count(to);
 }
 
 static bool makes_picture(const struct neph_post_stage *stage)

@@ -6,6 +6,9 @@
 
 #include <stddef.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_POST_PASS_COUNT == 7, "a new kind");
+
 const char *const neph_post_pass_names[NEPH_POST_PASS_COUNT + 1] = {
     [NEPH_POST_EXPOSURE] = "exposure",
     [NEPH_POST_BLOOM] = "bloom",

@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FIELD_TYPE_COUNT == 11, "a new kind");
+_Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
+
 #define PLAN(member) offsetof(struct neph_post_plan, member)
 #define ENTRY(member) offsetof(struct neph_post_entry, member)
 #define BOX(member) offsetof(struct neph_post_box, member)

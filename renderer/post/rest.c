@@ -21,19 +21,9 @@ static enum neph_status copy_others(const struct neph_image *from, struct neph_i
     return status;
 }
 
-static enum neph_status copy_attributes(const struct neph_image *from, struct neph_image *to,
-                                        struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < from->attribute_count && !status; i++)
-        status = neph_image_set_attribute(to, from->attributes[i].name, diag, "%s",
-                                          from->attributes[i].value);
-    return status;
-}
-
 enum neph_status neph_post_copy_rest(const struct neph_image *from, struct neph_image *to,
                                      struct neph_diag *diag)
 {
-    const enum neph_status status = copy_attributes(from, to, diag);
+    const enum neph_status status = neph_image_copy_labels(from, to, diag);
     return status ? status : copy_others(from, to, diag);
 }

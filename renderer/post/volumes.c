@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
+
 void neph_post_change(const struct neph_post_changes *changes, struct neph_settings *settings)
 {
     for (int i = 0; i < POST_SETTING_COUNT; i++)

@@ -10,6 +10,9 @@
 
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+
 /* False, with the reason, where a smaller picture does not become the whole one. */
 static bool can_upsample(const struct neph_scene *scene, const struct neph_settings *settings,
                          char *reason, size_t reason_size)

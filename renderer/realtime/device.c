@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
+
 enum { local_size = 64 }; /* of shaders/realtime_pass.glsl */
 
 size_t neph_rt_device_words(const struct neph_rt_device *device, int target)

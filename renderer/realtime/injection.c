@@ -6,6 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INJECTED_VALUES == 6, "a new kind");
+
 static const float values[NEPH_INJECTED_VALUES] = {
     [NEPH_INJECTED_NAN] = NAN,        [NEPH_INJECTED_INFINITE] = INFINITY,
     [NEPH_INJECTED_NEGATIVE] = -1.0f, [NEPH_INJECTED_HUGE] = 1e30f,

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/march_settings.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
+
 bool neph_rt_is_upsampled(const struct neph_settings *settings)
 {
     return settings->values[RT_SCREEN_PERCENT] < 100.0;

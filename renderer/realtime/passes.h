@@ -30,9 +30,10 @@ struct neph_rt_history {
 /* What rays of a pass meet. */
 enum neph_rt_rays {
     NEPH_RT_NO_RAYS,
-    NEPH_RT_RAYS_TO_SOLIDS,    /* of one step */
-    NEPH_RT_POINTS_IN_MEDIA,   /* of one step */
-    NEPH_RT_RAYS_THROUGH_MEDIA /* of all steps */
+    NEPH_RT_RAYS_TO_SOLIDS,     /* of one step */
+    NEPH_RT_POINTS_IN_MEDIA,    /* of one step */
+    NEPH_RT_RAYS_THROUGH_MEDIA, /* of all steps */
+    NEPH_RT_RAYS_COUNT,
 };
 
 enum { NEPH_RT_UNLESS_MAX = 4 };

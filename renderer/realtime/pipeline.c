@@ -21,6 +21,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_RT_RAYS_COUNT == 4, "a new kind");
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+_Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 _Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_RAY_TARGET_COUNT - NEPH_GPU_SCENE_UNIFORMS <=
                    NEPH_KERNEL_STORAGE_MAX,
                "room for all that a pass with rays is bound to");

@@ -10,6 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 2, CHANNELS = 4 };
 
 /* A frame of the scene and the one before. */

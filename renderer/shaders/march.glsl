@@ -20,7 +20,7 @@
 
 #extension GL_KHR_shader_subgroup_vote : require
 
-#include "march_lamps.glsl"
+#include "march_lamp_steps.glsl"
 #include "march_run.glsl"
 
 // What a march is given of light of higher orders, by lighting: texels of traced light (light and
@@ -249,7 +249,7 @@ void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
                         ? scaled_light(mixture, point_m, marched_depth(sums), step_depth)
                         : step_light(mixture, point_m, step_m, step_depth) * through;
     if (LAMPS && own(frame.scatters_lamps) != 0)
-        scattered += lamps_light(mixture, ray, step_start_m(steps, i), step_m, step_depth) *
+        scattered += lamps_step_light(mixture, ray, step_start_m(steps, i), step_m, step_depth) *
                      through;
     if (kept_emits)
         scattered += mixture.glow * fraction_lost(step_depth) * through;

@@ -3,8 +3,9 @@
 // Light of lamps (scenes/lights.h) in a march: scattered once, and reflected by solids. What a step
 // gets of 1/d^2 is its exact mean over the step, (theta1 - theta0) / (h length), with the angles
 // and the height h of the lamp's triangle over the step: a step may pass a lamp closely and neither
-// misses nor overrates it. All else is taken where the bisector of the triangle meets the step, of
-// parts of even angles where the step is seen under a large one.
+// misses nor overrates it. All else is taken where the bisector of the triangle meets the step:
+// of parts of it where it is long or seen under a large angle, by march_lamp_steps.glsl in a march
+// and by lamp_light() in a froxel, which is short.
 #ifndef NEPH_MARCH_LAMPS_GLSL
 #define NEPH_MARCH_LAMPS_GLSL
 
@@ -78,14 +79,18 @@ vec3 scattered_from(vec3 direction)
     return sum;
 }
 
+// Where the bisector of the lamp's triangle over two places meets the ray, behind the foot.
+float lamp_bisector_m(LampPass pass, float s0_m, float s1_m)
+{
+    float d0_m = length(vec2(pass.height_m, s0_m)), d1_m = length(vec2(pass.height_m, s1_m));
+    return s0_m + (s1_m - s0_m) * (d0_m / (d0_m + d1_m));
+}
+
 // Light of a lamp that the last mixture scatters between two places, of a mean of 1/d^2.
 vec3 lamp_scattered_per_m(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m,
                           float inverse_square)
 {
-    float length_m = s1_m - s0_m;
-    float d0_m = length(vec2(pass.height_m, s0_m)), d1_m = length(vec2(pass.height_m, s1_m));
-    float bisector_m = s0_m + length_m * (d0_m / (d0_m + d1_m));
-    vec3 point_m = view_point_m(ray, pass.foot_m + bisector_m);
+    vec3 point_m = view_point_m(ray, pass.foot_m + lamp_bisector_m(pass, s0_m, s1_m));
     vec3 way_m = lamp.position_m - point_m;
     float distance_m = max(length(way_m), 1e-12);
     vec3 direction = way_m / distance_m;
@@ -99,7 +104,7 @@ vec3 lamp_scattered_per_m(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, flo
 const float LAMP_PART = PI / 8.0;
 const uint LAMP_PARTS_MAX = NEPH_GPU_LAMP_PARTS;
 
-// What a step sends to its near end, of a source that is constant in each part of the step.
+// What a froxel sends to its near end, of a source that is constant in each part of it.
 vec3 lamp_light(Lamp lamp, LampPass pass, vec3 extinction_per_m, ViewRay ray, float start_m,
                 float length_m, vec3 step_depth)
 {
@@ -124,7 +129,7 @@ vec3 lamp_light(Lamp lamp, LampPass pass, vec3 extinction_per_m, ViewRay ray, fl
     return sum / max(extinction_per_m, LEAST);
 }
 
-// That of all lamps, of a step whose mixture is the last that was looked up.
+// That of all lamps, of a froxel whose mixture is the last that was looked up.
 vec3 lamps_light(Mixture mixture, ViewRay ray, float start_m, float length_m, vec3 step_depth)
 {
     vec3 sum = vec3(0.0);

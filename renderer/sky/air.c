@@ -7,6 +7,10 @@
 #include <math.h>
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 /* Above so many scale heights, e^-14 = 8e-7 of a layer is left. */
 static const double top_scale_heights = 14.0;
 
@@ -90,9 +94,11 @@ static double legendre_of(const struct neph_phase *phase, int degree)
     case NEPH_PHASE_RAYLEIGH:
         return degree == 2 ? 0.1 : 0.0;
     case NEPH_PHASE_ISOTROPIC:
+        return 0.0;
+    case NEPH_PHASE_KIND_COUNT:
         break;
     }
-    return 0.0;
+    return NAN;
 }
 
 static struct neph_sky_layer layer_of(const struct neph_medium *medium)

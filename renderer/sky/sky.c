@@ -7,6 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 struct neph_sky {
     const struct neph_scene *scene; /* borrowed */
     struct neph_sky_air air;

@@ -19,7 +19,12 @@ struct neph_sky_aerial_params {
 
 /* Which tables are filled for a picture, on a device: what is stale, or, to know what that costs,
  * also what is of a camera and a sun, or all. */
-enum neph_sky_refill { NEPH_SKY_REFILL_STALE, NEPH_SKY_REFILL_VIEWS, NEPH_SKY_REFILL_ALL };
+enum neph_sky_refill {
+    NEPH_SKY_REFILL_STALE,
+    NEPH_SKY_REFILL_VIEWS,
+    NEPH_SKY_REFILL_ALL,
+    NEPH_SKY_REFILL_COUNT
+};
 
 struct neph_sky_params {
     int steps;                      /* along a view ray */

@@ -3,6 +3,10 @@
 
 #include <stdio.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 static bool is_around(const struct neph_solid *ground, struct neph_vec3 center_m, double radius_m)
 {
     return center_m.x == ground->center_m.x && center_m.y == ground->center_m.y &&

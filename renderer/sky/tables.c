@@ -8,6 +8,10 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SKY_REFILL_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 static const uint32_t sun_spirv[] = {
 #include "shaders/sky_sun.comp.inc"
 };

@@ -11,12 +11,16 @@
   // A sign, a word and a colour each: none speaks by its colour.
   const FOUND = {
     "step failed": ["✗", "fail-word"],
+    "history damaged": ["✗", "fail-word"],
     "not the same bits": ["✗", "fail-word"],
     "reference stale": ["✗", "fail-word"],
     "blank picture": ["✗", "fail-word"],
     missing: ["✗", "fail-word"],
+    lost: ["✗", "fail-word"],
     "another size": ["✗", "fail-word"],
     worse: ["✗", "fail-word"],
+    "worse elsewhere": ["✗", "fail-word"],
+    edited: ["✗", "fail-word"],
     better: ["✓", "pass-word"],
     environment: ["○", "open-word"],
     moved: ["○", "open-word"],

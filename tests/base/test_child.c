@@ -10,6 +10,7 @@
 #include "base/confine.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -252,9 +253,9 @@ static void test_confined(void **state)
 {
     char log[SCRATCH_PATH_MAX], own[SCRATCH_PATH_MAX], kept[SCRATCH_PATH_MAX],
         made[SCRATCH_PATH_MAX], inside[SCRATCH_PATH_MAX];
-    if (!neph_confine_is_there())
-        skip();
     neph_assert_ok(neph_dir_create(scratch_path(state, own, "own"), NULL), NULL);
+    if (neph_confine_probe(own) > NEPH_CONFINE_WRITES)
+        skip();
     neph_assert_ok(neph_file_write(scratch_path(state, kept, "kept"), "kept\n", 5, NULL), NULL);
     const char *const argv[] = {
         "sh", "-c",
@@ -276,6 +277,200 @@ static void test_confined(void **state)
     params.is_confined = false; /* which is what keeps it from that */
     assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_ENGINE); /* a is there */
     assert_true(neph_path_exists(scratch_path(state, made, "made")));
+}
+
+/* What changes a file's modes, times and attributes without writing into it, tried on ../kept; the
+ * script ends with 0 when it may change a file of its own folder. */
+static const char changes[] =
+    "chmod 0777 ../kept; touch -d 2001-02-03 ../kept; chown 1:1 ../kept;"
+    "python3 -c 'import os; os.setxattr(\"../kept\", \"user.a\", b\"b\")';"
+    "exec 3< ../kept; chmod 0777 /proc/self/fd/3; exec 3<&-;"
+    "(cd .. && chmod 0777 kept);"
+    "touch own-file && chmod 0640 own-file && test $(stat -c %a own-file) = 640";
+
+/* Run `changes` confined in the folder "own" and compare the file beside it with before. Returns
+ * what the program ended with. */
+static enum neph_status try_changes(void **state)
+{
+    char log[SCRATCH_PATH_MAX], own[SCRATCH_PATH_MAX], kept[SCRATCH_PATH_MAX];
+    scratch_path(state, own, "own");
+    scratch_path(state, kept, "kept");
+    const char *const argv[] = {"sh", "-c", changes, NULL};
+    const struct neph_child_params params = {.argv = argv,
+                                             .working_directory = own,
+                                             .log_path = scratch_path(state, log, "own/log"),
+                                             .is_confined = true};
+    struct neph_child_result result;
+    struct stat before, after;
+    assert_int_equal(stat(kept, &before), 0);
+    const enum neph_status status = neph_child_run(&params, &result, NULL);
+    assert_int_equal(stat(kept, &after), 0);
+    assert_int_equal(after.st_mode, before.st_mode);
+    assert_int_equal(after.st_uid, before.st_uid);
+    assert_int_equal(after.st_mtime, before.st_mtime);
+    assert_int_equal(after.st_ctim.tv_sec, before.st_ctim.tv_sec);
+    assert_int_equal(after.st_ctim.tv_nsec, before.st_ctim.tv_nsec);
+    return status;
+}
+
+static void make_kept(void **state, uid_t owner)
+{
+    char own[SCRATCH_PATH_MAX], kept[SCRATCH_PATH_MAX];
+    neph_assert_ok(neph_dir_create(scratch_path(state, own, "own"), NULL), NULL);
+    neph_assert_ok(neph_file_write(scratch_path(state, kept, "kept"), "kept\n", 5, NULL), NULL);
+    assert_int_equal(chmod(((const struct scratch *)*state)->folder, 0755), 0);
+    if (owner != geteuid())
+        assert_int_equal(chown(own, owner, owner) | chown(kept, owner, owner), 0);
+}
+
+static void test_confined_changes_no_modes(void **state)
+{
+    char own[SCRATCH_PATH_MAX];
+    make_kept(state, geteuid());
+    const enum neph_confinement reached = neph_confine_probe(scratch_path(state, own, "own"));
+    if (reached > NEPH_CONFINE_NO_CHANGES)
+        skip();
+    assert_int_equal(try_changes(state) == NEPH_OK, reached == NEPH_CONFINE_TO_FOLDER);
+}
+
+/* Run a test in a process of its own: its exit code. */
+static int run_apart(void (*test)(void **state), void **state)
+{
+    int wait_status = -1;
+    const pid_t pid = fork();
+    if (pid == 0) {
+        test(state);
+        _exit(0);
+    }
+    assert_int_equal(waitpid(pid, &wait_status, 0), pid);
+    return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : -1;
+}
+
+enum { OTHER_USER = 12345, NOT_POSSIBLE = 77 };
+
+/* A folder that its owner cannot read cannot be measured, and is removed all the same. */
+static bool hide_a_folder(const char *own)
+{
+    const char *const argv[] = {"sh", "-c", "mkdir a; touch a/b; chmod 0 a", NULL};
+    const struct neph_child_params params = {
+        .argv = argv, .working_directory = own, .limits = {.folder_bytes = 1 << 20}};
+    struct neph_child_result result;
+    struct neph_diag diag = {0};
+    char *hidden = neph_path_join(own, "a");
+    const bool is_stopped = neph_child_run(&params, &result, &diag) == NEPH_ERR_ENGINE &&
+                            strstr(diag.message, "cannot be read");
+    const bool is_removed = neph_dir_remove(hidden, NULL) == NEPH_OK && !neph_path_exists(hidden);
+    free(hidden);
+    return is_stopped && is_removed;
+}
+
+static void as_another_user(void **state)
+{
+    char own[SCRATCH_PATH_MAX];
+    if (setgid(OTHER_USER) != 0 || setuid(OTHER_USER) != 0)
+        _exit(NOT_POSSIBLE);
+    const enum neph_confinement reached = neph_confine_probe(scratch_path(state, own, "own"));
+    if (reached > NEPH_CONFINE_NO_CHANGES)
+        _exit(NOT_POSSIBLE);
+    if ((try_changes(state) == NEPH_OK) != (reached == NEPH_CONFINE_TO_FOLDER))
+        _exit(1);
+    _exit(hide_a_folder(own) ? 0 : 2);
+}
+
+/* Without the rights of root the mounts need a user namespace. */
+static void test_confined_as_another_user(void **state)
+{
+    if (geteuid() != 0)
+        skip();
+    make_kept(state, OTHER_USER);
+    const int code = run_apart(as_another_user, state);
+    if (code == NOT_POSSIBLE)
+        skip();
+    assert_int_equal(code, 0);
+}
+
+static bool write_number(const char *path, const char *number)
+{
+    const int fd = open(path, O_WRONLY | O_CLOEXEC);
+    const bool is_written = fd >= 0 && write(fd, number, strlen(number)) == (ssize_t)strlen(number);
+    if (fd >= 0)
+        close(fd);
+    return is_written;
+}
+
+/* As on systems that let no user make namespaces. */
+static void without_namespaces(void **state)
+{
+    char own[SCRATCH_PATH_MAX];
+    if (unshare(CLONE_NEWUSER) != 0 || !write_number("/proc/self/setgroups", "deny") ||
+        !write_number("/proc/self/uid_map", "0 0 1") ||
+        !write_number("/proc/self/gid_map", "0 0 1") ||
+        !write_number("/proc/sys/user/max_mnt_namespaces", "0"))
+        _exit(NOT_POSSIBLE);
+    const enum neph_confinement reached = neph_confine_probe(scratch_path(state, own, "own"));
+    if (reached != NEPH_CONFINE_NO_CHANGES) /* there is no Landlock, or no seccomp */
+        _exit(reached == NEPH_CONFINE_TO_FOLDER ? 1 : NOT_POSSIBLE);
+    _exit(try_changes(state) == NEPH_ERR_ENGINE ? 0 : 2);
+}
+
+static void test_confined_without_namespaces(void **state)
+{
+    if (geteuid() != 0)
+        skip();
+    make_kept(state, geteuid());
+    const int code = run_apart(without_namespaces, state);
+    if (code == NOT_POSSIBLE)
+        skip();
+    assert_int_equal(code, 0);
+}
+
+/* ---- how much it writes ---------------------------------------------------------------------- */
+
+static const struct neph_child_limits tight = {
+    .folder_bytes = 1 << 20, .folder_entries = 20, .log_bytes = 1 << 16};
+
+static void assert_stopped(void **state, const char *script, const char *words)
+{
+    char own[SCRATCH_PATH_MAX], log[SCRATCH_PATH_MAX];
+    neph_assert_ok(neph_dir_create(scratch_path(state, own, "own"), NULL), NULL);
+    const char *const argv[] = {"sh", "-c", script, NULL};
+    const struct neph_child_params params = {.argv = argv,
+                                             .working_directory = own,
+                                             .log_path = scratch_path(state, log, "own/log"),
+                                             .limits = tight};
+    struct neph_child_result result = {0};
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_ENGINE);
+    if (!strstr(diag.message, words))
+        fail_msg("'%s' is not in: %s", words, diag.message);
+    struct stat info;
+    assert_int_equal(stat(log, &info), 0);
+    assert_true(info.st_size <= tight.log_bytes);
+    neph_assert_ok(neph_dir_remove(own, NULL), NULL);
+}
+
+static void test_limits(void **state)
+{
+    assert_stopped(state, "head -c 2M /dev/zero > a; sleep 60", "more than 1 MiB");
+    assert_stopped(state, "mkdir b; head -c 2M /dev/zero > b/a", "more than 1 MiB");
+    assert_stopped(state, "for i in $(seq 30); do echo > $i; done; sleep 60", "more than 20 files");
+    assert_stopped(state, "for i in $(seq 30); do mkdir a; cd a; done", "more than 20 files");
+    assert_stopped(state, "yes", "printed more than");
+    assert_stopped(state, "head -c 100K /dev/zero; exit 3", "printed more than");
+}
+
+/* A sparse file takes no room and promises a lot: a confined program cannot make it. */
+static void test_a_file_of_a_confined_program(void **state)
+{
+    char own[SCRATCH_PATH_MAX];
+    neph_assert_ok(neph_dir_create(scratch_path(state, own, "own"), NULL), NULL);
+    const char *const argv[] = {"truncate", "-s", "2M", "a", NULL};
+    const struct neph_child_params params = {
+        .argv = argv, .working_directory = own, .is_confined = true, .limits = tight};
+    struct neph_child_result result = {0};
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_ENGINE);
+    assert_int_equal(result.signal, SIGXFSZ);
 }
 
 /* A relative path is meant from here, also when the child works elsewhere. */
@@ -634,6 +829,11 @@ int main(int argc, char **argv)
         scratch_test(test_programs_that_cannot_start),
         scratch_test(test_working_directory),
         scratch_test(test_confined),
+        scratch_test(test_confined_changes_no_modes),
+        scratch_test(test_confined_as_another_user),
+        scratch_test(test_confined_without_namespaces),
+        scratch_test(test_limits),
+        scratch_test(test_a_file_of_a_confined_program),
         scratch_test(test_relative_program),
         scratch_test(test_environment),
         scratch_test(test_relative_home),

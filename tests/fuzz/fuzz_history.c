@@ -34,8 +34,8 @@ static void have_store(void)
 
 static void forget_rows(void)
 {
-    static const char *const tables[] = {"measurements", "steps",       "night_frames",
-                                         "nights",       "acceptances", "series"};
+    static const char *const tables[] = {
+        "measurements", "steps", "night_frames", "night_scenes", "nights", "acceptances", "series"};
     for (size_t i = 0; i < sizeof(tables) / sizeof(tables[0]); i++) {
         char text[64];
         snprintf(text, sizeof(text), "DELETE FROM %s", tables[i]);

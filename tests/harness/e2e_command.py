@@ -3,6 +3,7 @@
 """Engine `command`: programs of a user's take part like engines of ours, and what they do wrong is
 said and harms nothing else."""
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -167,11 +168,174 @@ data = data[:8]"""))
         self.assertEqual(done.returncode, 3, done.stdout)
         self.assertIn("nowhere --version", done.stdout)
 
+    def test_what_it_leaves_in_place_of_a_file_is_its_failure(self):
+        """Exit code 3 whatever it is; neither 74 nor 65, and nothing that hangs."""
+        later = "if job['picture'] == 0: write(1.0)\nelse: write(1.0); "
+        for body, words, frames in (
+                ("os.mkdir('frame.exr')", "'frame.exr' is a folder", 1),
+                ("os.mkfifo('frame.exr')", "'frame.exr' is a pipe", 1),
+                ("os.symlink('/dev/zero', 'frame.exr')", "'frame.exr' is a link to a device", 1),
+                ("os.symlink('.', 'frame.exr')", "'frame.exr' is a link to a folder", 1),
+                ("os.symlink('nowhere', 'frame.exr')", "'frame.exr' cannot be read", 1),
+                ("os.symlink('frame.exr', 'frame.exr')", "'frame.exr' cannot be read", 1),
+                ("open('frame.exr', 'w').truncate(2 ** 40)", "File too large", 1),
+                ("open('frame.exr', 'w').truncate(2 ** 20)", "frame.exr", 1),
+                ("write(1.0, 300, 400)", "300 x 400", 1),
+                ("os.mkdir('cannot.txt')", "'cannot.txt' is a folder", 1),
+                ("os.mkfifo('cannot.txt')", "'cannot.txt' is a pipe", 1),
+                ("open('cannot.txt', 'w').write('no ' * 2000)", "larger than 4096 bytes", 1),
+                ("open('cannot.txt', 'w').write('no\\n' * 2000)", "larger than 4096 bytes", 1),
+                ("os.unlink('program.log'); os.mkfifo('program.log'); sys.exit(1)", "exit code 1",
+                 1),
+                (later + "os.unlink('frame.exr'); os.mkdir('frame.exr')", "is a folder", 2)):
+            with self.subTest(body):
+                done = self.render(self.program(body), "--frames", frames)
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertIn(words, done.stderr)
+                for kept in self.folder.glob("neph-command-*"):
+                    shutil.rmtree(kept)
+
+    def test_a_picture_is_made_whatever_the_last_one_has_left(self):
+        """Folders, pipes and links where neph writes next; and the link's target stays whole."""
+        precious = self.folder / "precious"
+        precious.write_text("mine")
+        for body in ("for name in ('job.json', 'depth.exr'): os.unlink(name); os.mkdir(name)",
+                     f"os.unlink('program.log'); os.symlink({str(precious)!r}, 'program.log')",
+                     "os.mkdir('a'); os.mkfifo('a/b'); os.symlink('.', 'c')"):
+            with self.subTest(body):
+                program = self.program(f"write(1.0)\nif job['picture'] == 0:\n    {body}")
+                done = self.render(program, "--frames", "2")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(precious.read_text(), "mine")
+                self.assertEqual(list(self.folder.glob("neph-command-*")), [])
+
+    def test_it_changes_no_modes_elsewhere(self):
+        parts = json.loads(self.neph("doctor", "--json").stdout)["parts"]
+        if not next(part["available"] for part in parts if part["name"] == "confine"):
+            self.skipTest("this system does not confine user engines")
+        mine = self.folder / "mine"
+        mine.write_text("mine")
+        mine.chmod(0o600)
+        before = mine.stat()
+        body = f"""
+for change in (lambda: os.chmod({str(mine)!r}, 0o777), lambda: os.utime({str(mine)!r}, (1, 1)),
+               lambda: os.chmod({str(self.folder)!r}, 0o777)):
+    try:
+        change()
+    except OSError:
+        pass
+write(1.0)
+os.chmod("frame.exr", 0o640)
+"""
+        program = self.program(body)
+        folder = self.folder.stat().st_mode
+        program.write_text(program.read_text().replace(
+            'print("test program")',
+            f'print("test program")\n    try: os.chmod({str(mine)!r}, 0o777)\n'
+            '    except OSError: pass'))
+        done = self.render(program)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        after = mine.stat()
+        self.assertEqual((after.st_mode, after.st_mtime, after.st_ctime),
+                         (before.st_mode, before.st_mtime, before.st_ctime))
+        self.assertEqual(self.folder.stat().st_mode, folder)
+
+    def exceed(self, body, words):
+        """An engine that writes too much fails, and little of it is in the store."""
+        done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size", "24x16",
+                         "-q", "--json", "-o", "out", "--no-charts", program=self.program(body))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        frame = json.loads(done.stdout)["scenes"][0]["frames"][1]
+        self.assertEqual(frame["status"], "failed")
+        self.assertIn(words, frame["reason"])
+        kept = [path.stat() for path in (self.folder / "out").glob("store/failed/**/*")]
+        self.assertLess(sum(stat.st_size for stat in kept), 80 * 2 ** 20)
+        self.assertLess(len(kept), 1100)
+        shutil.rmtree(self.folder / "out")
+
+    def test_what_it_writes_is_limited_and_what_is_kept_more_so(self):
+        self.exceed("""
+for i in range(20):
+    with open(f"{i}.json", "wb") as f:
+        os.posix_fallocate(f.fileno(), 0, 2 ** 25)
+time.sleep(60)""", "more than 512 MiB")
+
+    def test_a_folder_that_is_left_to_look_into_is_made_to_fit(self):
+        done = self.render(self.program("""
+os.mkdir("sub")
+for name in ("sub/a", "b", "c", "d"):
+    with open(name, "wb") as f:
+        os.posix_fallocate(f.fileno(), 0, 25 * 2 ** 20)
+sys.exit("no good")"""))
+        self.assertEqual(done.returncode, 3, done.stderr)
+        left, = (path.parent for path in self.folder.glob("**/removed.txt"))
+        self.assertIn(left.name, done.stderr)
+        self.assertEqual({path.name for path in left.iterdir()} & {"sub", "b", "c", "d"}
+                         and sum(path.stat().st_size for path in left.iterdir()) <= 64 * 2 ** 20,
+                         True)
+        self.assertFalse((left / "sub").exists())
+        self.assertIn("no good", (left / "program.log").read_text())
+        self.assertIn("100 MiB", (left / "removed.txt").read_text())
+
+    @night.of_the_night
+    def test_all_that_it_writes_is_limited(self):
+        self.exceed("f = open('a.log', 'wb')\nos.posix_fallocate(f.fileno(), 0, 600 * 2 ** 20)",
+                    "File too large")
+        self.exceed("for i in range(20): sys.stdout.write('x' * 2 ** 20)\ntime.sleep(60)",
+                    "printed more than 16 MiB")
+        self.exceed("for i in range(20000): open(str(i), 'w')\ntime.sleep(60)",
+                    "more than 16384 files")
+
+    def test_what_it_leaves_beside_a_good_frame_is_not_kept(self):
+        program = self.program("""
+write(0.0)
+os.mkfifo("a.json")
+os.mkdir("b.log")
+for i in range(3):
+    with open(f"{i}.json", "wb") as f: os.posix_fallocate(f.fileno(), 0, 2 ** 25)
+""")
+        done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size", "24x16",
+                         "-q", "--json", "-o", "out", "--no-charts", program=program)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        kept = [path.stat() for path in (self.folder / "out").glob("store/frames/**/*")]
+        self.assertLess(sum(stat.st_blocks * 512 for stat in kept), 80 * 2 ** 20)
+
+    def test_an_engine_that_no_gate_names_is_within_a_factor_of_two(self):
+        """A sky of 1 behind fog of optical depth 0.5: the truth is exp(-0.5) everywhere."""
+        self.scene.write_text("""
+name: even_fog
+title: A layer of fog before an even sky
+physics: Beer's law
+camera: {position_m: [0, 0, 0], look_at_m: [0, 0, -10], orthographic_height_m: 4}
+background_w_per_m2_sr: [1, 1, 1]
+scattering: none
+media:
+  - homogeneous: {extinction_per_m: 0.5, albedo: [0, 0, 0],
+                  bounds: {min_m: [-1e5, -1e5, -2], max_m: [1e5, 1e5, -1]}}
+""")
+        for factor, code in ((80, 1), (1 / 80, 1), (0, 1), (2.1, 1), (1 / 2.1, 1), (1.9, 0),
+                             (1 / 1.9, 0), (1, 0)):
+            with self.subTest(factor):
+                done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size",
+                                 "24x16", "-q", "--json", "--no-charts",
+                                 program=self.program(f"write({factor * math.exp(-0.5)})"))
+                self.assertEqual(done.returncode, code, done.stderr)
+                report = json.loads(done.stdout)
+                self.assertEqual(report["verdict"], "fail" if code else "pass")
+                gates = report["scenes"][0]["gates"]
+                self.assertEqual(len(gates), code)
+                for gate in gates:
+                    self.assertEqual((gate["engine"], gate["metric"], gate["verdict"]),
+                                     ("command", "rel_bias", "fail"))
+                    self.assertIn("factor of two", gate["reason"])
+                    self.assertAlmostEqual(gate["value"], factor - 1, delta=1e-5 * factor + 1e-6)
+                self.assertIn("no gate", done.stderr)
+
     def test_it_is_validated_like_others(self):
         def bias(body, *arguments):
             done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size",
                              "24x16", "-q", "--json", *arguments, program=self.program(body))
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.returncode, 1, done.stderr)  # the truth is black
             frames = json.loads(done.stdout)["scenes"][0]["frames"]
             self.assertEqual([frame["engine"] for frame in frames], ["exact", "command"])
             return [m["value"] for m in frames[1]["measurements"]
@@ -201,9 +365,11 @@ rounds: 1
 series:
 - {name: mine, engine: command, set: a=0.05, vary: b, values: 0.25, flicker: true, lag_at: 0.25}
 """)
+        seen = tempfile.NamedTemporaryFile(dir="/dev/shm")  # where a confined program may write
+        self.addCleanup(seen.close)
         program = self.program(f"""
 light = job["sun"]["irradiance_w_per_m2"][0]
-open("{self.folder}/suns", "a").write(f"{{light}}\\n")
+open("{seen.name}", "a").write(f"{{light}}\\n")
 write(light * job["settings"]["b"])
 """)
         done = self.neph("sweep", self.scene, "--plan", plan, "-o", "out", "-q", "--json",
@@ -215,7 +381,7 @@ write(light * job["settings"]["b"])
         self.assertLess(mine["flicker"]["value"], 0.01)
         self.assertGreater(mine["seconds"], 0.0)
         self.assertIn("-e command", mine["command"])
-        suns = (self.folder / "suns").read_text().split()
+        suns = pathlib.Path(seen.name).read_text().split()
         self.assertEqual(suns.count("4.0"), 48)  # of 80 pictures, from the 32nd on
 
     @night.of_the_night

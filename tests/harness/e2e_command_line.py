@@ -47,6 +47,13 @@ class CommandLine(unittest.TestCase):
         self.assertIn("1..", done.stderr)
         done = neph("render", "no_such_scene")
         self.assertEqual((done.returncode, "neph scenes" in done.stderr), (66, True))
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            json.dump({"format": "neph-configuration-1", "engine": "march", "settings": "stepz=3",
+                       "scattering": "single"}, file)
+            file.flush()
+            done = neph("render", "absorbing_slab", "--config", file.name)
+        self.assertEqual((done.returncode, file.name in done.stderr), (65, True), done.stderr)
+        self.assertIn("hint: settings of engine march: steps, ", done.stderr)
 
     def test_wrong_value_names_file_line_column_and_range(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()

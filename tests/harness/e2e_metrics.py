@@ -247,8 +247,9 @@ class Metrics(unittest.TestCase):
         crop = self.folder / "crop.exr"
         crop.write_bytes(data)
         done = neph("compare", whole, crop)
-        self.assertEqual((done.returncode, f"(0, 0) of {2 * WIDTH}x{HEIGHT}" in done.stderr),
-                         (65, True), done.stderr)
+        self.assertEqual((done.returncode, f"(0, 0) of {2 * WIDTH}x{HEIGHT}" in done.stderr,
+                          "hint: write data windows" in done.stderr), (65, True, True),
+                         done.stderr)
         self.assertEqual(neph("compare", crop, crop, "-m", "mae").returncode, 0)
 
     def test_a_comparison_of_nothing_is_an_error(self):
@@ -348,6 +349,117 @@ class Metrics(unittest.TestCase):
         layers = write("layers.exr", ["R", "G", "B", "right.R", "depth.Z"])
         self.assertIn("not taken: everything of channels depth.Z right.R: ",
                       neph("compare", layers, layers, "-m", "mae").stdout)
+
+    def rgb(self, name, value=0.5, attributes=(), channels="RGB", **rest):
+        path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(frames.exr_bytes(4, 4, {channel: [value] * 16 for channel in channels},
+                                          attributes, **rest))
+        return path
+
+    def test_colours_of_another_name_are_not_compared(self):
+        def named(name, text, attribute="colorInteropID"):
+            return self.rgb(f"{name}.exr", attributes=[(attribute, "string", text.encode())])
+        plain, ap1 = self.rgb("plain.exr"), named("ap1", "lin_ap1_scene")
+        codes = named("codes", "srgb_rec709_display")
+        acescg = named("acescg", "ACEScg", "oiio:ColorSpace")
+        white = struct.pack("<f", 203.0)
+        bright = self.rgb("bright.exr", attributes=[("whiteLuminance", "float", white)])
+        for pair, words in (((plain, ap1), ("lin_rec709_scene", "lin_ap1_scene")),
+                            ((codes, plain), ("srgb_rec709_display", "lin_rec709_scene")),
+                            ((ap1, codes), ("lin_ap1_scene", "srgb_rec709_display")),
+                            ((plain, acescg), ("lin_rec709_scene", "lin_ap1_scene")),
+                            ((plain, bright), ("whiteLuminance", "not said", "203"))):
+            done = neph("compare", *pair)
+            self.assertEqual((done.returncode, done.stdout), (65, ""), (pair, done.stderr))
+            for word in (*words, "hint:", pair[1].name):
+                self.assertIn(word, done.stderr)
+        for pair in ((ap1, acescg), (bright, bright),
+                     (plain, named("linear", "Linear", "oiio:ColorSpace")),
+                     (plain, named("same", "lin_rec709_scene"))):
+            done = neph("compare", *pair, "-m", "mae")
+            self.assertEqual(done.returncode, 0, done.stderr)
+        done = neph("view", plain, ap1, "-o", self.folder / "page")
+        self.assertEqual((done.returncode, "lin_ap1_scene" in done.stderr), (65, True), done.stderr)
+        depths = [self.rgb(f"depth{i}.exr", channels="Z", attributes=text) for i, text in enumerate(
+            ([], [("colorInteropID", "string", b"lin_ap1_scene")]))]
+        self.assertEqual(neph("compare", *depths, "-m", "mae").returncode, 0)  # no colours
+
+    def test_the_sky_of_other_renderers(self):
+        def write(name, near, far):
+            return self.write(name, lambda x, y: 0.5, lambda x, y: near if x < 16 else far,
+                              width=32, height=8)
+        for far in (0.0, 65504.0, 65535.0, 1e9, 1e10, INF):
+            done = neph("compare", write("reference.exr", 5.0, far), write("test.exr", 5.5, INF),
+                        "-m", "mae", "--json")
+            rows = {(row["quantity"], row["mask"]): row
+                    for row in json.loads(done.stdout)["measurements"]}
+            depth, sky = rows["depth", "all"], rows["radiance", "sky"]
+            self.assertEqual((depth["value"], depth["pixel_count"], sky["pixel_count"]),
+                             (0.5, 128, 128), far)
+
+    def test_the_frame_rate_of_other_renderers(self):
+        noise = self.noise(0.01)
+        rate = [("framesPerSecond", "rational", struct.pack("<iI", 24000, 1001))]
+        for frame in range(16):
+            self.rgb(f"test/f{frame}.exr", 0.5 + noise(), rate)
+        still = self.rgb("still.exr", attributes=rate)
+        plain = self.rgb("plain.exr")
+        for reference, words in ((plain, ()), (still, ()), (plain, ("--fps", 24000 / 1001))):
+            done = neph("flicker", "-r", reference, self.folder / "test", "-m", "seen", *words)
+            self.assertEqual((done.returncode, "23.976 frames a second" in done.stdout), (0, True),
+                             done.stderr + done.stdout)
+        done = neph("view", plain, self.folder / "test", "-o", self.folder / "page")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        page = json.loads((self.folder / "page/data.json").read_text())
+        self.assertAlmostEqual(page["rate_hz"], 24000 / 1001, delta=1e-9)  # of 15 digits
+
+    def test_of_an_animation_no_picture_is_compared(self):
+        def write(name, *further):
+            (self.folder / name).write_bytes(frames.png_bytes(8, 8, [90] * 192, *further))
+            return self.folder / name
+
+        def animated(count):
+            return (b"acTL", struct.pack(">II", count, 0))
+        control = (b"fcTL", struct.pack(">5I2H2B", 0, 8, 8, 0, 0, 1, 30, 0, 0))
+        still = write("still.png")
+        second = [(b"fdAT", struct.pack(">I", 1) + b"...")]
+        for name, before, behind, code in (("two.png", [animated(2), control], second, 65),
+                                           ("beside.png", [animated(1)], [control, *second], 65),
+                                           ("one.png", [animated(1), control], [], 0)):
+            done = neph("compare", still, write(name, before, behind), "-m", "mae")
+            self.assertEqual((done.returncode, "holds 2 pictures" in done.stderr),
+                             (code, code > 0), (name, done.stderr))
+
+    def test_what_changes_within_a_sequence_is_refused(self):
+        def sequence(name, odd, **usual):
+            for frame in range(4):
+                self.rgb(f"{name}/f{frame}.exr", 0.5 + 0.01 * frame,
+                         **(odd if frame == 2 else usual))
+            return self.folder / name
+        space = [("colorInteropID", "string", b"lin_ap1_scene")]
+        for name, odd, usual, words in (
+                ("window", {"corner": (2, 1), "display": (8, 8)},
+                 {"corner": (1, 1), "display": (8, 8)}, ("(1, 1) of 8x8", "(2, 1) of 8x8")),
+                ("channels", {}, {"channels": "RGBZ"}, ("f0.exr' has Z", "f2.exr' has not")),
+                ("more", {"channels": "RGBZ"}, {}, ("f2.exr' has Z", "f0.exr' has not")),
+                ("space", {"attributes": space}, {}, ("lin_rec709_scene", "lin_ap1_scene")),
+                ("pixels", {"pixel_aspect": 2}, {}, ("pixel aspect ratio changes",))):
+            folder = sequence(name, odd, **usual)
+            for verb in ("compare", "flicker"):
+                pair = (folder, folder) if verb == "compare" else ("-r", folder, folder)
+                done = neph(verb, *pair, "-q")
+                self.assertEqual((done.returncode, done.stdout), (65, ""), (name, done.stderr))
+                for word in (*words, "hint:"):
+                    self.assertIn(word, done.stderr)
+                self.assertNotIn("mask", done.stderr)
+        for frame in range(2):  # reference and test are cut alike
+            (self.folder / "cut").mkdir(exist_ok=True)
+            (self.folder / f"cut/f{frame}.exr").write_bytes(frames.exr_bytes(
+                4 - frame, 4, {c: [0.5] * (16 - 4 * frame) for c in "RGB"}, display=(8, 8)))
+        done = neph("compare", self.folder / "cut", self.folder / "cut")
+        self.assertIn("the size changes: it is 4x4 pixels", done.stderr)
+        self.assertIn("data windows that are equal to the display window", done.stderr)
 
     def test_identifiers_beside_the_picture_are_not_gated(self):
         count = WIDTH * HEIGHT
@@ -458,11 +570,10 @@ class Metrics(unittest.TestCase):
         noise, pulse = self.noise(1e-6), (1.055 * 0.505 ** (1 / 2.4)) - (1.055 * 0.5 ** (1 / 2.4))
         test = self.sequence("test", lambda x, y, t: 0.5 + (0.005 if t % 7 == 0 else 0.0) + noise(),
                              64)
-        declared = {"R": [0.5] * WIDTH * HEIGHT, "G": [0.5] * WIDTH * HEIGHT,
-                    "B": [0.5] * WIDTH * HEIGHT}
+        declared = {name: [0.505 + noise() for _ in range(WIDTH * HEIGHT)] for name in "RGB"}
+        declared["Z"] = [self.depth(x, y) for y in range(HEIGHT) for x in range(WIDTH)]
         (test / "frame.0000.exr").write_bytes(
-            frames.exr_bytes(WIDTH, HEIGHT, {name: [value + 0.005 + noise() for value in values]
-                                             for name, values in declared.items()},
+            frames.exr_bytes(WIDTH, HEIGHT, declared,
                              attributes=[("neph.cycles", "string", b"slot 4, TAA jitter 7")]))
         done = neph("flicker", "-r", self.write("still.exr", lambda x, y: 0.5), test, "-m",
                     "cycles", "--mask", "all", "--fps", 30, "--json")
@@ -625,6 +736,51 @@ class Metrics(unittest.TestCase):
             self.assertTrue("the frames 0 to 7" in done.stderr and "1 to 8" in done.stderr,
                             done.stderr)
             self.assertEqual(neph(*run, "--by-position", "-q").returncode, 0)
+
+    def lagging(self, folder, name, lags):
+        """A step in the ninth of 32 frames; a test follows with a half-life of two frames."""
+        (self.folder / folder).mkdir()
+        for t in range(32):
+            level = 0.5 if t < 8 else 1 - 0.5 * 0.5 ** ((t - 7) / 2) if lags else 1.0
+            values = [level * (0.5 + 0.0625 * (i % 3)) + 1e-6 * t * (i % 5) * lags
+                      for i in range(48)]
+            (self.folder / folder / name(t)).write_bytes(
+                frames.exr_bytes(8, 6, {channel: values for channel in "RGB"}))
+        return self.folder / folder
+
+    def test_time_runs_by_frame_numbers_whatever_the_names(self):
+        def signed(number):
+            return f"f.{'-' if number < 0 else ''}{abs(number):04d}.exr"
+
+        def numbers(reference, test, *options):
+            done = neph("flicker", "-r", reference, test, "-m", "lag", "-s", "lag.step_frame=8",
+                        "--json", *options)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return json.loads(done.stdout)["measurements"], values_of(done)
+        names = {
+            "plain": lambda t: f"f.{t + 1:04d}.exr",
+            "negative": lambda t: signed(t - 32),
+            "through_0": lambda t: signed(t - 16),
+            "ids": lambda t: f"f.{t:04d}.{(t * 2654435761 + 12345) % 2 ** 32:08x}.exr",
+            "twos": lambda t: f"f.{2 * t:04d}.exr",
+            "gap": lambda t: f"f.{t + 100 * (t > 20):04d}.exr",
+        }
+        folders = {kind: (self.lagging("r_" + kind, name, False),
+                          self.lagging("t_" + kind, name, True)) for kind, name in names.items()}
+        plain, values = numbers(*folders["plain"])
+        self.assertAlmostEqual(values["half_life_p50", "all"], 2.0, delta=1e-3)  # the slope of 1e-6
+        for kind in ("negative", "through_0", "ids"):
+            self.assertEqual(numbers(*folders[kind])[0], plain, kind)
+        for kind in ("twos", "gap"):
+            self.assertEqual(numbers(*folders[kind], "--by-position")[0], plain, kind)
+            done = neph("flicker", "-r", *folders[kind])
+            self.assertEqual((done.returncode, "--by-position" in done.stderr), (65, True),
+                             done.stderr)
+        reference, test = folders["negative"]
+        for pattern in ("f.%04d.exr", "f.####.exr", "f.$F4.exr"):
+            self.assertEqual(numbers(reference / pattern, test / pattern)[0], plain, pattern)
+        mixed = numbers(folders["negative"][0], folders["plain"][1], "--by-position")[0]
+        self.assertEqual(mixed, plain)
 
     @night.of_the_night
     def test_paired_differences(self):

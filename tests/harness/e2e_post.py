@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: MIT
 """`neph post`: pictures of frames, what they are called, and what is refused."""
 import json
+import math
 import os
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -284,6 +286,58 @@ volumes:
         done = neph("post", self.frame, "--chain", self.chain("settings: {grain: 99}\n"), code=65)
         for word in ("chain.yaml:1", "99", "0 to 64"):
             self.assertIn(word, done.stderr)
+
+    def test_a_crop_and_its_attributes_stay_what_they_are(self):
+        rational = struct.pack("<iI", 24000, 1001)
+        further = [("framesPerSecond", "rational", rational),
+                   ("colorInteropID", "string", b"lin_rec709_scene"),
+                   ("capDate", "string", b"2026:11:28 12:00:00"),
+                   ("worldToCamera", "m44f", struct.pack("<16f", *range(16))),
+                   ("a_name_of_more_than_31_characters", "v3f", struct.pack("<3f", 1, 2, 3))]
+
+        def write(left):
+            path = self.root / f"at_{left}.exr"
+            half = WIDTH * HEIGHT // 2
+            channels = {c: self.values for c in "RGB"} | {
+                "Z": [0.0, 1e10] * half, "A": [0.25, 0.75] * half, "id.r": [math.nan, 3.0] * half}
+            path.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, channels, further, pixel_aspect=2,
+                                              corner=(left, 3), display=(20, 12)))
+            return path
+
+        def attribute(path, name, kind):
+            data, start = path.read_bytes(), name.encode() + b"\0" + kind.encode() + b"\0"
+            at = data.index(start) + len(start)
+            size, = struct.unpack_from("<i", data, at)
+            return data[at + 4:at + 4 + size]
+        for settings, scale in ((["tone=on"], 1), (["exposure_ev=1", "upscale=bilinear",
+                                                    "screen_percent=50"], 2)):
+            out = self.root / f"out{scale}"
+            options = [word for setting in settings for word in ("-s", setting)]
+            for left in (4, 5):
+                neph("post", write(left), *options, "-q", "-o", out)
+            made = out / "at_4.exr"
+            self.assertEqual(struct.unpack("<4i", attribute(made, "dataWindow", "box2i")),
+                             (4 * scale, 3 * scale, (4 + WIDTH) * scale - 1,
+                              (3 + HEIGHT) * scale - 1))
+            self.assertEqual(struct.unpack("<4i", attribute(made, "displayWindow", "box2i")),
+                             (0, 0, 20 * scale - 1, 12 * scale - 1))
+            self.assertEqual(attribute(made, "pixelAspectRatio", "float"), struct.pack("<f", 2))
+            for name, kind, value in further:
+                self.assertEqual(attribute(made, name, kind), value, name)
+            self.assertNotIn(b"crop\0string", made.read_bytes())
+            done = neph("compare", made, out / "at_5.exr", code=65)
+            self.assertIn("not of the same place", done.stderr)
+            neph("compare", made, made, "-m", "mae")
+        kept = frames.read_exr(self.root / "out1/at_4.exr")[2]
+        self.assertEqual([*kept["Z"][:2], *kept["A"][:2], kept["id.r"][1]],
+                         [0.0, 1e10, 0.25, 0.75, 3.0])
+        self.assertTrue(math.isnan(kept["id.r"][0]))
+        self.assertEqual(set(frames.read_exr(self.root / "out2/at_4.exr")[2]), set("RGB"))
+        named = self.root / "ap1.exr"
+        named.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {c: self.values for c in "RGB"},
+                                           [("colorInteropID", "string", b"lin_ap1_scene")]))
+        self.assertIn("lin_ap1_scene", neph("post", named, "-s", "tone=on", "-o", self.root / "no",
+                                            code=65).stderr)
 
     def test_what_makes_no_sense_is_refused(self):
         for words, said in (

@@ -5,6 +5,8 @@ compare."""
 import json
 import os
 import pathlib
+import re
+import shutil
 import subprocess
 import tempfile
 import unittest
@@ -52,6 +54,12 @@ class Verdict(unittest.TestCase):
         self.assertIn(b"frames: 3 of 3 in the report, 1 compared with the truth", done.stderr)
         document = json.loads(done.stdout)
         self.assertEqual(document["counts"], {"expected": 3, "reported": 3, "compared": 1})
+        logs = re.findall(r"its whole log is '([^']+)'", frames["povray"]["reason"])
+        self.assertEqual([os.path.getsize(path) for path in logs], [26], frames["povray"])
+        shutil.rmtree(self.folder / "out/store/index")
+        done = neph("store", "check", "-o", self.folder / "out")
+        self.assertIn(b"had no database (it was removed, or ", done.stderr)
+        self.assertIn(b"a new one is made of its 2 frames", done.stderr)
 
     def test_the_physics_suite_keeps_the_row_of_a_broken_engine(self):
         done = neph("validate", "--suite", "physics", "--check", "slab_iso", "-e", "exact", "-e",
@@ -84,6 +92,23 @@ class Verdict(unittest.TestCase):
             self.assertEqual(done.returncode, 1, (engine, words, done.stderr))
             self.assertEqual(frames[engine]["status"], "failed", words)
             self.assertIn(words, frames[engine]["reason"])
+
+    def test_what_blender_leaves_is_limited_and_no_file_of_another_kind_is_read(self):
+        """A program in its place that fills the disk, or leaves a folder or a pipe as its image."""
+        version = 'case "$1" in --version) echo "Blender 3.4.1"; exit 0;; esac\n'
+        for body, words in (("for i in $(seq 20); do fallocate -l 32M $i.json; done; sleep 60",
+                             "more than 512 MiB"),
+                            ("mkdir radiance.exr", "'radiance.exr' is a folder"),
+                            ("mkfifo radiance.exr", "'radiance.exr' is a pipe")):
+            body = "echo '{\"radiance\": 1}' > timing.json; " + body
+            out = self.folder / words[-6:]
+            done, frames = self.validate("exact", "oracle", "cycles", output=out, **self.program(
+                "blender", f"#!/bin/sh\n{version}{body}\n"))
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertEqual(frames["cycles"]["status"], "failed", frames["cycles"])
+            self.assertIn(words, frames["cycles"]["reason"])
+            kept = [path.stat().st_size for path in out.glob("store/failed/**/*")]
+            self.assertLess(sum(kept), 80 * 2 ** 20)
 
     def test_doctor_and_engines_say_broken(self):
         environment = self.program("povray", "#!/bin/sh\nexit 1\n")

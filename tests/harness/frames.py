@@ -7,9 +7,9 @@ import struct
 import zlib
 
 
-def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1):
+def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0, 0), display=None):
     """channels: {name: width * height floats, row 0 on top}; attributes: (name, type, bytes) of
-    further ones."""
+    further ones; the data window is at `corner` in a display window of `display` pixels."""
     names = sorted(channels)
     chlist = b"".join(n.encode() + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1)
                       for n in names) + b"\0"
@@ -17,12 +17,14 @@ def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1):
     def attribute(name, kind, value):
         return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
 
-    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    left, top = corner
+    window = struct.pack("<4i", left, top, left + width - 1, top + height - 1)
+    whole = window if not display else struct.pack("<4i", 0, 0, display[0] - 1, display[1] - 1)
     header = struct.pack("<ii", 20000630, 2) + b"".join((
         attribute("channels", "chlist", chlist),
         attribute("compression", "compression", b"\0"),
         attribute("dataWindow", "box2i", window),
-        attribute("displayWindow", "box2i", window),
+        attribute("displayWindow", "box2i", whole),
         attribute("lineOrder", "lineOrder", b"\0"),
         attribute("pixelAspectRatio", "float", struct.pack("<f", pixel_aspect)),
         attribute("screenWindowCenter", "v2f", struct.pack("<ff", 0, 0)),
@@ -33,7 +35,7 @@ def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1):
     offsets = struct.pack(f"<{height}Q", *(first + y * (row_bytes + 8) for y in range(height)))
     rows = []
     for y in range(height):
-        rows.append(struct.pack("<ii", y, row_bytes))
+        rows.append(struct.pack("<ii", top + y, row_bytes))
         for name in names:
             rows.append(array.array("f", channels[name][y * width:(y + 1) * width]).tobytes())
     return header + offsets + b"".join(rows)
@@ -96,15 +98,16 @@ def grey_exr(path, width, height, values, **further):
     path.write_bytes(exr_bytes(width, height, {"R": values, "G": values, "B": values, **further}))
 
 
-def png_bytes(width, height, rgb):
-    """rgb: width * height * 3 bytes."""
+def png_bytes(width, height, rgb, before=(), behind=()):
+    """rgb: width * height * 3 bytes; further chunks (name, bytes) before and behind the pixels."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I",
                                                                         zlib.crc32(kind + data))
     rows = b"".join(b"\0" + bytes(rgb[3 * width * y:3 * width * (y + 1)]) for y in range(height))
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR",
                                          struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
-            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+            b"".join(chunk(*further) for further in before) + chunk(b"IDAT", zlib.compress(rows)) +
+            b"".join(chunk(*further) for further in behind) + chunk(b"IEND", b""))
 
 
 def png_rows(path):

@@ -14,7 +14,7 @@ static enum neph_status find(void *context, struct neph_diag *diag)
 {
     const char *words[] = {context};
     struct neph_sequence sequence = {0};
-    const enum neph_status status = neph_sequence_find(1, words, &sequence, diag);
+    const enum neph_status status = neph_sequence_find(1, words, false, &sequence, diag);
     assert_int_equal(sequence.count > 0, status == NEPH_OK);
     neph_sequence_finish(&sequence);
     return status;

@@ -6,6 +6,7 @@
 #include "tests/scene_builders.h"
 
 #include "harness/engines/engines.h"
+#include "harness/report/step_bias.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/noise.h"
 #include "harness/run/seed.h"
@@ -78,6 +79,55 @@ static void test_long_steps_are_warned_of(void **state)
     assert_null(neph_step_depth_warning(NAN, march));
 }
 
+/* By the estimate's own steps; the frame is all light of the media, or half of it. */
+static double step_bias(const struct stage *stage, const char *engine_name, float behind)
+{
+    const struct neph_engine *engine = neph_engine_find(engine_name);
+    const struct neph_shot shot = {.scene = &stage->scene,
+                                   .settings = neph_settings_default(engine),
+                                   .width_px = 64,
+                                   .height_px = 36};
+    struct neph_image *frame = NULL;
+    struct neph_diag diag = {0};
+    float *all[3], *volume[3];
+    neph_assert_ok(neph_image_create(64, 36, &frame, &diag), &diag);
+    neph_assert_ok(neph_image_add_rgb(frame, NULL, all, &diag), &diag);
+    neph_assert_ok(neph_image_add_rgb(frame, "volume", volume, &diag), &diag);
+    for (int i = 0; i < 3 * 64 * 36; i++) {
+        volume[i / (64 * 36)][i % (64 * 36)] = 1.0f;
+        all[i / (64 * 36)][i % (64 * 36)] = 1.0f + behind;
+    }
+    const double bias = neph_step_bias(&shot, engine, frame);
+    neph_image_destroy(frame);
+    return bias;
+}
+
+/* With the sun behind the camera both ways are as long, and of the light of a step of optical depth
+ * x a march has 1 / cosh(x / 2). The estimate is twice the difference to half of the steps. */
+static void test_the_step_bias_of_a_slab(void **state)
+{
+    (void)state;
+    struct stage stage;
+    for (double depth = 4.0; depth < 400.0; depth *= 4.0) {
+        make_slab(&stage, depth);
+        stage.scene.sun = (struct neph_sun){true, {0, 0, 1}, {3, 3, 3}};
+        stage.scene.scattering = NEPH_SCATTERING_SINGLE;
+        const double x = depth / 64.0;
+        const double bias = 2.0 * (cosh(x / 4.0) / cosh(x / 2.0) - 1.0);
+        neph_assert_close(step_bias(&stage, "march", 0.0f), bias, 0.02, 1e-6);
+        neph_assert_close(step_bias(&stage, "march", 1.0f), 0.5 * bias, 0.02, 1e-6);
+        assert_true(isnan(step_bias(&stage, "exact", 0.0f)));
+    }
+    const struct neph_engine *march = neph_engine_find("march");
+    char *warning = neph_step_bias_warning(step_bias(&stage, "march", 0.0f), march);
+    assert_non_null(warning);
+    assert_non_null(strstr(warning, "too dark: raise its steps"));
+    free(warning);
+    assert_null(neph_step_bias_warning(0.09, march));
+    assert_null(neph_step_bias_warning(-0.09, march));
+    assert_null(neph_step_bias_warning(NAN, march));
+}
+
 static void test_scenes_have_seeds_of_their_own(void **state)
 {
     (void)state;
@@ -124,6 +174,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_step_spans_its_part_of_the_depth),
         cmocka_unit_test(test_long_steps_are_warned_of),
+        cmocka_unit_test(test_the_step_bias_of_a_slab),
         cmocka_unit_test(test_scenes_have_seeds_of_their_own),
         cmocka_unit_test(test_noise_is_known),
     };

@@ -406,7 +406,7 @@ static void compare(struct bench *bench, int64_t night, int64_t against,
 {
     struct neph_diag diag = {0};
     *comparison = (struct neph_night_comparison){.night = 0};
-    neph_assert_ok(neph_night_compare(bench->index, night, against, alpha, comparison, &diag),
+    neph_assert_ok(neph_night_compare(bench->index, night, against, NULL, alpha, comparison, &diag),
                    &diag);
 }
 
@@ -428,7 +428,7 @@ static void test_a_night_without_a_baseline_compares_nothing(void **state)
     assert_int_equal(c.compared, 1);
     assert_true(c.passes);
     neph_night_comparison_finish(&c);
-    assert_int_equal(neph_night_compare(bench.index, night, 99, alpha, &c, NULL),
+    assert_int_equal(neph_night_compare(bench.index, night, 99, NULL, alpha, &c, NULL),
                      NEPH_ERR_NOT_FOUND);
     neph_night_comparison_finish(&c);
     close_bench(&bench);
@@ -458,9 +458,10 @@ static void test_what_is_found_in_a_night(void **state)
         enum neph_found found;
         const char *series; /* its end */
     } expected[] = {
-        {NEPH_FOUND_BLANK, "march/contrast"},    {NEPH_FOUND_MISSING, "max_abs/exact"},
-        {NEPH_FOUND_WORSE, "rel_rmse/exact"},    {NEPH_FOUND_BETTER, "rel_bias/exact"},
-        {NEPH_FOUND_ENVIRONMENT, "Blender 3.6"}, {NEPH_FOUND_MOVED, "p99/exact"},
+        {NEPH_FOUND_BLANK, "march/contrast"},  {NEPH_FOUND_MISSING, "max_abs/exact"},
+        {NEPH_FOUND_WORSE, "rel_rmse/exact"},  {NEPH_FOUND_EDITED, "sea@1"},
+        {NEPH_FOUND_BETTER, "rel_bias/exact"}, {NEPH_FOUND_ENVIRONMENT, "Blender 3.6"},
+        {NEPH_FOUND_MOVED, "p99/exact"},
     };
     struct bench bench;
     struct neph_night_comparison c;
@@ -593,6 +594,212 @@ static void test_what_was_accepted_by_itself_is_missed(void **state)
     close_bench(&bench);
 }
 
+/* ---- what is not compared -------------------------------------------------------------------- */
+
+#define SEA "catalog/sea@1/march/radiance rel_rmse/exact"
+
+static const struct neph_history_step sea_step = {"catalog sea", "done", "", "96x54", 1.0, NAN};
+
+/* A first night of fog and sea, accepted. */
+static void accept_two_steps(struct bench *bench, const struct neph_measurement *fog)
+{
+    const struct neph_measurement sea = {SEA, "fixed", 0.25, NAN, "D", ""};
+    const int64_t first = add_night(bench, &fog_step, fog, 1, false);
+    add_night(bench, &sea_step, &sea, 1, true);
+    accept(bench, "*", first);
+}
+
+/* Compare a night of the fog alone, with these steps in its plan. */
+static void compare_fog(struct bench *bench, const struct neph_measurement *fog,
+                        const char *const *planned, int planned_count,
+                        struct neph_night_comparison *c)
+{
+    struct neph_diag diag = {0};
+    const struct neph_night_scope scope = {.planned = planned, .planned_count = planned_count};
+    const int64_t night = add_night(bench, &fog_step, fog, 1, false);
+    *c = (struct neph_night_comparison){.night = 0};
+    neph_assert_ok(neph_night_compare(bench->index, night, 0, &scope, alpha, c, &diag), &diag);
+}
+
+/* What the plan has and time did not allow is no alarm, for thirty nights; what the plan has not,
+ * is. Its acceptance ends the alarm. */
+static void test_a_step_that_was_not_run_and_one_that_is_gone(void **state)
+{
+    static const char *const planned[] = {"catalog fog", "catalog sea"};
+    const struct neph_measurement fog = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept_two_steps(&bench, &fog);
+    compare_fog(&bench, &fog, planned, 1, &c);
+    assert_int_equal(c.finding_count, 1);
+    assert_int_equal(c.findings[0].found, NEPH_FOUND_LOST);
+    assert_string_equal(c.findings[0].series, SEA);
+    assert_true(!c.passes && c.not_run == 0);
+    neph_night_comparison_finish(&c);
+    for (int nights = 1; nights <= neph_lost_after_nights + 1; nights++) {
+        compare_fog(&bench, &fog, planned, 2, &c);
+        const bool overdue = nights > neph_lost_after_nights;
+        assert_int_equal(count_found(&c, NEPH_FOUND_LOST), overdue);
+        assert_true(c.passes != overdue && c.not_run == 1);
+        neph_night_comparison_finish(&c);
+        add_night(&bench, &fog_step, &fog, 1, true);
+    }
+    accept(&bench, SEA, 5); /* which has not measured it */
+    compare_fog(&bench, &fog, planned, 1, &c);
+    assert_true(c.passes && c.finding_count == 0);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+/* A night that had no time for the sea, accepted: the sea is still compared with the first. */
+static void test_an_accepted_night_loses_no_step_that_it_had_no_time_for(void **state)
+{
+    static const char *const planned[] = {"catalog fog", "catalog sea"};
+    const struct neph_measurement fog = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    const struct neph_measurement sea = {SEA, "fixed", 0.26, NAN, "D", ""};
+    const struct neph_history_step left_out = {"catalog sea", "not run", "", "", 0.0, NAN};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept_two_steps(&bench, &fog);
+    const int64_t short_of_time = add_night(&bench, &fog_step, &fog, 1, false);
+    add_night(&bench, &left_out, NULL, 0, true);
+    accept(&bench, "*", short_of_time);
+    compare_fog(&bench, &fog, planned, 1, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_LOST), 1);
+    neph_night_comparison_finish(&c);
+    add_night(&bench, &fog_step, &fog, 1, true);
+    compare(&bench, add_night(&bench, &sea_step, &sea, 1, true), 0, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
+    assert_int_equal(c.fresh, 0);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+/* A number of tonight in an environment, accepted in another. */
+static void judge_elsewhere(struct bench *bench, const struct neph_measurement *before,
+                            const struct neph_measurement *tonight, enum neph_found found,
+                            bool passes)
+{
+    const struct neph_measurement steady = {
+        FOG("1", "radiance p99/exact"), "fixed", 0.25, NAN, "D", ""};
+    const struct neph_measurement first[] = {*before, steady}, second[] = {*tonight, steady};
+    struct neph_night_comparison c;
+    accept(bench, "*", add_night(bench, &fog_step, first, 2, true));
+    compare(bench, add_night(bench, &fog_step, second, 2, true), 0, &c);
+    assert_int_equal(c.passes, passes);
+    assert_int_equal(c.findings[0].found, found);
+    neph_night_comparison_finish(&c);
+}
+
+/* A version that is raised in the night of a regression does not hide it, and one that is raised
+ * without one is no alarm. Durations and frames of fewer samples cannot be compared. */
+static void test_numbers_of_another_environment(void **state)
+{
+    static const struct {
+        const char *metric, *kind;
+        double before, tonight, error;
+        const char *accepted_in, *measured_in;
+        enum neph_found found;
+        bool passes;
+    } cases[] = {
+        {"radiance rel_rmse/exact", "fixed", 0.25, 0.26, NAN, "V 1", "V 2",
+         NEPH_FOUND_WORSE_ELSEWHERE, false},
+        {"radiance rel_rmse/exact", "fixed", 0.25, 0.2501, NAN, "V 1", "V 2",
+         NEPH_FOUND_ENVIRONMENT, true},
+        {"radiance rel_rmse/exact", "fixed", 0.25, 0.2, NAN, "V 1", "V 2", NEPH_FOUND_ENVIRONMENT,
+         true},
+        {"radiance rel_bias/exact", "fixed", -0.1, -0.2, NAN, "V 1", "V 2",
+         NEPH_FOUND_WORSE_ELSEWHERE, false},
+        {"radiance rel_rmse/exact", "drawn", 0.25, 0.35, 0.01, "V 1", "V 2",
+         NEPH_FOUND_WORSE_ELSEWHERE, false},
+        {"radiance rel_rmse/exact", "drawn", 0.25, 0.26, 0.01, "V 1", "V 2", NEPH_FOUND_ENVIRONMENT,
+         true},
+        {"radiance rel_rmse/exact", "drawn", 0.25, 0.35, 0.01, "V; against W",
+         "V; 8 samples; "
+         "against W",
+         NEPH_FOUND_ENVIRONMENT, true},
+        {"radiance rel_rmse/exact", "fixed", 0.25, 0.35, NAN, "V; against W",
+         "V; a look; against W", NEPH_FOUND_WORSE_ELSEWHERE, false},
+        {"time", "timed", 1.0, 9.0, NAN, "V; on A", "V; on B", NEPH_FOUND_ENVIRONMENT, true},
+        {"radiance rel_rmse/exact", "fixed", 0.25, 0.2501, NAN, "V, revision 9, CPU; against W",
+         "V, revision 10, CPU; against W", NEPH_FOUND_MOVED, true},
+        {"contrast", "picture", 3.0, 0.0, NAN, "V 1", "V 2", NEPH_FOUND_BLANK, false},
+    };
+    struct bench bench;
+    open_bench(state, &bench);
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        char name[128];
+        snprintf(name, sizeof(name), "catalog/fog@1/march/%s", cases[i].metric);
+        const struct neph_measurement
+            before = {name,           cases[i].kind,        cases[i].before,
+                      cases[i].error, cases[i].accepted_in, ""},
+            tonight = {name,           cases[i].kind,        cases[i].tonight,
+                       cases[i].error, cases[i].measured_in, ""};
+        judge_elsewhere(&bench, &before, &tonight, cases[i].found, cases[i].passes);
+    }
+    close_bench(&bench);
+}
+
+/* An engine that is said to draw from tonight on, so that it would have eight nights of grace. */
+static void test_a_fixed_number_that_is_called_drawn_is_judged_as_before(void **state)
+{
+    struct neph_measurement number = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    number.kind = "drawn";
+    number.value = 0.26;
+    compare(&bench, add_night(&bench, &fog_step, &number, 1, false), 0, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
+/* By less than matters each night: the accepted night is what each is compared with. */
+static void test_a_little_worse_each_night_is_found(void **state)
+{
+    struct neph_measurement number = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    for (int i = 1; i <= 2; i++) {
+        number.value = 0.25 * (1.0 + 0.004 * i);
+        compare(&bench, add_night(&bench, &fog_step, &number, 1, true), 0, &c);
+        assert_int_equal(c.findings[0].found, i == 1 ? NEPH_FOUND_MOVED : NEPH_FOUND_WORSE);
+        neph_night_comparison_finish(&c);
+    }
+    close_bench(&bench);
+}
+
+/* Nights are in the order of their numbers, whatever the clock said. */
+static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
+{
+    const struct neph_history_night who = {"quick", "a", "program", "host"};
+    struct neph_measurement number = {
+        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    struct bench bench;
+    struct neph_night_comparison c;
+    open_bench(state, &bench);
+    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    number.value = 0.26;
+    neph_assert_ok(neph_history_adopt(bench.index, neph_store_folder(bench.store), &who, 2,
+                                      "1970-01-01T00:00:00Z", NULL),
+                   NULL);
+    neph_assert_ok(neph_history_add(bench.index, 2, &fog_step, &number, 1, NULL), NULL);
+    compare(&bench, 2, 0, &c);
+    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
+    neph_night_comparison_finish(&c);
+    close_bench(&bench);
+}
+
 /* Nights on which a series was worse are no part of what later ones are compared with. */
 static void test_nights_that_were_worse_are_set_aside(void **state)
 {
@@ -639,6 +846,12 @@ int main(void)
         scratch_test(test_acceptances_of_a_series),
         scratch_test(test_what_was_accepted_by_itself_is_missed),
         scratch_test(test_nights_that_were_worse_are_set_aside),
+        scratch_test(test_a_step_that_was_not_run_and_one_that_is_gone),
+        scratch_test(test_an_accepted_night_loses_no_step_that_it_had_no_time_for),
+        scratch_test(test_numbers_of_another_environment),
+        scratch_test(test_a_fixed_number_that_is_called_drawn_is_judged_as_before),
+        scratch_test(test_a_little_worse_each_night_is_found),
+        scratch_test(test_a_clock_that_was_set_back_changes_no_verdict),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/povray_exposure.h"
+#include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_scene.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
@@ -143,6 +144,24 @@ static void test_exposures_meet_the_target(void **state)
     }
 }
 
+/* One pixel is 1e8 times as bright as the others. */
+static void test_one_bright_pixel_leaves_the_others(void **state)
+{
+    (void)state;
+    enum { COUNT = 100 };
+    double values[COUNT];
+    struct neph_povray_reading readings[COUNT];
+    const struct neph_povray_target target = {
+        .relative = 1e-4, .absolute = 1e-20, .absolute_of_peak = 1e-6, .absolute_of_median = 1e-4};
+    uint64_t seed = 4;
+    for (int i = 0; i < COUNT; i++)
+        values[i] = neph_test_uniform(&seed, 1e-9, 1e-8);
+    values[17] = 1.0;
+    assert_true(expose_simulated(values, COUNT, 0.9, &target, readings) <= 4);
+    for (int i = 0; i < COUNT; i++)
+        neph_assert_close(readings[i].value, values[i], 2e-4, 0.0);
+}
+
 static void test_black_pictures_end(void **state)
 {
     (void)state;
@@ -237,7 +256,10 @@ static bool is_known_word(const char *word, size_t length)
         "translate pattern density_file df interpolate noise Noise Cell radiosity count "
         "error_bound pretrace_end pretrace_start nearest_count recursion_limit low_error_factor "
         "brightness gray_threshold minimum_reuse maximum_reuse always_sample off on reflection "
-        "photons autostop jitter target refraction collect ";
+        "photons autostop jitter target refraction collect difference union cone spotlight radius "
+        "falloff tightness fade_distance fade_power no_image no_reflection no_shadow function Soft "
+        "min "
+        "max sqrt ";
     char padded[64];
     if (length > 40)
         return false;
@@ -280,6 +302,45 @@ static void test_text_holds_no_string_of_the_scene(void **state)
         assert_plain(text);
         free(text);
         free(other);
+    }
+}
+
+/* An eye on a face, a spot at the eye and lamps near rays: a face cut in doubles, a mask, cubes. */
+static void test_text_near_eyes_and_lights(void **state)
+{
+    (void)state;
+    struct test_scene stage;
+    struct neph_diag diag = {0};
+    struct neph_povray_world world;
+    set_stage(&stage, (struct neph_vec3){0.0, 2.0, -4.0}, (struct neph_vec3){0.0, 1.0, -8.0});
+    add_medium(&stage, room, 0.2, 0.0, 0.8);
+    stage.scene.light_count = 2;
+    stage.scene.lights[0] = (struct neph_light){.position_m = {0.0, 2.0, -3.999},
+                                                .intensity_w_per_sr = make_grey(1.0),
+                                                .is_spot = true,
+                                                .axis = {0.0, 0.0, -1.0},
+                                                .inner_cosine = 0.9,
+                                                .outer_cosine = 0.8};
+    stage.scene.lights[1] = (struct neph_light){.position_m = {0.1, 1.4, -6.0},
+                                                .intensity_w_per_sr = make_grey(1.0)};
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, &diag), &diag);
+    assert_true(world.containers[0].is_near_an_eye[2][1]);
+    assert_false(world.containers[0].is_near_an_eye[2][0] ||
+                 world.containers[0].is_near_an_eye[0][1]);
+    neph_assert_ok(neph_povray_cut_rays(&world, &diag), &diag);
+    assert_true(world.lamps[0].cube_count > 0 && world.lamps[1].cube_count > 0);
+    assert_false(world.lamps[1].is_masked);
+    world.lamps[0].is_masked = true;
+    for (int kind = 0; kind <= NEPH_POVRAY_DEPTH; kind++) {
+        const struct neph_povray_pass pass = {.kind = (enum neph_povray_kind)kind, .gain = 1.0};
+        const bool scatters = kind == NEPH_POVRAY_BEAUTY || kind == NEPH_POVRAY_VOLUME;
+        char *text = NULL;
+        neph_assert_ok(neph_povray_text(&world, &pass, &text, &diag), &diag);
+        assert_plain(text);
+        assert_int_equal(strstr(text, "union {") != NULL, scatters);
+        assert_int_equal(strstr(text, "no_image") != NULL, scatters);
+        assert_int_equal(strstr(text, " spotlight ") != NULL, kind == NEPH_POVRAY_SURFACE);
+        free(text);
     }
 }
 
@@ -368,6 +429,91 @@ static void test_faces_of_containers_stand_alone(void **state)
     assert_true(b->max_m.x > a->max_m.x + gap_m);
     assert_true(a->max_m.x == room.max_m.x); /* alone already: not moved */
     assert_true(world.shift_error < 1e-6);
+}
+
+static const double inner_unit = 0.5 * 4e-3; /* half a step of a face, in units */
+
+/* A face moves outward from an eye on it or inside, inward from one outside, by one step; with a
+ * second medium on the same face by one more. */
+static void test_faces_keep_off_the_eye(void **state)
+{
+    (void)state;
+    for (int out = -1; out <= 1; out++) {
+        struct test_scene stage;
+        struct neph_povray_world world;
+        set_stage(&stage, (struct neph_vec3){0.0, 2.0, -4.0 + out * 1e-10},
+                  (struct neph_vec3){0.0, 1.0, -8.0});
+        add_medium(&stage, room, 0.2, 0.0, 0.8);
+        add_medium(&stage, room, 0.2, 0.0, 0.8);
+        neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, NULL), NULL);
+        for (int i = 0; i < 2; i++) {
+            const double moved = (world.containers[i].bounds.max_m.z - room.max_m.z) *
+                                 world.units_per_m;
+            neph_assert_close(moved, (out > 0 ? -4e-3 : 4e-3) * (i + 1), 0.0, inner_unit);
+        }
+        /* 8e-3 of 2e6 units, of a world of 10 m at 0.2/m. */
+        assert_true(world.shift_error > 0.0 && world.shift_error < 1e-8);
+    }
+}
+
+/* Pixels of an orthographic camera whose rays begin 1e-4 m apart, in a world of 1e5 m, on both
+ * sides of a face: the face has no place between them. */
+static void test_crowds_of_origins_are_refused(void **state)
+{
+    (void)state;
+    struct test_scene stage;
+    struct neph_diag diag = {0};
+    struct neph_povray_world world;
+    set_stage(&stage, (struct neph_vec3){0.0, 0.0, 0.0}, (struct neph_vec3){0.0, -1.0, -1.0});
+    add_medium(&stage, (struct neph_bounds){{-1e5, -1e5, -1e5}, {1e5, 0.0, 1e5}}, 0.2, 0.0, 0.8);
+    stage.scene.vertical_fov_rad = 0.0;
+    stage.scene.orthographic_height_m = 0.5;
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, &diag), &diag);
+    stage.scene.orthographic_height_m = 4.0;
+    assert_int_equal(neph_povray_world(&stage.scene, 0, 4000, 40000, 50, &world, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "the face y = 0 m of medium 1"));
+}
+
+/* From 1e-10 m above a ground POV-Ray does not see it; what is above it is rendered. */
+static void test_eye_on_a_solid_is_refused(void **state)
+{
+    (void)state;
+    struct test_scene stage;
+    struct neph_diag diag = {0};
+    struct neph_povray_world world;
+    set_stage(&stage, (struct neph_vec3){0.0, 1e-10, 0.0}, (struct neph_vec3){0.0, 2.0, -3.0});
+    add_box(&stage, (struct neph_bounds){{-5.0, -1.0, -5.0}, {5.0, 0.0, 5.0}}, 0.5);
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, &diag), &diag);
+    stage.key.look_at_m.y = -2.0;
+    assert_int_equal(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "an eye on a solid"));
+}
+
+/* A lamp in the fog on the ray of a pixel; a spot there that shines across the ray is none. */
+static void test_lights_on_rays_are_refused(void **state)
+{
+    (void)state;
+    struct test_scene stage;
+    struct neph_diag diag = {0};
+    struct neph_povray_world world;
+    set_stage(&stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 2.0, -5.0});
+    add_medium(&stage, room, 0.2, 0.0, 0.8);
+    const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
+    const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, 20, 7);
+    struct neph_light *light = &stage.scene.lights[stage.scene.light_count++];
+    *light = (struct neph_light){.position_m = neph_vec3_along(ray.origin_m, ray.direction, 12.0),
+                                 .intensity_w_per_sr = make_grey(1.0)};
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, NULL), NULL);
+    assert_int_equal(neph_povray_cut_rays(&world, &diag), NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "the ray of pixel (20, 7) passes light 1"));
+    light->is_spot = true;
+    light->axis = (struct neph_vec3){0.0, 1.0, 0.0};
+    light->inner_cosine = 0.9;
+    light->outer_cosine = 0.8;
+    neph_assert_ok(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, NULL), NULL);
+    neph_assert_ok(neph_povray_cut_rays(&world, &diag), &diag);
 }
 
 /* ---- What it can model ---------------------------------------------------------------------- */
@@ -999,6 +1145,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_brackets_recover_values),
         cmocka_unit_test(test_exposures_meet_the_target),
         cmocka_unit_test(test_black_pictures_end),
+        cmocka_unit_test(test_one_bright_pixel_leaves_the_others),
         cmocka_unit_test(test_depth_digits_recover_depth),
         cmocka_unit_test(test_phase_constants),
         cmocka_unit_test(test_text_holds_no_string_of_the_scene),
@@ -1006,6 +1153,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_text_of_surfaces),
         cmocka_unit_test(test_noise_s_file),
         cmocka_unit_test(test_faces_of_containers_stand_alone),
+        cmocka_unit_test(test_faces_keep_off_the_eye),
+        cmocka_unit_test(test_crowds_of_origins_are_refused),
+        cmocka_unit_test(test_lights_on_rays_are_refused),
+        cmocka_unit_test(test_eye_on_a_solid_is_refused),
+        cmocka_unit_test(test_text_near_eyes_and_lights),
         cmocka_unit_test(test_what_it_can_render),
         cmocka_unit_test(test_which_surfaces_it_can_render),
         cmocka_unit_test(test_probe_without_povray),

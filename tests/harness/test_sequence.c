@@ -99,6 +99,60 @@ static const struct found {
      {"f*"},
      {"f9_t1.50.exr", "f10_t1.75.exr", "f11_t2.00.exr"}},
     {{"s1_f10.exr", "s2_f9.exr", "s1_f11.exr"}, {"s*"}, {"s2_f9.exr", "s1_f10.exr", "s1_f11.exr"}},
+    /* a minus, of any width and with or without zeros */
+    {{"f.-0002.exr", "f.-0001.exr", "f.0000.exr", "f.0001.exr"},
+     {"f.*"},
+     {"f.-0002.exr", "f.-0001.exr", "f.0000.exr", "f.0001.exr"}},
+    {{"d/-10.exr", "d/-9.exr", "d/-8.exr"}, {"d"}, {"d/-10.exr", "d/-9.exr", "d/-8.exr"}},
+    {{"f_-002.exr", "f_-1.exr", "f_0.exr"},
+     {"f_0.exr", "f_-1.exr", "f_-002.exr"},
+     {"f_-002.exr", "f_-1.exr", "f_0.exr"}},
+    {{"s--2.exr", "s--1.exr", "s-0.exr"}, {"s*"}, {"s--2.exr", "s--1.exr", "s-0.exr"}},
+    {{"f.-0002.exr", "f.-001.exr", "f.0000.exr", "f.-01.exr", "f.-00003.exr"},
+     {"f.%04d.exr"},
+     {"f.-0002.exr", "f.-001.exr", "f.0000.exr"}},
+    {{"f.-2.exr", "f.-1.exr", "f.-01.exr"}, {"f.%d.exr"}, {"f.-2.exr", "f.-1.exr"}},
+    {{"f.-11.exr", "f.-12.exr", "f.-10.exr"}, {"f.*"}, {"f.-12.exr", "f.-11.exr", "f.-10.exr"}},
+    /* a hyphen behind a letter or a digit is none, but where the numbers go through 0 */
+    {{"s-0001.exr", "s-0002.exr", "s-0003.exr"},
+     {"s*"},
+     {"s-0001.exr", "s-0002.exr", "s-0003.exr"}},
+    {{"2026-11-09.exr", "2026-11-10.exr"}, {"2026*"}, {"2026-11-09.exr", "2026-11-10.exr"}},
+    {{"f-002.exr", "f-001.exr", "f0000.exr", "f0001.exr"},
+     {"f%04d.exr"},
+     {"f-002.exr", "f-001.exr", "f0000.exr", "f0001.exr"}},
+    {{"f-0001.exr", "f0000.exr"}, {"f0000.exr", "f-0001.exr"}, {"f-0001.exr", "f0000.exr"}},
+    /* identifiers of letters and digits order nothing */
+    {{"f.0001.9e3779b1.exr", "f.0002.1b54a32d.exr", "f.0003.c0ffee12.exr", "f.0010.7f4a7c15.exr"},
+     {"f.000*"},
+     {"f.0001.9e3779b1.exr", "f.0002.1b54a32d.exr", "f.0003.c0ffee12.exr"}},
+    {{"f.-0001.9e3779b1.exr", "f.0000.deadbeef.exr", "f.0001.12345678.exr"},
+     {"f.*"},
+     {"f.-0001.9e3779b1.exr", "f.0000.deadbeef.exr", "f.0001.12345678.exr"}},
+    {{"b7a9_9.exr", "a9c1_10.exr", "c1b7_11.exr"},
+     {"*_*"},
+     {"b7a9_9.exr", "a9c1_10.exr", "c1b7_11.exr"}},
+    {{"d/f9-7a-e3b0c442.exr", "d/f10-c3-98fc1c14.exr", "d/f8-b1-9afbf4c8.exr"},
+     {"d"},
+     {"d/f8-b1-9afbf4c8.exr", "d/f9-7a-e3b0c442.exr", "d/f10-c3-98fc1c14.exr"}},
+    {{"1/9e3779b1.exr", "2/1b54a32d.exr"},
+     {"2/1b54a32d.exr", "1/9e3779b1.exr"},
+     {"1/9e3779b1.exr", "2/1b54a32d.exr"}},
+    /* but names with a digit are names */
+    {{"sphere1a_5.png", "cube2b_9.png"}, {"*"}, {"cube2b_9.png", "sphere1a_5.png"}},
+    {{"sh010a_v12.exr", "sh020b_v7.exr"}, {"sh*"}, {"sh010a_v12.exr", "sh020b_v7.exr"}},
+    /* patterns of other programs */
+    {{"f.0001.exr", "f.0002.exr", "f.3.exr", "f.00003.exr"},
+     {"f.####.exr"},
+     {"f.0001.exr", "f.0002.exr"}},
+    {{"f.0001.exr", "f.0002.exr", "f.3.exr"}, {"f.$F4.exr"}, {"f.0001.exr", "f.0002.exr"}},
+    {{"f.9.exr", "f.10.exr", "f.011.exr"}, {"f.$F.exr"}, {"f.9.exr", "f.10.exr"}},
+    {{"f.9.exr", "f.10.exr", "f.011.exr"}, {"f.#.exr"}, {"f.9.exr", "f.10.exr", "f.011.exr"}},
+    {{"f.-002.exr", "f.-001.exr", "f.0000.exr"},
+     {"./f.####.exr"},
+     {"./f.-002.exr", "./f.-001.exr", "./f.0000.exr"}},
+    {{"f#.0001.exr", "f#.0002.exr"}, {"f#.%04d.exr"}, {"f#.0001.exr", "f#.0002.exr"}},
+    {{"f.####.exr", "f.0001.exr"}, {"f.####.exr"}, {"f.####.exr"}}, /* a file of that name */
     /* more digits than any frame number has: a name */
     {{"20240229123456789012345.exr", "2.exr"},
      {"20240229123456789012345.exr", "2.exr"},
@@ -112,9 +166,9 @@ static void test_words_become_files(void **state)
         struct neph_diag diag = {0};
         const struct scratch *scratch = *state;
         make_files(state, found[i].files);
-        neph_assert_ok(
-            neph_sequence_find(count_words(found[i].words), found[i].words, &sequence, &diag),
-            &diag);
+        neph_assert_ok(neph_sequence_find(count_words(found[i].words), found[i].words, false,
+                                          &sequence, &diag),
+                       &diag);
         assert_int_equal(sequence.count, count_words(found[i].expected));
         for (int k = 0; k < sequence.count; k++)
             assert_string_equal(sequence.paths[k], found[i].expected[k]);
@@ -167,6 +221,29 @@ static const struct refused {
      {"1", "2"},
      NEPH_ERR_INPUT,
      "which number of '1/f1.exr'"},
+    {{"f.-0003.exr", "f.-0001.exr"}, {"f.*"}, NEPH_ERR_INPUT, "'f.-0002.exr' is missing"},
+    {{"f.-0001.exr", "f.0001.exr"}, {"f.*"}, NEPH_ERR_INPUT, "'f.0000.exr' is missing"},
+    {{"f.-0001.exr", "f.-001.exr"}, {"f.*"}, NEPH_ERR_INPUT, "same frame number"},
+    {{"f-001.exr", "f-002.exr"}, {"f%04d.exr"}, NEPH_ERR_NOT_FOUND, "but with a hyphen"},
+    {{"f-1.exr", "f-2.exr", "f1.exr", "f2.exr"},
+     {"f*"},
+     NEPH_ERR_INPUT,
+     "'f*' holds more than one sequence"},
+    {{"f.0001.9e3779b1.exr", "f.0003.1b54a32d.exr"},
+     {"f.*"},
+     NEPH_ERR_INPUT,
+     "frame 2 is missing (1 from 2 to 2), the one behind 'f.0001.9e3779b1.exr'"},
+    {{"f.0001.9e3779b1.exr", "f.0003.b54a32d.exr"}, {"f.*"}, NEPH_ERR_INPUT, "frame 2 is missing"},
+    {{"f.0001.9e3779b1.exr", "f.0001.1b54a32d.exr", "f.0002.7f4a7c15.exr"},
+     {"f.*"},
+     NEPH_ERR_INPUT,
+     "same frame number"},
+    {{"f.exr"}, {"f.####.exr"}, NEPH_ERR_NOT_FOUND, "no file matches 'f.####.exr'"},
+    {{"f.exr"}, {"f.$F4.exr"}, NEPH_ERR_NOT_FOUND, "no file matches 'f.$F4.exr'"},
+    {{"f.exr"}, {"f.$FF.exr"}, NEPH_ERR_NOT_FOUND, "no file 'f.$FF.exr'"},
+    {{"f.exr"}, {"f.##_##.exr"}, NEPH_ERR_USAGE, "f.##_##.exr"},
+    {{"f.exr"}, {"f.$F_$F4.exr"}, NEPH_ERR_NOT_FOUND, "f.$F_$F4.exr"},
+    {{"f.exr"}, {"f.$F4.$F4.exr"}, NEPH_ERR_USAGE, "f.$F4.$F4.exr"},
     {{"f1.exr", "f2.png"}, {"f1.exr", "f2.png"}, NEPH_ERR_INPUT, "different kinds"},
     {{"d/f1.exr", "e/f1.png"}, {"d", "e"}, NEPH_ERR_INPUT, "'d/f1.exr' and 'e/f1.png'"},
     {{"d/f1.exr", "d/f2.exr", "d/z1.exr"},
@@ -187,12 +264,91 @@ static void test_what_is_no_sequence_is_refused(void **state)
         const struct scratch *scratch = *state;
         make_files(state, refused[i].files);
         const int count = count_words(refused[i].words);
-        const enum neph_status status = neph_sequence_find(count, refused[i].words, &sequence,
-                                                           &diag);
+        const enum neph_status status = neph_sequence_find(count, refused[i].words, false,
+                                                           &sequence, &diag);
         if (status != refused[i].status || !strstr(diag.message, refused[i].message))
             fail_msg("case %zu: %s: %s", i, neph_status_name(status), diag.message);
-        assert_int_equal(neph_sequence_find(count, refused[i].words, &sequence, NULL), status);
+        assert_int_equal(neph_sequence_find(count, refused[i].words, false, &sequence, NULL),
+                         status);
         assert_int_equal(sequence.count, -1);
+        assert_int_equal(chdir("/"), 0);
+        neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
+        neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+    }
+}
+
+/* ---- by position ------------------------------------------------------------------------------
+ */
+
+static const struct found by_position[] = {
+    {{"f.0004.exr", "f.0000.exr", "f.0002.exr"},
+     {"f.*"},
+     {"f.0000.exr", "f.0002.exr", "f.0004.exr"}},
+    {{"f.-8.exr", "f.-10.exr", "f.12.exr"}, {"f.*"}, {"f.-10.exr", "f.-8.exr", "f.12.exr"}},
+    {{"f2.exr", "f02.exr", "f1.exr"}, {"f*"}, {"f1.exr", "f02.exr", "f2.exr"}},
+    {{"f1.exr"}, {"f1.exr", "f1.exr"}, {"f1.exr", "f1.exr"}},
+    {{"b1_v2.exr", "b2_v2.exr", "b1_v10.exr"}, {"b*"}, {"b1_v2.exr", "b1_v10.exr", "b2_v2.exr"}},
+    {{"1/f9.exr", "1/f10.exr", "2/f9.exr"}, {"2", "1"}, {"2/f9.exr", "1/f9.exr", "1/f10.exr"}},
+    {{"f.3.9e3779b1.exr", "f.7.1b54a32d.exr"}, {"f.*"}, {"f.3.9e3779b1.exr", "f.7.1b54a32d.exr"}},
+};
+
+static void test_gaps_and_doubles_by_position(void **state)
+{
+    for (size_t i = 0; i < sizeof(by_position) / sizeof(by_position[0]); i++) {
+        struct neph_sequence sequence = {0};
+        struct neph_diag diag = {0};
+        const struct scratch *scratch = *state;
+        const struct found *row = &by_position[i];
+        make_files(state, row->files);
+        const int count = count_words(row->words);
+        assert_int_equal(neph_sequence_find(count, row->words, false, &sequence, &diag),
+                         NEPH_ERR_INPUT);
+        neph_assert_ok(neph_sequence_find(count, row->words, true, &sequence, &diag), &diag);
+        assert_int_equal(sequence.count, count_words(row->expected));
+        for (int k = 0; k < sequence.count; k++)
+            assert_string_equal(sequence.paths[k], row->expected[k]);
+        assert_null(sequence.numbers);
+        neph_sequence_finish(&sequence);
+        assert_int_equal(chdir("/"), 0);
+        neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
+        neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+    }
+}
+
+/* Random names: whatever surrounds the number, the order is that of the numbers. */
+static void test_numbers_order_random_names(void **state)
+{
+    static const char *const heads[] = {"f.", "shot_", "", "v2-a_", "take 3 "}, *const tails[] = {
+                                                                                    "", ".", "_v7.",
+                                                                                    "-b."};
+    const struct scratch *scratch = *state;
+    uint64_t seed = 20261128;
+    print_message("seed %llu\n", (unsigned long long)seed);
+    for (int trial = 0; trial < neph_test_by_day(20, 200); trial++) {
+        const char *head = heads[neph_test_random(&seed) % 5],
+                   *tail = tails[neph_test_random(&seed) % 4];
+        const int width = 1 + (int)(neph_test_random(&seed) % 5),
+                  first = (int)(neph_test_random(&seed) % 41) - 30;
+        const bool has_ids = tail[0] && neph_test_random(&seed) % 2;
+        char names[NAMES_MAX][96];
+        const char *files[NAMES_MAX] = {NULL}, *word = ".";
+        for (int i = 0; i < NAMES_MAX; i++) {
+            const int number = first + i;
+            const unsigned id = (unsigned)neph_test_random(&seed);
+            snprintf(names[i], sizeof(names[i]), "%s%s%0*d%s%.*x%s", head, number < 0 ? "-" : "",
+                     width, abs(number), tail, has_ids ? 8 : 0, has_ids ? id : 0,
+                     has_ids || !tail[0] ? ".exr" : "exr");
+            files[i] = names[i];
+        }
+        make_files(state, files);
+        struct neph_sequence sequence = {0};
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_sequence_find(1, &word, false, &sequence, &diag), &diag);
+        for (int i = 0; i < NAMES_MAX; i++) {
+            assert_string_equal(strrchr(sequence.paths[i], '/') + 1, names[i]);
+            assert_int_equal(sequence.numbers[i], first + i);
+        }
+        neph_sequence_finish(&sequence);
         assert_int_equal(chdir("/"), 0);
         neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
         neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
@@ -216,12 +372,13 @@ static void test_frames_belong_together_by_number(void **state)
     };
     struct neph_sequence first = {0};
     const char *word = "a*";
-    neph_assert_ok(neph_sequence_find(1, &word, &first, NULL), NULL);
+    neph_assert_ok(neph_sequence_find(1, &word, false, &first, NULL), NULL);
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_sequence other = {0};
         struct neph_diag diag = {0};
-        neph_assert_ok(neph_sequence_find(cases[i].words[1] ? 2 : 1, cases[i].words, &other, &diag),
-                       &diag);
+        neph_assert_ok(
+            neph_sequence_find(cases[i].words[1] ? 2 : 1, cases[i].words, false, &other, &diag),
+            &diag);
         assert_int_equal(other.numbers ? other.numbers[0] : -1, cases[i].first);
         const enum neph_status status = neph_sequence_check_numbers(&first, "the reference", &other,
                                                                     "the test", &diag);
@@ -429,6 +586,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_words_become_files),
         scratch_test(test_what_is_no_sequence_is_refused),
+        scratch_test(test_gaps_and_doubles_by_position),
+        scratch_test(test_numbers_order_random_names),
         scratch_test(test_frames_belong_together_by_number),
         scratch_test(test_operands_are_split),
         scratch_test(test_frames_by_content),

@@ -636,6 +636,31 @@ static void test_one_exposure_is_enough(void **state)
     free_pictures(&pictures);
 }
 
+/* Light below zero is black, before any curve: those of the tool make it bright (aces shows -0.3 as
+ * 0.675). With the exposures given, so that the reference's luminances have no say. */
+static void test_negative_light_is_black(void **state)
+{
+    (void)state;
+    static const char *const tones[] = {"tone=none", "tone=aces", "tone=reinhard", "tone=hable"};
+    struct pictures pictures = draw(below_zero, 33, 21, 84), clamped = draw(below_zero, 33, 21, 84);
+    for (size_t i = 0; i < 6 * pixel_count(&clamped); i++) {
+        float *value = &clamped.planes[i % 6 / 3][i % 3][i / 6];
+        *value = *value < 0.0f ? 0.0f : *value;
+    }
+    for (size_t t = 0; t < COUNT(tones); t++) {
+        const char *const settings[] = {"start_ev=-2", "stop_ev=3", tones[t], NULL};
+        double *map = still_map(&neph_extractor_hdr_flip, &pictures, NEPH_VIEWING_DEFAULTS,
+                                settings);
+        double *expected = still_map(&neph_extractor_hdr_flip, &clamped, NEPH_VIEWING_DEFAULTS,
+                                     settings);
+        assert_memory_equal(map, expected, pixel_count(&pictures) * sizeof(double));
+        free(map);
+        free(expected);
+    }
+    free_pictures(&pictures);
+    free_pictures(&clamped);
+}
+
 /* The exposures are the reference's, so reference and test cannot change places; but the unit of
  * radiance has no say: 16 times as bright is 4 stops less, to the bit. */
 static void test_hdr_symmetries(void **state)
@@ -906,6 +931,7 @@ int main(void)
         cmocka_unit_test(test_hdr_obstacles),
         cmocka_unit_test(test_exposures_are_frozen),
         cmocka_unit_test(test_one_exposure_is_enough),
+        cmocka_unit_test(test_negative_light_is_black),
         cmocka_unit_test(test_hdr_symmetries),
         cmocka_unit_test(test_alternation),
         cmocka_unit_test(test_a_short_sequence_is_an_obstacle),

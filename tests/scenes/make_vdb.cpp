@@ -19,7 +19,7 @@ using openvdb::FloatGrid;
 using openvdb::math::Transform;
 
 /* 5 x 4 x 3 nodes from index (-3, 2, 7): values of the nodes i, j, k are i + 10 j + 100 k. */
-FloatGrid::Ptr ramp(const char *name)
+FloatGrid::Ptr ramp(const std::string &name)
 {
     const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
     for (int k = 0; k < 3; k++)
@@ -57,13 +57,62 @@ openvdb::GridPtrVec rotated()
     return {grid};
 }
 
-openvdb::GridPtrVec mirrored()
+/* All 48 turns by 90 degrees and mirrors, each as grid "turn<order * 8 + signs>": axis i of the
+ * index lies along axis orders[order][i] of the world, backwards where signs has bit i. */
+openvdb::GridPtrVec turned()
+{
+    constexpr int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    constexpr double scales[3] = {0.5, 2.0, 0.25}, offsets[3] = {10.0, -20.0, 30.0};
+    openvdb::GridPtrVec grids;
+    for (int turn = 0; turn < 48; turn++) {
+        openvdb::math::Mat4d m = openvdb::math::Mat4d::zero();
+        for (int i = 0; i < 3; i++) {
+            m(i, orders[turn / 8][i]) = (turn >> i) % 2 == 0 ? scales[i] : -scales[i];
+            m(3, i) = offsets[i];
+        }
+        m(3, 3) = 1.0;
+        const FloatGrid::Ptr grid = ramp("turn" + std::to_string(turn));
+        grid->setTransform(Transform::createLinearTransform(m));
+        grids.push_back(grid);
+    }
+    return grids;
+}
+
+/* About x by 90 degrees as a program with float32 matrices has it, or by a little more. */
+openvdb::GridPtrVec about_x(double cosine)
+{
+    openvdb::math::Mat4d m = openvdb::math::Mat4d::identity();
+    m(1, 1) = m(2, 2) = cosine;
+    m(1, 2) = 1.0;
+    m(2, 1) = -1.0;
+    const FloatGrid::Ptr grid = ramp("density");
+    grid->setTransform(Transform::createLinearTransform(m));
+    return {grid};
+}
+
+/* The ramp, and four layers of active zeros around it. */
+openvdb::GridPtrVec padded()
 {
     const FloatGrid::Ptr grid = ramp("density");
-    const Transform::Ptr transform = Transform::createLinearTransform();
-    transform->postScale(openvdb::Vec3d(1.0, -1.0, 1.0));
-    grid->setTransform(transform);
+    for (int k = -4; k < 7; k++)
+        for (int j = -4; j < 8; j++)
+            for (int i = -4; i < 9; i++)
+                if (!grid->tree().isValueOn(Coord(i - 3, j + 2, k + 7)))
+                    grid->tree().setValueOn(Coord(i - 3, j + 2, k + 7), 0.0f);
     return {grid};
+}
+
+/* The ramp, and a voxel of next to nothing at an index along x. */
+openvdb::GridPtrVec stray(int i)
+{
+    const FloatGrid::Ptr grid = ramp("density");
+    grid->tree().setValueOn(Coord(i, 3, 8), 1e-6f);
+    return {grid};
+}
+
+openvdb::GridPtrVec two_of_one_name()
+{
+    return {with_value(7.0f), ramp("density")};
 }
 
 openvdb::GridPtrVec frustum()
@@ -168,7 +217,13 @@ const struct {
      }},
     {"none", [] { return openvdb::GridPtrVec{}; }},
     {"rotated", rotated},
-    {"mirrored", mirrored},
+    {"turned", turned},
+    {"turned_in_float", [] { return about_x(-4.37e-8); }},
+    {"turned_too_far", [] { return about_x(1e-3); }},
+    {"padded", padded},
+    {"grown", [] { return stray(12); }},
+    {"stray", [] { return stray(100000); }},
+    {"two_of_one_name", two_of_one_name},
     {"frustum", frustum},
     {"vast", vast},
     {"outside", outside},

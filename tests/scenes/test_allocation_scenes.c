@@ -178,7 +178,8 @@ static void test_points(void **state)
 static enum neph_status copy_volume(void *context, struct neph_diag *diag)
 {
     struct neph_grid *grid = NULL;
-    enum neph_status status = neph_volume_read(context, context, NULL, 1 << 20, &grid, diag);
+    const struct neph_volume_request request = {.path = context, .memory_limit_bytes = 1 << 20};
+    enum neph_status status = neph_volume_read(&request, &grid, diag);
     if (!status)
         status = neph_volume_write(context, grid, diag);
     neph_grid_destroy(grid);

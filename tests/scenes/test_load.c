@@ -317,11 +317,11 @@ static void test_volumes_are_read_and_put_in_place(void **state)
         neph_assert_ok(load_volume(files[i], &scene, &diag), &diag);
         const struct neph_grid *grid = scene->media[1].grid;
         assert_true(grid->size[0] == 2 && grid->size[1] == 1 && grid->size[2] == 4);
-        /* The unit cube, so spacing 1/2, 1, 1/4: all sides are the longest. */
-        neph_assert_close(grid->spacing_m.x, 4.0, 1e-15, 0.0);
-        neph_assert_close(grid->spacing_m.y, 8.0, 1e-15, 0.0);
+        /* The voxels are cubes: 4 x 2 x 8 m. */
+        neph_assert_close(grid->spacing_m.x, 2.0, 1e-15, 0.0);
+        neph_assert_close(grid->spacing_m.y, 2.0, 1e-15, 0.0);
         neph_assert_close(grid->spacing_m.z, 2.0, 1e-15, 0.0);
-        neph_assert_close(grid->origin_m.x, 1.0 - 2.0, 1e-15, 0.0);
+        neph_assert_close(grid->origin_m.x, 1.0 - 1.0, 1e-15, 0.0);
         neph_assert_close(grid->origin_m.y, 2.0, 1e-15, 0.0);
         neph_assert_close(grid->origin_m.z, 3.0 - 3.0, 0.0, 1e-15);
         neph_assert_close((double)grid->maximum, 1.0, 1e-6, 0.0);

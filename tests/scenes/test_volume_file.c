@@ -35,12 +35,18 @@ static struct neph_grid *make_grid(const int size[3], uint64_t seed)
     return grid;
 }
 
-static struct neph_grid *read_grid(const char *path, const char *name)
+static struct neph_grid *read_request(const struct neph_volume_request *request)
 {
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_volume_read(path, path, name, LIMIT, &grid, &diag), &diag);
+    neph_assert_ok(neph_volume_read(request, &grid, &diag), &diag);
     return grid;
+}
+
+static struct neph_grid *read_grid(const char *path, const char *name)
+{
+    return read_request(&(struct neph_volume_request){
+        .path = path, .grid_name = name, .memory_limit_bytes = LIMIT});
 }
 
 static void assert_refused(const char *path, const char *name, size_t limit_bytes,
@@ -48,7 +54,9 @@ static void assert_refused(const char *path, const char *name, size_t limit_byte
 {
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};
-    const enum neph_status status = neph_volume_read(path, path, name, limit_bytes, &grid, &diag);
+    const struct neph_volume_request request = {
+        .path = path, .grid_name = name, .memory_limit_bytes = limit_bytes};
+    const enum neph_status status = neph_volume_read(&request, &grid, &diag);
     assert_null(grid);
     if (status == expected && strstr(diag.message, words) && strstr(diag.message, path))
         return;
@@ -207,10 +215,12 @@ static void test_refused_samples(void **state)
         {"plain.vdb", "smoke", "no grid 'smoke'; it has 'density'"},
         {"several_without_density.vdb", NULL, "no grid 'density'; it has 'heat', 'smoke'"},
         {"none.vdb", NULL, "no grid"},
-        {"rotated.vdb", NULL, "rotated"},
-        {"mirrored.vdb", NULL, "the scale must be above 0"},
+        {"rotated.vdb", NULL, "other angles"},
+        {"turned_too_far.vdb", NULL, "other angles"},
+        {"two_of_one_name.vdb", NULL, "2 grids 'density'"},
+        {"two_of_one_name.vdb", "density", "2 grids 'density'"},
         {"frustum.vdb", NULL, "frustum"},
-        {"vast.vdb", NULL, "the limit is 64 MiB"},
+        {"vast.vdb", NULL, "a side may have at most 1024"},
         {"outside.vdb", NULL, "everywhere outside"},
         {"empty.vdb", NULL, "no active voxel"},
         {"vectors.vdb", NULL, "vec3s"},
@@ -226,8 +236,132 @@ static void test_refused_samples(void **state)
                        NEPH_ERR_INPUT, samples[i].words);
     /* 60 nodes of 4 bytes */
     assert_refused(scratch_path(state, path, "plain.vdb"), NULL, 239, NEPH_ERR_INPUT, "the limit");
-    struct neph_grid *grid = NULL;
-    neph_assert_ok(neph_volume_read(path, path, NULL, 240, &grid, NULL), NULL);
+    neph_grid_destroy(
+        read_request(&(struct neph_volume_request){.path = path, .memory_limit_bytes = 240}));
+}
+
+/* ---- OpenVDB: where voxels are, and which ---------------------------------------------------- */
+
+/* The places of nodes are sums of powers of two and whole numbers: nothing is rounded. */
+static void assert_turned_ramp(const struct neph_grid *grid, int turn, bool is_z_up)
+{
+    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                     {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    static const double scales[3] = {0.5, 2.0, 0.25}, offsets[3] = {10.0, -20.0, 30.0};
+    for (int node = 0; node < 60; node++) {
+        const int index[3] = {node % 5 - 3, node / 5 % 4 + 2, node / 20 + 7};
+        double file[3] = {offsets[0], offsets[1], offsets[2]};
+        for (int i = 0; i < 3; i++)
+            file[orders[turn / 8][i]] += (turn >> i) % 2 == 0 ? scales[i] * index[i]
+                                                              : -scales[i] * index[i];
+        const struct neph_vec3 point = is_z_up ? (struct neph_vec3){file[0], file[2], -file[1]}
+                                               : (struct neph_vec3){file[0], file[1], file[2]};
+        const double expected = index[0] + 3 + 10 * (index[1] - 2) + 100 * (index[2] - 7);
+        neph_assert_close(neph_grid_density(grid, point), expected, 0, 0);
+    }
+}
+
+static void test_turns_and_mirrors_are_followed(void **state)
+{
+    char path[SCRATCH_PATH_MAX], name[16];
+    scratch_path(state, path, "turned.vdb");
+    for (int turn = 0; turn < 48; turn += neph_test_by_day(5, 1)) { /* all orders, all signs */
+        snprintf(name, sizeof(name), "turn%d", turn);
+        const bool is_z_up = turn % 2 == 0;
+        struct neph_grid *grid = read_request(&(struct neph_volume_request){
+            .path = path, .grid_name = name, .memory_limit_bytes = LIMIT, .is_z_up = is_z_up});
+        assert_int_equal(node_count(grid), 60);
+        assert_turned_ramp(grid, turn, is_z_up);
+        neph_grid_destroy(grid);
+    }
+}
+
+/* Node (i, j, k) comes to (i, -k, j): y is against the third index, z along the second. */
+static void test_turns_in_float32_are_turns(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_grid *grid = read_grid(scratch_path(state, path, "turned_in_float.vdb"), NULL);
+    assert_true(grid->size[0] == 5 && grid->size[1] == 3 && grid->size[2] == 4);
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 4; j++)
+            for (int i = 0; i < 5; i++)
+                assert_float_equal(at(grid, i, 2 - k, j), i + 10 * j + 100 * k, 0);
+    neph_assert_close(grid->origin_m.y, -9, 0, 1e-6); /* 4.4e-8 of nine voxels */
+    neph_assert_close(grid->origin_m.z, 2, 0, 1e-6);
+    neph_grid_destroy(grid);
+}
+
+/* Zeros around the cloud are not of its block, and neither stretch nor move it. */
+static void test_active_zeros_do_not_count(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_grid *grid = read_grid(scratch_path(state, path, "padded.vdb"), NULL);
+    assert_ramp(grid);
+    assert_true(grid->origin_m.x == -3 && grid->origin_m.y == 2 && grid->origin_m.z == 7);
+    neph_grid_destroy(grid);
+    grid = read_request(&(struct neph_volume_request){
+        .path = path, .memory_limit_bytes = LIMIT, .counts_zeros = true});
+    assert_true(grid->size[0] == 13 && grid->size[1] == 12 && grid->size[2] == 11);
+    neph_grid_destroy(grid);
+}
+
+/* A key that the message names leaves them out. */
+static void test_stray_voxels_have_a_way_out(void **state)
+{
+    static const struct neph_volume_box ramp = {{-3, 2, 7}, {1, 5, 9}};
+    static const char key[] = "index_box: {first: [-3, 2, 7], last: [1, 5, 9]}";
+    static const char *const files[] = {"grown.vdb", "stray.vdb"};
+    char path[SCRATCH_PATH_MAX];
+    for (size_t i = 0; i < COUNT(files); i++) {
+        struct neph_volume_request request = {.path = scratch_path(state, path, files[i]),
+                                              .memory_limit_bytes = LIMIT,
+                                              .is_fitted = true};
+        struct neph_grid *grid = NULL;
+        struct neph_diag diag = {0};
+        assert_int_equal(neph_volume_read(&request, &grid, &diag), NEPH_ERR_INPUT);
+        assert_non_null(strstr(diag.message, "stray"));
+        assert_non_null(strstr(diag.hint, key));
+        request.index_box = &ramp;
+        grid = read_request(&request);
+        assert_ramp(grid);
+        neph_grid_destroy(grid);
+    }
+    /* Where nothing is fitted the block may be larger. */
+    struct neph_grid *grid = read_grid(scratch_path(state, path, "grown.vdb"), NULL);
+    assert_int_equal(grid->size[0], 16);
+    assert_float_equal(at(grid, 15, 1, 1), 1e-6f, 0);
+    neph_grid_destroy(grid);
+}
+
+/* A part of the voxels, and a box that reaches beyond them. */
+static void test_index_boxes(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    const struct neph_volume_box box = {{-1, -2, 8}, {0, 4, 11}};
+    struct neph_grid *grid = read_request(
+        &(struct neph_volume_request){.path = scratch_path(state, path, "placed.vdb"),
+                                      .memory_limit_bytes = LIMIT,
+                                      .index_box = &box});
+    assert_true(grid->size[0] == 2 && grid->size[1] == 7 && grid->size[2] == 4);
+    neph_assert_close(grid->origin_m.x, 10.0 - 0.5, 0, 0);
+    neph_assert_close(grid->origin_m.y, -20.0 - 4.0, 0, 0);
+    neph_assert_close(grid->origin_m.z, 30.0 + 2.0, 0, 0);
+    assert_float_equal(at(grid, 0, 4, 0), 2 + 100, 0);
+    assert_float_equal(at(grid, 1, 6, 1), 3 + 20 + 200, 0);
+    assert_float_equal(at(grid, 1, 3, 1), 0, 0);
+    assert_float_equal(at(grid, 1, 6, 2), 0, 0);
+    neph_grid_destroy(grid);
+}
+
+static void test_grids_of_one_name_are_told_apart(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_grid *grid = read_grid(scratch_path(state, path, "two_of_one_name.vdb"),
+                                       "density[0]");
+    assert_float_equal(at(grid, 1, 1, 0), 7, 0);
+    neph_grid_destroy(grid);
+    grid = read_grid(path, "density[1]");
+    assert_ramp(grid);
     neph_grid_destroy(grid);
 }
 
@@ -328,8 +462,8 @@ static void test_df3_widths(void **state)
         neph_assert_ok(neph_file_read(path, LIMIT, &bytes, &total, NULL), NULL);
         struct neph_grid *grid = read_grid(path, NULL);
         assert_memory_equal(grid->size, size, sizeof(size));
-        neph_assert_close(grid->origin_m.y, 0.5 / 300, 1e-15, 0);
-        neph_assert_close(grid->spacing_m.x, 1.0 / 3, 1e-15, 0);
+        assert_true(grid->origin_m.x == 0 && grid->origin_m.y == 0 && grid->origin_m.z == 0);
+        assert_true(grid->spacing_m.x == 1 && grid->spacing_m.y == 1 && grid->spacing_m.z == 1);
         const unsigned char *code = (const unsigned char *)bytes + 6;
         for (int n = 0; n < node_count(grid); n++) {
             double value = 0.0, largest = 0.0;
@@ -371,6 +505,33 @@ static void test_df3_round_trip(void **state)
     neph_grid_destroy(found);
     neph_grid_destroy(grid);
     assert_int_equal(scratch_count(state), 1);
+}
+
+/* A part of the nodes, with z of the file up: node (i, j, k) comes to (i, k, -j). */
+static void test_df3_boxes_and_turns(void **state)
+{
+    const int size[3] = {5, 4, 3};
+    const struct neph_volume_box box = {{1, 0, 1}, {3, 2, 2}}, outside = {{0, 0, 0}, {4, 4, 2}};
+    char path[SCRATCH_PATH_MAX];
+    write_df3(scratch_path(state, path, "grid.df3"), size, 2, 6);
+    struct neph_grid *whole = read_grid(path, NULL);
+    struct neph_volume_request request = {
+        .path = path, .memory_limit_bytes = LIMIT, .is_z_up = true, .index_box = &box};
+    struct neph_grid *part = read_request(&request);
+    assert_true(part->size[0] == 3 && part->size[1] == 2 && part->size[2] == 3);
+    for (int k = 1; k <= 2; k++)
+        for (int j = 0; j <= 2; j++)
+            for (int i = 1; i <= 3; i++) {
+                const struct neph_vec3 point = {i, k, -j};
+                neph_assert_close(neph_grid_density(part, point), at(whole, i, j, k), 0, 0);
+            }
+    neph_grid_destroy(part);
+    neph_grid_destroy(whole);
+    struct neph_diag diag = {0};
+    request.index_box = &outside;
+    assert_int_equal(neph_volume_read(&request, &part, &diag), NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "index_box"));
+    assert_non_null(strstr(diag.hint, "0 to 3"));
 }
 
 static void test_df3_that_lies(void **state)
@@ -424,7 +585,9 @@ static void read_damaged(const char *path)
 {
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};
-    const enum neph_status status = neph_volume_read(path, path, NULL, MIB, &grid, &diag);
+    const struct neph_volume_request request = {
+        .path = path, .memory_limit_bytes = MIB, .is_fitted = true};
+    const enum neph_status status = neph_volume_read(&request, &grid, &diag);
     if (!status) {
         assert_true(sizeof(float) * (size_t)node_count(grid) <= MIB);
         for (int n = 0; n < node_count(grid); n++)
@@ -496,13 +659,27 @@ static void test_disney_cloud(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_vdb_round_trip),      scratch_test(test_same_grid_gives_same_bytes),
-        scratch_test(test_vdb_for_blender),     samples_test(test_readable_samples),
-        samples_test(test_tiles_are_read),      samples_test(test_refused_samples),
-        scratch_test(test_files_that_are_none), scratch_test(test_missing_program),
-        scratch_test(test_library_folders),     scratch_test(test_df3_widths),
-        scratch_test(test_df3_round_trip),      scratch_test(test_df3_that_lies),
-        samples_test(test_damaged_files),       cmocka_unit_test(test_disney_cloud),
+        scratch_test(test_vdb_round_trip),
+        scratch_test(test_same_grid_gives_same_bytes),
+        scratch_test(test_vdb_for_blender),
+        samples_test(test_readable_samples),
+        samples_test(test_tiles_are_read),
+        samples_test(test_refused_samples),
+        scratch_test(test_files_that_are_none),
+        scratch_test(test_missing_program),
+        scratch_test(test_library_folders),
+        scratch_test(test_df3_widths),
+        scratch_test(test_df3_round_trip),
+        scratch_test(test_df3_boxes_and_turns),
+        scratch_test(test_df3_that_lies),
+        samples_test(test_turns_and_mirrors_are_followed),
+        samples_test(test_turns_in_float32_are_turns),
+        samples_test(test_active_zeros_do_not_count),
+        samples_test(test_stray_voxels_have_a_way_out),
+        samples_test(test_index_boxes),
+        samples_test(test_grids_of_one_name_are_told_apart),
+        samples_test(test_damaged_files),
+        cmocka_unit_test(test_disney_cloud),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

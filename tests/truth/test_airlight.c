@@ -304,6 +304,24 @@ static void finish(struct estimate *sums, int samples)
     }
 }
 
+/* Paths of one view. */
+static struct estimate trace_view(const struct neph_scene *scene,
+                                  const struct neph_tracker *tracker, const struct neph_view *view,
+                                  int pixel, int samples)
+{
+    struct neph_flight flight;
+    const struct neph_ray ray = {view->origin_m, view->direction, view->hit.t_m};
+    struct neph_tracking_cost cost = {0, 0};
+    struct estimate sums = {{0}, {0}};
+    neph_flight_init(&flight, scene, &ray);
+    for (int n = 0; n < samples; n++) {
+        struct neph_random random = neph_random_stream(9, (uint64_t)pixel, (uint64_t)n);
+        add_path(&sums, neph_path_trace(scene, tracker, view, &flight, &random, &cost).volume);
+    }
+    finish(&sums, samples);
+    return sums;
+}
+
 /* 4.5 standard errors, as in test_path.c. */
 static void test_paths_against_the_stage(void **state)
 {
@@ -314,7 +332,6 @@ static void test_paths_against_the_stage(void **state)
     struct neph_diag diag = {0};
     neph_assert_ok(neph_tracker_create(scene, &tracker, &diag), &diag);
     const int samples = neph_test_paths(3000);
-    struct neph_tracking_cost cost = {0, 0};
     for (int with_sun = 0; with_sun < 2; with_sun++)
         for (int i = 0; i < 24; i += 5) {
             scene->sun.present = with_sun;
@@ -322,16 +339,7 @@ static void test_paths_against_the_stage(void **state)
                                                            lamp_direction(i));
             const struct neph_ray_light truth = neph_transport_ray(scene, view.origin_m,
                                                                    view.direction);
-            struct neph_flight flight;
-            const struct neph_ray ray = {view.origin_m, view.direction, view.hit.t_m};
-            neph_flight_init(&flight, scene, &ray);
-            struct estimate sums = {{0}, {0}};
-            for (int n = 0; n < samples; n++) {
-                struct neph_random random = neph_random_stream(9, (uint64_t)i, (uint64_t)n);
-                add_path(&sums,
-                         neph_path_trace(scene, tracker, &view, &flight, &random, &cost).volume);
-            }
-            finish(&sums, samples);
+            const struct estimate sums = trace_view(scene, tracker, &view, i, samples);
             neph_assert_close(view.unscattered.g, truth.radiance.g - truth.volume.g, 1e-9, 1e-12);
             neph_assert_close(sums.mean[0], truth.volume.r, 0.0, 4.5 * sums.error[0] + 1e-12);
             neph_assert_close(sums.mean[1], truth.volume.g, 0.0, 4.5 * sums.error[1] + 1e-12);
@@ -339,6 +347,41 @@ static void test_paths_against_the_stage(void **state)
             assert_true(sums.error[1] <= neph_test_noise(0.1) * truth.volume.g);
         }
     neph_tracker_destroy(tracker);
+}
+
+/* A fog without bounds or ground, whose extinction grows downwards until it is infinite. Blue
+ * light passes through it as through air. Every path brings a number, and the mean of single
+ * scattering is the exact one. The rays look level, down, straight down and up. */
+static void test_fog_without_ground(void **state)
+{
+    (void)state;
+    static const struct neph_vec3 ways[] = {{0.1, 0, -1}, {0.1, -0.6, -1}, {0, -1, 0}, {0, 1, -1}};
+    const int samples = neph_test_paths(4000);
+    for (int second = 0; second < 2; second++) {
+        struct neph_scene scene = make_lamplit(make_height_fog(0.05, 0.3),
+                                               (struct neph_vec3){-1, 2.4, -9});
+        scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 0.0};
+        scene.media[0].albedo = make_grey(0.9);
+        scene.media[0].layers[1] = (struct neph_fog_layer){0.01, 0.02, 0.0};
+        scene.media[0].layer_count = 1 + second;
+        struct neph_tracker *tracker;
+        struct neph_diag diag = {0};
+        neph_assert_ok(neph_tracker_create(&scene, &tracker, &diag), &diag);
+        for (int i = 0; i < 4; i++) {
+            const struct neph_view view = neph_view_create(&scene, (struct neph_vec3){0, 2, 0},
+                                                           neph_vec3_normalize(ways[i]));
+            scene.scattering = NEPH_SCATTERING_SINGLE;
+            const struct neph_rgb truth =
+                neph_transport_ray(&scene, view.origin_m, view.direction).volume;
+            const struct estimate sums = trace_view(&scene, tracker, &view, i, samples);
+            neph_assert_close(sums.mean[0], truth.r, 0.0, 4.5 * sums.error[0]);
+            neph_assert_close(sums.mean[1], truth.g, 0.0, 4.5 * sums.error[1]);
+            assert_true(truth.g > 0.0 && truth.b == 0.0 && sums.mean[2] == 0.0);
+            scene.scattering = NEPH_SCATTERING_MULTIPLE;
+            trace_view(&scene, tracker, &view, i, samples / 4);
+        }
+        neph_tracker_destroy(tracker);
+    }
 }
 
 /* Into the sphere by the cosine, or half of them towards the lamp: lines that pass it at h bring
@@ -499,6 +542,7 @@ int main(void)
         cmocka_unit_test(test_paths_against_the_stage),
         cmocka_unit_test(test_paths_find_lights_near_rays),
         cmocka_unit_test(test_paths_find_the_fog_around_a_clear_place),
+        cmocka_unit_test(test_fog_without_ground),
         cmocka_unit_test(test_white_media_keep_all_lamplight),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

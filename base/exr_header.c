@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/exr_header.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum {
+    FIRST_BYTES = 1 << 14,
+    HEADER_MAX_BYTES = 1 << 26, /* a preview of 4096x4096 pixels */
+    OFFSET_BYTES = 8,           /* of an entry of the table of chunks */
+};
+
+uint32_t neph_exr_u32(const unsigned char *at)
+{
+    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+float neph_exr_f32(const unsigned char *at)
+{
+    const uint32_t bits = neph_exr_u32(at);
+    float value;
+    memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+static uint64_t u64(const unsigned char *at)
+{
+    return (uint64_t)neph_exr_u32(at) | (uint64_t)neph_exr_u32(at + 4) << 32;
+}
+
+double neph_exr_f64(const unsigned char *at)
+{
+    const uint64_t bits = u64(at);
+    double value;
+    memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+/* The text at header[*at], which moves behind its zero byte; NULL: it does not end. */
+static const char *next_text(const char *header, size_t size, size_t *at)
+{
+    const char *text = header + *at;
+    const char *end = memchr(text, '\0', size - *at);
+    if (!end)
+        return NULL;
+    *at += (size_t)(end - text) + 1;
+    return text;
+}
+
+bool neph_exr_next_attribute(const char *header, size_t size, size_t *at,
+                             struct neph_exr_attribute *attribute)
+{
+    size_t place = *at;
+    if (place < size && header[place] == '\0')
+        return false;
+    *at = size;
+    if (place >= size)
+        return false;
+    *attribute = (struct neph_exr_attribute){.start = header + place};
+    attribute->name = next_text(header, size, &place);
+    attribute->type = attribute->name ? next_text(header, size, &place) : NULL;
+    if (!attribute->type || size - place < 4)
+        return false;
+    attribute->value_bytes = neph_exr_u32((const unsigned char *)header + place);
+    place += 4;
+    if (attribute->value_bytes > size - place)
+        return false;
+    attribute->value = (const unsigned char *)header + place;
+    place += attribute->value_bytes;
+    attribute->bytes = (size_t)(header + place - attribute->start);
+    *at = place;
+    return true;
+}
+
+/* The bytes of whole attributes at the start of `text`; `*is_whole`: the header ends behind them.
+ */
+static size_t count_whole(const char *text, size_t size, bool *is_whole)
+{
+    struct neph_exr_attribute attribute;
+    size_t at = 0, whole = 0;
+    while (neph_exr_next_attribute(text, size, &at, &attribute))
+        whole = at;
+    *is_whole = at < size;
+    return whole;
+}
+
+/* As much as there is, up to `size`; -1: errno says why not. */
+static ssize_t read_from(int fd, char *target, size_t size)
+{
+    size_t done = 0;
+    while (done < size) {
+        const ssize_t got = pread(fd, target + done, size - done,
+                                  (off_t)(NEPH_EXR_PREFIX_BYTES + done));
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return -1;
+        if (got == 0)
+            break;
+        done += (size_t)got;
+    }
+    return (ssize_t)done;
+}
+
+enum neph_status neph_exr_read_header(int fd, uint64_t file_bytes, char **header, size_t *size,
+                                      struct neph_diag *diag)
+{
+    const uint64_t behind = file_bytes > NEPH_EXR_PREFIX_BYTES ? file_bytes - NEPH_EXR_PREFIX_BYTES
+                                                               : 0;
+    for (size_t room = FIRST_BYTES;; room *= 8) {
+        char *text = malloc(room);
+        if (!text)
+            return neph_fail_memory(diag);
+        const ssize_t got = read_from(fd, text, room);
+        if (got < 0) {
+            const int error = errno;
+            free(text);
+            errno = error;
+            return NEPH_ERR_IO;
+        }
+        bool is_whole;
+        const size_t whole = count_whole(text, (size_t)got, &is_whole);
+        if (is_whole || room >= behind || room >= HEADER_MAX_BYTES) {
+            *header = text;
+            *size = whole;
+            return NEPH_OK;
+        }
+        free(text);
+    }
+}
+
+static void add_to_offset(char *at, size_t bytes)
+{
+    const uint64_t offset = u64((const unsigned char *)at) + bytes;
+    for (int i = 0; i < OFFSET_BYTES; i++)
+        at[i] = (char)(offset >> 8 * i & 255);
+}
+
+enum neph_status neph_exr_add_attributes(char **file, uint64_t *file_bytes, int64_t chunk_count,
+                                         const char *attributes, size_t bytes,
+                                         struct neph_diag *diag)
+{
+    bool is_whole;
+    const size_t place = NEPH_EXR_PREFIX_BYTES + count_whole(*file + NEPH_EXR_PREFIX_BYTES,
+                                                             *file_bytes - NEPH_EXR_PREFIX_BYTES,
+                                                             &is_whole);
+    char *grown = realloc(*file, *file_bytes + bytes);
+    if (!grown)
+        return neph_fail_memory(diag);
+    *file = grown;
+    memmove(grown + place + bytes, grown + place, *file_bytes - place);
+    memcpy(grown + place, attributes, bytes);
+    *file_bytes += bytes;
+    for (int64_t i = 0; i < chunk_count; i++)
+        add_to_offset(grown + place + bytes + 1 + OFFSET_BYTES * i, bytes);
+    return NEPH_OK;
+}

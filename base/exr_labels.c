@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/exr_labels.h"
+
+#include "base/colour_space.h"
+#include "base/exr_header.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Names that the format itself gives a meaning to. */
+bool neph_exr_is_reserved(const char *name)
+{
+    static const char *const reserved[] = {
+        "channels",          "compression", "dataWindow",
+        "displayWindow",     "lineOrder",   "pixelAspectRatio",
+        "chunkCount",        "name",        "screenWindowCenter",
+        "screenWindowWidth", "type",        "tiles",
+        "version",           "view",        "preview",
+    };
+    for (size_t i = 0; i < sizeof(reserved) / sizeof(reserved[0]); i++)
+        if (strcmp(name, reserved[i]) == 0)
+            return true;
+    return false;
+}
+
+/* Names that tell of the file itself: a text in it is not to pass for that. */
+bool neph_exr_is_ours(const char *name)
+{
+    static const char *const ours[] = {
+        "crop",         "primaries",       "pixel_aspect",     "encoding",
+        "colour_space", "white_luminance", "frames_per_second"};
+    for (size_t i = 0; i < sizeof(ours) / sizeof(ours[0]); i++)
+        if (strcmp(name, ours[i]) == 0)
+            return true;
+    return false;
+}
+
+/* The text of an attribute into a buffer; false: it is no text, or does not fit. */
+static bool text_of(const struct neph_exr_attribute *attribute, char *text, size_t size)
+{
+    if (strcmp(attribute->type, "string") != 0 || attribute->value_bytes >= size)
+        return false;
+    memcpy(text, attribute->value, attribute->value_bytes);
+    text[attribute->value_bytes] = '\0';
+    return true;
+}
+
+static double of_float(const unsigned char *value)
+{
+    return (double)neph_exr_f32(value);
+}
+
+static double of_int(const unsigned char *value)
+{
+    return (int32_t)neph_exr_u32(value);
+}
+
+static double of_rational(const unsigned char *value)
+{
+    return of_int(value) / neph_exr_u32(value + 4);
+}
+
+/* "24", "23.976", "24000/1001"; NaN: no number. */
+static double of_text(const char *text)
+{
+    char *end;
+    const double number = strtod(text, &end);
+    if (end == text || (*end && *end != '/'))
+        return NAN;
+    if (!*end)
+        return number;
+    const char *divisor_text = end + 1;
+    const double divisor = strtod(divisor_text, &end);
+    return end == divisor_text || *end ? NAN : number / divisor;
+}
+
+/* A number of any type that writers give it; NaN: none. */
+static double number_of(const struct neph_exr_attribute *attribute)
+{
+    static const struct {
+        const char *type;
+        uint32_t bytes;
+        double (*of)(const unsigned char *value);
+    } types[] = {
+        {"float", 4, of_float},
+        {"double", 8, neph_exr_f64},
+        {"int", 4, of_int},
+        {"rational", 8, of_rational},
+    };
+    char text[64];
+    for (size_t i = 0; i < sizeof(types) / sizeof(types[0]); i++)
+        if (strcmp(attribute->type, types[i].type) == 0 && attribute->value_bytes == types[i].bytes)
+            return types[i].of(attribute->value);
+    return text_of(attribute, text, sizeof(text)) ? of_text(text) : NAN;
+}
+
+/* The colour space by name, where it is another than linear Rec.709; both where two are named. */
+static enum neph_status add_colour_space(struct neph_image *image,
+                                         const struct neph_exr_attribute *attribute,
+                                         struct neph_diag *diag)
+{
+    char name[256], id[256];
+    if (!text_of(attribute, name, sizeof(name)))
+        return NEPH_OK;
+    neph_colour_space_id(name, id, sizeof(id));
+    const char *other = neph_image_attribute(image, "colour_space");
+    if (!id[0] || strcmp(id, NEPH_COLOUR_SPACE_DEFAULT) == 0 || (other && strcmp(other, id) == 0))
+        return NEPH_OK;
+    return neph_image_set_attribute(image, "colour_space", diag, "%s%s%s", other ? other : "",
+                                    other ? " and " : "", id);
+}
+
+static enum neph_status add_number(struct neph_image *image, const char *name, double number,
+                                   struct neph_diag *diag)
+{
+    return isfinite(number) && number > 0.0
+               ? neph_image_set_attribute(image, name, diag, "%.15g", number)
+               : NEPH_OK;
+}
+
+/* What standard attributes of other types than ours say. */
+static enum neph_status interpret_attribute(struct neph_image *image,
+                                            const struct neph_exr_attribute *attribute,
+                                            struct neph_diag *diag)
+{
+    const char *name = attribute->name;
+    if (strcmp(name, "framesPerSecond") == 0)
+        return add_number(image, "frames_per_second", number_of(attribute), diag);
+    if (strcmp(name, "whiteLuminance") == 0)
+        return add_number(image, "white_luminance", number_of(attribute), diag);
+    if (strcmp(name, "colorInteropID") == 0 || strcmp(name, "oiio:ColorSpace") == 0)
+        return add_colour_space(image, attribute, diag);
+    return NEPH_OK;
+}
+
+enum neph_status neph_exr_interpret_attributes(const char *header, size_t size,
+                                               struct neph_image *image, struct neph_diag *diag)
+{
+    struct neph_exr_attribute attribute;
+    enum neph_status status = NEPH_OK;
+    for (size_t at = 0; !status && neph_exr_next_attribute(header, size, &at, &attribute);)
+        status = interpret_attribute(image, &attribute, diag);
+    return status;
+}
+
+/* What is kept in its bytes: neither text, which the image has, nor what a writer makes anew. */
+static bool is_kept(const struct neph_exr_attribute *attribute)
+{
+    const bool is_text = strcmp(attribute->type, "string") == 0;
+    if (neph_exr_is_reserved(attribute->name)) /* a text all the same: left or right eye */
+        return is_text && strcmp(attribute->name, "view") == 0;
+    return !is_text;
+}
+
+size_t neph_exr_keep_attributes(const char *header, size_t size, char *kept)
+{
+    struct neph_exr_attribute attribute;
+    size_t bytes = 0;
+    for (size_t at = 0; neph_exr_next_attribute(header, size, &at, &attribute);) {
+        if (!is_kept(&attribute))
+            continue;
+        memcpy(kept + bytes, attribute.start, attribute.bytes);
+        bytes += attribute.bytes;
+    }
+    return bytes;
+}

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/compare/frame_labels.h"
+
+#include "base/colour_space.h"
+#include "metrics/validity.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define PLACE_HINT                                                                                 \
+    "write data windows that are equal to the display window, with what lies outside them, which " \
+    "is 0"
+#define SPACE_HINT                                                                                 \
+    "convert one to the other's space; if both are in one space, write both with the same "        \
+    "colorInteropID and oiio:ColorSpace, or with neither"
+
+static const struct label {
+    const char *attribute; /* of an image, base/exr.h */
+    const char *what, *usual, *hint;
+    const char *same;   /* what a pair is not of; NULL: pairs are looked at elsewhere */
+    bool is_of_colours; /* of no account where there are none */
+} labels[NEPH_FRAME_LABELS] = {
+    {"crop", "the data window", "the whole picture", PLACE_HINT, "place", false},
+    {"pixel_aspect", "the pixel aspect ratio", "1", "render both with the same pixels", "place",
+     false},
+    {"colour_space", "the colour space", NEPH_COLOUR_SPACE_DEFAULT, SPACE_HINT, "light", true},
+    {"white_luminance", "the luminance of white (whiteLuminance)", "not said",
+     "write both with the same whiteLuminance, or with none", "light", true},
+    {"encoding", "the encoding", "linear", "give pictures for a display, or linear data", NULL,
+     false},
+};
+
+static const char *value_of(const struct label *label, const struct neph_image *image)
+{
+    const char *value = neph_image_attribute(image, label->attribute);
+    float *rgb[3];
+    const bool counts = !label->is_of_colours || neph_image_rgb(image, NULL, rgb);
+    return value && counts ? value : label->usual;
+}
+
+enum neph_status neph_frame_check_pair(const struct neph_image *reference,
+                                       const struct neph_image *other, struct neph_diag *diag)
+{
+    for (int i = 0; other && i < NEPH_FRAME_LABELS; i++) {
+        const struct label *label = &labels[i];
+        const char *first = value_of(label, reference), *second = value_of(label, other);
+        if (!label->same || strcmp(first, second) == 0)
+            continue;
+        neph_fail(diag, NEPH_ERR_INPUT,
+                  "the images are not of the same %s: %s of the reference is %s, that of the other "
+                  "image %s",
+                  label->same, label->what, first, second);
+        neph_hint(diag, "%s", label->hint);
+        return NEPH_ERR_INPUT;
+    }
+    return NEPH_OK;
+}
+
+/* ---- channels -------------------------------------------------------------------------------- */
+
+static int by_text(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* Names of the channels that mean something here, in order, a line each; NULL: no memory. */
+static char *list_channels(const struct neph_image *image)
+{
+    const size_t count = (size_t)image->channel_count;
+    const char **names = malloc((count + 1) * sizeof(*names));
+    char *list = malloc(count * NEPH_IMAGE_NAME_MAX + 1), *end = list;
+    size_t known = 0;
+    for (size_t i = 0; names && i < count; i++)
+        if (neph_validity_knows(image->channels[i].name))
+            names[known++] = image->channels[i].name;
+    if (!names || !list) {
+        free(names);
+        free(list);
+        return NULL;
+    }
+    qsort(names, known, sizeof(*names), by_text);
+    for (size_t i = 0; i < known; i++) {
+        end = stpcpy(end, names[i]);
+        *end++ = '\n';
+    }
+    *end = '\0';
+    free(names);
+    return list;
+}
+
+/* The first line of `list` that `other` does not have; its length, or 0. */
+static size_t first_missing(const char *list, const char *other, const char **line)
+{
+    while (*list) {
+        const size_t length = strcspn(list, "\n");
+        const char *at = other;
+        while (*at && (strncmp(at, list, length) != 0 || at[length] != '\n'))
+            at += strcspn(at, "\n") + 1;
+        *line = list;
+        if (!*at)
+            return length;
+        list += length + 1;
+    }
+    return 0;
+}
+
+static enum neph_status compare_channels(const struct neph_frame_form *form, const char *path,
+                                         const char *channels, struct neph_diag *diag)
+{
+    const char *name = "", *with = form->path, *without = path;
+    size_t length = first_missing(form->channels, channels, &name);
+    if (length == 0) {
+        with = path;
+        without = form->path;
+        length = first_missing(channels, form->channels, &name);
+    }
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "the channels change within the sequence: '%s' has %.*s, '%s' has not", with,
+              (int)length, name, without);
+    neph_hint(diag, "write all frames of a sequence with the same channels");
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status check_channels(struct neph_frame_form *form, const char *path,
+                                       const struct neph_image *image, struct neph_diag *diag)
+{
+    char *channels = list_channels(image);
+    if (!channels)
+        return neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
+    if (!form->channels) {
+        form->channels = channels;
+        return status;
+    }
+    if (strcmp(form->channels, channels) != 0)
+        status = compare_channels(form, path, channels, diag);
+    free(channels);
+    return status;
+}
+
+/* ---- the form -------------------------------------------------------------------------------- */
+
+void neph_frame_form_finish(struct neph_frame_form *form)
+{
+    for (int i = 0; i < NEPH_FRAME_LABELS; i++)
+        free(form->labels[i]);
+    free(form->path);
+    free(form->channels);
+    *form = (struct neph_frame_form){.path = NULL};
+}
+
+static enum neph_status keep(struct neph_frame_form *form, const char *path,
+                             const struct neph_image *image, struct neph_diag *diag)
+{
+    form->path = strdup(path);
+    form->width_px = image->width_px;
+    form->height_px = image->height_px;
+    bool is_kept = form->path;
+    for (int i = 0; i < NEPH_FRAME_LABELS; i++) {
+        form->labels[i] = strdup(value_of(&labels[i], image));
+        is_kept &= form->labels[i] != NULL;
+    }
+    return is_kept ? NEPH_OK : neph_fail_memory(diag);
+}
+
+static enum neph_status compare_labels(const struct neph_frame_form *form, const char *path,
+                                       const struct neph_image *image, struct neph_diag *diag)
+{
+    for (int i = 0; i < NEPH_FRAME_LABELS; i++) {
+        const char *value = value_of(&labels[i], image);
+        if (strcmp(form->labels[i], value) == 0)
+            continue;
+        neph_fail(diag, NEPH_ERR_INPUT, "%s changes: it is %s in '%s' and %s in '%s'",
+                  labels[i].what, form->labels[i], form->path, value, path);
+        neph_hint(diag, "%s", labels[i].hint);
+        return NEPH_ERR_INPUT;
+    }
+    if (form->width_px == image->width_px && form->height_px == image->height_px)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "the size changes: it is %dx%d pixels in '%s' and %dx%d in '%s'", form->width_px,
+              form->height_px, form->path, image->width_px, image->height_px, path);
+    neph_hint(diag,
+              neph_image_attribute(image, "crop") ? PLACE_HINT : "render all frames at one size");
+    return NEPH_ERR_INPUT;
+}
+
+enum neph_status neph_frame_form_check(struct neph_frame_form *form, const char *path,
+                                       const struct neph_image *image, bool with_channels,
+                                       struct neph_diag *diag)
+{
+    const enum neph_status status = form->path ? compare_labels(form, path, image, diag)
+                                               : keep(form, path, image, diag);
+    return status || !with_channels ? status : check_channels(form, path, image, diag);
+}

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/engines/povray_lamps.h"
+
+#include "scenes/bounds.h"
+#include "scenes/lights.h"
+#include "scenes/solids.h"
+
+#include <math.h>
+
+/* A ray within a medium that is nearer to its light: the hole of 1e-2 units around a light and its
+ * source of 1e-3 units are then more than 1e-4 of the value. */
+static const double nearest_units = 0.1;
+
+/* POV-Ray's b^2 - a c has a rounding error of about 1e-2 units^2 across a world of 4e6 units, and a
+ * cone's own is the square of the apex's distance from the ray. */
+static const double mask_reach_units = 4.0;
+
+/* The midpoint rule with steps s across 1 / (h^2 + t^2) is off by 2 exp(-2 pi h / s) of it. */
+static const double heights_per_step = 2.0; /* 7e-6 */
+/* A ray's way through a medium may end near the light: at the distance a of it, or within
+ * `end_heights` a of the place where it is nearest. Steps of `step_part` a are then off by 1/12 of
+ * the square of this part. */
+static const double end_heights = 3.0;
+static const double step_part = 0.1;
+static const double cube_ratio = 4.0;
+static const double face_gap_units = 1.0;
+static const double widening = 1.01;
+
+/* The rays that need cubes around a light. */
+struct need {
+    double resolved_m;     /* the longest step that resolves them all; INFINITY: none needs any */
+    double longest_step_m; /* of them */
+};
+
+static double line_distance_m(struct neph_vec3 way_m, struct neph_vec3 direction)
+{
+    return neph_vec3_length(neph_vec3_cross(way_m, direction));
+}
+
+/* From the light to the part t0..t1 of a ray; `way_m` is from the ray's origin to the light. */
+static double part_distance_m(struct neph_vec3 way_m, struct neph_vec3 direction, double t0_m,
+                              double t1_m)
+{
+    const double foot_m = neph_vec3_dot(way_m, direction);
+    const double beyond_m = foot_m - fmin(t1_m, fmax(t0_m, foot_m));
+    return hypot(line_distance_m(way_m, direction), beyond_m);
+}
+
+/* Does a light shine on a ray, where the ray passes it? */
+static bool shines_along(const struct neph_light *light, struct neph_vec3 direction)
+{
+    return neph_light_falloff(light, direction) > 0.0 ||
+           neph_light_falloff(light, neph_vec3_scale(direction, -1.0)) > 0.0;
+}
+
+static enum neph_status refuse(const struct neph_povray_world *world, int light, int pixel,
+                               double distance_m, struct neph_diag *diag)
+{
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+              "the ray of pixel (%d, %d) passes light %d within a medium at %.3g m, nearer than "
+              "%.2g m",
+              pixel % world->width_px, pixel / world->width_px, light + 1, distance_m,
+              nearest_units / world->units_per_m);
+    neph_hint(diag, "move light %d off the ray, or make the scene smaller", light + 1);
+    return NEPH_ERR_UNSUPPORTED;
+}
+
+/* What one ray asks for around one light. */
+static enum neph_status take_ray(const struct neph_povray_world *world, int index, int pixel,
+                                 struct neph_pixel_ray ray, double hit_m, struct need *need,
+                                 struct neph_diag *diag)
+{
+    const struct neph_light *light = &world->scene->lights[index];
+    const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, ray.origin_m);
+    for (int i = 0; i < world->scene->medium_count; i++) {
+        double t0_m = 0.0, t1_m = hit_m;
+        if (!world->containers[i].used ||
+            !neph_bounds_clip(&world->containers[i].bounds, ray.origin_m, ray.direction, &t0_m,
+                              &t1_m))
+            continue;
+        const double near_m = part_distance_m(way_m, ray.direction, t0_m, t1_m);
+        const double step_m = (t1_m - t0_m) / world->intervals;
+        if (near_m * world->units_per_m < nearest_units && shines_along(light, ray.direction))
+            return refuse(world, index, pixel, near_m, diag);
+        const double foot_m = neph_vec3_dot(way_m, ray.direction);
+        const bool ends_near = fmin(foot_m - t0_m, t1_m - foot_m) < end_heights * near_m;
+        const double resolved_m = near_m * (ends_near ? step_part : 1.0 / heights_per_step);
+        if (step_m < resolved_m)
+            continue;
+        need->resolved_m = fmin(need->resolved_m, resolved_m);
+        need->longest_step_m = fmax(need->longest_step_m, step_m);
+    }
+    return NEPH_OK;
+}
+
+/* Does a cube's face lie in a face of a box, where POV-Ray would take the two for one? */
+static bool touches(const struct neph_bounds *cube, const struct neph_bounds *box, double gap_m)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        const double faces_m[2] = {neph_povray_axis(box->min_m, axis),
+                                   neph_povray_axis(box->max_m, axis)};
+        for (int side = 0; side < 2; side++)
+            if (fabs(neph_povray_axis(cube->min_m, axis) - faces_m[side]) < gap_m ||
+                fabs(neph_povray_axis(cube->max_m, axis) - faces_m[side]) < gap_m)
+                return true;
+    }
+    return false;
+}
+
+static bool touches_any(const struct neph_povray_world *world, const struct neph_bounds *cube)
+{
+    const double gap_m = face_gap_units / world->units_per_m;
+    for (int i = 0; i < world->scene->medium_count; i++)
+        if (world->containers[i].used && touches(cube, &world->containers[i].bounds, gap_m))
+            return true;
+    for (int i = 0; i < world->scene->solid_count; i++) {
+        const struct neph_bounds box = neph_solid_bounds(&world->scene->solids[i]);
+        if (touches(cube, &box, gap_m))
+            return true;
+    }
+    return false;
+}
+
+/* From a cube in whose widest chord a step resolves the nearest ray, to one outside of which those
+ * of an uncut ray do. */
+static void choose_cubes(struct neph_povray_world *world, int index, const struct need *need)
+{
+    struct neph_povray_lamp *lamp = &world->lamps[index];
+    const struct neph_vec3 at_m = world->scene->lights[index].position_m;
+    const double last_m = need->longest_step_m / step_part;
+    double half_m = need->resolved_m * world->intervals / (2.0 * sqrt(3.0));
+    while (lamp->cube_count < NEPH_POVRAY_CUBES_MAX) {
+        struct neph_bounds cube = neph_bounds_around(at_m, half_m);
+        for (int tries = 0; tries < 100 && touches_any(world, &cube); tries++) {
+            half_m *= widening;
+            cube = neph_bounds_around(at_m, half_m);
+        }
+        lamp->half_sides_m[lamp->cube_count++] = half_m;
+        if (half_m >= last_m)
+            break;
+        half_m *= cube_ratio;
+    }
+}
+
+enum neph_status neph_povray_cut_rays(struct neph_povray_world *world, struct neph_diag *diag)
+{
+    const struct neph_scene *scene = world->scene;
+    if (scene->scattering == NEPH_SCATTERING_NONE || scene->light_count == 0)
+        return NEPH_OK;
+    struct need needs[NEPH_SCENE_LIGHTS_MAX];
+    for (int l = 0; l < scene->light_count; l++)
+        needs[l] = (struct need){.resolved_m = INFINITY};
+    for (int pixel = 0; pixel < world->width_px * world->height_px; pixel++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&world->camera, world->width_px,
+                                                          world->height_px, pixel % world->width_px,
+                                                          pixel / world->width_px);
+        const double hit_m = neph_scene_hit(scene, ray.origin_m, ray.direction).t_m;
+        for (int l = 0; l < scene->light_count; l++) {
+            const struct neph_light *light = &scene->lights[l];
+            const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, ray.origin_m);
+            const enum neph_status status = take_ray(world, l, pixel, ray, hit_m, &needs[l], diag);
+            if (status)
+                return status;
+            world->lamps[l].is_masked |= light->is_spot && line_distance_m(way_m, ray.direction) *
+                                                                   world->units_per_m <
+                                                               mask_reach_units;
+        }
+    }
+    for (int l = 0; l < scene->light_count; l++)
+        if (isfinite(needs[l].resolved_m))
+            choose_cubes(world, l, &needs[l]);
+    return NEPH_OK;
+}

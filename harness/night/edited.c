@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/edited.h"
+
+#include "base/clock.h"
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/night/scene_copy.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* What became of an accepted version that was rendered. */
+static const char *words_of(struct neph_night_work *work, const char *copy)
+{
+    return neph_arena_format(&work->night->arena,
+                             "tonight's program has rendered the accepted version once more, from "
+                             "'%s', and its numbers are compared with the accepted ones",
+                             copy);
+}
+
+/* ---- the project's files with another version of a scene ------------------------------------- */
+
+/* A folder of links to all that is in `from`, but for the entry `but`. */
+static enum neph_status link_entries(const char *from, const char *to, const char *but,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = neph_dir_create(to, diag);
+    DIR *directory = status ? NULL : opendir(from);
+    if (!status && !directory)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", from, strerror(errno));
+    for (const struct dirent *entry; !status && directory && (entry = readdir(directory));) {
+        if (entry->d_name[0] == '.' || strcmp(entry->d_name, but) == 0)
+            continue;
+        char *target = neph_path_join(from, entry->d_name);
+        char *link = neph_path_join(to, entry->d_name);
+        if (!target || !link)
+            status = neph_fail_memory(diag);
+        else if (symlink(target, link) != 0)
+            status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", link, strerror(errno));
+        free(target);
+        free(link);
+    }
+    if (directory)
+        closedir(directory);
+    return status;
+}
+
+/* The folder of the catalogue, below scenes/, that a scene is in. */
+static const char *folder_of(const char *data, const char *scene, struct neph_arena *arena)
+{
+    const char *path = neph_arena_format(arena, "%s/scenes/failure/%s.yaml", data, scene);
+    return path && neph_path_exists(path) ? "failure" : "catalog";
+}
+
+/* Make `folder` what NEPH_DATA_DIR may name. */
+static enum neph_status make_data(const char *folder, const struct neph_history_scene *scene,
+                                  const char *copy, struct neph_arena *arena, const char **path,
+                                  struct neph_diag *diag)
+{
+    char *named = neph_data_directory();
+    char *data = named ? realpath(named, NULL) : NULL;
+    free(named);
+    if (!data)
+        return neph_fail(diag, NEPH_ERR_IO, "the project's files cannot be found: %s",
+                         strerror(errno));
+    const char *within = folder_of(data, scene->scene, arena);
+    const char *file = neph_arena_format(arena, "%s.yaml", scene->scene);
+    const char *const parts[][2] = {{"", "scenes"}, {"/scenes", within}};
+    enum neph_status status = neph_dir_remove(folder, diag);
+    for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]) && !status; i++)
+        status = link_entries(neph_arena_format(arena, "%s%s", data, parts[i][0]),
+                              neph_arena_format(arena, "%s%s", folder, parts[i][0]), parts[i][1],
+                              diag);
+    if (!status)
+        status = link_entries(neph_arena_format(arena, "%s/scenes/%s", data, within),
+                              neph_arena_format(arena, "%s/scenes/%s", folder, within), file, diag);
+    *path = neph_arena_format(arena, "%s/scenes/%s/%s", folder, within, file);
+    if (!status)
+        status = neph_file_copy(copy, *path, diag);
+    free(data);
+    return status;
+}
+
+/* The copy may have been edited, and a volume that it names may be another by now. */
+static enum neph_status check_version(const char *path, const struct neph_history_scene *scene,
+                                      struct neph_diag *diag)
+{
+    char terms[NEPH_HASH_HEX_SIZE] = "";
+    struct neph_scene *loaded = NULL;
+    enum neph_status status = neph_data_load_scene(path, &loaded, diag);
+    if (!status)
+        status = neph_scene_terms(loaded, terms, diag);
+    if (!status && (strcmp(loaded->hash, scene->hash) != 0 || strcmp(terms, scene->terms) != 0))
+        status = neph_fail(diag, NEPH_ERR_INPUT,
+                           "its copy, or a file that it names, has changed since");
+    neph_scene_destroy(loaded);
+    return status;
+}
+
+/* ---- one scene ------------------------------------------------------------------------------- */
+
+/* The scene that the accepted night has measured in a step. NEPH_ERR_NOT_FOUND: it is not known. */
+static enum neph_status find_version(struct neph_night_work *work,
+                                     const struct neph_night_edit *edit,
+                                     struct neph_history_scene *scene, struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->night->arena;
+    struct neph_database *index = NULL;
+    struct neph_query *query = NULL;
+    *scene = (struct neph_history_scene){.step = edit->step};
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_query_begin(
+            index, &query, diag,
+            "SELECT scene, hash, terms FROM night_scenes WHERE night = ? AND step = ?", "is",
+            edit->accepted, edit->step);
+    if (!status && neph_query_next(query, &status, diag)) {
+        scene->scene = neph_arena_text(arena, neph_query_text(query, 0));
+        scene->hash = neph_arena_text(arena, neph_query_text(query, 1));
+        scene->terms = neph_arena_text(arena, neph_query_text(query, 2));
+    }
+    neph_query_end(query);
+    neph_database_close(index);
+    if (!status && !scene->scene)
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "the store has no copy of it");
+    return status;
+}
+
+/* A step sees what the user gave to the night, and other files of the project. */
+static enum neph_status settle(const struct neph_night_work *work, const char *data,
+                               struct neph_step_place *place, struct neph_diag *diag)
+{
+    static const char name[] = "NEPH_DATA_DIR=";
+    int count = 0;
+    *place = (struct neph_step_place){.arena = work->place.arena,
+                                      .program_path = work->place.program_path,
+                                      .host = work->place.host};
+    place->variables[count++] = neph_arena_format(place->arena, "%s%s", name, data);
+    for (int i = 0; work->place.variables[i]; i++) {
+        if (count == NEPH_STEP_VARIABLES - 1)
+            return neph_fail(diag, NEPH_ERR_USAGE, "the environment has too many variables");
+        if (strncmp(work->place.variables[i], name, sizeof(name) - 1) != 0)
+            place->variables[count++] = work->place.variables[i];
+    }
+    return neph_arena_check(place->arena, diag);
+}
+
+static enum neph_status measure(struct neph_night_work *work, int index, const char *data,
+                                struct neph_night_numbers *numbers, struct neph_diag *diag)
+{
+    struct neph_step_place *place = calloc(1, sizeof(*place));
+    enum neph_status status = place ? settle(work, data, place, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = neph_step_measure(place, &work->night->plan.steps[index], work->params->output,
+                                   neph_night_log(work, index, "_as_accepted.log"),
+                                   neph_night_limit_s(work, index), numbers, diag);
+    free(place);
+    return status;
+}
+
+/* Numbers of the failure suite are named by the hash that the scene has in the project, as its
+ * results have none. What is of another version than the accepted one is left out. */
+static void name_accepted(const struct neph_night_edit *edit,
+                          const struct neph_history_scene *scene, struct neph_arena *arena,
+                          struct neph_night_numbers *numbers)
+{
+    const char *accepted = neph_arena_format(arena, "@%.8s/", scene->hash);
+    const char *edited = neph_arena_format(arena, "%s/", strchr(edit->after, '@'));
+    int count = 0;
+    for (int i = 0; i < numbers->count && accepted && edited; i++) {
+        struct neph_measurement *number = &numbers->list[i];
+        const char *at = strstr(number->series, edited);
+        if (at)
+            number->series = neph_arena_format(arena, "%.*s%s%s", (int)(at - number->series),
+                                               number->series, accepted, at + strlen(edited));
+        if (number->series && strstr(number->series, accepted))
+            numbers->list[count++] = *number;
+    }
+    numbers->count = count;
+}
+
+static enum neph_status keep(struct neph_night_work *work, const struct neph_night_edit *edit,
+                             const struct neph_night_numbers *numbers, double wall_s,
+                             struct neph_diag *diag)
+{
+    struct neph_database *index = NULL;
+    const struct neph_history_step record = {
+        .name = neph_arena_format(&work->night->arena, "%s%s", edit->step, neph_as_accepted),
+        .outcome = neph_step_done,
+        .reason = "",
+        .size = numbers->size,
+        .wall_s = wall_s,
+        .calibration_s = NAN};
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_history_add(index, work->night->id, &record, numbers->list, numbers->count,
+                                  diag);
+    neph_database_close(index);
+    return status;
+}
+
+static enum neph_status render(struct neph_night_work *work, const struct neph_history_scene *scene,
+                               const char *copy, int index, struct neph_night_numbers *numbers,
+                               struct neph_diag *diag)
+{
+    struct neph_arena *arena = &work->night->arena;
+    const char *path = NULL;
+    char *output = realpath(work->folder, NULL);
+    const char *folder = neph_arena_format(arena, "%s/as_accepted", output ? output : "");
+    enum neph_status status = output ? make_data(folder, scene, copy, arena, &path, diag)
+                                     : neph_fail(diag, NEPH_ERR_IO, "cannot find '%s': %s",
+                                                 work->folder, strerror(errno));
+    if (!status)
+        status = check_version(path, scene, diag);
+    if (!status)
+        status = measure(work, index, folder, numbers, diag);
+    if (output)
+        neph_dir_remove(folder, NULL);
+    free(output);
+    return status;
+}
+
+/* ---- all of them ----------------------------------------------------------------------------- */
+
+static int find_step(const struct neph_night_work *work, const char *name)
+{
+    for (int i = 0; i < work->night->plan.count; i++)
+        if (strcmp(work->night->plan.steps[i].name, name) == 0)
+            return i;
+    return -1;
+}
+
+static enum neph_status was_done(struct neph_night_work *work, const struct neph_night_edit *edit,
+                                 bool *done, struct neph_diag *diag)
+{
+    int64_t count = 0;
+    struct neph_database *index = NULL;
+    const char *name = neph_arena_format(&work->night->arena, "%s%s", edit->step, neph_as_accepted);
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_database_count(index, &count, diag,
+                                     "SELECT count(*) FROM steps WHERE night = ? AND name = ?",
+                                     "is", work->night->id, name);
+    neph_database_close(index);
+    *done = count > 0;
+    return status;
+}
+
+static enum neph_status render_edit(struct neph_night_work *work, struct neph_night_edit *edit,
+                                    struct neph_diag *diag)
+{
+    struct neph_night_numbers numbers = {.count = 0, .size = ""};
+    struct neph_diag why = {.line = 0};
+    struct neph_history_scene scene;
+    const char *copy = "";
+    bool done = false;
+    const int index = find_step(work, edit->step);
+    const double start_s = neph_wall_s(),
+                 left_s = work->params->budget_s - (start_s - work->start_s);
+    enum neph_status status = was_done(work, edit, &done, diag);
+    if (status || index < 0)
+        return status;
+    status = find_version(work, edit, &scene, &why);
+    if (!status)
+        copy = neph_scene_copy_path(neph_store_folder(work->store), &scene, &work->night->arena);
+    if (!done &&
+        neph_night_step_cost(&work->night->plan.steps[index], &work->history[index]) > left_s) {
+        edit->words = "no time was left to render the accepted version once more";
+        return NEPH_OK;
+    }
+    if (!status && !done)
+        status = render(work, &scene, copy, index, &numbers, &why);
+    if (!status) {
+        name_accepted(edit, &scene, &work->night->arena, &numbers);
+        edit->words = words_of(work, copy);
+        return done ? NEPH_OK : keep(work, edit, &numbers, neph_wall_s() - start_s, diag);
+    }
+    if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
+        if (diag)
+            *diag = why;
+        return status;
+    }
+    edit->words = neph_arena_format(&work->night->arena,
+                                    "the accepted version could not be rendered once more: %s",
+                                    why.message);
+    return NEPH_OK;
+}
+
+enum neph_status neph_night_render_accepted(struct neph_night_work *work,
+                                            struct neph_night_scope *scope, struct neph_diag *diag)
+{
+    struct neph_database *index = NULL;
+    struct neph_night_edit *edits = NULL;
+    int count = 0;
+    enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_lost_edits(index, work->night->id, work->params->against, &work->night->arena,
+                                 &edits, &count, diag);
+    neph_database_close(index);
+    for (int i = 0; i < count && !status; i++)
+        status = render_edit(work, &edits[i], diag);
+    if (!status) {
+        scope->edits = edits;
+        scope->edit_count = count;
+    }
+    return status;
+}

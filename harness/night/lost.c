@@ -1,0 +1,368 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/night/lost.h"
+
+#include "harness/night/judge.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const int neph_lost_after_nights = NEPH_JUDGE_WINDOW;
+const char neph_as_accepted[] = ", as accepted";
+
+struct search {
+    struct neph_database *index;
+    int64_t night, against, baseline;
+    const struct neph_night_scope *scope;
+    struct neph_arena *arena;
+    const char **tonight; /* sorted names; owned */
+    int tonight_count;
+    struct neph_lost_list *lost;
+    int room;
+    bool of_plan; /* only what tonight's own steps have measured counts, and not what accepted
+                     versions of edited scenes gave */
+};
+
+enum neph_status neph_accepted_night(struct neph_database *index, int64_t night, int64_t against,
+                                     const char *series, int64_t *accepted, struct neph_diag *diag)
+{
+    if (against > 0) {
+        *accepted = against;
+        return NEPH_OK;
+    }
+    *accepted = 0;
+    return neph_database_count(
+        index, accepted, diag,
+        "SELECT night FROM acceptances AS a WHERE series IN ('*', ?1) AND night < ?2 AND night IN "
+        "(SELECT id FROM nights) AND NOT (series = '*' AND EXISTS (SELECT 1 FROM steps AS t WHERE "
+        "t.night = a.night AND t.outcome != 'done' AND t.name IN (SELECT step FROM measurements "
+        "WHERE series = (SELECT id FROM series WHERE name = ?1)))) ORDER BY id DESC LIMIT 1",
+        "si", series, night);
+}
+
+/* ---- names ----------------------------------------------------------------------------------- */
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static enum neph_status read_tonight(struct search *search, struct neph_diag *diag)
+{
+    int64_t total = 0;
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_database_count(
+        search->index, &total, diag, "SELECT count(*) FROM measurements WHERE night = ?", "i",
+        search->night);
+    search->tonight = status ? NULL : calloc((size_t)total + 1, sizeof(*search->tonight));
+    if (!status && !search->tonight)
+        status = neph_fail_memory(diag);
+    if (!status)
+        status = neph_query_begin(search->index, &query, diag,
+                                  "SELECT name FROM measurements JOIN series ON series.id = series "
+                                  "WHERE night = ? AND NOT (? AND instr(step, ?)) ORDER BY name",
+                                  "iis", search->night, (int64_t)search->of_plan, neph_as_accepted);
+    while (!status && search->tonight_count < total && neph_query_next(query, &status, diag))
+        search->tonight[search->tonight_count++] = neph_arena_text(search->arena,
+                                                                   neph_query_text(query, 0));
+    neph_query_end(query);
+    return status ? status : neph_arena_check(search->arena, diag);
+}
+
+static bool is_of_tonight(const struct search *search, const char *name)
+{
+    return bsearch(&name, search->tonight, (size_t)search->tonight_count, sizeof(name), by_name);
+}
+
+/* "catalog/fog@15da7c6d/march/..." in parts: what is before the hash, and what is after it. */
+static bool split(const char *name, size_t *head, const char **hash, const char **rest)
+{
+    const char *at = strchr(name, '@');
+    *rest = at ? strchr(at, '/') : NULL;
+    *hash = at;
+    *head = at ? (size_t)(at - name) : 0;
+    return *rest != NULL;
+}
+
+/* The same series of another version of the scene; NULL: there is none. */
+static const char *find_successor(const struct search *search, const char *name)
+{
+    size_t head, other_head;
+    const char *hash, *rest, *other_hash, *other_rest;
+    for (int i = 0; split(name, &head, &hash, &rest) && i < search->tonight_count; i++)
+        if (strncmp(search->tonight[i], name, head + 1) == 0 &&
+            split(search->tonight[i], &other_head, &other_hash, &other_rest) &&
+            other_head == head && strcmp(rest, other_rest) == 0)
+            return search->tonight[i];
+    return NULL;
+}
+
+/* The same number of the same scene, under another name or in another suite; NULL: there is none.
+ */
+static const char *find_renamed(const struct search *search, const char *name)
+{
+    size_t head, other_head;
+    const char *hash, *rest, *other_hash, *other_rest;
+    for (int i = 0; split(name, &head, &hash, &rest) && i < search->tonight_count; i++)
+        if (split(search->tonight[i], &other_head, &other_hash, &other_rest) &&
+            strcmp(hash, other_hash) == 0)
+            return search->tonight[i];
+    return NULL;
+}
+
+/* ---- what is lost ---------------------------------------------------------------------------- */
+
+/* A series that is not among those of tonight. */
+struct absent {
+    const char *name, *step;
+    int64_t accepted, last; /* the night that counts, and the last one that measured it */
+    bool is_timed;
+};
+
+/* False: the night that counts for it has not measured it, so that it is not expected. */
+static enum neph_status read_absent(const struct search *search, const char *name,
+                                    struct absent *absent, bool *expected, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    *absent = (struct absent){.name = name};
+    *expected = false;
+    enum neph_status status = neph_accepted_night(search->index, search->night, search->against,
+                                                  name, &absent->accepted, diag);
+    if (!status)
+        status = neph_query_begin(
+            search->index, &query, diag,
+            "SELECT step, kind, (SELECT max(night) FROM measurements AS n WHERE n.series = "
+            "m.series AND n.night < ?) FROM measurements AS m WHERE night = ? AND series = (SELECT "
+            "id FROM series WHERE name = ?)",
+            "iis", search->night, absent->accepted, name);
+    if (!status && neph_query_next(query, &status, diag)) {
+        const char *step = neph_query_text(query, 0), *end = strstr(step, neph_as_accepted);
+        /* An edit that was accepted ends the comparison with the version before it. */
+        *expected = !end || absent->accepted != search->baseline;
+        absent->step = end ? neph_arena_format(search->arena, "%.*s", (int)(end - step), step)
+                           : neph_arena_text(search->arena, step);
+        absent->is_timed = strcmp(neph_query_text(query, 1),
+                                  neph_series_rule(NEPH_SERIES_TIMED)->word) == 0;
+        absent->last = neph_query_integer(query, 2);
+    }
+    neph_query_end(query);
+    return status;
+}
+
+/* What became of a step tonight. */
+struct step_state {
+    bool is_there, is_done, is_calibrated;
+};
+
+static enum neph_status read_step(const struct search *search, const char *name,
+                                  struct step_state *state, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    *state = (struct step_state){false, false, false};
+    enum neph_status status = neph_query_begin(
+        search->index, &query, diag,
+        "SELECT outcome = 'done', calibration_s IS NOT NULL "
+        "FROM steps WHERE night = ? AND name = ? AND outcome != 'not run'",
+        "is", search->night, name);
+    if (!status && neph_query_next(query, &status, diag))
+        *state = (struct step_state){true, neph_query_integer(query, 0) != 0,
+                                     neph_query_integer(query, 1) != 0};
+    neph_query_end(query);
+    return status;
+}
+
+static bool is_planned(const struct neph_night_scope *scope, const char *step)
+{
+    bool planned = !scope || !scope->planned;
+    for (int i = 0; !planned && i < scope->planned_count; i++)
+        planned = strcmp(scope->planned[i], step) == 0;
+    return planned;
+}
+
+static bool was_asked_for(const struct neph_night_scope *scope, const char *step)
+{
+    bool asked = !scope || scope->only_count == 0;
+    for (int i = 0; !asked && i < scope->only_count; i++)
+        asked = strstr(step, scope->only[i]) != NULL;
+    return asked;
+}
+
+static enum neph_status add(struct search *search, const struct absent *absent, enum neph_loss loss,
+                            const char *other, struct neph_diag *diag)
+{
+    struct neph_lost_list *lost = search->lost;
+    if (lost->count == search->room) {
+        search->room = search->room ? 2 * search->room : 64;
+        struct neph_lost_series *grown = neph_arena_zeroed(search->arena, (size_t)search->room,
+                                                           sizeof(*grown));
+        if (!grown)
+            return neph_fail_memory(diag);
+        if (lost->count > 0)
+            memcpy(grown, lost->list, (size_t)lost->count * sizeof(*grown));
+        lost->list = grown;
+    }
+    lost->list[lost->count++] = (struct neph_lost_series){
+        absent->name, absent->step, loss, absent->accepted, search->night - absent->last, other};
+    lost->left_out += loss == NEPH_LOSS_STEP && absent->accepted == search->baseline;
+    return NEPH_OK;
+}
+
+/* Whether the series in its place was accepted by itself. */
+static enum neph_status is_accepted(const struct search *search, const char *name, bool *accepted,
+                                    struct neph_diag *diag)
+{
+    int64_t night = 0, count = 0;
+    enum neph_status status = neph_accepted_night(search->index, search->night, search->against,
+                                                  name, &night, diag);
+    if (!status)
+        status = neph_database_count(search->index, &count, diag,
+                                     "SELECT count(*) FROM measurements WHERE night = ? AND series "
+                                     "= (SELECT id FROM series WHERE name = ?)",
+                                     "is", night, name);
+    *accepted = count > 0;
+    return status;
+}
+
+/* A number that the accepted version of an edited scene no longer has, rendered once more by
+ * tonight's program, is missing. Durations are not measured once more. */
+static enum neph_status classify_edited(struct search *search, const struct absent *absent,
+                                        const char *successor, struct neph_diag *diag)
+{
+    bool accepted = false;
+    struct step_state again;
+    const char *step = neph_arena_format(search->arena, "%s%s", absent->step, neph_as_accepted);
+    enum neph_status status = is_accepted(search, successor, &accepted, diag);
+    if (!status)
+        status = read_step(search, step, &again, diag);
+    if (status || accepted)
+        return status;
+    if (again.is_done && !absent->is_timed && !search->of_plan)
+        return add(search, absent, NEPH_LOSS_SERIES, NULL, diag);
+    return add(search, absent, NEPH_LOSS_EDITED, successor, diag);
+}
+
+static enum neph_status classify(struct search *search, const struct absent *absent,
+                                 struct neph_diag *diag)
+{
+    struct step_state step;
+    const char *successor = find_successor(search, absent->name);
+    const enum neph_status status = read_step(search, absent->step, &step, diag);
+    if (status || (step.is_there && !step.is_done))
+        return status; /* that the step failed is said once */
+    if (successor)
+        return classify_edited(search, absent, successor, diag);
+    if (step.is_done && (!absent->is_timed || step.is_calibrated))
+        return add(search, absent, NEPH_LOSS_SERIES, NULL, diag);
+    if (!step.is_there && !was_asked_for(search->scope, absent->step))
+        return NEPH_OK;
+    if (!step.is_there && !is_planned(search->scope, absent->step))
+        return add(search, absent, NEPH_LOSS_STEP, find_renamed(search, absent->name), diag);
+    return search->night - absent->last > neph_lost_after_nights
+               ? add(search, absent, NEPH_LOSS_OVERDUE, NULL, diag)
+               : NEPH_OK;
+}
+
+static enum neph_status look_for(struct search *search, const char *name, struct neph_diag *diag)
+{
+    struct absent absent;
+    bool expected = false;
+    const enum neph_status status = read_absent(search, name, &absent, &expected, diag);
+    return status || !expected ? status : classify(search, &absent, diag);
+}
+
+/* Look for the series of the accepted night, of nights that were accepted for one series since, and
+ * of steps that were not done in the accepted night, for which an earlier one counts. */
+static enum neph_status list_expected(struct search *search, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        search->index, &query, diag,
+        "SELECT name FROM measurements AS m JOIN series ON series.id = m.series WHERE m.night = ? "
+        "UNION SELECT series FROM acceptances WHERE ? = 0 AND night < ? AND series != '*' AND id > "
+        "(SELECT coalesce(max(id), 0) FROM acceptances WHERE series = '*' AND night < ? AND night "
+        "IN (SELECT id FROM nights)) UNION SELECT name FROM measurements AS m JOIN series ON "
+        "series.id = m.series WHERE ? = 0 AND m.night IN (SELECT night FROM acceptances WHERE "
+        "series = '*' AND night < ?) AND m.step IN (SELECT name FROM steps WHERE night = ? AND "
+        "outcome != 'done') ORDER BY 1",
+        "iiiiiii", search->baseline, search->against, search->night, search->night, search->against,
+        search->night, search->baseline);
+    while (!status && neph_query_next(query, &status, diag)) {
+        const char *name = neph_query_text(query, 0);
+        if (!is_of_tonight(search, name))
+            status = look_for(search, neph_arena_text(search->arena, name), diag);
+    }
+    neph_query_end(query);
+    return status ? status : neph_arena_check(search->arena, diag);
+}
+
+static enum neph_status run(struct search *search, struct neph_diag *diag)
+{
+    *search->lost = (struct neph_lost_list){.count = 0};
+    enum neph_status status = neph_accepted_night(search->index, search->night, search->against,
+                                                  "*", &search->baseline, diag);
+    if (!status)
+        status = read_tonight(search, diag);
+    if (!status)
+        status = list_expected(search, diag);
+    free(search->tonight);
+    return status;
+}
+
+enum neph_status neph_lost_find(struct neph_database *index, int64_t night, int64_t against,
+                                const struct neph_night_scope *scope, struct neph_arena *arena,
+                                struct neph_lost_list *lost, struct neph_diag *diag)
+{
+    struct search search = {.index = index,
+                            .night = night,
+                            .against = against,
+                            .scope = scope,
+                            .arena = arena,
+                            .lost = lost};
+    return run(&search, diag);
+}
+
+/* ---- edits ----------------------------------------------------------------------------------- */
+
+/* "catalog/fog@15da7c6d" of a series. */
+static const char *version_of(struct neph_arena *arena, const char *series)
+{
+    size_t head;
+    const char *hash, *rest;
+    split(series, &head, &hash, &rest);
+    return neph_arena_format(arena, "%.*s", (int)(rest - series), series);
+}
+
+enum neph_status neph_lost_edits(struct neph_database *index, int64_t night, int64_t against,
+                                 struct neph_arena *arena, struct neph_night_edit **edits,
+                                 int *count, struct neph_diag *diag)
+{
+    struct neph_lost_list lost;
+    struct search search = {.index = index,
+                            .night = night,
+                            .against = against,
+                            .arena = arena,
+                            .lost = &lost,
+                            .of_plan = true};
+    const enum neph_status status = run(&search, diag);
+    struct neph_night_edit *made =
+        status ? NULL : neph_arena_zeroed(arena, (size_t)lost.count + 1, sizeof(*made));
+    if (!made)
+        return status ? status : neph_fail_memory(diag);
+    *count = 0;
+    for (int i = 0; i < lost.count; i++) {
+        const struct neph_lost_series *s = &lost.list[i];
+        int at = 0;
+        while (at < *count &&
+               (strcmp(made[at].step, s->step) != 0 || made[at].accepted != s->accepted))
+            at++;
+        if (s->loss != NEPH_LOSS_EDITED)
+            continue;
+        if (at == (*count))
+            made[(*count)++] = (struct neph_night_edit){.step = s->step,
+                                                        .before = version_of(arena, s->name),
+                                                        .after = version_of(arena, s->other),
+                                                        .accepted = s->accepted};
+        made[at].count++;
+    }
+    *edits = made;
+    return neph_arena_check(arena, diag);
+}

@@ -1,0 +1,438 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The march of renderer/shaders/march.glsl once more, in double precision and without its
+ * shortcuts. With n steps the frame has I_n, with twice as many I_2n; a rule of second order is off
+ * by 4/3 (I_n - I_2n) with n steps, one of first order by 2 (I_n - I_2n). A march whose steps are
+ * so long that it may be off by 10 % is of no order yet: the estimate takes 2.
+ */
+#include "harness/report/step_bias.h"
+
+#include "base/files.h"
+#include "harness/report/marched_scene.h"
+#include "renderer/march_params.h"
+#include "scenes/emission.h"
+#include "scenes/lights.h"
+#include "scenes/media.h"
+#include "scenes/motion.h"
+#include "scenes/solids.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COLUMNS = 16, ROWS = 9, STEPS_MAX = 50000, OPEN_STEPS = 16, LAMP_PARTS_MAX = 64 };
+
+static const double order_factor = 2.0;
+
+/* THIN and OPAQUE of renderer/shaders/fog.glsl. */
+static const double thin_depth = 1e-7, opaque_depth = 16.0;
+
+/* What a march is told. */
+struct march {
+    const struct neph_scene *scene;
+    bool marches_view, marches_sun; /* optical depths are sums over steps */
+    int steps, sun_steps;
+    double growth;
+    struct neph_octaves octaves; /* one: light is scattered once */
+};
+
+struct way {
+    struct neph_vec3 origin_m, direction;
+    double length_m;
+};
+
+struct stretch {
+    double t0_m, t1_m;
+};
+
+static double mean(struct neph_rgb c)
+{
+    return (c.r + c.g + c.b) / 3.0;
+}
+
+static struct neph_vec3 point_on(const struct way *way, double t_m)
+{
+    return neph_vec3_along(way->origin_m, way->direction, t_m);
+}
+
+/* ---- the stretch that is marched ---- */
+
+static double most_of(struct neph_rgb color)
+{
+    return fmax(color.r, fmax(color.g, color.b));
+}
+
+static double least_positive(struct neph_rgb color)
+{
+    double least = INFINITY;
+    least = color.r > 0.0 ? fmin(least, color.r) : least;
+    least = color.g > 0.0 ? fmin(least, color.g) : least;
+    return color.b > 0.0 ? fmin(least, color.b) : least;
+}
+
+/* Where as good as nothing of a layer is left on a ray that leaves it. */
+static double thin_end_m(const struct neph_fog_layer *layer, double y_m, double k_y, double thin)
+{
+    const double rate_per_m = layer->falloff_per_m * k_y;
+    if (!(rate_per_m > 0.0))
+        return INFINITY;
+    return (log(layer->extinction_per_m / (rate_per_m * thin)) -
+            layer->falloff_per_m * (y_m - layer->height_m)) /
+           rate_per_m;
+}
+
+static void include_layer(const struct neph_fog_layer *layer, struct neph_rgb color,
+                          const struct way *way, struct stretch inside, struct stretch *hull,
+                          double *opaque_m)
+{
+    const double k_y = way->direction.y, y_m = way->origin_m.y + inside.t0_m * k_y;
+    const double thin = thin_depth / most_of(color);
+    if (layer->extinction_per_m == 0.0)
+        return;
+    const double start_m = layer->falloff_per_m * k_y < 0.0
+                               ? inside.t0_m + neph_fog_layer_distance_m(layer, y_m, k_y, thin)
+                               : inside.t0_m;
+    const double dark_m = inside.t0_m + neph_fog_layer_distance_m(
+                                            layer, y_m, k_y, opaque_depth / least_positive(color));
+    const double end_m = fmin(fmin(inside.t1_m, inside.t0_m + thin_end_m(layer, y_m, k_y, thin)),
+                              dark_m);
+    if (color.r > 0.0 && color.g > 0.0 && color.b > 0.0)
+        *opaque_m = fmin(*opaque_m, dark_m);
+    if (start_m < end_m) {
+        hull->t0_m = fmin(hull->t0_m, start_m);
+        hull->t1_m = fmax(hull->t1_m, end_m);
+    }
+}
+
+/* scene_stretch() of renderer/shaders/scene.glsl; media that are no fogs by their support. */
+static struct stretch stretch_of(const struct neph_scene *scene, const struct way *way)
+{
+    struct stretch hull = {INFINITY, 0.0};
+    double opaque_m = way->length_m;
+    for (int m = 0; m < scene->medium_count; m++) {
+        const struct neph_medium *medium = &scene->media[m];
+        const struct neph_bounds support = neph_medium_support(medium);
+        struct stretch inside = {0.0, way->length_m};
+        if (!neph_bounds_clip(&support, way->origin_m, way->direction, &inside.t0_m, &inside.t1_m))
+            continue;
+        for (int l = 0; l < medium->layer_count; l++)
+            include_layer(&medium->layers[l], medium->extinction_color, way, inside, &hull,
+                          &opaque_m);
+        if (medium->layer_count == 0) {
+            hull.t0_m = fmin(hull.t0_m, inside.t0_m);
+            hull.t1_m = fmax(hull.t1_m, inside.t1_m);
+        }
+    }
+    hull.t1_m = fmin(hull.t1_m, opaque_m);
+    return hull;
+}
+
+/* ---- optical depths ---- */
+
+/* Extinction at a place times a length. */
+static struct neph_rgb depth_at(const struct neph_medium *medium, struct neph_vec3 point_m,
+                                double length_m)
+{
+    return neph_rgb_scale(medium->extinction_color,
+                          neph_medium_extinction_per_m(medium, point_m) * length_m);
+}
+
+/* Over a way: closed forms, or a sum over equal steps of all media, or of those without. */
+static struct neph_rgb depth_on(const struct march *march, const struct way *way, bool is_marched,
+                                int steps)
+{
+    struct neph_rgb sum = {0, 0, 0};
+    const struct stretch stretch = is_marched ? stretch_of(march->scene, way)
+                                              : (struct stretch){0.0, way->length_m};
+    for (int m = 0; m < march->scene->medium_count; m++) {
+        const struct neph_medium *medium = &march->scene->media[m];
+        if (!is_marched && neph_medium_has_closed_form(medium)) {
+            sum = neph_rgb_add(sum, neph_rgb_attenuation(medium->extinction_color,
+                                                         neph_medium_optical_depth(
+                                                             medium, way->origin_m, way->direction,
+                                                             0.0, way->length_m)));
+            continue;
+        }
+        const struct neph_bounds support = neph_medium_support(medium);
+        struct stretch part = stretch;
+        if (!is_marched &&
+            !neph_bounds_clip(&support, way->origin_m, way->direction, &part.t0_m, &part.t1_m))
+            continue;
+        const double step_m = (part.t1_m - part.t0_m) / steps;
+        for (int i = 0; i < steps && step_m > 0.0; i++)
+            sum = neph_rgb_add(
+                sum, depth_at(medium, point_on(way, part.t0_m + (i + 0.5) * step_m), step_m));
+    }
+    return sum;
+}
+
+static struct neph_rgb through(struct neph_rgb depth)
+{
+    return (struct neph_rgb){exp(-depth.r), exp(-depth.g), exp(-depth.b)};
+}
+
+static struct neph_rgb lost(struct neph_rgb depth)
+{
+    return (struct neph_rgb){-expm1(-depth.r), -expm1(-depth.g), -expm1(-depth.b)};
+}
+
+/* Of a step of the view, all of it or a part. */
+static struct neph_rgb view_depth(const struct march *march, const struct way *way, double t0_m,
+                                  double t1_m)
+{
+    const struct way step = {point_on(way, t0_m), way->direction, t1_m - t0_m};
+    struct neph_rgb sum = {0, 0, 0};
+    if (!march->marches_view)
+        return depth_on(march, &step, false, 1);
+    for (int m = 0; m < march->scene->medium_count; m++)
+        sum = neph_rgb_add(sum, depth_at(&march->scene->media[m],
+                                         point_on(&step, 0.5 * step.length_m), step.length_m));
+    return sum;
+}
+
+static struct neph_rgb light_depth(const struct march *march, struct neph_vec3 point_m,
+                                   struct neph_vec3 direction, double length_m)
+{
+    const struct way way = {point_m, direction, length_m};
+    return depth_on(march, &way, march->marches_sun,
+                    march->marches_sun ? march->sun_steps : OPEN_STEPS);
+}
+
+/* ---- light ---- */
+
+static double quotient(double a, double b)
+{
+    return b > 0.0 ? a / b : 0.0;
+}
+
+/* Of a place, what is scattered of light from a direction per optical depth; g times `part`. */
+static struct neph_rgb scattered_per_depth(const struct neph_scene *scene, struct neph_vec3 point_m,
+                                           double cosine, double part)
+{
+    struct neph_rgb scattered = {0, 0, 0}, extinction = {0, 0, 0};
+    for (int m = 0; m < scene->medium_count; m++) {
+        const struct neph_medium *medium = &scene->media[m];
+        struct neph_phase phase = medium->phase;
+        phase.g *= part;
+        const struct neph_rgb own = depth_at(medium, point_m, 1.0);
+        extinction = neph_rgb_add(extinction, own);
+        scattered = neph_rgb_add(scattered, neph_rgb_scale(neph_rgb_mul(medium->albedo, own),
+                                                           neph_phase_per_sr(&phase, cosine)));
+    }
+    return (struct neph_rgb){quotient(scattered.r, extinction.r),
+                             quotient(scattered.g, extinction.g),
+                             quotient(scattered.b, extinction.b)};
+}
+
+static struct neph_rgb sunlight(const struct march *march, const struct way *way,
+                                struct neph_vec3 point_m)
+{
+    const struct neph_sun *sun = &march->scene->sun;
+    struct neph_rgb sum = {0, 0, 0};
+    if (!sun->present || !neph_scene_sees_sun(march->scene, point_m))
+        return sum;
+    const double cosine = neph_vec3_dot(way->direction, sun->direction);
+    const struct neph_rgb depth = light_depth(march, point_m, sun->direction, INFINITY);
+    double contribution = 1.0, attenuation = 1.0, part = 1.0;
+    for (int i = 0; i < march->octaves.count; i++) {
+        const struct neph_rgb light = through(neph_rgb_scale(depth, attenuation));
+        sum = neph_rgb_add(
+            sum, neph_rgb_scale(
+                     neph_rgb_mul(scattered_per_depth(march->scene, point_m, cosine, part), light),
+                     contribution));
+        contribution *= march->octaves.contribution;
+        attenuation *= march->octaves.attenuation;
+        part *= march->octaves.eccentricity;
+    }
+    return neph_rgb_mul(sum, sun->irradiance_w_per_m2);
+}
+
+static struct neph_rgb glow_at(const struct neph_scene *scene, struct neph_vec3 point_m)
+{
+    struct neph_rgb glow = {0, 0, 0}, extinction = {0, 0, 0};
+    for (int m = 0; m < scene->medium_count; m++) {
+        const struct neph_rgb own = depth_at(&scene->media[m], point_m, 1.0);
+        extinction = neph_rgb_add(extinction, own);
+        glow = neph_rgb_add(glow, neph_rgb_mul(neph_medium_glow(&scene->media[m]), own));
+    }
+    return (struct neph_rgb){quotient(glow.r, extinction.r), quotient(glow.g, extinction.g),
+                             quotient(glow.b, extinction.b)};
+}
+
+/* A part of a step between two places behind the foot of a light's perpendicular. */
+static struct neph_rgb lamp_part(const struct march *march, const struct way *way,
+                                 const struct neph_light *light, double foot_m, double height_m,
+                                 double s0_m, double s1_m)
+{
+    const double d0_m = hypot(height_m, s0_m), d1_m = hypot(height_m, s1_m);
+    const double length_m = s1_m - s0_m;
+    const struct neph_vec3 point_m = point_on(way,
+                                              foot_m + s0_m + length_m * (d0_m / (d0_m + d1_m)));
+    const struct neph_lit lit = neph_light_at(light, point_m);
+    const double inverse_square = atan2(height_m * length_m, height_m * height_m + s0_m * s1_m) /
+                                  (height_m * length_m);
+    const double falloff = neph_light_falloff(light, neph_vec3_scale(lit.direction, -1.0));
+    if (falloff == 0.0 || !neph_scene_sees(march->scene, point_m, light->position_m))
+        return (struct neph_rgb){0, 0, 0};
+    const struct neph_rgb arriving = neph_rgb_mul(
+        neph_rgb_scale(light->intensity_w_per_sr, falloff * inverse_square),
+        through(light_depth(march, point_m, lit.direction, lit.distance_m)));
+    return neph_rgb_mul(arriving,
+                        scattered_per_depth(march->scene, point_m,
+                                            neph_vec3_dot(way->direction, lit.direction), 1.0));
+}
+
+/* As lamp_step_light() of renderer/shaders/march_lamp_steps.glsl. */
+static struct neph_rgb lamp_light(const struct march *march, const struct way *way,
+                                  const struct neph_light *light, double t0_m, double t1_m)
+{
+    const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, way->origin_m);
+    const double foot_m = neph_vec3_dot(way_m, way->direction);
+    const double away_m = neph_vec3_length(way_m);
+    const double height_m = fmax(neph_vec3_length(neph_vec3_along(way_m, way->direction, -foot_m)),
+                                 1e-6 * away_m + 1e-12);
+    const double end_m = t1_m - foot_m, first = asinh((t0_m - foot_m) / height_m);
+    const double extent = asinh(end_m / height_m) - first;
+    const double part = M_PI / 8.0 * fmin(1.0, 64.0 / march->steps);
+    const int parts = 1 + (int)fmin(extent / part, LAMP_PARTS_MAX - 1.0);
+    struct neph_rgb sum = {0, 0, 0}, depth = {0, 0, 0};
+    double s0_m = t0_m - foot_m;
+    for (int i = 1; i <= parts; i++) {
+        const double s1_m = i == parts ? end_m : height_m * sinh(first + extent * i / parts);
+        if (!(s1_m > s0_m))
+            continue;
+        const struct neph_rgb own = view_depth(march, way, foot_m + s0_m, foot_m + s1_m);
+        sum = neph_rgb_add(sum, neph_rgb_mul(neph_rgb_mul(lamp_part(march, way, light, foot_m,
+                                                                    height_m, s0_m, s1_m),
+                                                          through(depth)),
+                                             lost(own)));
+        depth = neph_rgb_add(depth, own);
+        s0_m = s1_m;
+    }
+    return sum;
+}
+
+/* Where step i of a stretch begins. */
+static double step_start_m(const struct march *march, const struct stretch *stretch, int i)
+{
+    const double growth = march->growth;
+    const double part = growth > 1.0 ? (pow(growth, i) - 1.0) / (pow(growth, march->steps) - 1.0)
+                                     : (double)i / march->steps;
+    return stretch->t0_m + (stretch->t1_m - stretch->t0_m) * part;
+}
+
+static struct neph_rgb ray_light(const struct march *march, const struct way *way)
+{
+    struct neph_rgb light = {0, 0, 0}, depth = {0, 0, 0};
+    const struct stretch stretch = stretch_of(march->scene, way);
+    if (!(stretch.t0_m < stretch.t1_m) || !isfinite(stretch.t1_m))
+        return light;
+    const bool scatters = march->scene->scattering != NEPH_SCATTERING_NONE;
+    for (int i = 0; i < march->steps; i++) {
+        const double t0_m = step_start_m(march, &stretch, i);
+        const double t1_m = step_start_m(march, &stretch, i + 1);
+        const struct neph_vec3 point_m = point_on(way, 0.5 * (t0_m + t1_m));
+        const struct neph_rgb own = view_depth(march, way, t0_m, t1_m);
+        struct neph_rgb step = glow_at(march->scene, point_m);
+        if (scatters)
+            step = neph_rgb_add(step, sunlight(march, way, point_m));
+        step = neph_rgb_mul(step, lost(own));
+        for (int l = 0; scatters && l < march->scene->light_count; l++)
+            step = neph_rgb_add(step, lamp_light(march, way, &march->scene->lights[l], t0_m, t1_m));
+        light = neph_rgb_add(light, neph_rgb_mul(step, through(depth)));
+        depth = neph_rgb_add(depth, own);
+    }
+    return light;
+}
+
+/* ---- the frame ---- */
+
+/* The bias over the light of the media. Fewer rays where there are many steps. */
+static double bias_of_media(const struct neph_shot *shot, const struct march *march)
+{
+    struct march finer = *march;
+    finer.steps *= 2;
+    finer.sun_steps *= 2;
+    finer.growth = sqrt(march->growth);
+    const struct neph_camera camera = neph_scene_camera(march->scene, shot->frame);
+    const double part = fmin(1.0, sqrt((double)STEPS_MAX / (3.0 * march->steps * COLUMNS * ROWS)));
+    const int columns = (int)fmax(4.0, COLUMNS * part), rows = (int)fmax(3.0, ROWS * part);
+    double difference = 0.0, sum = 0.0;
+    for (int i = 0; i < columns * rows; i++) {
+        const struct neph_pixel_ray seen = neph_lattice_ray(shot, &camera, columns, rows, i);
+        const struct way way = {seen.origin_m, seen.direction,
+                                neph_scene_hit(march->scene, seen.origin_m, seen.direction).t_m};
+        const double coarse = mean(ray_light(march, &way)), fine = mean(ray_light(&finer, &way));
+        difference += coarse - fine;
+        sum += fine;
+    }
+    return order_factor * difference / sum;
+}
+
+static double sum_of(const struct neph_image *frame, const char *layer)
+{
+    float *planes[3];
+    double sum = 0.0;
+    if (!neph_image_rgb(frame, layer, planes))
+        return NAN;
+    for (size_t i = 0; i < neph_image_pixel_count(frame); i++)
+        sum += (double)planes[0][i] + (double)planes[1][i] + (double)planes[2][i];
+    return sum;
+}
+
+static double setting_or(const struct neph_shot *shot, const struct neph_engine *engine,
+                         const char *name, double otherwise)
+{
+    const int option = neph_option_find(engine->options, name);
+    return option < 0 ? otherwise : shot->settings.values[option];
+}
+
+/* False: nothing is known of this lighting, or the engine has no equal steps. */
+static bool march_of(const struct neph_shot *shot, const struct neph_engine *engine,
+                     const struct neph_scene *scene, struct march *march)
+{
+    static const struct {
+        const char *engine;
+        bool has_octaves;
+    } known[] = {{"march", false}, {"march_octaves", true}, {"realtime", false}};
+    const int lighting = neph_shot_choice(shot, engine, "lighting");
+    *march = (struct march){
+        .scene = scene,
+        .marches_view = neph_shot_choice(shot, engine, "transmittance") == NEPH_MARCH_MARCHED,
+        .marches_sun = neph_shot_choice(shot, engine, "sun") == NEPH_MARCH_MARCHED,
+        .steps = (int)setting_or(shot, engine, "steps", 0.0),
+        .sun_steps = (int)setting_or(shot, engine, "sun_steps", 1.0),
+        .growth = setting_or(shot, engine, "step_growth", 0.0),
+        .octaves = {.count = 1},
+    };
+    for (size_t i = 0; i < sizeof(known) / sizeof(known[0]); i++) {
+        if (strcmp(engine->name, known[i].engine) != 0)
+            continue;
+        if (known[i].has_octaves || lighting == NEPH_MARCH_OCTAVES)
+            march->octaves = scene->octaves;
+        return march->steps > 0 &&
+               (lighting == NEPH_MARCH_SINGLE || lighting == NEPH_MARCH_OCTAVES);
+    }
+    return false;
+}
+
+double neph_step_bias(const struct neph_shot *shot, const struct neph_engine *engine,
+                      const struct neph_image *frame)
+{
+    struct neph_marched_scene marched;
+    struct march march;
+    double bias = NAN;
+    if (!neph_marched_scene_init(shot, engine, &marched))
+        return NAN;
+    if (march_of(shot, engine, marched.scene, &march))
+        bias = bias_of_media(shot, &march) * sum_of(frame, "volume") / sum_of(frame, NULL);
+    neph_marched_scene_finish(&marched);
+    return isfinite(bias) ? bias : NAN;
+}
+
+char *neph_step_bias_warning(double bias, const struct neph_engine *engine)
+{
+    if (!(fabs(bias) > NEPH_STEP_BIAS_MAX))
+        return NULL;
+    return neph_format("the steps of %s may make it %.0f %% too %s: raise its steps", engine->name,
+                       100.0 * fabs(bias), bias > 0.0 ? "bright" : "dark");
+}

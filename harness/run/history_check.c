@@ -1,0 +1,403 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/run/history_check.h"
+
+#include "base/files.h"
+#include "harness/run/history.h"
+#include "harness/run/history_documents.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- nights ---------------------------------------------------------------------------------- */
+
+/* `*torn`: the document is there and says nothing. One that is missing or cannot be read is an
+ * error: the rows are then all that is left of the night. */
+static enum neph_status compare_night(struct neph_database *index, const char *path, int64_t night,
+                                      json_t **rows, bool *torn, struct neph_diag *diag)
+{
+    json_t *document = NULL;
+    *torn = false;
+    enum neph_status status = neph_history_document(index, night, rows, diag);
+    if (status)
+        return status;
+    status = neph_document_read(path, NEPH_DOCUMENT_NIGHT, &document, diag);
+    *torn = status == NEPH_ERR_INPUT;
+    if (status && !*torn)
+        neph_hint(diag, "bring it back from a copy of the store; what it said is still in the "
+                        "database, and `neph store export` prints it");
+    if (*torn || (!status && !json_equal(*rows, document)))
+        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
+                           (long long)night, path);
+    json_decref(document);
+    return status;
+}
+
+static enum neph_status check_night(struct neph_database *index, const char *store_folder,
+                                    int64_t night, struct neph_diag *diag)
+{
+    json_t *rows = NULL;
+    bool torn;
+    char *path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
+    const enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
+                                         : neph_fail_memory(diag);
+    json_decref(rows);
+    free(path);
+    return status;
+}
+
+/* A document that disagrees is right. So is the lack of rows that cannot be read. */
+static enum neph_status mend_night(struct neph_database *index, const char *store_folder,
+                                   int64_t night, struct neph_diag *diag)
+{
+    json_t *rows = NULL;
+    bool torn = false;
+    char *path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
+    enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
+                                   : neph_fail_memory(diag);
+    if (torn)
+        status = neph_document_write(store_folder, NEPH_DOCUMENT_NIGHT, night, rows, diag);
+    json_decref(rows);
+    free(path);
+    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
+}
+
+static enum neph_status visit_nights(struct neph_database *index, const char *store_folder,
+                                     enum neph_status (*visit)(struct neph_database *, const char *,
+                                                               int64_t, struct neph_diag *),
+                                     struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
+    while (!status && neph_query_next(query, &status, diag))
+        status = visit(index, store_folder, neph_query_integer(query, 0), diag);
+    neph_query_end(query);
+    return status;
+}
+
+enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
+                                    struct neph_diag *diag)
+{
+    return visit_nights(index, store_folder, check_night, diag);
+}
+
+enum neph_status neph_history_mend(struct neph_database *index, const char *store_folder,
+                                   struct neph_diag *diag)
+{
+    const enum neph_status status = visit_nights(index, store_folder, mend_night, diag);
+    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
+}
+
+/* ---- acceptances ----------------------------------------------------------------------------- */
+
+/* What document, copy and row say of one acceptance; NULL: nothing. All owned. */
+struct versions {
+    json_t *document, *copy, *row;
+    bool document_is_torn, copy_is_torn;
+};
+
+struct check {
+    struct neph_database *index;
+    const char *store_folder;
+    bool mends;
+    neph_history_tell *tell;
+    void *context;
+};
+
+/* What the row has. */
+static bool is_as_row(const json_t *document, const json_t *row)
+{
+    json_t *bare = json_copy((json_t *)document);
+    if (bare)
+        json_object_del(bare, "night_blake2b");
+    const bool same = bare && json_equal(bare, row);
+    json_decref(bare);
+    return same;
+}
+
+static enum neph_status read_version(const char *store_folder, enum neph_document kind,
+                                     int64_t number, json_t **version, bool *torn,
+                                     struct neph_diag *diag)
+{
+    char *path = neph_document_path(store_folder, kind, number);
+    struct neph_diag why = {.line = 0};
+    enum neph_status status = path ? neph_document_read(path, kind, version, &why)
+                                   : neph_fail_memory(&why);
+    free(path);
+    *torn = status == NEPH_ERR_INPUT;
+    if (*torn || status == NEPH_ERR_NOT_FOUND)
+        return NEPH_OK;
+    if (status && diag)
+        *diag = why;
+    return status;
+}
+
+/* `rows` are all acceptances. */
+static json_t *find_row(const json_t *rows, int64_t number)
+{
+    size_t i;
+    json_t *row;
+    json_array_foreach(rows, i, row) if (json_integer_value(json_object_get(row, "acceptance")) ==
+                                         number) return json_incref(row);
+    return NULL;
+}
+
+static const json_t *choose_version(const struct versions *v)
+{
+    if (!v->document)
+        return v->copy ? v->copy : v->row;
+    const bool is_edited = v->copy && v->row && is_as_row(v->copy, v->row) &&
+                           !is_as_row(v->document, v->row);
+    return is_edited ? v->copy : v->document;
+}
+
+/* NULL: nothing. */
+static const char *find_fault(const struct versions *v, const json_t *right, bool *of_copy)
+{
+    *of_copy = false;
+    if (v->document_is_torn)
+        return right
+                   ? "it is no whole neph-accept-1"
+                   : "it is no whole neph-accept-1, and neither its copy nor the database has it: "
+                     "bring it back from a copy of the store, or remove it and accept again";
+    if (!v->document)
+        return "it is missing";
+    if (v->document != right)
+        return "it is not as its copy and the database say";
+    if (v->row && !is_as_row(right, v->row))
+        return "the database says something else";
+    *of_copy = true;
+    if (v->copy_is_torn)
+        return "it is no whole neph-accept-1";
+    return v->copy && !json_equal(v->copy, right) ? "it is not as its document" : NULL;
+}
+
+static enum neph_status write_versions(const struct check *check, int64_t number,
+                                       const struct versions *v, const json_t *right,
+                                       struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    if (!v->copy || !json_equal(v->copy, right))
+        status = neph_document_write(check->store_folder, NEPH_DOCUMENT_COPY, number, right, diag);
+    if (!status && v->document != right)
+        status = neph_document_write(check->store_folder, NEPH_DOCUMENT_ACCEPTANCE, number, right,
+                                     diag);
+    if (!status && !(v->row && is_as_row(right, v->row))) {
+        status = neph_database_do(check->index, diag, "DELETE FROM acceptances WHERE id = ?", "i",
+                                  number);
+        if (!status)
+            status = neph_document_insert(check->index, NEPH_DOCUMENT_ACCEPTANCE, number, right,
+                                          diag);
+    }
+    return status;
+}
+
+static enum neph_status tell_fault(const struct check *check, enum neph_document kind,
+                                   int64_t number, const char *why, bool mended,
+                                   struct neph_diag *diag)
+{
+    char *path = neph_document_path(check->store_folder, kind, number);
+    if (!path)
+        return neph_fail_memory(diag);
+    const struct neph_history_fault fault = {strrchr(path, '/') + 1, why, mended};
+    check->tell(&fault, check->context);
+    free(path);
+    return NEPH_OK;
+}
+
+static enum neph_status check_versions(const struct check *check, int64_t number,
+                                       const struct versions *v, struct neph_diag *diag)
+{
+    bool of_copy = false;
+    const json_t *right = choose_version(v);
+    const char *why = find_fault(v, right, &of_copy);
+    const bool mends = why && right && check->mends;
+    enum neph_status status = mends ? write_versions(check, number, v, right, diag) : NEPH_OK;
+    if (!status && why)
+        status = tell_fault(check, of_copy ? NEPH_DOCUMENT_COPY : NEPH_DOCUMENT_ACCEPTANCE, number,
+                            why, mends, diag);
+    return status;
+}
+
+static enum neph_status check_acceptance(const struct check *check, const json_t *rows,
+                                         int64_t number, struct neph_diag *diag)
+{
+    struct versions v = {.row = find_row(rows, number)};
+    enum neph_status status = read_version(check->store_folder, NEPH_DOCUMENT_ACCEPTANCE, number,
+                                           &v.document, &v.document_is_torn, diag);
+    if (!status)
+        status = read_version(check->store_folder, NEPH_DOCUMENT_COPY, number, &v.copy,
+                              &v.copy_is_torn, diag);
+    if (!status && (v.document || v.copy || v.row || v.document_is_torn))
+        status = check_versions(check, number, &v, diag);
+    json_decref(v.document);
+    json_decref(v.copy);
+    json_decref(v.row);
+    return status;
+}
+
+/* The names in STORE/history/; none when there is no such folder. */
+static enum neph_status list_history(const char *store_folder, struct dirent ***names, int *count,
+                                     struct neph_diag *diag)
+{
+    char *folder = neph_path_join(store_folder, "history");
+    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
+    *count = folder ? scandir(folder, names, NULL, alphasort) : 0;
+    if (*count < 0 && errno != ENOENT)
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder, strerror(errno));
+    free(folder);
+    return status;
+}
+
+static void free_names(struct dirent **names, int count)
+{
+    for (int i = 0; i < count; i++)
+        free(names[i]);
+    free(names);
+}
+
+/* The highest number of a row, a document or a copy. */
+static enum neph_status find_last_acceptance(const struct check *check, int64_t *last,
+                                             struct neph_diag *diag)
+{
+    struct dirent **names = NULL;
+    int count = 0;
+    enum neph_status status = neph_database_count(
+        check->index, last, diag, "SELECT coalesce(max(id), 0) FROM acceptances", "");
+    if (!status)
+        status = list_history(check->store_folder, &names, &count, diag);
+    for (int i = 0; i < count && !status; i++) {
+        const int64_t a = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_ACCEPTANCE),
+                      b = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_COPY);
+        *last = a > *last ? a : b > *last ? b : *last;
+    }
+    free_names(names, count);
+    return status;
+}
+
+enum neph_status neph_history_check_acceptances(struct neph_database *index,
+                                                const char *store_folder, bool mends,
+                                                neph_history_tell *tell, void *context,
+                                                struct neph_diag *diag)
+{
+    const struct check check = {index, store_folder, mends, tell, context};
+    json_t *rows = NULL;
+    int64_t last = 0;
+    enum neph_status status = neph_history_acceptances(index, &rows, diag);
+    if (!status)
+        status = find_last_acceptance(&check, &last, diag);
+    for (int64_t number = 1; number <= last && !status; number++)
+        status = check_acceptance(&check, rows, number, diag);
+    json_decref(rows);
+    return status;
+}
+
+/* ---- what is accepted now -------------------------------------------------------------------- */
+
+static enum neph_status check_torn(const struct check *check, int64_t night, struct neph_diag *diag)
+{
+    int64_t known = 0;
+    json_t *document = NULL;
+    bool torn = false;
+    enum neph_status status = neph_database_count(
+        check->index, &known, diag, "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
+        "i", night);
+    if (!status && known == 0)
+        status = read_version(check->store_folder, NEPH_DOCUMENT_NIGHT, night, &document, &torn,
+                              diag);
+    json_decref(document);
+    if (!status && torn)
+        status = tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
+                            "it is no whole neph-night-1, and the database does not have the "
+                            "night: bring it back from a copy of the store, or remove it",
+                            false, diag);
+    return status;
+}
+
+enum neph_status neph_history_check_torn(struct neph_database *index, const char *store_folder,
+                                         neph_history_tell *tell, void *context,
+                                         struct neph_diag *diag)
+{
+    const struct check check = {index, store_folder, false, tell, context};
+    struct dirent **names = NULL;
+    int count = 0;
+    enum neph_status status = list_history(store_folder, &names, &count, diag);
+    for (int i = 0; i < count && !status; i++) {
+        const int64_t night = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_NIGHT);
+        if (night > 0)
+            status = check_torn(&check, night, diag);
+    }
+    free_names(names, count);
+    return status;
+}
+
+/* Whether the night is there and as its document says. What is wrong is told, and is no error. */
+static enum neph_status check_accepted_night(const struct check *check, int64_t night,
+                                             struct neph_diag *diag)
+{
+    int64_t known = 0;
+    struct neph_diag why = {.line = 0};
+    enum neph_status status = neph_database_count(
+        check->index, &known, diag, "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
+        "i", night);
+    if (status)
+        return status;
+    if (known == 0)
+        return tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
+                          "the night was accepted, and the history does not have it: bring its "
+                          "document back from a copy of the store, or accept another night",
+                          false, diag);
+    status = check_night(check->index, check->store_folder, night, &why);
+    if (status == NEPH_OK)
+        return NEPH_OK;
+    if (status == NEPH_ERR_INPUT || status == NEPH_ERR_NOT_FOUND || status == NEPH_ERR_IO)
+        return tell_fault(check, NEPH_DOCUMENT_NIGHT, night, why.message, false, diag);
+    if (diag)
+        *diag = why;
+    return status;
+}
+
+/* The night's document is what was accepted. Acceptances of before there was a digest have none. */
+static enum neph_status check_digest(const struct check *check, int64_t number, int64_t night,
+                                     struct neph_diag *diag)
+{
+    char digest[NEPH_HASH_HEX_SIZE] = "";
+    json_t *document = NULL;
+    bool torn = false;
+    enum neph_status status = read_version(check->store_folder, NEPH_DOCUMENT_ACCEPTANCE, number,
+                                           &document, &torn, diag);
+    if (!status)
+        status = neph_document_digest_night(check->store_folder, night, digest, diag);
+    const char *accepted = neph_json_text(document, "night_blake2b");
+    const bool differs = digest[0] && accepted[0] && strcmp(digest, accepted) != 0;
+    json_decref(document);
+    if (!status && differs)
+        status = tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
+                            "it was changed after it was accepted: bring it back from a copy of "
+                            "the store, or accept another night",
+                            false, diag);
+    return status;
+}
+
+enum neph_status neph_history_check_baseline(struct neph_database *index, const char *store_folder,
+                                             neph_history_tell *tell, void *context,
+                                             struct neph_diag *diag)
+{
+    const struct check check = {index, store_folder, false, tell, context};
+    struct neph_query *query = NULL;
+    enum neph_status status = neph_query_begin(
+        index, &query, diag,
+        "SELECT max(id), night FROM acceptances WHERE id >= coalesce((SELECT max(id) FROM "
+        "acceptances WHERE series = '*'), 0) GROUP BY night ORDER BY night",
+        "");
+    while (!status && neph_query_next(query, &status, diag)) {
+        const int64_t night = neph_query_integer(query, 1);
+        status = check_accepted_night(&check, night, diag);
+        if (!status)
+            status = check_digest(&check, neph_query_integer(query, 0), night, diag);
+    }
+    neph_query_end(query);
+    return status;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The documents of STORE/history/ as files: their names, how they are read, written and made rows.
+ * For history.c and history_check.c.
+ */
+#ifndef NEPH_HARNESS_RUN_HISTORY_DOCUMENTS_H
+#define NEPH_HARNESS_RUN_HISTORY_DOCUMENTS_H
+
+#include "base/hash.h"
+#include "harness/json.h"
+#include "harness/run/database.h"
+
+enum neph_document {
+    NEPH_DOCUMENT_NIGHT,
+    NEPH_DOCUMENT_ACCEPTANCE,
+    NEPH_DOCUMENT_COPY, /* of an acceptance */
+};
+
+/* For the caller to free; NULL: no memory. */
+char *neph_document_path(const char *store_folder, enum neph_document kind, int64_t number);
+
+/* The number of a file of this kind; -1: the name is of another kind. */
+int64_t neph_document_number(const char *name, enum neph_document kind);
+
+/* To json_decref. NEPH_ERR_INPUT: the file is no whole document of this kind; else as of
+ * neph_file_read(). */
+enum neph_status neph_document_read(const char *path, enum neph_document kind, json_t **document,
+                                    struct neph_diag *diag);
+
+/* Write a document, in place of one that is there. */
+enum neph_status neph_document_write(const char *store_folder, enum neph_document kind,
+                                     int64_t number, const json_t *document,
+                                     struct neph_diag *diag);
+
+/* All rows of a document or none. */
+enum neph_status neph_document_insert(struct neph_database *index, enum neph_document kind,
+                                      int64_t number, const json_t *document,
+                                      struct neph_diag *diag);
+
+/* BLAKE2b of what a document says, whatever the order of its keys and its layout. */
+enum neph_status neph_document_digest(const json_t *document, char digest[NEPH_HASH_HEX_SIZE],
+                                      struct neph_diag *diag);
+
+/* The digest of a night's document; "" when there is no whole one. */
+enum neph_status neph_document_digest_night(const char *store_folder, int64_t night,
+                                            char digest[NEPH_HASH_HEX_SIZE],
+                                            struct neph_diag *diag);
+
+#endif

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+//
+// Light of lamps that a step of a march scatters towards the camera. A step may be far longer than
+// the way from the ray to a lamp: where a fog has no bounds, 64 steps go through kilometres of it.
+// What changes near a lamp (1/d^2, the phase function, the transmittance on both ways) changes over
+// the distance from it, so such a step is divided into parts that are even in
+//     u = asinh(s / h),  s: along the ray from the foot of the lamp's perpendicular, h: its height.
+// A part of du is seen from the lamp under less than du, and is no longer than sinh(du) times its
+// distance from the lamp. Each part has its own extinction, scattering and optical depth; parts of
+// finer marches are finer, so the rule is of second order however near a ray passes a lamp.
+#ifndef NEPH_MARCH_LAMP_STEPS_GLSL
+#define NEPH_MARCH_LAMP_STEPS_GLSL
+
+#include "march_lamps.glsl"
+
+// Parts of all steps of a ray for one lamp, beside one for each step: lamp_parts() of
+// renderer/march_cut.c says how many turns of a thread there are for them.
+const uint LAMP_RAY_PARTS = SHORTCUTS >> 16u;
+
+// Beyond so many heights from the foot, where 1e-9 of the light is, no step is divided; and the
+// extent of a ray in u, at most: 2 asinh(LAMP_END).
+const float LAMP_END = 1e9, LAMP_EXTENT = 42.9;
+
+// The extent of a part: with 64 steps and fewer that of a froxel's parts.
+float lamp_step_part()
+{
+    return max(LAMP_PART * min(1.0, 64.0 / float(own(frame.steps))),
+               LAMP_EXTENT / float(LAMP_RAY_PARTS));
+}
+
+// u of a place.
+float lamp_place(LampPass pass, float s_m)
+{
+    float slope = min(abs(s_m) / pass.height_m, LAMP_END);
+    return sign(s_m) * log(slope + sqrt(1.0 + slope * slope));
+}
+
+float lamp_place_m(LampPass pass, float place) { return pass.height_m * sinh(place); }
+
+vec3 lamp_part_depth(Mixture mixture, vec3 start_m, vec3 direction, float length_m)
+{
+    vec3 depth = mixture.marched_per_m * length_m;
+    if (TRANSMITTANCE == EXACT)
+        depth += exact_optical_depth(start_m, direction, length_m);
+    return depth;
+}
+
+// What a step sends to its near end. A step of one part is taken for its mixture and its optical
+// depth, which are given; else the mixture that was looked up last is another after this.
+vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, float start_m,
+                     float length_m, vec3 step_depth, out bool is_divided)
+{
+    float s0_m = start_m - pass.foot_m, end_m = s0_m + length_m;
+    float first = lamp_place(pass, s0_m), extent = lamp_place(pass, end_m) - first;
+    uint parts = 1u + uint(max(extent, 0.0) / lamp_step_part());
+    is_divided = parts > 1u;
+    vec3 sum = vec3(0.0), depth = vec3(0.0);
+    for (uint i = 1; i <= parts; i++) {
+        float s1_m = i == parts ? end_m
+                                : clamp(lamp_place_m(pass, first + extent * float(i) /
+                                                                       float(parts)),
+                                        s0_m, end_m);
+        if (s1_m <= s0_m)
+            continue;
+        vec3 part_depth = step_depth * ((s1_m - s0_m) / length_m);
+        if (is_divided) {
+            float middle_m = pass.foot_m + lamp_bisector_m(pass, s0_m, s1_m);
+            mixture = mixture_at(view_point_m(ray, middle_m));
+            part_depth = lamp_part_depth(mixture, view_point_m(ray, pass.foot_m + s0_m),
+                                         ray.direction, s1_m - s0_m);
+        }
+        float inverse_square = lamp_angle(pass, s0_m, s1_m) / (pass.height_m * (s1_m - s0_m));
+        if (mixture.extinction_per_m != vec3(0.0))
+            sum += lamp_scattered_per_m(lamp, pass, ray, s0_m, s1_m, inverse_square) *
+                   fraction_through(depth) * fraction_lost(part_depth) /
+                   max(mixture.extinction_per_m, LEAST);
+        depth += part_depth;
+        s0_m = s1_m;
+    }
+    return sum;
+}
+
+// That of all lamps, of a step whose mixture is the last that was looked up.
+vec3 lamps_step_light(Mixture mixture, ViewRay ray, float start_m, float length_m, vec3 step_depth)
+{
+    vec3 sum = vec3(0.0);
+    vec3 step_scattering_per_m[MEDIA_MAX] = scattering_per_m;
+    for (uint i = 0; i < own(frame.lamp_count); i++) {
+        bool is_divided;
+        LampPass pass = lamp_pass(frame.lamps[i].position_m, ray, 0.0);
+        sum += lamp_step_light(frame.lamps[i], pass, mixture, ray, start_m, length_m, step_depth,
+                               is_divided);
+        if (is_divided)
+            scattering_per_m = step_scattering_per_m;
+    }
+    return sum;
+}
+
+#endif

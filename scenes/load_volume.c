@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The form `volume` of a medium has two placements. `file` is the file's own transform, scaled by
+ * `unit_m` and moved by `origin_m`. It does not depend on the voxels, so the frames of a sequence
+ * keep their scale and their place when the box of their voxels grows or moves. `fit` gives the
+ * block of voxels a centre and a size. A .df3 has no transform, and is always fitted.
+ */
+#include "scenes/load_volume.h"
+
+#include "base/files.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define AT(member) offsetof(struct neph_medium, member)
+#define VOLUME(member) offsetof(struct neph_written_volume, member)
+#define BOX(member) offsetof(struct neph_volume_box, member)
+
+/* OpenVDB's indices are of 32 bits; a box of as many is far beyond any memory limit. */
+#define INDEX_MAX 1e9
+
+enum placement { PLACEMENT_FILE, PLACEMENT_FIT };
+static const char *const placements[] = {[PLACEMENT_FILE] = "file", [PLACEMENT_FIT] = "fit", NULL};
+
+enum fit_to { FIT_TO_VALUES, FIT_TO_ACTIVE };
+static const char *const fits[] = {[FIT_TO_VALUES] = "values", [FIT_TO_ACTIVE] = "active", NULL};
+
+enum up { UP_Y, UP_Z };
+static const char *const ups[] = {[UP_Y] = "y", [UP_Z] = "z", NULL};
+
+static const struct neph_field index_box_fields[] = {
+    {"first", NEPH_WHOLES, BOX(first), "", -INDEX_MAX, INDEX_MAX,
+     .note = "indices of the lowest voxel"},
+    {"last", NEPH_WHOLES, BOX(last), "", -INDEX_MAX, INDEX_MAX,
+     .note = "indices of the highest voxel, which is inside"},
+    {0},
+};
+static const struct neph_record index_box_record = {sizeof(struct neph_volume_box),
+                                                    index_box_fields, NULL};
+
+const struct neph_field neph_volume_fields[] = {
+    {"file", NEPH_TEXT, VOLUME(file),
+     .note = ".vdb (float or half grid; no rotation but by 90 degrees) or .df3; absolute, from the "
+             "scene file on, or $NAME or $NAME/... from the environment",
+     .least = 1, .most = 1000},
+    {"grid", NEPH_TEXT, VOLUME(grid),
+     .note = "its name in a .vdb; `density[1]` is the second of several `density`", .least = 1,
+     .most = 64, .standard = "the only one, or `density`"},
+    {"placement", NEPH_WORD, VOLUME(placement), .words = placements,
+     .note = "`file`: as large and where the file says (.vdb); `fit`: as large and where "
+             "`center_m` and a side say",
+     .standard = "`fit` where one of its keys is given, else `file`"},
+    {"up", NEPH_WORD, VOLUME(up), .words = ups,
+     .note = "the file's axis that points up; z: (x, y, z) of the file becomes (x, z, -y)",
+     .standard = "y"},
+    {"index_box", NEPH_RECORD, VOLUME(index_box), .record = &index_box_record,
+     .note = "the block of voxels by their indices in the file: no others are read",
+     .standard = "all that are not 0 of a .vdb, all nodes of a .df3"},
+    {"center_m", NEPH_THREE, VOLUME(center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "of the block of voxels", .standard = "needed by `placement: fit`"},
+    {"longest_side_m", NEPH_NUMBER, VOLUME(longest_side_m), "m", 1e-3, NEPH_FAR_M,
+     .note = "of the block of voxels, which keep the shape that the file gives them; those of a "
+             ".df3 are cubes",
+     .standard = "needed by `placement: fit`, or `size_m`"},
+    {"size_m", NEPH_THREE, VOLUME(size_m), "m", 1e-3, NEPH_FAR_M,
+     .note = "of the block of voxels, along the world's x, y, z",
+     .standard = "needed by `placement: fit`, or `longest_side_m`"},
+    {"fit_to", NEPH_WORD, VOLUME(fit_to), .words = fits,
+     .note = "which voxels of a .vdb are the block: those that are not 0, or all active ones",
+     .standard = "values"},
+    {"origin_m", NEPH_THREE, VOLUME(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+     .note = "`placement: file` puts the file's origin there", .standard = "[0, 0, 0]"},
+    {"unit_m", NEPH_NUMBER, VOLUME(unit_m), "m", 1e-6, 1e6,
+     .note = "`placement: file`: the file's unit of length; 0.01 where it is a centimetre",
+     .standard = "1"},
+    {"memory_limit_mib", NEPH_WHOLE, VOLUME(memory_limit_mib), "MiB", 1,
+     NEPH_GRID_NODES_MAX * sizeof(float) >> 20, .note = "of voxels in memory, 4 bytes each",
+     .standard = "512"},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
+    {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
+    {0},
+};
+
+/* --- the file --- */
+
+/* "$NAME/rest" starts in a folder, or is a file, that the environment names; a relative path starts
+ * at the scene file. For the caller to free. */
+static enum neph_status resolve_file(const char *file, const char *scene_path, char **path,
+                                     struct neph_diag *diag)
+{
+    const char *slash = strrchr(scene_path, '/');
+    if (file[0] == '$') {
+        const size_t length = strcspn(file + 1, "/");
+        char *name = strndup(file + 1, length);
+        const char *value = name ? getenv(name) : NULL;
+        free(name);
+        if (!value || !*value) {
+            neph_fail(diag, NEPH_ERR_NOT_FOUND, "'%s': the environment variable %.*s is not set",
+                      file, (int)length, file + 1);
+            neph_hint(diag, "export %.*s=/path/to/the/volume", (int)length, file + 1);
+            return NEPH_ERR_NOT_FOUND;
+        }
+        *path = neph_format("%s%s", value, file + 1 + length);
+    } else if (file[0] == '/' || !slash) {
+        *path = strdup(file);
+    } else {
+        *path = neph_format("%.*s/%s", (int)(slash - scene_path), scene_path, file);
+    }
+    return *path ? NEPH_OK : neph_fail_memory(diag);
+}
+
+/* --- which placement --- */
+
+static const char *const fit_keys[] = {"center_m", "longest_side_m", "size_m", "fit_to", NULL};
+static const char *const file_keys[] = {"origin_m", "unit_m", NULL};
+
+/* The first of the keys that the file gives; NULL: none. */
+static const char *first_given(const struct neph_reader *reader, const yaml_node_t *node,
+                               const char *const *keys)
+{
+    while (*keys && !neph_reader_has(reader, node, *keys))
+        keys++;
+    return *keys;
+}
+
+static enum neph_status refuse(const struct neph_reader *reader, const char *key,
+                               const char *message, const char *hint)
+{
+    neph_refuse(reader, key, "%s", message);
+    neph_hint(reader->diag, "%s", hint);
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status check_fit(const struct neph_reader *reader, const yaml_node_t *node,
+                                  bool has_transform)
+{
+    static const char *const hint = "placement: fit needs center_m, and longest_side_m or size_m";
+    const bool has_side = neph_reader_has(reader, node, "longest_side_m");
+    const bool has_size = neph_reader_has(reader, node, "size_m");
+    if (!neph_reader_has(reader, node, "center_m"))
+        return refuse(reader, "", "missing key 'center_m'", hint);
+    if (!has_side && !has_size)
+        return refuse(reader, "", "missing key 'longest_side_m', or 'size_m' for three sides",
+                      hint);
+    if (has_side && has_size)
+        return refuse(reader, "size_m", "longest_side_m is given, too", hint);
+    if (!neph_reader_has(reader, node, "fit_to"))
+        return NEPH_OK;
+    if (!has_transform)
+        return refuse(reader, "fit_to", "all nodes of a .df3 are its block", "leave the key out");
+    if (neph_reader_has(reader, node, "index_box"))
+        return refuse(reader, "fit_to", "index_box already says which voxels are the block",
+                      "leave one of the two out");
+    return NEPH_OK;
+}
+
+/* What the keys that are given ask for. */
+static enum neph_status choose_placement(const struct neph_reader *reader, const yaml_node_t *node,
+                                         const char *path, struct neph_written_volume *volume)
+{
+    const char *fit_key = first_given(reader, node, fit_keys);
+    const char *file_key = first_given(reader, node, file_keys);
+    const bool has_transform = neph_volume_has_transform(path);
+    if (!neph_reader_has(reader, node, "placement"))
+        volume->placement = fit_key || !has_transform ? PLACEMENT_FIT : PLACEMENT_FILE;
+    if (volume->placement == PLACEMENT_FILE && !has_transform)
+        return refuse(reader, "placement", "a .df3 does not say how large or where it is",
+                      "placement: fit, with center_m, and longest_side_m or size_m");
+    if (volume->placement == PLACEMENT_FILE && fit_key)
+        return refuse(reader, fit_key, "placement: file takes size and place from the file",
+                      "leave the key out, or write placement: fit; origin_m moves what the file "
+                      "places, unit_m scales it");
+    if (volume->placement == PLACEMENT_FIT && file_key)
+        return refuse(
+            reader, file_key, "only placement: file has an origin and a unit",
+            has_transform
+                ? "leave out the keys of placement: fit (center_m and others), or this one"
+                : "a .df3 has neither; leave the key out");
+    return volume->placement == PLACEMENT_FIT ? check_fit(reader, node, has_transform) : NEPH_OK;
+}
+
+static enum neph_status check_index_box(const struct neph_reader *reader,
+                                        const struct neph_volume_box *box)
+{
+    for (int axis = 0; axis < 3; axis++)
+        if (box->last[axis] < box->first[axis])
+            return neph_refuse(reader, neph_at("index_box.last[%d]", axis).text,
+                               "%d is below first, %d", box->last[axis], box->first[axis]);
+    return NEPH_OK;
+}
+
+/* --- in place --- */
+
+/* Scale and move it so that the block of voxels has its size and its centre. */
+static enum neph_status fit(struct neph_grid *grid, const struct neph_written_volume *volume,
+                            struct neph_diag *diag)
+{
+    const struct neph_vec3 sides = {grid->size[0] * grid->spacing_m.x,
+                                    grid->size[1] * grid->spacing_m.y,
+                                    grid->size[2] * grid->spacing_m.z};
+    const double longest = fmax(sides.x, fmax(sides.y, sides.z));
+    const double scale = volume->longest_side_m / longest;
+    struct neph_vec3 spacing_m = neph_vec3_scale(grid->spacing_m, scale);
+    struct neph_vec3 half_m = neph_vec3_scale(neph_vec3_sub(sides, grid->spacing_m), 0.5 * scale);
+    if (volume->longest_side_m == 0.0) { /* size_m in its place */
+        const struct neph_vec3 size_m = volume->size_m;
+        spacing_m = (struct neph_vec3){size_m.x / grid->size[0], size_m.y / grid->size[1],
+                                       size_m.z / grid->size[2]};
+        half_m = neph_vec3_scale(neph_vec3_sub(size_m, spacing_m), 0.5);
+    }
+    return neph_grid_place(grid, neph_vec3_sub(volume->center_m, half_m), spacing_m, diag);
+}
+
+static enum neph_status place_as_file(struct neph_grid *grid,
+                                      const struct neph_written_volume *volume,
+                                      struct neph_diag *diag)
+{
+    const struct neph_vec3 origin_m = neph_vec3_along(volume->origin_m, grid->origin_m,
+                                                      volume->unit_m);
+    const struct neph_vec3 spacing_m = neph_vec3_scale(grid->spacing_m, volume->unit_m);
+    enum neph_status status = neph_grid_place(grid, origin_m, spacing_m, diag);
+    if (status)
+        return status;
+    const struct neph_bounds box = neph_grid_support(grid);
+    const double *low_m = &box.min_m.x, *high_m = &box.max_m.x;
+    for (int axis = 0; axis < 3; axis++)
+        if (low_m[axis] < -NEPH_FAR_M || high_m[axis] > NEPH_FAR_M) {
+            neph_fail(diag, NEPH_ERR_INPUT,
+                      "the file puts the volume at %g to %g m along %c; a world is %g to %g m",
+                      low_m[axis], high_m[axis], "xyz"[axis], -NEPH_FAR_M, NEPH_FAR_M);
+            neph_hint(diag, "unit_m and origin_m scale and move it, or placement: fit with "
+                            "center_m and longest_side_m");
+            return NEPH_ERR_INPUT;
+        }
+    return NEPH_OK;
+}
+
+enum neph_status neph_finish_volume(struct neph_reader *reader, const yaml_node_t *node,
+                                    void *written)
+{
+    struct neph_written_volume *volume = written;
+    struct neph_medium *medium = written;
+    const bool has_index_box = neph_reader_has(reader, node, "index_box");
+    if (volume->file[0] != '$' && !neph_volume_has_known_extension(volume->file))
+        return neph_refuse(reader, "file", "'%s' must end in .vdb or .df3", volume->file);
+    char *path = NULL;
+    enum neph_status status = has_index_box ? check_index_box(reader, &volume->index_box) : NEPH_OK;
+    if (!status)
+        status = resolve_file(volume->file, reader->document->file, &path, reader->diag);
+    if (!status && neph_volume_has_known_extension(path))
+        status = choose_placement(reader, node, path, volume);
+    if (!status) {
+        const struct neph_volume_request request = {
+            .path = path,
+            .shown = volume->file,
+            .grid_name = volume->grid,
+            .memory_limit_bytes = (size_t)volume->memory_limit_mib << 20,
+            .is_z_up = volume->up == UP_Z,
+            .index_box = has_index_box ? &volume->index_box : NULL,
+            .counts_zeros = volume->fit_to == FIT_TO_ACTIVE,
+            .is_fitted = volume->placement == PLACEMENT_FIT};
+        status = neph_volume_read(&request, &medium->grid, reader->diag);
+    }
+    free(path);
+    if (status)
+        return status;
+    return volume->placement == PLACEMENT_FIT ? fit(medium->grid, volume, reader->diag)
+                                              : place_as_file(medium->grid, volume, reader->diag);
+}
