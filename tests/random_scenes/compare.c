@@ -654,13 +654,12 @@ enum neph_status compare_scene(const struct compare_request *request,
     enum neph_status status = NEPH_OK;
     if (takes_part(comparison, COMPARE_EXACT))
         read_exact(comparison);
-    int stage = request->first_stage;
+    int stage = 0;
     bool needs_more = true;
     for (; stage < COMPARE_STAGES && needs_more && !status; stage++) {
         status = read_stage(comparison, stage, diag);
         if (!status)
-            needs_more = judge_stage(comparison, stage,
-                                     stage == request->first_stage ? scores : NULL);
+            needs_more = judge_stage(comparison, stage, stage == 0 ? scores : NULL);
     }
     result->stages = stage;
     const enum compare_engine truth = comparison->readings[COMPARE_EXACT].is_there ? COMPARE_EXACT
