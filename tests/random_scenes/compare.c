@@ -55,7 +55,7 @@ static const double certain_p = 1e-8;
 /* ---- readings -------------------------------------------------------------------------------- */
 
 struct reading {
-    bool is_there;
+    bool is_there, is_noisy;
     double mean[3][COMPARE_PIXELS], variance[3][COMPARE_PIXELS];
     double unsure[3][COMPARE_PIXELS];
     double through[3][COMPARE_PIXELS];
@@ -212,7 +212,7 @@ static void finish_batches(const struct batches *batches, struct reading *readin
             reading->unsure[c][i] = mean > 0.0 ? sqrt(scatter / n) / mean : 0.0;
             reading->through[c][i] = batches->through[c][i];
         }
-    reading->is_there = true;
+    reading->is_there = reading->is_noisy = true;
 }
 
 static enum neph_status render_oracle(const struct compare_request *request, uint64_t seed,
@@ -301,6 +301,13 @@ static struct difference difference_at(const struct reading *test, const struct 
     /* The batches are too few to know that a variance is known exactly. */
     made.dof = fmin(2.0 / fmax(unsure * unsure, 1e-12), 1e4);
     made.is_sure = unsure <= unsure_most;
+    /* All paths of a tracer brought the same where those of the other did not: they have missed
+     * something that is rare, and their spread says nothing. */
+    const bool has_missed = (a == 0.0 && test->is_noisy) || (b == 0.0 && truth->is_noisy);
+    if (has_missed) {
+        made.dof = 1.0;
+        made.is_sure = false;
+    }
     return made;
 }
 
@@ -339,7 +346,8 @@ static void score(struct compare_scores *scores, const struct difference *differ
     scores->expected_sum += difference->dof / (difference->dof - 2.0);
 }
 
-/* The brightest radiance of a scene [W m^-2 sr^-1], in its pixels and of what its media emit. */
+/* The brightest radiance of a scene [W m^-2 sr^-1]: in its pixels, of what its media emit, and of
+ * the background where that lights them. */
 static double find_peak(const struct neph_scene *scene, const struct reading *a,
                         const struct reading *b)
 {
@@ -350,7 +358,10 @@ static double find_peak(const struct neph_scene *scene, const struct reading *a,
         const struct neph_rgb emission = scene->media[m].emission_w_per_m2_sr;
         peak = fmax(peak, fmax(emission.r, fmax(emission.g, emission.b)));
     }
-    return peak;
+    const struct neph_rgb background = scene->background_w_per_m2_sr;
+    return scene->environment_light
+               ? fmax(peak, fmax(background.r, fmax(background.g, background.b)))
+               : peak;
 }
 
 /* One channel of each pixel is tested, in turn: channels share their paths. `unseen` is what so
@@ -643,13 +654,12 @@ enum neph_status compare_scene(const struct compare_request *request,
     enum neph_status status = NEPH_OK;
     if (takes_part(comparison, COMPARE_EXACT))
         read_exact(comparison);
-    int stage = request->first_stage;
+    int stage = 0;
     bool needs_more = true;
     for (; stage < COMPARE_STAGES && needs_more && !status; stage++) {
         status = read_stage(comparison, stage, diag);
         if (!status)
-            needs_more = judge_stage(comparison, stage,
-                                     stage == request->first_stage ? scores : NULL);
+            needs_more = judge_stage(comparison, stage, stage == 0 ? scores : NULL);
     }
     result->stages = stage;
     const enum compare_engine truth = comparison->readings[COMPARE_EXACT].is_there ? COMPARE_EXACT

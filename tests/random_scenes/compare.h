@@ -69,7 +69,6 @@ struct compare_request {
     struct neph_vulkan *vulkan; /* NULL: without tracer and march */
     uint64_t seed;
     unsigned engines; /* bits of enum compare_engine that take part */
-    int first_stage;  /* 0; the shrinker begins later */
 };
 
 struct compare_finding {

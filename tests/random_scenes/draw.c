@@ -428,6 +428,7 @@ static void draw_lights(struct dice *dice, const struct stage *stage, bool is_ne
         recipe->light_count = 1;
     for (int i = 0; i < recipe->light_count; i++)
         recipe->lights[i] = any_light(dice, stage);
+    recipe->has_near_light = is_near;
     if (is_near)
         move_near_ray(dice, recipe, (enum nearness)whole(dice, 0, NEARNESS_COUNT - 1),
                       &recipe->lights[0]);

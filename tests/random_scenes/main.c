@@ -170,9 +170,12 @@ static enum neph_status draw_scene(uint64_t seed, int index, const char *folder,
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
+/* Scenes with a light on or next to the ray of a pixel, and all others. */
+enum family { FAMILY_ANY, FAMILY_NEAR_LIGHTS, FAMILIES };
+
 /* What scenes have come to. Processes send it through a pipe. */
 struct tally {
-    struct compare_scores scores[PAIR_COUNT];
+    struct compare_scores scores[FAMILIES][PAIR_COUNT];
     struct compare_march marched;
     int scenes, disagreements;
     int covered[COMPARE_ENGINES];
@@ -190,17 +193,15 @@ struct run {
 
 static enum neph_status compare_recipe(struct run *run, const struct moment *written,
                                        const struct moment *still, uint64_t seed, unsigned engines,
-                                       bool is_scored, int first_stage,
-                                       struct compare_result *result, struct neph_diag *diag)
+                                       struct compare_scores *scores, struct compare_result *result,
+                                       struct neph_diag *diag)
 {
     const struct compare_request request = {.written = written->scene,
                                             .still = still->scene,
                                             .vulkan = run->vulkan,
                                             .seed = seed,
-                                            .engines = engines,
-                                            .first_stage = first_stage};
-    return compare_scene(&request, is_scored ? run->tally.scores : NULL,
-                         is_scored ? &run->tally.marched : NULL, result, diag);
+                                            .engines = engines};
+    return compare_scene(&request, scores, scores ? &run->tally.marched : NULL, result, diag);
 }
 
 /* Whether the same two engines still disagree about a simpler recipe. */
@@ -215,7 +216,7 @@ static bool still_disagrees(struct run *run, const struct recipe *recipe,
     struct compare_result result;
     const unsigned engines = 1u << finding->test | 1u << finding->truth;
     /* march is compared with exact, and where that cannot with oracle. */
-    const bool is_done = !compare_recipe(run, &written, &still, seed, engines, false, 0, &result,
+    const bool is_done = !compare_recipe(run, &written, &still, seed, engines, NULL, &result,
                                          &diag);
     close_moment(&written);
     close_moment(&still);
@@ -300,6 +301,7 @@ static void report(struct run *run, const struct recipe *recipe, struct compare_
         print_media(recipe);
         printf(")\n  %s and %s: %s\n", compare_engine_names[finding.test],
                compare_engine_names[finding.truth], finding.what);
+        fflush(stdout); /* shrinking takes a while */
         char suffix[40];
         snprintf(suffix, sizeof(suffix), "_%s_%s", compare_engine_names[finding.test],
                  compare_engine_names[finding.truth]);
@@ -327,8 +329,9 @@ static enum neph_status run_scene(struct run *run, int index, struct neph_diag *
     if (status)
         return status;
     const double start_s = neph_wall_s();
-    status = compare_recipe(run, &written, &still, run->options->seed + (uint64_t)index,
-                            run->options->engines, true, 0, &result, diag);
+    status = compare_recipe(
+        run, &written, &still, run->options->seed + (uint64_t)index, run->options->engines,
+        run->tally.scores[recipe.has_near_light ? FAMILY_NEAR_LIGHTS : FAMILY_ANY], &result, diag);
     close_moment(&written);
     close_moment(&still);
     if (status)
@@ -354,6 +357,17 @@ static enum neph_status run_scene(struct run *run, int index, struct neph_diag *
 
 /* ---- what it came to ------------------------------------------------------------------------- */
 
+static void add_scores(struct compare_scores *sum, const struct compare_scores *part)
+{
+    sum->count += part->count;
+    sum->sum += part->sum;
+    sum->square_sum += part->square_sum;
+    sum->expected_sum += part->expected_sum;
+    sum->unsure += part->unsure;
+    sum->unsure_square_sum += part->unsure_square_sum;
+    sum->without_noise += part->without_noise;
+}
+
 /* How far the variance of so many z-scores may lie from 1 besides 0.1: four of its own standard
  * errors. */
 static double variance_slack(long count)
@@ -361,29 +375,32 @@ static double variance_slack(long count)
     return 0.1 + 4.0 * sqrt(2.0 / (double)count);
 }
 
+/* One line of the table; whether its variance is what it should be. */
+static bool print_scores_of(const char *name, const struct compare_scores *scores)
+{
+    const double n = fmax(1.0, (double)scores->count), variance = scores->square_sum / n;
+    printf("%-18s %8ld %+8.3f %9.3f %9.3f %8ld %9.3f\n", name, scores->count, scores->sum / n,
+           variance, scores->expected_sum / n, scores->unsure,
+           scores->unsure_square_sum / fmax(1.0, (double)scores->unsure));
+    return scores->count == 0 || fabs(variance - 1.0) <= variance_slack(scores->count);
+}
+
 static bool print_scores(const struct run *run)
 {
     static const char *const names[] = {"oracle - exact", "tracer - exact", "tracer - oracle"};
-    struct compare_scores all = {.count = 0};
-    printf("%-16s %8s %8s %9s %9s %8s %9s\n", "z-scores", "pixels", "mean", "variance", "expected",
+    struct compare_scores all = {.count = 0}, near = {.count = 0};
+    printf("%-18s %8s %8s %9s %9s %8s %9s\n", "z-scores", "pixels", "mean", "variance", "expected",
            "unsure", "variance");
     bool is_right = true;
-    for (int p = 0; p <= PAIR_TRACER_ORACLE + 1; p++) {
-        const bool is_sum = p > PAIR_TRACER_ORACLE;
-        const struct compare_scores *s = is_sum ? &all : &run->tally.scores[p];
-        const double n = fmax(1.0, (double)s->count), mean = s->sum / n;
-        const double variance = s->square_sum / n, expected = s->expected_sum / n;
-        printf("%-16s %8ld %+8.3f %9.3f %9.3f %8ld %9.3f\n", is_sum ? "all" : names[p], s->count,
-               mean, variance, expected, s->unsure,
-               s->unsure_square_sum / fmax(1.0, (double)s->unsure));
-        is_right &= s->count == 0 || fabs(variance - 1.0) <= variance_slack(s->count);
-        all.count += s->count;
-        all.sum += s->sum;
-        all.square_sum += s->square_sum;
-        all.expected_sum += s->expected_sum;
-        all.unsure += s->unsure;
-        all.unsure_square_sum += s->unsure_square_sum;
+    for (int p = 0; p <= PAIR_TRACER_ORACLE; p++) {
+        struct compare_scores pair = run->tally.scores[FAMILY_ANY][p];
+        add_scores(&near, &run->tally.scores[FAMILY_NEAR_LIGHTS][p]);
+        add_scores(&pair, &run->tally.scores[FAMILY_NEAR_LIGHTS][p]);
+        is_right &= print_scores_of(names[p], &pair);
+        add_scores(&all, &pair);
     }
+    is_right &= print_scores_of("lights near rays", &near);
+    is_right &= print_scores_of("all", &all);
     if (all.count > 0)
         printf("the variance may be 1 +- %.2f: %s\n", variance_slack(all.count),
                is_right ? "it is" : "it is not");
@@ -450,21 +467,11 @@ static void run_process(struct run *run, int number, int file)
     _exit(status ? 70 : 0);
 }
 
-static void add_scores(struct compare_scores *sum, const struct compare_scores *part)
-{
-    sum->count += part->count;
-    sum->sum += part->sum;
-    sum->square_sum += part->square_sum;
-    sum->expected_sum += part->expected_sum;
-    sum->unsure += part->unsure;
-    sum->unsure_square_sum += part->unsure_square_sum;
-    sum->without_noise += part->without_noise;
-}
-
 static void add_tally(struct tally *sum, const struct tally *part)
 {
-    for (int p = 0; p < PAIR_COUNT; p++)
-        add_scores(&sum->scores[p], &part->scores[p]);
+    for (int i = 0; i < FAMILIES * PAIR_COUNT; i++)
+        add_scores(&sum->scores[i / PAIR_COUNT][i % PAIR_COUNT],
+                   &part->scores[i / PAIR_COUNT][i % PAIR_COUNT]);
     sum->marched.count += part->marched.count;
     sum->marched.rounding += part->marched.rounding;
     sum->marched.left_out += part->marched.left_out;
@@ -537,8 +544,8 @@ static enum neph_status run_file(struct run *run, struct neph_diag *diag)
         status = open_moment(options->still ? options->still : options->scene, options->frame,
                              &still, diag);
     if (!status)
-        status = compare_recipe(run, &written, &still, options->seed, options->engines, true, 0,
-                                &result, diag);
+        status = compare_recipe(run, &written, &still, options->seed, options->engines,
+                                run->tally.scores[FAMILY_ANY], &result, diag);
     for (int e = 0; e < COMPARE_ENGINES && !status; e++)
         if (result.refusals[e][0])
             printf("%s takes no part: %s\n", compare_engine_names[e], result.refusals[e]);

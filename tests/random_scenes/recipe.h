@@ -99,7 +99,7 @@ struct recipe {
     struct neph_vec3 sun_direction;
     struct neph_rgb sun_w_per_m2, background_w_per_m2_sr;
     struct neph_vec3 wind_m_per_s; /* at frame 0; keyed: twice that at RECIPE_KEY_FRAME */
-    bool environment_light;
+    bool environment_light, has_near_light;
     enum neph_scattering scattering;
     int medium_count, light_count, solid_count;
     struct recipe_medium media[RECIPE_MEDIA_MAX];
