@@ -139,19 +139,22 @@ static bool is_on_cpu(const struct neph_gpu_scene *gpu)
 }
 
 /* Parts that all steps of a ray are divided into for one lamp, beside one for each step, at most
- * (shaders/march_lamp_steps.glsl): 7 for each four steps, 112 of few, and no more than half of a
+ * (shaders/march_lamp_steps.glsl): 7 for each four steps, 112 of few, and no more than 3/4 of a
  * thread's turns have room for, but 8. 0: there is no lamp. */
-static uint64_t lamp_parts(const struct neph_gpu_scene *gpu)
+static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_march_params *params)
 {
     const struct neph_gpu_frame *frame = gpu->frame;
     const uint64_t media = 1 + 3 * (uint64_t)frame->medium_count, lamps = frame->lamp_count;
+    const bool marches = params->sun == NEPH_MARCH_MARCHED ||
+                         (gpu->constants[0] >> NEPH_MEDIUM_HORIZON & 1u) != 0;
+    const uint64_t sun_steps = marches ? (uint64_t)params->sun_steps : 0;
     const uint64_t turns = neph_gpu_solid_turns(frame->solid_count) + 3 * media +
-                           2 * gpu->optical_depth_turns + frame->sun_steps * (3 + 3 * media);
-    const uint64_t room = (is_on_cpu(gpu) ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max) / 2;
-    const uint64_t wanted = 7 * (uint64_t)frame->steps / 4;
+                           2 * gpu->optical_depth_turns + sun_steps * (3 + 3 * media);
+    const uint64_t all = is_on_cpu(gpu) ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max;
+    const uint64_t wanted = 7 * (uint64_t)params->steps / 4;
     if (lamps == 0)
         return 0;
-    return most(8, least(most(112, least(wanted, 0xffff)), room / (lamps * turns)));
+    return most(8, least(most(112, least(wanted, 0xffff)), all / 4 * 3 / (lamps * turns)));
 }
 
 /* Loop turns of the shader as a whole. */
@@ -174,7 +177,7 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
         sunlight += 2 * NEPH_GPU_LAYERS_MAX; /* to the eye and to the sun */
     *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight +
-                    lamp_parts(gpu) * lamplight + 1;
+                    lamp_parts(gpu, params) * lamplight + 1;
 }
 
 /* `SHORTCUTS` of shaders/shortcuts.glsl, and veils. */
@@ -209,7 +212,7 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[4] = params->lighting;
     constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
                    (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u) |
-                   (uint32_t)lamp_parts(gpu) << 16;
+                   (uint32_t)lamp_parts(gpu, params) << 16;
 }
 
 static uint64_t turns_of(const struct neph_march_cut *cut, uint64_t steps)

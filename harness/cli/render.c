@@ -348,7 +348,9 @@ static enum neph_status render_one(struct run *run, const char *depth, struct ne
         status = neph_exr_write(path, frame, diag);
     if (!status) {
         unseen.step_depth = neph_step_depth(&job->shot, job->engine);
-        unseen.step_bias = neph_step_bias(&job->shot, job->engine, frame);
+        /* Once for a sequence whose pictures are fast. */
+        if (!job->engine->remembers || job->shot.frame == request->first_frame)
+            unseen.step_bias = neph_step_bias(&job->shot, job->engine, frame);
         say(request, job, &unseen);
         status = show_and_note(run, frame, path, &cost, &unseen, diag);
     }

@@ -63,7 +63,13 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Names of the channels that mean something here, in order, a line each; NULL: no memory. */
+/* A frame without a channel of a mask has no pixel inside it, as where the sun is not in sight. */
+static bool has_to_stay(const char *channel)
+{
+    return neph_validity_knows(channel) && strncmp(channel, "mask.", strlen("mask.")) != 0;
+}
+
+/* Names of the channels that all frames have to have, in order, a line each; NULL: no memory. */
 static char *list_channels(const struct neph_image *image)
 {
     const size_t count = (size_t)image->channel_count;
@@ -71,7 +77,7 @@ static char *list_channels(const struct neph_image *image)
     char *list = malloc(count * NEPH_IMAGE_NAME_MAX + 1), *end = list;
     size_t known = 0;
     for (size_t i = 0; names && i < count; i++)
-        if (neph_validity_knows(image->channels[i].name))
+        if (has_to_stay(image->channels[i].name))
             names[known++] = image->channels[i].name;
     if (!names || !list) {
         free(names);

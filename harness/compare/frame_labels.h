@@ -21,12 +21,12 @@ struct neph_frame_form {
     char *path; /* of the first; NULL: there was none yet; owned, as are the next */
     int width_px, height_px;
     char *labels[NEPH_FRAME_LABELS];
-    char *channels; /* names of those that mean something here, in order; NULL: none are held */
+    char *channels; /* names of those that mean something here, masks aside; NULL: none are held */
 };
 
 /* The first call keeps what a frame is, the others compare with that. `with_channels`: channels
- * that mean something here may not change, either. NEPH_ERR_INPUT names both files and the way
- * out. */
+ * that mean something here, masks aside, may not change, either. NEPH_ERR_INPUT names both files
+ * and the way out. */
 enum neph_status neph_frame_form_check(struct neph_frame_form *form, const char *path,
                                        const struct neph_image *image, bool with_channels,
                                        struct neph_diag *diag);

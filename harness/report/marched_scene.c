@@ -39,12 +39,3 @@ void neph_marched_scene_finish(struct neph_marched_scene *marched)
 {
     neph_scene_destroy(marched->still);
 }
-
-struct neph_pixel_ray neph_lattice_ray(const struct neph_shot *shot,
-                                       const struct neph_camera *camera, int columns, int rows,
-                                       int i)
-{
-    const int column = (2 * (i % columns) + 1) * shot->width_px / (2 * columns);
-    const int row = (2 * (i / columns) + 1) * shot->height_px / (2 * rows);
-    return neph_camera_ray(camera, shot->width_px, shot->height_px, column, row);
-}

@@ -23,9 +23,4 @@ void neph_marched_scene_finish(struct neph_marched_scene *marched);
 int neph_shot_choice(const struct neph_shot *shot, const struct neph_engine *engine,
                      const char *name);
 
-/* The ray of a frame's pixel in cell i of an even lattice of columns x rows over the frame. */
-struct neph_pixel_ray neph_lattice_ray(const struct neph_shot *shot,
-                                       const struct neph_camera *camera, int columns, int rows,
-                                       int i);
-
 #endif

@@ -19,7 +19,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { COLUMNS = 16, ROWS = 9, STEPS_MAX = 50000, OPEN_STEPS = 16, LAMP_PARTS_MAX = 64 };
+enum { RAYS_MAX = 160, RAYS_LEAST = 40, STEPS_MAX = 50000, OPEN_STEPS = 16 };
 
 static const double order_factor = 2.0;
 
@@ -95,7 +95,7 @@ static void include_layer(const struct neph_fog_layer *layer, struct neph_rgb co
                                             layer, y_m, k_y, opaque_depth / least_positive(color));
     const double end_m = fmin(fmin(inside.t1_m, inside.t0_m + thin_end_m(layer, y_m, k_y, thin)),
                               dark_m);
-    if (color.r > 0.0 && color.g > 0.0 && color.b > 0.0)
+    if (dark_m < inside.t1_m && color.r > 0.0 && color.g > 0.0 && color.b > 0.0)
         *opaque_m = fmin(*opaque_m, dark_m);
     if (start_m < end_m) {
         hull->t0_m = fmin(hull->t0_m, start_m);
@@ -128,7 +128,7 @@ static struct stretch stretch_of(const struct neph_scene *scene, const struct wa
 
 /* ---- optical depths ---- */
 
-/* Extinction at a place times a length. */
+/* The extinction at a place times a length. */
 static struct neph_rgb depth_at(const struct neph_medium *medium, struct neph_vec3 point_m,
                                 double length_m)
 {
@@ -136,7 +136,8 @@ static struct neph_rgb depth_at(const struct neph_medium *medium, struct neph_ve
                           neph_medium_extinction_per_m(medium, point_m) * length_m);
 }
 
-/* Over a way: closed forms, or a sum over equal steps of all media, or of those without. */
+/* The optical depth of a way: closed forms, or a sum over equal steps of all media, or of those
+ * without a closed form. */
 static struct neph_rgb depth_on(const struct march *march, const struct way *way, bool is_marched,
                                 int steps)
 {
@@ -175,7 +176,7 @@ static struct neph_rgb lost(struct neph_rgb depth)
     return (struct neph_rgb){-expm1(-depth.r), -expm1(-depth.g), -expm1(-depth.b)};
 }
 
-/* Of a step of the view, all of it or a part. */
+/* The optical depth of a step of the view ray, or of a part of a step. */
 static struct neph_rgb view_depth(const struct march *march, const struct way *way, double t0_m,
                                   double t1_m)
 {
@@ -204,7 +205,7 @@ static double quotient(double a, double b)
     return b > 0.0 ? a / b : 0.0;
 }
 
-/* Of a place, what is scattered of light from a direction per optical depth; g times `part`. */
+/* The light that a place scatters per optical depth and irradiance; g is `part` of its own. */
 static struct neph_rgb scattered_per_depth(const struct neph_scene *scene, struct neph_vec3 point_m,
                                            double cosine, double part)
 {
@@ -281,7 +282,13 @@ static struct neph_rgb lamp_part(const struct march *march, const struct way *wa
                                             neph_vec3_dot(way->direction, lit.direction), 1.0));
 }
 
-/* As lamp_step_light() of renderer/shaders/march_lamp_steps.glsl. */
+/* As lamp_place() and lamp_step_light() of renderer/shaders/march_lamp_steps.glsl. */
+static double lamp_place(double slope)
+{
+    const double end = 1e9;
+    return asinh(fmax(-end, fmin(slope, end)));
+}
+
 static struct neph_rgb lamp_light(const struct march *march, const struct way *way,
                                   const struct neph_light *light, double t0_m, double t1_m)
 {
@@ -290,10 +297,10 @@ static struct neph_rgb lamp_light(const struct march *march, const struct way *w
     const double away_m = neph_vec3_length(way_m);
     const double height_m = fmax(neph_vec3_length(neph_vec3_along(way_m, way->direction, -foot_m)),
                                  1e-6 * away_m + 1e-12);
-    const double end_m = t1_m - foot_m, first = asinh((t0_m - foot_m) / height_m);
-    const double extent = asinh(end_m / height_m) - first;
+    const double end_m = t1_m - foot_m, first = lamp_place((t0_m - foot_m) / height_m);
+    const double extent = lamp_place(end_m / height_m) - first;
     const double part = M_PI / 8.0 * fmin(1.0, 64.0 / march->steps);
-    const int parts = 1 + (int)fmin(extent / part, LAMP_PARTS_MAX - 1.0);
+    const int parts = 1 + (int)(extent / part);
     struct neph_rgb sum = {0, 0, 0}, depth = {0, 0, 0};
     double s0_m = t0_m - foot_m;
     for (int i = 1; i <= parts; i++) {
@@ -346,6 +353,16 @@ static struct neph_rgb ray_light(const struct march *march, const struct way *wa
 
 /* ---- the frame ---- */
 
+/* One of `count` rays through pixels: each in another row as far as there are rows, for the longest
+ * steps are those of level rays, along a horizon; columns by the golden ratio. */
+static struct neph_pixel_ray ray_of_frame(const struct neph_shot *shot,
+                                          const struct neph_camera *camera, int i, int count)
+{
+    const double golden = 0.61803398874989485, across = i * golden - floor(i * golden);
+    return neph_camera_ray(camera, shot->width_px, shot->height_px, (int)(across * shot->width_px),
+                           i * shot->height_px / count);
+}
+
 /* The bias over the light of the media. Fewer rays where there are many steps. */
 static double bias_of_media(const struct neph_shot *shot, const struct march *march)
 {
@@ -354,11 +371,10 @@ static double bias_of_media(const struct neph_shot *shot, const struct march *ma
     finer.sun_steps *= 2;
     finer.growth = sqrt(march->growth);
     const struct neph_camera camera = neph_scene_camera(march->scene, shot->frame);
-    const double part = fmin(1.0, sqrt((double)STEPS_MAX / (3.0 * march->steps * COLUMNS * ROWS)));
-    const int columns = (int)fmax(4.0, COLUMNS * part), rows = (int)fmax(3.0, ROWS * part);
+    const int rays = (int)fmax(RAYS_LEAST, fmin(RAYS_MAX, STEPS_MAX / (3.0 * march->steps)));
     double difference = 0.0, sum = 0.0;
-    for (int i = 0; i < columns * rows; i++) {
-        const struct neph_pixel_ray seen = neph_lattice_ray(shot, &camera, columns, rows, i);
+    for (int i = 0; i < rays; i++) {
+        const struct neph_pixel_ray seen = ray_of_frame(shot, &camera, i, rays);
         const struct way way = {seen.origin_m, seen.direction,
                                 neph_scene_hit(march->scene, seen.origin_m, seen.direction).t_m};
         const double coarse = mean(ray_light(march, &way)), fine = mean(ray_light(&finer, &way));

@@ -18,7 +18,7 @@
 double neph_step_bias(const struct neph_shot *shot, const struct neph_engine *engine,
                       const struct neph_image *frame);
 
-/* The warning, for the caller to free; NULL: the bias is small or unknown, or there is no memory. */
+/* The warning, for the caller to free; NULL: the bias is small or unknown, or memory is short. */
 char *neph_step_bias_warning(double bias, const struct neph_engine *engine);
 
 #endif

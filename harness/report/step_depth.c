@@ -108,7 +108,11 @@ static double most_of_frame(const struct neph_shot *shot, const struct neph_scen
     for (int m = 0; m < scene->medium_count; m++)
         containers[m] = neph_medium_container(scene, &scene->media[m], &cut_error);
     for (int i = 0; i < COLUMNS * ROWS; i++) {
-        const struct neph_pixel_ray seen = neph_lattice_ray(shot, &camera, COLUMNS, ROWS, i);
+        /* Pixel centres of the picture itself, so that its shape counts. */
+        const int column = (2 * (i % COLUMNS) + 1) * shot->width_px / (2 * COLUMNS);
+        const int row = (2 * (i / COLUMNS) + 1) * shot->height_px / (2 * ROWS);
+        const struct neph_pixel_ray seen = neph_camera_ray(&camera, shot->width_px, shot->height_px,
+                                                           column, row);
         struct ray ray = {.scene = scene,
                           .containers = containers,
                           .origin_m = seen.origin_m,

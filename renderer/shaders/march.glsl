@@ -249,7 +249,8 @@ void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
                         ? scaled_light(mixture, point_m, marched_depth(sums), step_depth)
                         : step_light(mixture, point_m, step_m, step_depth) * through;
     if (LAMPS && own(frame.scatters_lamps) != 0)
-        scattered += lamps_step_light(mixture, ray, step_start_m(steps, i), step_m, step_depth) *
+        scattered += lamps_step_light(mixture, ray, steps.stretch, step_start_m(steps, i), step_m,
+                                      step_depth) *
                      through;
     if (kept_emits)
         scattered += mixture.glow * fraction_lost(step_depth) * through;

@@ -13,26 +13,27 @@
 
 #include "march_lamps.glsl"
 
-// Parts of all steps of a ray for one lamp, beside one for each step: lamp_parts() of
+// Parts of all steps of a ray for one lamp, at most, beside one for each step: lamp_parts() of
 // renderer/march_cut.c says how many turns of a thread there are for them.
 const uint LAMP_RAY_PARTS = SHORTCUTS >> 16u;
 
-// Beyond so many heights from the foot, where 1e-9 of the light is, no step is divided; and the
-// extent of a ray in u, at most: 2 asinh(LAMP_END).
-const float LAMP_END = 1e9, LAMP_EXTENT = 42.9;
-
-// The extent of a part: with 64 steps and fewer that of a froxel's parts.
-float lamp_step_part()
-{
-    return max(LAMP_PART * min(1.0, 64.0 / float(own(frame.steps))),
-               LAMP_EXTENT / float(LAMP_RAY_PARTS));
-}
+// Beyond so many heights from the foot, where 1e-9 of the light is, no step is divided.
+const float LAMP_END = 1e9;
 
 // u of a place.
 float lamp_place(LampPass pass, float s_m)
 {
     float slope = min(abs(s_m) / pass.height_m, LAMP_END);
     return sign(s_m) * log(slope + sqrt(1.0 + slope * slope));
+}
+
+// The extent of a part on a ray: with 64 steps and fewer that of a froxel's parts.
+float lamp_step_part(LampPass pass, Stretch stretch)
+{
+    float whole = lamp_place(pass, stretch.t1_m - pass.foot_m) -
+                  lamp_place(pass, stretch.t0_m - pass.foot_m);
+    return max(LAMP_PART * min(1.0, 64.0 / float(own(frame.steps))),
+               whole / float(LAMP_RAY_PARTS));
 }
 
 float lamp_place_m(LampPass pass, float place) { return pass.height_m * sinh(place); }
@@ -47,12 +48,12 @@ vec3 lamp_part_depth(Mixture mixture, vec3 start_m, vec3 direction, float length
 
 // What a step sends to its near end. A step of one part is taken for its mixture and its optical
 // depth, which are given; else the mixture that was looked up last is another after this.
-vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, float start_m,
-                     float length_m, vec3 step_depth, out bool is_divided)
+vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, Stretch stretch,
+                     float start_m, float length_m, vec3 step_depth, out bool is_divided)
 {
     float s0_m = start_m - pass.foot_m, end_m = s0_m + length_m;
     float first = lamp_place(pass, s0_m), extent = lamp_place(pass, end_m) - first;
-    uint parts = 1u + uint(max(extent, 0.0) / lamp_step_part());
+    uint parts = 1u + uint(max(extent, 0.0) / lamp_step_part(pass, stretch));
     is_divided = parts > 1u;
     vec3 sum = vec3(0.0), depth = vec3(0.0);
     for (uint i = 1; i <= parts; i++) {
@@ -80,16 +81,17 @@ vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, flo
     return sum;
 }
 
-// That of all lamps, of a step whose mixture is the last that was looked up.
-vec3 lamps_step_light(Mixture mixture, ViewRay ray, float start_m, float length_m, vec3 step_depth)
+// That of all lamps, of a step of a stretch, whose mixture is the last that was looked up.
+vec3 lamps_step_light(Mixture mixture, ViewRay ray, Stretch stretch, float start_m, float length_m,
+                      vec3 step_depth)
 {
     vec3 sum = vec3(0.0);
     vec3 step_scattering_per_m[MEDIA_MAX] = scattering_per_m;
     for (uint i = 0; i < own(frame.lamp_count); i++) {
         bool is_divided;
         LampPass pass = lamp_pass(frame.lamps[i].position_m, ray, 0.0);
-        sum += lamp_step_light(frame.lamps[i], pass, mixture, ray, start_m, length_m, step_depth,
-                               is_divided);
+        sum += lamp_step_light(frame.lamps[i], pass, mixture, ray, stretch, start_m, length_m,
+                               step_depth, is_divided);
         if (is_divided)
             scattering_per_m = step_scattering_per_m;
     }

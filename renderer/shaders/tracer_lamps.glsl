@@ -6,11 +6,11 @@
 // variance, however near a path comes to a lamp.
 //
 // Cancellation. Three differences lose all digits of a float32 near a lamp, and none of them is
-// taken. The angle of a segment, seen from a lamp, is one arctangent of both ends. The distance
-// from a lamp is that of the triangle (height, place behind the foot), not of two points. The
-// height of a lamp over a view ray comes from the lamp's place in the frame, which the CPU knows in
-// double. Other segments have random directions: one of 10^5 passes a lamp so near that its height
-// is off by 1 %.
+// taken; small angles have series of their own. The angle of a segment, seen from a lamp, is one
+// arctangent of both ends. The distance from a lamp is that of the triangle (height, place behind
+// the foot), not of two points. The height of a lamp over a view ray comes from the lamp's place in
+// the frame, which the CPU knows in double. Other segments have random directions: one of 10^5
+// passes a lamp so near that its height is off by 1 %.
 #ifndef NEPH_TRACER_LAMPS_GLSL
 #define NEPH_TRACER_LAMPS_GLSL
 
@@ -96,6 +96,15 @@ float angle_at(float y, float x)
                     : atan(y, x);
 }
 
+// 1 / tan(x) of x in 0..pi. GPUs have sine and cosine to 5e-7, which leaves a small angle no digit.
+float cotangent(float x)
+{
+    float square = x * x;
+    return x < 0.25
+               ? (1.0 - square * (1.0 / 3.0 + square * (1.0 / 45.0 + square * (2.0 / 945.0)))) / x
+               : 1.0 / tan(x);
+}
+
 // Integrals of 1/d^2 (1 / s0 - 1 / s1 at a height of 0) and of 1/d over a stretch.
 float squares_between(float height_m, float s0_m, float s1_m)
 {
@@ -120,7 +129,7 @@ float place_by_squares_m(float height_m, float s0_m, float s1_m, float u)
     float angle0 = angle_at(height_m, is_before ? -s1_m : s0_m);
     float angle1 = angle_at(height_m, is_before ? -s0_m : s1_m);
     float part = is_before ? 1.0 - u : u;
-    float s_m = height_m / tan(mix(angle0, angle1, part));
+    float s_m = height_m * cotangent(mix(angle0, angle1, part));
     return is_before ? -s_m : s_m;
 }
 

@@ -453,6 +453,8 @@ class Metrics(unittest.TestCase):
                 for word in (*words, "hint:"):
                     self.assertIn(word, done.stderr)
                 self.assertNotIn("mask", done.stderr)
+        masks = sequence("masks", {"channels": ("R", "G", "B", "mask.sun")})
+        self.assertEqual(neph("compare", masks, masks, "-m", "mae").returncode, 0)
         for frame in range(2):  # reference and test are cut alike
             (self.folder / "cut").mkdir(exist_ok=True)
             (self.folder / f"cut/f{frame}.exr").write_bytes(frames.exr_bytes(

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Output that was cut is an error, input that never comes is refused, and no byte of anybody else's
 acts on the terminal."""
+import json
 import os
 import pathlib
 import shutil
@@ -70,6 +71,14 @@ class Output(unittest.TestCase):
                 self.assertEqual(done.returncode, 74, (command, done.stderr))
                 self.assertEqual(done.stderr.count(b"the output was cut: cannot write to stdout"),
                                  1, (command, done.stderr))
+
+    def test_a_large_step_bias_is_warned_of(self):
+        for steps, is_large in (2, True), (64, False):
+            done = neph("render", "height_fog_up", "-s", f"steps={steps}", "--size", "16x9", "-q",
+                        "--json", "-o", self.folder)
+            result, = json.loads(done.stdout)
+            self.assertEqual(abs(result["step_bias"]) > 0.1, is_large, result)
+            self.assertEqual(b"too bright: raise its steps" in done.stderr, is_large, done.stderr)
 
     def test_an_exit_code_that_says_more_stays(self):
         with open("/dev/full", "wb") as full:
