@@ -6,6 +6,7 @@
 #include "metrics/significance.h"
 #include "renderer/march.h"
 #include "renderer/tracer.h"
+#include "scenes/media.h"
 #include "tests/random_scenes/recipe.h"
 #include "truth/oracle.h"
 #include "truth/transport.h"
@@ -282,7 +283,8 @@ struct difference {
     double dof;
     double size; /* the larger of both readings */
     bool is_sure;
-    bool is_seen; /* too large to be light that the paths have missed */
+    bool is_seen;    /* too large to be light that the paths have missed */
+    bool has_missed; /* all paths of a tracer brought the same: their spread says nothing */
 };
 
 static struct difference difference_at(const struct reading *test, const struct reading *truth,
@@ -292,6 +294,7 @@ static struct difference difference_at(const struct reading *test, const struct 
     const double mean_a = test->mean[channel][pixel], mean_b = truth->mean[channel][pixel];
     struct difference made = {.value = mean_a - mean_b, .size = fmax(mean_a, mean_b)};
     made.error = sqrt(a + b);
+    made.has_missed = (a == 0.0 && test->is_noisy) || (b == 0.0 && truth->is_noisy);
     if (made.error <= noisy * rounding * made.size) {
         made.error = 0.0;
         return made;
@@ -301,10 +304,7 @@ static struct difference difference_at(const struct reading *test, const struct 
     /* The batches are too few to know that a variance is known exactly. */
     made.dof = fmin(2.0 / fmax(unsure * unsure, 1e-12), 1e4);
     made.is_sure = unsure <= unsure_most;
-    /* All paths of a tracer brought the same where those of the other did not: they have missed
-     * something that is rare, and their spread says nothing. */
-    const bool has_missed = (a == 0.0 && test->is_noisy) || (b == 0.0 && truth->is_noisy);
-    if (has_missed) {
+    if (made.has_missed) {
         made.dof = 1.0;
         made.is_sure = false;
     }
@@ -346,6 +346,11 @@ static void score(struct compare_scores *scores, const struct difference *differ
     scores->expected_sum += difference->dof / (difference->dof - 2.0);
 }
 
+static double largest_of(struct neph_rgb c)
+{
+    return fmax(c.r, fmax(c.g, c.b));
+}
+
 /* The brightest radiance of a scene [W m^-2 sr^-1]: in its pixels, of what its media emit, and of
  * the background where that lights them. */
 static double find_peak(const struct neph_scene *scene, const struct reading *a,
@@ -354,20 +359,48 @@ static double find_peak(const struct neph_scene *scene, const struct reading *a,
     double peak = 0.0;
     for (int i = 0; i < 3 * COMPARE_PIXELS; i++)
         peak = fmax(peak, fmax(a->mean[i % 3][i / 3], b->mean[i % 3][i / 3]));
-    for (int m = 0; m < scene->medium_count; m++) {
-        const struct neph_rgb emission = scene->media[m].emission_w_per_m2_sr;
-        peak = fmax(peak, fmax(emission.r, fmax(emission.g, emission.b)));
-    }
-    const struct neph_rgb background = scene->background_w_per_m2_sr;
-    return scene->environment_light
-               ? fmax(peak, fmax(background.r, fmax(background.g, background.b)))
-               : peak;
+    for (int m = 0; m < scene->medium_count; m++)
+        peak = fmax(peak, largest_of(scene->media[m].emission_w_per_m2_sr));
+    return scene->environment_light ? fmax(peak, largest_of(scene->background_w_per_m2_sr)) : peak;
 }
 
-/* One channel of each pixel is tested, in turn: channels share their paths. `unseen` is what so
- * many paths may have missed. */
+/* The largest value of a phase function [1/sr], but no more than 1: its peak is narrow. */
+static double phase_peak_per_sr(const struct neph_scene *scene)
+{
+    double peak = 0.0;
+    for (int m = 0; m < scene->medium_count; m++)
+        peak = fmax(peak, fmax(neph_phase_per_sr(&scene->media[m].phase, 1.0),
+                               neph_phase_per_sr(&scene->media[m].phase, -1.0)));
+    return fmin(peak, 1.0);
+}
+
+/* About what one path may bring of the sun and of lights, of these from across the view. */
+static double source_peak(const struct neph_scene *scene)
+{
+    const struct neph_camera_key *key = &scene->camera_keys[0];
+    const struct neph_vec3 view_m = neph_vec3_sub(key->look_at_m, key->position_m);
+    double sum = scene->sun.present ? largest_of(scene->sun.irradiance_w_per_m2) : 0.0;
+    for (int l = 0; l < scene->light_count; l++)
+        sum += largest_of(scene->lights[l].intensity_w_per_sr) / neph_vec3_dot(view_m, view_m);
+    return scene->scattering == NEPH_SCATTERING_NONE ? 0.0 : sum * phase_peak_per_sr(scene);
+}
+
+/* Light that so many paths may have missed; and where all of them brought the same. */
+struct unseen {
+    double by_some, by_all;
+};
+
+static struct unseen find_unseen(const struct neph_scene *scene, const struct reading *a,
+                                 const struct reading *b, int stage)
+{
+    const double part = unseen_paths / (COMPARE_BATCHES * oracle_samples[stage]);
+    const double peak = find_peak(scene, a, b);
+    return (struct unseen){part * peak, part * fmax(peak, source_peak(scene))};
+}
+
+/* One channel of each pixel is tested, in turn: channels share their paths. */
 static struct suspect find_suspect(const struct reading *test, const struct reading *truth,
-                                   double unseen, struct compare_scores *scores)
+                                   struct unseen unseen, struct compare_scores *scores)
 {
     struct suspect suspect = {.p = 1.0};
     struct difference sum = {.dof = 1e4};
@@ -378,7 +411,8 @@ static struct suspect find_suspect(const struct reading *test, const struct read
         score(scores, &found);
         sum.size += found.size;
         const double allowed = float_tolerance * found.size;
-        found.is_seen = fabs(found.value) > allowed + unseen;
+        found.is_seen = fabs(found.value) >
+                        allowed + (found.has_missed ? unseen.by_all : unseen.by_some);
         if (found.error == 0.0) {
             const double p = fabs(found.value) > allowed ? 0.0 : 1.0;
             suspect_if(&suspect, p, i, channel, found);
@@ -394,7 +428,8 @@ static struct suspect find_suspect(const struct reading *test, const struct read
     if (variance > 0.0) {
         sum.error = hypot(sqrt(variance), rounding * sum.size);
         sum.dof = fmin(2.0 * variance * variance / fmax(unsure, 1e-300), 1e4);
-        sum.is_seen = fabs(sum.value) > float_tolerance * sum.size + unseen * COMPARE_PIXELS;
+        sum.is_seen = fabs(sum.value) >
+                      float_tolerance * sum.size + unseen.by_some * COMPARE_PIXELS;
         suspect_if(&suspect, neph_student_p(sum.value / sum.error, sum.dof), -1, 0, sum);
     }
     return suspect;
@@ -512,6 +547,9 @@ static double light_tolerance(const struct neph_scene *scene, int pixel)
 static struct suspect march_suspect(const struct neph_scene *scene, const struct reading *march,
                                     const struct reading *truth)
 {
+    const double unseen = truth->is_noisy ? find_unseen(scene, march, truth, 0).by_all : 0.0;
+    /* A march leaves out what is behind e^-16 of a fog without end (renderer/march.h). */
+    const double cut = exp(-16.0) * fmax(find_peak(scene, march, truth), source_peak(scene));
     struct suspect worst = {.p = 1.0, .pixel = -1};
     double most = 1.0;
     double largest = 0.0;
@@ -522,7 +560,7 @@ static struct suspect march_suspect(const struct neph_scene *scene, const struct
         for (int i = 0; i < COMPARE_PIXELS; i++) {
             struct difference found = difference_at(march, truth, c, i);
             const double relative = float_tolerance + light_tolerance(scene, i);
-            const double allowed = relative * found.size + 1e-6 * largest +
+            const double allowed = relative * found.size + 1e-6 * largest + cut + unseen +
                                    6.0 * sqrt(truth->variance[c][i]) *
                                        (1.0 + 5.0 * truth->unsure[c][i]);
             if (isfinite(relative) && !(fabs(found.value) <= most * allowed)) {
@@ -619,14 +657,12 @@ static bool judge_stage(struct comparison *comparison, int stage, struct compare
         const struct reading *truth = &comparison->readings[pairs[p].truth];
         if (!test->is_there || !truth->is_there)
             continue;
-        const double peak = find_peak(comparison->request->still, test, truth);
-        const double unseen = unseen_paths * peak / (COMPARE_BATCHES * oracle_samples[stage]);
+        const struct unseen unseen = find_unseen(comparison->request->still, test, truth, stage);
         const struct suspect suspect = find_suspect(test, truth, unseen,
                                                     scores ? &scores[p] : NULL);
         if (suspect.p >= suspicious_p)
             continue;
-        const bool is_certain = suspect.p < certain_p &&
-                                (suspect.difference.error == 0.0 || stage > 0);
+        const bool is_certain = suspect.p < certain_p && stage > 0;
         needs_more |= !is_certain && stage + 1 < COMPARE_STAGES &&
                       (suspect.difference.is_seen || stage == 0);
         if (!is_certain)
