@@ -8,6 +8,10 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+_Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
+
 /* The loop turns of all rays in a dispatch before anything is known of the device's speed: about
  * 0.2 s on two CPU cores; a GPU does 500 times as much in a millisecond or two, and cut as finely
  * as that runs a few hundred rays at a time of the 100,000 that fill it. */
@@ -51,7 +55,8 @@ int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march
 /* Octaves of the similar medium. */
 static void fit_similar(struct neph_gpu_medium *medium)
 {
-    const double g = medium->phase_kind == NEPH_PHASE_HENYEY_GREENSTEIN ? (double)medium->g : 0.0;
+    const struct neph_phase phase = {(enum neph_phase_kind)medium->phase_kind, (double)medium->g};
+    const double g = neph_phase_mean_cosine(&phase);
     const double smooth_g = neph_similar_g(g);
     double mean = 0.0;
     for (int c = 0; c < 3; c++) {
