@@ -41,7 +41,8 @@ static const int march_steps[LEVELS] = {61, 409, 2753, 18521, 62743};
 /* float32 knows a radiance that is a sum of products to about this part of itself (test_tracer.c).
  * Above 10 times that noise adds 1 / 100 at most to the variance of z-scores. */
 static const double rounding = 2e-6, noisy = 10.0;
-/* Closed forms in float32, for pixels without noise: what places far from the camera lose. */
+/* Closed forms in float32, for pixels without noise: a choice, 100 times `rounding`, for optical
+ * depths of a few dozen at places a thousand times as far away as they are large. */
 static const double float_tolerance = 2e-4;
 /* A pixel's variance is known when its relative error is below this: 50 degrees of freedom. */
 static const double unsure_most = 0.2;
