@@ -125,16 +125,21 @@ static double place_m(const struct neph_own_flight *flight, const struct neph_ow
 /* None the same, as in truth/guess.c. */
 static void guess_depths(const struct neph_own_flight *flight, struct neph_own_part *part)
 {
-    double own[NEPH_GUESS_STRETCHES], sum = 0.0;
+    double own[NEPH_GUESS_STRETCHES], shared[NEPH_GUESS_STRETCHES], sum = 0.0;
     const double length_m = stretch_m(part);
     for (int i = 0; i < NEPH_GUESS_STRETCHES; i++) {
         own[i] = length_m * extinction_per_m(flight, part, part->t0_m + (i + 0.5) * length_m);
         sum += own[i];
     }
+    for (int i = 0; i < NEPH_GUESS_STRETCHES; i++) { /* it may begin or end anywhere in a stretch */
+        const double before = i > 0 ? own[i - 1] : 0.0;
+        const double behind = i + 1 < NEPH_GUESS_STRETCHES ? own[i + 1] : 0.0;
+        shared[i] = 0.5 * own[i] + 0.25 * (before + behind);
+    }
     const double least = sum > 0.0 ? 0.05 * sum / NEPH_GUESS_STRETCHES : 1e-6;
     part->depth[0] = 0.0;
     for (int i = 0; i < NEPH_GUESS_STRETCHES; i++)
-        part->depth[i + 1] = part->depth[i] + fmax(own[i], least);
+        part->depth[i + 1] = part->depth[i] + fmax(shared[i], least);
     for (int i = 0; i <= NEPH_LIT_CELLS; i++) {
         part->lit.s[i] = part->depth[i * NEPH_GUESS_STRETCHES / NEPH_LIT_CELLS];
         part->edge_t_m[i] = part->t0_m + (part->t1_m - part->t0_m) * i / NEPH_LIT_CELLS;

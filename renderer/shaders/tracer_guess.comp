@@ -69,9 +69,16 @@ float guess_sun_depth(vec3 point_m)
     return sum;
 }
 
+// A medium may begin or end anywhere in a stretch: what places are drawn by is shared with the
+// stretches beside it.
 float stretch_depth(uint first, uint i)
 {
-    return MEDIA_DIFFER ? drawn[first * GUESS_PLACES + i] : own_depths[first * GUESS_PLACES + i];
+    uint at = first * GUESS_PLACES + i;
+    if (!MEDIA_DIFFER)
+        return own_depths[at];
+    float before = i > 0u ? drawn[at - 1u] : 0.0;
+    float behind = i + 1u < GUESS_STRETCHES ? drawn[at + 1u] : 0.0;
+    return 0.5 * drawn[at] + 0.25 * (before + behind);
 }
 
 // No stretch is left without a depth: what the places have missed is looked for as if there were a
