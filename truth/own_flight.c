@@ -8,8 +8,9 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* Of the samples, shared out evenly: no medium's light is overlooked because a table is wrong. */
-static const double even_share = 0.25;
+/* Of the samples, shared out evenly: no medium's light is overlooked because a table is wrong, or
+ * because it is all the light that one channel has. */
+static const double even_share = 0.5;
 
 /* Collisions are placed to this part of a medium's optical depth. */
 static const double placement = 1e-12;

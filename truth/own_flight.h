@@ -8,7 +8,7 @@
  *   L = sum over the media m of integral k_m T_m (T_others J_m) dt,
  *
  * k_m the extinction, T_m the transmittance of medium m by itself, J_m the light that it sends. The
- * medium is chosen first: a quarter of the samples evenly, the rest by the light of the tables. The
+ * medium is chosen first: half of the samples evenly, the rest by the light of the tables. The
  * place is drawn in optical depths s of the chosen medium by itself (truth/lit_flight.h): by the
  * table, which has the attenuation by all media, by free flight as if the medium were alone, so
  * that no sample weighs more than the number of media times a small constant, and evenly. The

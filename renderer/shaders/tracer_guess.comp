@@ -145,7 +145,7 @@ void sum_media(ViewRay ray, float from_m, float stretch_m, uint thread)
 
 uint weight_of(uint thread, uint m) { return thread / LIT_EDGES * MEDIA_MAX + m; }
 
-// A quarter of the places is shared out evenly to the media, the rest by what they may send. The
+// Half of the places are shared out evenly to the media, the rest by what they may send. The
 // weights are such that the sum over the ray of what places are drawn by is 1.
 void weigh_media(uint first)
 {
@@ -160,8 +160,8 @@ void weigh_media(uint first)
         count += float(depth_of[m] > 0.0);
     }
     for (uint m = 0; m < media_count(); m++) {
-        float even = depth_of[m] > 0.0 ? 0.25 / (count * depth_of[m]) : 0.0;
-        weights[weight_of(first, m)] = sent > 0.0 ? 0.75 * sent_of[m] / sent + even : 0.0;
+        float even = depth_of[m] > 0.0 ? 0.5 / (count * depth_of[m]) : 0.0;
+        weights[weight_of(first, m)] = sent > 0.0 ? 0.5 * sent_of[m] / sent + even : 0.0;
     }
 }
 
