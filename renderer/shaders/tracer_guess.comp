@@ -188,6 +188,26 @@ float log_sent(float sun_depth)
     return ambient > 0.0 ? log(ambient + sun * transmittance(sun_depth)) : -sun_depth;
 }
 
+// Whether free flights meet bright media often enough, in all channels that have light: see
+// truth/own_flight.c.
+bool do_flights_suffice(uint pixel, uint first)
+{
+    const float SUFFICE = 1.0 / 32.0;
+    vec3 most = vec3(0.0), met = vec3(0.0);
+    for (uint m = 0; m < media_count(); m++) {
+        Source source = source_of(m);
+        vec3 bright = source.sun + source.ambient;
+        float chance = 0.0;
+        for (uint i = 0; i + 1u < LIT_EDGES; i++) {
+            float a = guesses[pixel].view_depth[i], b = guesses[pixel].view_depth[i + 1u];
+            chance += medium_depths[(first + i) * MEDIA_MAX + m] * transmittance(a) * phi(b - a);
+        }
+        most = max(most, bright);
+        met += bright * chance;
+    }
+    return all(greaterThanEqual(met, SUFFICE * most));
+}
+
 void complete_weighed(uint pixel, uint first)
 {
     float x[LIT_EDGES], log_light[LIT_EDGES], view_depth = 0.0;
@@ -206,7 +226,7 @@ void complete_weighed(uint pixel, uint first)
         guesses[pixel].weight[m] = weight;
         is_any = is_any || weight > 0.0;
     }
-    guesses[pixel].is_known = uint(is_any);
+    guesses[pixel].is_known = uint(is_any && !do_flights_suffice(pixel, first));
 }
 
 void main()
