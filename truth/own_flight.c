@@ -8,8 +8,8 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* Of the samples, shared out evenly: no medium's light is overlooked because a table is wrong, or
- * because it is all the light that one channel has. */
+/* The part of the samples that is shared out evenly: no medium's light is overlooked because a
+ * table is wrong, or because it is all the light that one channel has. */
 static const double even_share = 0.5;
 
 /* Where a medium has no closed form, free flights that know its density are better than guesses
@@ -340,7 +340,7 @@ static double between_edges(const double at_edges[NEPH_LIT_CELLS + 1],
     return at_edges[i] * (1.0 - x) + at_edges[i + 1] * x;
 }
 
-/* What s is drawn by, over what the medium has there: 1 where s is exact. */
+/* The extinction of the medium over the one that s is drawn by: 1 where s is exact. */
 static double true_over_guessed(const struct neph_own_flight *flight,
                                 const struct neph_own_part *part, double s, double t_m)
 {
