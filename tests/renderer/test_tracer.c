@@ -870,7 +870,7 @@ static void test_bright_media_in_dark_ones(void **state)
             test.scene.scattering = NEPH_SCATTERING_NONE;
             blob->emission_w_per_m2_sr = (struct neph_rgb){1, 20, 400};
         }
-        const struct neph_tracer_params params = params_of(8, 4, 256);
+        const struct neph_tracer_params params = params_of(6, 4, 256);
         if (kind == 2)
             test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
         struct neph_image *frame = render(*state, &test, &params, NULL);
@@ -887,33 +887,37 @@ static void test_a_glow_in_dark_clouds(void **state)
     struct test_scene test;
     test_scene_init(&test);
     scene_horizon(&test);
-    for (int m = 0; m < test.scene.medium_count; m++)
-        test.scene.media[m].albedo = make_grey(0);
     test.scene.scattering = NEPH_SCATTERING_NONE;
     test.scene.background_w_per_m2_sr = make_grey(0);
     test.scene.solid_count = 0;
-    test_add(&test, make_blob(1e-7, (struct neph_vec3){0.0, 200.0, -600.0}, 80.0))
-        ->emission_w_per_m2_sr = (struct neph_rgb){1, 20, 400};
-    const struct neph_tracer_params params = params_of(8, 4, 256);
+    test_add(&test, make_blob(1e-7, (struct neph_vec3){0.0, 200.0, -600.0}, 80.0));
+    for (int m = 0; m < test.scene.medium_count; m++)
+        test.scene.media[m].albedo = make_grey(0);
+    test.scene.media[test.scene.medium_count - 1].emission_w_per_m2_sr = (struct neph_rgb){1, 20,
+                                                                                           400};
+    const struct neph_tracer_params params = params_of(4, 3, 256);
     const struct neph_oracle_params of_oracle = {
-        .width_px = 8, .height_px = 4, .seed = 5, .samples = 1024, .time_limit_s = INFINITY};
+        .width_px = 4, .height_px = 3, .seed = 5, .samples = 256, .time_limit_s = INFINITY};
     struct neph_diag diag = {0};
     struct neph_image *frame = render(*state, &test, &params, NULL), *truth = NULL;
     neph_assert_ok(neph_oracle_render(&test.scene, &of_oracle, &truth, NULL, &diag), &diag);
+    int seen = 0; /* values that are not 0 */
     for (int c = 0; c < 3; c++) {
         static const char *const names[][2] = {
             {"R", "variance.R"}, {"G", "variance.G"}, {"B", "variance.B"}};
-        for (int i = 0; i < 32; i++) {
+        for (int i = 0; i < 12; i++) {
             const double found = (double)neph_image_channel(frame, names[c][0])[i];
             const double expected = (double)neph_image_channel(truth, names[c][0])[i];
             const double error = sqrt((double)neph_image_channel(frame, names[c][1])[i] +
                                       (double)neph_image_channel(truth, names[c][1])[i]);
+            seen += expected > 0.0;
             if (!(fabs(found - expected) <= 4.5 * error + 4.0 * rounding * expected &&
                   error <= 0.5 * expected))
                 fail_msg("pixel %d, %s: %g +- %g, the oracle %g", i, names[c][0], found, error,
                          expected);
         }
     }
+    assert_true(seen >= 18); /* of 36 */
     neph_image_destroy(frame);
     neph_image_destroy(truth);
     teardown(&test);
