@@ -88,8 +88,8 @@ static bool needs_paths(const struct neph_scene *scene)
     return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene) || is_open(scene);
 }
 
-/* All sunlight is scattered once: first collisions are drawn by that light, or by a guess of it,
- * unless lights are looked for from the view ray, which a guess would leave out. */
+/* All sunlight is scattered once: first collisions are drawn by that light, or by a guess of it
+ * unless there are lights, too. */
 static bool is_lit_once(const struct neph_scene *scene)
 {
     if (is_open(scene) && scene->light_count > 0)
@@ -98,16 +98,11 @@ static bool is_lit_once(const struct neph_scene *scene)
            is_positive(scene->sun.irradiance_w_per_m2) && scene->medium_count > 0;
 }
 
-/* Media differ in brightness, and each has first collisions of its own. With the same exception. */
-static bool media_differ(const struct neph_scene *scene)
-{
-    return neph_scene_sources_differ(scene) && !(is_open(scene) && scene->light_count > 0);
-}
-
-/* First collisions are drawn by the light that comes from there. */
+/* First collisions are drawn by the light that comes from there: also where media differ in
+ * brightness, so that each has some of its own. */
 static bool draws_by_light(const struct neph_scene *scene)
 {
-    return is_lit_once(scene) || media_differ(scene);
+    return is_lit_once(scene) || neph_scene_sources_differ(scene);
 }
 
 /* Tables of the light of a pixel: one per medium, or two where a fog may have two layers; one of
@@ -327,7 +322,8 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
                       scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
                       render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
                       scene->solid_count > 0, draws_by_light(scene), neph_scene_emits(scene),
-                      render->params->sobol, render->has_sun_table, media_differ(scene)},
+                      render->params->sobol, render->has_sun_table,
+                      neph_scene_sources_differ(scene)},
     };
     const bool is_lit = render->lit_tables > 0, is_open = render->is_open;
     const struct {

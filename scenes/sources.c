@@ -10,8 +10,16 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 static const double differs_by = 8.0;
 
-/* Without the sun's. With all orders, media and lights light one another; a light is taken to be a
- * metre away. */
+static struct neph_rgb sunlight(const struct neph_scene *scene)
+{
+    const struct neph_rgb none = {0, 0, 0};
+    return scene->sun.present ? neph_rgb_scale(scene->sun.irradiance_w_per_m2, 1.0 / (4.0 * M_PI))
+                              : none;
+}
+
+/* Without what comes straight from the sun. With all orders, media light one another, by what they
+ * emit and by sunlight that was scattered before, which is about as much again; a light is taken to
+ * be a metre away. */
 static struct neph_rgb incident_light(const struct neph_scene *scene)
 {
     struct neph_rgb light = {0, 0, 0};
@@ -19,6 +27,7 @@ static struct neph_rgb incident_light(const struct neph_scene *scene)
         light = scene->background_w_per_m2_sr;
     if (scene->scattering != NEPH_SCATTERING_MULTIPLE)
         return light;
+    light = neph_rgb_add(light, sunlight(scene));
     for (int m = 0; m < scene->medium_count; m++)
         light = neph_rgb_add(light, neph_medium_glow(&scene->media[m]));
     for (int l = 0; l < scene->light_count; l++)
@@ -42,9 +51,7 @@ struct neph_source neph_medium_source(const struct neph_scene *scene,
         return source;
     const struct neph_rgb scattered = in_channels(medium->extinction_color, medium->albedo);
     source.ambient = neph_rgb_add(source.ambient, neph_rgb_mul(scattered, incident_light(scene)));
-    if (scene->sun.present)
-        source.sun = neph_rgb_scale(neph_rgb_mul(scattered, scene->sun.irradiance_w_per_m2),
-                                    1.0 / (4.0 * M_PI));
+    source.sun = neph_rgb_mul(scattered, sunlight(scene));
     return source;
 }
 

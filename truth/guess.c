@@ -51,7 +51,7 @@ static bool find_hull(const struct neph_scene *scene, const struct neph_ray *ray
     return *low_m < *high_m && isfinite(*high_m);
 }
 
-/* Of extinction color 1. */
+/* The optical depth of one medium, as if its extinction color were 1. */
 static double guess_own_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
                               struct neph_vec3 direction, double length_m)
 {

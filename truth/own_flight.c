@@ -8,9 +8,14 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* Of the samples, shared out evenly: no medium's light is overlooked because a table is wrong, or
- * because it is all the light that one channel has. */
+/* The part of the samples that is shared out evenly: no medium's light is overlooked because a
+ * table is wrong, or because it is all the light that one channel has. */
 static const double even_share = 0.5;
+
+/* Where a medium has no closed form, free flights that know its density are better than guesses
+ * when so many of them, weighed by brightness, collide: of 256, the usual number, none does once in
+ * e^8 pixels. */
+static const double flights_suffice = 1.0 / 32.0;
 
 /* Collisions are placed to this part of a medium's optical depth. */
 static const double placement = 1e-12;
@@ -243,6 +248,44 @@ static void share_out(struct neph_own_flight *flight)
     }
 }
 
+/* ---- free flights ---- */
+
+/* The probability that a free flight collides with the medium, mean of the channels. */
+static double chance_of_flights(const struct neph_own_part *part)
+{
+    double sum = 0.0;
+    for (int i = 0; i < NEPH_LIT_CELLS; i++) {
+        const double a = part->view_depth[i], b = part->view_depth[i + 1];
+        if (isfinite(a))
+            sum += (part->lit.s[i + 1] - part->lit.s[i]) * exp(-a) * neph_phi(fmax(b - a, 0.0));
+    }
+    return sum;
+}
+
+static double brightness(const struct neph_own_flight *flight, const struct neph_own_part *part,
+                         int channel)
+{
+    const struct neph_source source = neph_medium_source(flight->scene, medium_of(flight, part));
+    const struct neph_rgb all = neph_rgb_add(source.sun, source.ambient);
+    return channel == 0 ? all.r : channel == 1 ? all.g : all.b;
+}
+
+/* Whether free flights meet bright media often enough, in all channels that have light. */
+static bool do_flights_suffice(const struct neph_own_flight *flight)
+{
+    for (int j = 0; j < 3; j++) {
+        double most = 0.0, met = 0.0;
+        for (int p = 0; p < flight->count; p++) {
+            const double bright = brightness(flight, &flight->parts[p], j);
+            most = fmax(most, bright);
+            met += bright * chance_of_flights(&flight->parts[p]);
+        }
+        if (met < flights_suffice * most)
+            return false;
+    }
+    return true;
+}
+
 /* Whether guesses are possible: media without closed forms end. */
 static bool is_possible(const struct neph_own_flight *flight)
 {
@@ -273,6 +316,7 @@ void neph_own_flight_init(struct neph_own_flight *flight, const struct neph_scen
         flight->count += init_part(flight, &flight->parts[flight->count], m);
     }
     share_out(flight);
+    flight->is_known = flight->is_exact || !do_flights_suffice(flight);
 }
 
 /* ---- drawing ---- */
@@ -296,7 +340,7 @@ static double between_edges(const double at_edges[NEPH_LIT_CELLS + 1],
     return at_edges[i] * (1.0 - x) + at_edges[i + 1] * x;
 }
 
-/* What s is drawn by, over what the medium has there: 1 where s is exact. */
+/* The extinction of the medium over the one that s is drawn by: 1 where s is exact. */
 static double true_over_guessed(const struct neph_own_flight *flight,
                                 const struct neph_own_part *part, double s, double t_m)
 {

@@ -44,8 +44,8 @@ struct neph_own_flight {
     struct neph_own_part parts[NEPH_SCENE_MEDIA_MAX]; /* of the media that send light */
 };
 
-/* `is_known` is false when the media do not differ, or when a medium without closed form has no end
- * on the ray. */
+/* `is_known` is false when the media do not differ, and where a medium has no closed form also when
+ * it has no end on the ray, or when free flights meet bright media often enough. */
 void neph_own_flight_init(struct neph_own_flight *flight, const struct neph_scene *scene,
                           const struct neph_ray *ray);
 

@@ -217,9 +217,12 @@ float raise_for(float guessed_depth)
     return clamp(guessed_depth, 1.0, RAISED_MAX);
 }
 
-// The ray to a first collision that is chosen already, if the guess is better than to look for it.
+// The ray to a first collision that is chosen already, if the guess is better than to look for it;
+// light of lamps on the view ray comes before it.
 void start_for_guessed_collision()
 {
+    if (LAMPS && own(frame.scatters_lamps) != 0u && path.is_looked_for == 0)
+        return;
     First first = firsts[item_place()];
     if (first.medium == MEDIA_MAX)
         return;
@@ -657,6 +660,17 @@ void leave()
     }
     if (LAMPS && is_path() && looks_for_lamps() && send_to_place(path.end_m))
         path.end_m = path.reach_m;
+    else if (GUESSED && LAMPS && is_path() && path.events == 0 && path.is_looked_for != 0) {
+        start_for_guessed_collision();
+        if (path.throughput == vec3(0.0)) {
+            finish_path();
+            return;
+        }
+        if (path.ray == RAY_FIRST) {
+            path.end_m = path.reach_m;
+            path.end_solid = NO_SOLID;
+        }
+    }
     if (has_fog())
         cross_fog();
 }

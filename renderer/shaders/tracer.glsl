@@ -185,10 +185,12 @@ struct Source {
     vec3 ambient; // emitted, or scattered and not the sun's
 };
 
-// That is not the sun's; a lamp is taken to be a metre away.
+// That does not come straight from the sun; a lamp is taken to be a metre away.
 vec3 incident_light()
 {
     vec3 light = ENVIRONMENT ? frame.background : vec3(0.0);
+    if (MULTIPLE)
+        light += frame.sun_irradiance / (4.0 * PI);
     for (uint m = 0; MULTIPLE && m < media_count(); m++)
         light += frame.media[m].glow;
     for (uint i = 0; MULTIPLE && LAMPS && i < own(frame.lamp_count); i++)

@@ -21,8 +21,8 @@ const float SPREAD_MAX = 4.0;
 shared float own_depths[64 * GUESS_PLACES];
 shared float sun_depths[64];
 
-// If MEDIA_DIFFER: of each bright medium, in the cell behind each thread's edge; its weight, of each
-// pixel; and what places in the cell are drawn by, in place of its depth.
+// If MEDIA_DIFFER: the depth of each bright medium in the cell behind each thread's edge, the
+// weight of each medium per pixel, and the depths that places are drawn by, not `own_depths`.
 shared float medium_depths[64 * MEDIA_MAX];
 shared float weights[64 / LIT_EDGES * MEDIA_MAX];
 shared float drawn[64 * GUESS_PLACES];
@@ -69,8 +69,8 @@ float guess_sun_depth(vec3 point_m)
     return sum;
 }
 
-// A medium may begin or end anywhere in a stretch: what places are drawn by is shared with the
-// stretches beside it.
+// A medium may begin or end anywhere in a stretch: the depth that places are drawn by is shared
+// with the stretches beside it.
 float stretch_depth(uint first, uint i)
 {
     uint at = first * GUESS_PLACES + i;
@@ -145,8 +145,8 @@ void sum_media(ViewRay ray, float from_m, float stretch_m, uint thread)
 
 uint weight_of(uint thread, uint m) { return thread / LIT_EDGES * MEDIA_MAX + m; }
 
-// Half of the places are shared out evenly to the media, the rest by what they may send. The
-// weights are such that the sum over the ray of what places are drawn by is 1.
+// Half of the places are shared out evenly to the bright media, the rest by their light. The
+// weights make the sum over the ray of the depths that places are drawn by 1.
 void weigh_media(uint first)
 {
     float depth_of[MEDIA_MAX], sent_of[MEDIA_MAX], sent = 0.0, count = 0.0;
@@ -176,7 +176,7 @@ float weighed_per_m(uint thread, vec3 point_m)
     return sum_per_m;
 }
 
-// The logarithm of what the media send from a place, by that of the brightest.
+// The logarithm of the light that the brightest media send from a place.
 float log_sent(float sun_depth)
 {
     float sun = 0.0, ambient = 0.0;
@@ -186,6 +186,26 @@ float log_sent(float sun_depth)
         ambient = max(ambient, mean_of(source.ambient));
     }
     return ambient > 0.0 ? log(ambient + sun * transmittance(sun_depth)) : -sun_depth;
+}
+
+// Whether free flights meet bright media often enough, in all channels that have light: see
+// truth/own_flight.c.
+bool do_flights_suffice(uint pixel, uint first)
+{
+    const float SUFFICE = 1.0 / 32.0;
+    vec3 most = vec3(0.0), met = vec3(0.0);
+    for (uint m = 0; m < media_count(); m++) {
+        Source source = source_of(m);
+        vec3 bright = source.sun + source.ambient;
+        float chance = 0.0;
+        for (uint i = 0; i + 1u < LIT_EDGES; i++) {
+            float a = guesses[pixel].view_depth[i], b = guesses[pixel].view_depth[i + 1u];
+            chance += medium_depths[(first + i) * MEDIA_MAX + m] * transmittance(a) * phi(b - a);
+        }
+        most = max(most, bright);
+        met += bright * chance;
+    }
+    return all(greaterThanEqual(met, SUFFICE * most));
 }
 
 void complete_weighed(uint pixel, uint first)
@@ -206,7 +226,7 @@ void complete_weighed(uint pixel, uint first)
         guesses[pixel].weight[m] = weight;
         is_any = is_any || weight > 0.0;
     }
-    guesses[pixel].is_known = uint(is_any);
+    guesses[pixel].is_known = uint(is_any && !do_flights_suffice(pixel, first));
 }
 
 void main()

@@ -20,8 +20,8 @@ struct Guess {
     // edges of the cells to the sun.
     float depth[GUESS_STRETCHES + 1u];
     float sun_depth[LIT_EDGES];
-    // If MEDIA_DIFFER `depth` holds no optical depths but what places are drawn by: extinction times
-    // the weight of its medium. The optical depths from the camera are here.
+    // If MEDIA_DIFFER, `depth` is the integral of extinction times the weight of its medium, and
+    // the optical depths from the camera are here.
     float weight[MEDIA_MAX];
     float view_depth[LIT_EDGES];
 };
@@ -44,7 +44,7 @@ uint guess_stretch(uint pixel, float depth)
     return low;
 }
 
-// What places in a medium are drawn by.
+// Extinction, by which places are drawn; if MEDIA_DIFFER, times the weight of the medium.
 float drawn_per_m(uint pixel, uint m, vec3 point_m)
 {
     float weight = MEDIA_DIFFER ? guesses[pixel].weight[m] : 1.0;

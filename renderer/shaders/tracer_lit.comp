@@ -51,7 +51,7 @@ float lit_inside(uint edge, float last)
     return lit_edge(edge, last);
 }
 
-// Of light that has lost an optical depth, the logarithm of the sum over the channels.
+// The logarithm of the sum over the channels of light that has lost an optical depth.
 float log_sum(vec3 light, vec3 lost)
 {
     if (light == vec3(0.0))
@@ -61,7 +61,7 @@ float log_sum(vec3 light, vec3 lost)
     return log(max(left.r + left.g + left.b, 1e-30)) - least;
 }
 
-// If MEDIA_DIFFER: of all light that a medium sends.
+// If MEDIA_DIFFER: the logarithm of all light that a medium sends, summed over the channels.
 float log_sent(uint m, uint l, ViewRay ray, float t_m, float x)
 {
     Source source = source_of(m);

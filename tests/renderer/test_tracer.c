@@ -826,6 +826,103 @@ static void test_emission_that_is_seen(void **state)
     }
 }
 
+/* --- dark media --------------------------------------------------------------------------- */
+
+/* Every pixel's value within 4.5 standard errors and rounding, and the error below a third of the
+ * value: 256 samples of which half are shared out to the media, a few weighing more. */
+static void hold_error(const char *name, const struct neph_image *frame,
+                       const struct test_scene *test)
+{
+    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    float *radiance[3], *variance[3];
+    assert_true(neph_image_rgb(frame, NULL, radiance));
+    assert_true(neph_image_rgb(frame, "variance", variance));
+    for (int i = 0; i < frame->width_px * frame->height_px; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(
+            &camera, frame->width_px, frame->height_px, i % frame->width_px, i / frame->width_px);
+        const struct neph_rgb light =
+            neph_transport_ray(&test->scene, ray.origin_m, ray.direction).volume;
+        const double expected[3] = {light.r, light.g, light.b};
+        for (int c = 0; c < 3; c++) {
+            const double found = (double)radiance[c][i], error = sqrt((double)variance[c][i]);
+            if (!(fabs(found - expected[c]) <= 4.5 * error + 4.0 * rounding * expected[c] &&
+                  error < expected[c] / 3.0))
+                fail_msg("%s, pixel %d, channel %d: %g +- %g, expected %g", name, i, c, found,
+                         error, expected[c]);
+        }
+    }
+}
+
+/* A bright medium of an optical depth of 1e-6 in a dark one that takes all collisions: by its own
+ * light, by the sun's, and with all orders, of which it has one. */
+static void test_bright_media_in_dark_ones(void **state)
+{
+    for (int kind = 0; kind < 3; kind++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        test.scene.background_w_per_m2_sr = make_grey(0);
+        test_add_medium(&test, 0.05, 0.0, 0.0)->albedo = make_grey(0);
+        struct neph_medium *blob = test_add(
+            &test, make_blob(1e-7, (struct neph_vec3){0.0, 2.0, -12.0}, 4.0));
+        blob->albedo = make_grey(0.5);
+        test.scene.media[0].bounds = (struct neph_bounds){{-90, -90, -90}, {90, 90, 90}};
+        if (kind == 0) {
+            test.scene.scattering = NEPH_SCATTERING_NONE;
+            blob->emission_w_per_m2_sr = (struct neph_rgb){1, 20, 400};
+        }
+        const struct neph_tracer_params params = params_of(6, 4, 256);
+        if (kind == 2)
+            test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+        struct neph_image *frame = render(*state, &test, &params, NULL);
+        test.scene.scattering = kind == 0 ? NEPH_SCATTERING_NONE : NEPH_SCATTERING_SINGLE;
+        hold_error("dark", frame, &test);
+        neph_image_destroy(frame);
+    }
+}
+
+/* In Horizon layers, whose depths the device has to guess: a glow that is thin, against the oracle.
+ * The frame's corners do not meet it. */
+static void test_a_glow_in_dark_clouds(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_horizon(&test);
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    test.scene.background_w_per_m2_sr = make_grey(0);
+    test.scene.solid_count = 0;
+    test_add(&test, make_blob(1e-7, (struct neph_vec3){0.0, 200.0, -600.0}, 80.0));
+    for (int m = 0; m < test.scene.medium_count; m++)
+        test.scene.media[m].albedo = make_grey(0);
+    test.scene.media[test.scene.medium_count - 1].emission_w_per_m2_sr = (struct neph_rgb){1, 20,
+                                                                                           400};
+    const struct neph_tracer_params params = params_of(4, 3, 256);
+    const struct neph_oracle_params of_oracle = {
+        .width_px = 4, .height_px = 3, .seed = 5, .samples = 256, .time_limit_s = INFINITY};
+    struct neph_diag diag = {0};
+    struct neph_image *frame = render(*state, &test, &params, NULL), *truth = NULL;
+    neph_assert_ok(neph_oracle_render(&test.scene, &of_oracle, &truth, NULL, &diag), &diag);
+    int seen = 0; /* values that are not 0 */
+    for (int c = 0; c < 3; c++) {
+        static const char *const names[][2] = {
+            {"R", "variance.R"}, {"G", "variance.G"}, {"B", "variance.B"}};
+        for (int i = 0; i < 12; i++) {
+            const double found = (double)neph_image_channel(frame, names[c][0])[i];
+            const double expected = (double)neph_image_channel(truth, names[c][0])[i];
+            const double error = sqrt((double)neph_image_channel(frame, names[c][1])[i] +
+                                      (double)neph_image_channel(truth, names[c][1])[i]);
+            seen += expected > 0.0;
+            if (!(fabs(found - expected) <= 4.5 * error + 4.0 * rounding * expected &&
+                  error <= 0.5 * expected))
+                fail_msg("pixel %d, %s: %g +- %g, the oracle %g", i, names[c][0], found, error,
+                         expected);
+        }
+    }
+    assert_true(seen >= 18); /* of 36 */
+    neph_image_destroy(frame);
+    neph_image_destroy(truth);
+    teardown(&test);
+}
+
 /* What a path gains at its collisions and what is left of it add up to the surround's light, but
  * for roulette: below 0.05 of its start a path's light is that or 0. A ball lit by it as well. */
 static void test_kirchhoff_furnace(void **state)
@@ -1109,6 +1206,8 @@ int main(void)
         cmocka_unit_test(test_the_half_space_is_chandrasekhars),
         cmocka_unit_test(test_white_furnace),
         cmocka_unit_test(test_emission_that_is_seen),
+        cmocka_unit_test(test_bright_media_in_dark_ones),
+        cmocka_unit_test(test_a_glow_in_dark_clouds),
         cmocka_unit_test(test_kirchhoff_furnace),
         cmocka_unit_test(test_dispatches_change_no_bit),
         cmocka_unit_test(test_seeds_are_independent),
