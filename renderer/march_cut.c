@@ -8,6 +8,10 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+_Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
+
 /* The loop turns of all rays in a dispatch before anything is known of the device's speed: about
  * 0.2 s on two CPU cores; a GPU does 500 times as much in a millisecond or two, and cut as finely
  * as that runs a few hundred rays at a time of the 100,000 that fill it. */
@@ -51,7 +55,8 @@ int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march
 /* Octaves of the similar medium. */
 static void fit_similar(struct neph_gpu_medium *medium)
 {
-    const double g = medium->phase_kind == NEPH_PHASE_HENYEY_GREENSTEIN ? (double)medium->g : 0.0;
+    const struct neph_phase phase = {(enum neph_phase_kind)medium->phase_kind, (double)medium->g};
+    const double g = neph_phase_mean_cosine(&phase);
     const double smooth_g = neph_similar_g(g);
     double mean = 0.0;
     for (int c = 0; c < 3; c++) {
@@ -141,15 +146,15 @@ static bool is_on_cpu(const struct neph_gpu_scene *gpu)
 /* Parts that all steps of a ray are divided into for one lamp, beside one for each step, at most
  * (shaders/march_lamp_steps.glsl): 7 for each four steps, 112 of few, and no more than 3/4 of a
  * thread's turns have room for, but 8. 0: there is no lamp. */
-static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_march_params *params)
+static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
+                           uint64_t lamps, uint64_t solids, uint64_t media)
 {
-    const struct neph_gpu_frame *frame = gpu->frame;
-    const uint64_t media = 1 + 3 * (uint64_t)frame->medium_count, lamps = frame->lamp_count;
+    const uint64_t medium_turns = 1 + 3 * media; /* of two layers each */
     const bool marches = params->sun == NEPH_MARCH_MARCHED ||
                          (gpu->constants[0] >> NEPH_MEDIUM_HORIZON & 1u) != 0;
     const uint64_t sun_steps = marches ? (uint64_t)params->sun_steps : 0;
-    const uint64_t turns = neph_gpu_solid_turns(frame->solid_count) + 3 * media +
-                           2 * gpu->optical_depth_turns + sun_steps * (3 + 3 * media);
+    const uint64_t turns = neph_gpu_solid_turns(solids) + 3 * medium_turns +
+                           2 * gpu->optical_depth_turns + sun_steps * (3 + 3 * medium_turns);
     const uint64_t all = is_on_cpu(gpu) ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max;
     const uint64_t wanted = 7 * (uint64_t)params->steps / 4;
     if (lamps == 0)
@@ -177,7 +182,10 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
         sunlight += 2 * NEPH_GPU_LAYERS_MAX; /* to the eye and to the sun */
     *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight +
-                    lamp_parts(gpu, params) * lamplight + 1;
+                    lamp_parts(gpu, params, (uint64_t)scene->light_count,
+                               (uint64_t)scene->solid_count, (uint64_t)scene->medium_count) *
+                        lamplight +
+                    1;
 }
 
 /* `SHORTCUTS` of shaders/shortcuts.glsl, and veils. */
@@ -212,7 +220,9 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[4] = params->lighting;
     constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
                    (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u) |
-                   (uint32_t)lamp_parts(gpu, params) << 16;
+                   (uint32_t)lamp_parts(gpu, params, gpu->frame->lamp_count,
+                                        gpu->frame->solid_count, gpu->frame->medium_count)
+                       << 16;
 }
 
 static uint64_t turns_of(const struct neph_march_cut *cut, uint64_t steps)

@@ -15,6 +15,7 @@
 #include "renderer/tracer_sums.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/sources.h"
 #include "scenes/surfaces.h"
 #include "scenes/trapped_light.h"
 
@@ -97,6 +98,18 @@ static bool is_lit_once(const struct neph_scene *scene)
            is_positive(scene->sun.irradiance_w_per_m2) && scene->medium_count > 0;
 }
 
+/* Media differ in brightness, and each has first collisions of its own. With the same exception. */
+static bool media_differ(const struct neph_scene *scene)
+{
+    return neph_scene_sources_differ(scene) && !(is_open(scene) && scene->light_count > 0);
+}
+
+/* First collisions are drawn by the light that comes from there. */
+static bool draws_by_light(const struct neph_scene *scene)
+{
+    return is_lit_once(scene) || media_differ(scene);
+}
+
 /* Tables of the light of a pixel: one per medium, or two where a fog may have two layers; one of
  * all where it is guessed. */
 static size_t lit_tables(const struct neph_scene *scene)
@@ -105,7 +118,7 @@ static size_t lit_tables(const struct neph_scene *scene)
     for (int i = 0; i < scene->medium_count; i++)
         if (neph_gpu_kind_of(&scene->media[i])->layers_max > layers)
             layers = neph_gpu_kind_of(&scene->media[i])->layers_max;
-    if (!is_lit_once(scene))
+    if (!draws_by_light(scene))
         return 0;
     return is_open(scene) ? 1 : (size_t)scene->medium_count * (size_t)layers;
 }
@@ -309,12 +322,12 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         .buffer_count = BINDING_COUNT,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .push_size_bytes = sizeof(struct neph_gpu_tracer_run),
-        .constant_count = 15,
+        .constant_count = 16,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
                       scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
                       render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
-                      scene->solid_count > 0, is_lit_once(scene), neph_scene_emits(scene),
-                      render->params->sobol, render->has_sun_table},
+                      scene->solid_count > 0, draws_by_light(scene), neph_scene_emits(scene),
+                      render->params->sobol, render->has_sun_table, media_differ(scene)},
     };
     const bool is_lit = render->lit_tables > 0, is_open = render->is_open;
     const struct {

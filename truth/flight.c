@@ -227,6 +227,9 @@ void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene
     flight->ray = *ray;
     flight->is_table = is_possible(scene);
     flight->lit.is_known = flight->guess.lit.is_known = false;
+    neph_own_flight_init(&flight->own, scene, ray);
+    if (flight->own.is_known)
+        return;
     if (!flight->is_table) {
         neph_guess_init(&flight->guess, scene, ray);
         return;

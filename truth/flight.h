@@ -10,6 +10,7 @@
 
 #include "truth/guess.h"
 #include "truth/lit_flight.h"
+#include "truth/own_flight.h"
 #include "truth/tracking.h"
 
 /* Per medium: two ends, inner edges, and a ladder of optical depths per fog layer. */
@@ -35,6 +36,8 @@ struct neph_flight {
      * `guess.lit.is_known`. */
     bool is_table;
     struct neph_guess guess;
+    /* Where media differ in brightness it is used in place of all others, when `own.is_known`. */
+    struct neph_own_flight own;
 };
 
 /* Tabulate a ray, where that is possible, and the sunlight along it where that is all the light

@@ -9,8 +9,8 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* On a ray to the sun. */
-enum { SUN_PLACES = 12 };
+/* On a way through a medium. */
+enum { WAY_PLACES = 12 };
 
 /* Mean square over square of the mean, of the light of free flights. */
 static const double spread_max = 4.0;
@@ -51,24 +51,43 @@ static bool find_hull(const struct neph_scene *scene, const struct neph_ray *ray
     return *low_m < *high_m && isfinite(*high_m);
 }
 
+/* Of extinction color 1. */
+static double guess_own_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
+                              struct neph_vec3 direction, double length_m)
+{
+    const struct neph_bounds support = neph_medium_support(medium);
+    double t0_m = 0.0, t1_m = length_m, sum = 0.0;
+    if (neph_medium_has_closed_form(medium))
+        return neph_medium_optical_depth(medium, origin_m, direction, 0.0, length_m);
+    if (!neph_bounds_clip(&support, origin_m, direction, &t0_m, &t1_m))
+        return 0.0;
+    const double step_m = (t1_m - t0_m) / WAY_PLACES;
+    for (int i = 0; i < WAY_PLACES; i++)
+        sum += step_m *
+               neph_medium_extinction_per_m(
+                   medium, neph_vec3_along(origin_m, direction, t0_m + (i + 0.5) * step_m));
+    return sum;
+}
+
+struct neph_rgb neph_guess_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                                 struct neph_vec3 direction, double length_m)
+{
+    struct neph_rgb sum = {0, 0, 0};
+    for (int m = 0; m < scene->medium_count; m++) {
+        const struct neph_medium *medium = &scene->media[m];
+        const double own = guess_own_depth(medium, origin_m, direction, length_m);
+        sum = neph_rgb_add(sum, neph_rgb_attenuation(medium->extinction_color, own));
+    }
+    return sum;
+}
+
+/* Mean of the channels. */
 static double sun_depth(const struct neph_scene *scene, struct neph_vec3 at_m)
 {
     double sum = 0.0;
-    for (int m = 0; m < scene->medium_count; m++) {
-        const struct neph_medium *medium = &scene->media[m];
-        const struct neph_bounds support = neph_medium_support(medium);
-        double t0_m = 0.0, t1_m = INFINITY;
-        if (neph_medium_has_closed_form(medium)) {
-            sum += mean_of(medium->extinction_color) *
-                   neph_medium_optical_depth(medium, at_m, scene->sun.direction, 0.0, INFINITY);
-        } else if (neph_bounds_clip(&support, at_m, scene->sun.direction, &t0_m, &t1_m)) {
-            const double step_m = (t1_m - t0_m) / SUN_PLACES;
-            for (int i = 0; i < SUN_PLACES; i++)
-                sum += step_m *
-                       extinction_per_m(medium, neph_vec3_along(at_m, scene->sun.direction,
-                                                                t0_m + (i + 0.5) * step_m));
-        }
-    }
+    for (int m = 0; m < scene->medium_count; m++)
+        sum += mean_of(scene->media[m].extinction_color) *
+               guess_own_depth(&scene->media[m], at_m, scene->sun.direction, INFINITY);
     return sum;
 }
 

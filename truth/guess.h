@@ -22,6 +22,11 @@ struct neph_guess {
     double sun_depth[NEPH_LIT_CELLS + 1];   /* from the edges of the cells */
 };
 
+/* Optical depth of all media up to a distance, which may be +inf, from a few densities where a
+ * medium has no closed form. */
+struct neph_rgb neph_guess_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
+                                 struct neph_vec3 direction, double length_m);
+
 /* For single scattering under a sun, of a ray on which media have finite ends, where free flights
  * would miss the light: where their estimates would have more than four times the square of the
  * mean. Elsewhere they know the density better than a guess. */

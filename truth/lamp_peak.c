@@ -8,6 +8,9 @@
 #include <float.h>
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* Roundings of a place on a ray, of positions and of the direction, in units of the last place. */
 static const double roundings = 16.0;
 

@@ -54,6 +54,7 @@ void neph_lit_flight_complete(struct neph_lit_flight *lit, bool also_ambient)
         lit->log_light[i] = is_dark ? 0.0 : fmax(lit->log_light[i] - most, -log_light_range);
     for (int i = 0; i < NEPH_LIT_CELLS; i++)
         lit->below[i + 1] = lit->below[i] + cell_light(lit, i);
+    lit->log_whole = is_dark ? -INFINITY : most + log(lit->below[NEPH_LIT_CELLS]);
     for (int i = 0; i <= NEPH_LIT_CELLS; i++)
         lit->below[i] /= lit->below[NEPH_LIT_CELLS];
     lit->is_known = true;

@@ -30,6 +30,7 @@ struct neph_lit_flight {
     double s[NEPH_LIT_CELLS + 1];         /* edges; the last at `end`, or where it is dark */
     double log_light[NEPH_LIT_CELLS + 1]; /* at the edges, over the brightest's */
     double below[NEPH_LIT_CELLS + 1];     /* part of the light before each edge; the last is 1 */
+    double log_whole;                     /* the logarithm of all the light; -inf: it is dark */
 };
 
 /* The edges of a ray of whole depth `end` > 0: even, but finer at both ends when it is deep. */

@@ -375,10 +375,36 @@ static bool enter_guessed_volume(struct path *path, const struct neph_guess *gue
     return true;
 }
 
+/* The first collision where media differ in brightness: each has samples of its own. */
+static bool enter_own_volume(struct path *path, const struct neph_own_flight *flight,
+                             struct neph_collision *collision)
+{
+    const struct neph_guessed drawn = neph_own_flight_draw(flight, path->random);
+    struct neph_rgb light = {1, 1, 1};
+    *collision = drawn.collision;
+    if (collision->medium < 0)
+        return false;
+    if (!flight->is_exact) {
+        const struct neph_ray way = {path->at_m, path->direction, collision->t_m};
+        light = neph_tracker_transmittance(path->tracker, &way, fmax(1.0, drawn.view_depth),
+                                           path->random, path->cost);
+        if (path->scene->scattering == NEPH_SCATTERING_SINGLE)
+            path->sun_depth = fmax(1.0, drawn.sun_depth);
+        path->cost->lookups++;
+    }
+    path->value[0] = drawn.value[0] * light.r;
+    path->value[1] = drawn.value[1] * light.g;
+    path->value[2] = drawn.value[2] * light.b;
+    path->cost->collisions++;
+    return true;
+}
+
 /* The first collision on the view's ray; false when there is none. */
 static bool enter_volume(struct path *path, const struct neph_view *view,
                          const struct neph_flight *flight, struct neph_collision *collision)
 {
+    if (flight && flight->own.is_known)
+        return enter_own_volume(path, &flight->own, collision);
     if (flight && flight->lit.is_known)
         return enter_lit_volume(path, flight, collision);
     if (flight && flight->guess.lit.is_known)

@@ -7,6 +7,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* A ray within a medium that is nearer to its light: the hole of 1e-2 units around a light and its
  * source of 1e-3 units are then more than 1e-4 of the value. */
 static const double nearest_units = 0.1;

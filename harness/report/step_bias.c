@@ -19,6 +19,11 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
+_Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 enum { RAYS_MAX = 160, RAYS_LEAST = 40, STEPS_MAX = 50000, OPEN_STEPS = 16 };
 
 static const double order_factor = 2.0;

@@ -17,6 +17,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_DOCUMENT_COUNT == 3, "a new kind");
+
 static const size_t document_limit_bytes = 256 << 20;
 
 /* ---- documents ------------------------------------------------------------------------------- */

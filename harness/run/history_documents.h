@@ -14,6 +14,7 @@ enum neph_document {
     NEPH_DOCUMENT_NIGHT,
     NEPH_DOCUMENT_ACCEPTANCE,
     NEPH_DOCUMENT_COPY, /* of an acceptance */
+    NEPH_DOCUMENT_COUNT,
 };
 
 /* For the caller to free; NULL: no memory. */

@@ -232,7 +232,7 @@ void start_for_guessed_collision()
     path.medium = first.medium;
     path.reach_m = first.t_m;
     path.raised = raise_for(first.view_depth);
-    path.sun_depth = max(first.sun_depth, 1.0);
+    path.sun_depth = MULTIPLE ? 0.0 : max(first.sun_depth, 1.0);
 }
 
 void start_at_first_collision()

@@ -19,13 +19,19 @@ layout(constant_id = 7) const uint TRACKED_COUNT = 0;
 layout(constant_id = 8) const uint TRACKED_ORDER = 0x76543210;
 layout(constant_id = 10) const bool SOLIDS = true; // there are some
 
-layout(constant_id = 11) const bool LIT = false;   // light is scattered once, and the sun shines
+// First collisions are drawn by the light that comes from there: light is scattered once, and the
+// sun shines, or MEDIA_DIFFER.
+layout(constant_id = 11) const bool LIT = false;
 layout(constant_id = 12) const bool EMITS = false; // some medium does
 
 layout(constant_id = 13) const bool SOBOL = false; // the first decisions of a sample are not random
 
 // How much sunlight arrives at an event is looked up (tracer_sun.glsl).
 layout(constant_id = 14) const bool SUN_BY_TABLE = false;
+
+// Media differ in brightness (scenes/sources.h): collisions in proportion to extinction would miss
+// the bright ones, so each has a share of the first collisions for itself.
+layout(constant_id = 15) const bool MEDIA_DIFFER = false;
 
 // Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
 const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
@@ -172,6 +178,36 @@ vec3 colour_absorbed_fraction(vec3 optical_depth)
 float brightest_of(vec3 channels) { return max(channels.r, max(channels.g, channels.b)); }
 
 float mean_of(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
+
+// What scenes/sources.h says: light that a collision brings [W m^-2 sr^-1].
+struct Source {
+    vec3 sun;     // before it is attenuated on its way
+    vec3 ambient; // emitted, or scattered and not the sun's
+};
+
+// That is not the sun's; a lamp is taken to be a metre away.
+vec3 incident_light()
+{
+    vec3 light = ENVIRONMENT ? frame.background : vec3(0.0);
+    for (uint m = 0; MULTIPLE && m < media_count(); m++)
+        light += frame.media[m].glow;
+    for (uint i = 0; MULTIPLE && LAMPS && i < own(frame.lamp_count); i++)
+        light += frame.lamps[i].intensity / (4.0 * PI);
+    return light;
+}
+
+Source source_of(uint m)
+{
+    vec3 scattered = frame.media[m].albedo * sign(frame.media[m].extinction_color);
+    return Source(scattered * frame.sun_irradiance / (4.0 * PI),
+                  frame.media[m].glow + scattered * incident_light());
+}
+
+bool is_bright(uint m)
+{
+    Source source = source_of(m);
+    return source.sun + source.ambient != vec3(0.0);
+}
 
 // Optical depth of all but one medium, or layer of a fog, up to a distance on the view ray.
 vec3 others_depth(uint but_medium, uint but_layer, ViewRay ray, float length_m)

@@ -79,9 +79,12 @@ First first_collision(uint pixel, ViewRay ray, uint hero, float u)
 
 // --- by the sunlight ----------------------------------------------------------------------------
 
-// What a medium or layer would absorb alone, of light that has all channels.
+// What a medium or layer would absorb alone, of light that has all channels. If MEDIA_DIFFER, the
+// same for all that are bright, so that none is overlooked.
 float grey_absorbed(uint pixel, uint m, uint l)
 {
+    if (MEDIA_DIFFER)
+        return is_bright(m) && depths[pixel * PARTS + m * LAYERS_MAX + l] > 0.0 ? 1.0 : 0.0;
     vec3 parts = colour_absorbed_fraction(frame.media[m].extinction_color *
                                           depths[pixel * PARTS + m * LAYERS_MAX + l]);
     return mean_of(parts);

@@ -21,6 +21,12 @@ const float SPREAD_MAX = 4.0;
 shared float own_depths[64 * GUESS_PLACES];
 shared float sun_depths[64];
 
+// If MEDIA_DIFFER: of each bright medium, in the cell behind each thread's edge; its weight, of each
+// pixel; and what places in the cell are drawn by, in place of its depth.
+shared float medium_depths[64 * MEDIA_MAX];
+shared float weights[64 / LIT_EDGES * MEDIA_MAX];
+shared float drawn[64 * GUESS_PLACES];
+
 // Where a ray is in a medium; exact for those without closed forms.
 Stretch inside_of(uint m, vec3 origin_m, vec3 direction, float length_m)
 {
@@ -38,6 +44,8 @@ Stretch find_hull(ViewRay ray)
     float length_m = scene_hit(ray.origin_m, ray.direction).t_m;
     Stretch hull = Stretch(length_m, 0.0);
     for (uint m = 0; m < media_count(); m++) {
+        if (MEDIA_DIFFER && !is_bright(m))
+            continue;
         Stretch inside = inside_of(m, ray.origin_m, ray.direction, length_m);
         include(hull, inside.t0_m, inside.t1_m);
     }
@@ -61,18 +69,30 @@ float guess_sun_depth(vec3 point_m)
     return sum;
 }
 
+// A medium may begin or end anywhere in a stretch: what places are drawn by is shared with the
+// stretches beside it.
+float stretch_depth(uint first, uint i)
+{
+    uint at = first * GUESS_PLACES + i;
+    if (!MEDIA_DIFFER)
+        return own_depths[at];
+    float before = i > 0u ? drawn[at - 1u] : 0.0;
+    float behind = i + 1u < GUESS_STRETCHES ? drawn[at + 1u] : 0.0;
+    return 0.5 * drawn[at] + 0.25 * (before + behind);
+}
+
 // No stretch is left without a depth: what the places have missed is looked for as if there were a
 // little everywhere.
 void sum_depths(uint pixel, uint first)
 {
     float sum = 0.0;
     for (uint i = 0; i < GUESS_STRETCHES; i++)
-        sum += own_depths[first * GUESS_PLACES + i];
+        sum += stretch_depth(first, i);
     float least = sum > 0.0 ? 0.05 * sum / float(GUESS_STRETCHES) : 1e-6;
     float depth = 0.0;
     guesses[pixel].depth[0] = 0.0;
     for (uint i = 0; i < GUESS_STRETCHES; i++) {
-        depth += max(own_depths[first * GUESS_PLACES + i], least);
+        depth += max(stretch_depth(first, i), least);
         guesses[pixel].depth[i + 1u] = depth;
     }
 }
@@ -104,6 +124,91 @@ void complete(uint pixel, uint first)
     guesses[pixel].is_known = uint(log_spread(pixel) > log(SPREAD_MAX));
 }
 
+// --- if MEDIA_DIFFER ----------------------------------------------------------------------------
+
+vec3 place_m(ViewRay ray, float from_m, float stretch_m, uint place)
+{
+    return view_point_m(ray, from_m + (float(place) + 0.5) * stretch_m);
+}
+
+// `thread` has the cell that begins at `from_m`.
+void sum_media(ViewRay ray, float from_m, float stretch_m, uint thread)
+{
+    for (uint m = 0; m < media_count(); m++) {
+        float sum = 0.0;
+        for (uint i = 0; i < GUESS_PLACES && is_bright(m); i++)
+            sum += medium_extinction_per_m(m, place_m(ray, from_m, stretch_m, i));
+        medium_depths[thread * MEDIA_MAX + m] =
+            sum * stretch_m * mean_of(frame.media[m].extinction_color);
+    }
+}
+
+uint weight_of(uint thread, uint m) { return thread / LIT_EDGES * MEDIA_MAX + m; }
+
+// Half of the places are shared out evenly to the media, the rest by what they may send. The
+// weights are such that the sum over the ray of what places are drawn by is 1.
+void weigh_media(uint first)
+{
+    float depth_of[MEDIA_MAX], sent_of[MEDIA_MAX], sent = 0.0, count = 0.0;
+    for (uint m = 0; m < media_count(); m++) {
+        Source source = source_of(m);
+        depth_of[m] = 0.0;
+        for (uint i = 0; i + 1u < LIT_EDGES; i++)
+            depth_of[m] += medium_depths[(first + i) * MEDIA_MAX + m];
+        sent_of[m] = mean_of(source.sun + source.ambient);
+        sent += sent_of[m] * depth_of[m];
+        count += float(depth_of[m] > 0.0);
+    }
+    for (uint m = 0; m < media_count(); m++) {
+        float even = depth_of[m] > 0.0 ? 0.5 / (count * depth_of[m]) : 0.0;
+        weights[weight_of(first, m)] = sent > 0.0 ? 0.5 * sent_of[m] / sent + even : 0.0;
+    }
+}
+
+float weighed_per_m(uint thread, vec3 point_m)
+{
+    float sum_per_m = 0.0;
+    for (uint m = 0; m < media_count(); m++) {
+        float weight = weights[weight_of(thread, m)] * mean_of(frame.media[m].extinction_color);
+        if (weight > 0.0)
+            sum_per_m += weight * medium_extinction_per_m(m, point_m);
+    }
+    return sum_per_m;
+}
+
+// The logarithm of what the media send from a place, by that of the brightest.
+float log_sent(float sun_depth)
+{
+    float sun = 0.0, ambient = 0.0;
+    for (uint m = 0; m < media_count(); m++) {
+        Source source = source_of(m);
+        sun = max(sun, mean_of(source.sun));
+        ambient = max(ambient, mean_of(source.ambient));
+    }
+    return ambient > 0.0 ? log(ambient + sun * transmittance(sun_depth)) : -sun_depth;
+}
+
+void complete_weighed(uint pixel, uint first)
+{
+    float x[LIT_EDGES], log_light[LIT_EDGES], view_depth = 0.0;
+    for (uint i = 0; i < LIT_EDGES; i++) {
+        x[i] = guesses[pixel].depth[i * GUESS_PLACES];
+        log_light[i] = log_sent(sun_depths[first + i]) - view_depth;
+        guesses[pixel].sun_depth[i] = sun_depths[first + i];
+        guesses[pixel].view_depth[i] = view_depth;
+        for (uint k = 0; k < GUESS_PLACES; k++)
+            view_depth += own_depths[(first + i) * GUESS_PLACES + k];
+    }
+    lit_complete(pixel, x, log_light);
+    bool is_any = false;
+    for (uint m = 0; m < media_count(); m++) {
+        float weight = weights[weight_of(first, m)];
+        guesses[pixel].weight[m] = weight;
+        is_any = is_any || weight > 0.0;
+    }
+    guesses[pixel].is_known = uint(is_any);
+}
+
 void main()
 {
     uint edge = gl_GlobalInvocationID.x % LIT_EDGES, pixel = gl_GlobalInvocationID.x / LIT_EDGES;
@@ -121,6 +226,16 @@ void main()
         own_depths[thread * GUESS_PLACES + i] =
             stretch_m * mean_of(scene_extinction_per_m(KINDS, at_m));
     }
+    float from_m = hull.t0_m + from * stretch_m;
+    if (MEDIA_DIFFER && is_seen)
+        sum_media(ray, from_m, stretch_m, thread);
+    barrier();
+    if (MEDIA_DIFFER && is_seen && edge == 0u)
+        weigh_media(thread);
+    barrier();
+    for (uint i = 0; MEDIA_DIFFER && is_seen && i < GUESS_PLACES; i++)
+        drawn[thread * GUESS_PLACES + i] =
+            stretch_m * weighed_per_m(thread, place_m(ray, from_m, stretch_m, i));
     barrier();
     if (!is_any || edge != 0u)
         return;
@@ -130,5 +245,8 @@ void main()
     if (!is_seen)
         return;
     sum_depths(pixel, thread);
-    complete(pixel, thread);
+    if (MEDIA_DIFFER)
+        complete_weighed(pixel, thread);
+    else
+        complete(pixel, thread);
 }

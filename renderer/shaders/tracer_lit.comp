@@ -51,6 +51,27 @@ float lit_inside(uint edge, float last)
     return lit_edge(edge, last);
 }
 
+// Of light that has lost an optical depth, the logarithm of the sum over the channels.
+float log_sum(vec3 light, vec3 lost)
+{
+    if (light == vec3(0.0))
+        return DARK;
+    float least = min(lost.r, min(lost.g, lost.b));
+    vec3 left = light * colour_transmittance(lost - least);
+    return log(max(left.r + left.g + left.b, 1e-30)) - least;
+}
+
+// If MEDIA_DIFFER: of all light that a medium sends.
+float log_sent(uint m, uint l, ViewRay ray, float t_m, float x)
+{
+    Source source = source_of(m);
+    vec3 color = frame.media[m].extinction_color;
+    float ambient = log_sum(source.ambient * color, color * x + others_depth(m, l, ray, t_m));
+    float sun = log_sum(source.sun * color, way(m, l, ray, t_m, x));
+    float less = max(-abs(ambient - sun), EXPONENT_MIN);
+    return max(ambient, sun) + log(1.0 + exp(less));
+}
+
 float find_log_light(uint pixel, uint m, uint l, uint edge)
 {
     float depth = depths[pixel * PARTS + m * LAYERS_MAX + l];
@@ -62,10 +83,8 @@ float find_log_light(uint pixel, uint m, uint l, uint edge)
         return DARK;
     float x = lit_inside(edge, lit_last(color, depth));
     float t_m = view_free_path_m(pixel, m, l, ray, t0_m, t1_m, x);
-    vec3 lost = way(m, l, ray, t_m, x);
-    float least = min(lost.r, min(lost.g, lost.b));
-    vec3 light = frame.sun_irradiance * color * colour_transmittance(lost - least);
-    float result = log(max(light.r + light.g + light.b, 1e-30)) - least;
+    float result = MEDIA_DIFFER ? log_sent(m, l, ray, t_m, x)
+                                : log_sum(frame.sun_irradiance * color, way(m, l, ray, t_m, x));
     return result > DARK ? result : DARK; // also where it is no number
 }
 

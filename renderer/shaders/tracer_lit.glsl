@@ -9,8 +9,9 @@
 #include "tracer_way.glsl"
 
 // With light from all around, too, or of the media themselves, half of all collisions are free
-// flights, which are good for that. Guesses (OPEN) earn less trust.
-const bool AMBIENT = ENVIRONMENT || EMITS;
+// flights, which are good for that. Guesses (OPEN) earn less trust. If MEDIA_DIFFER, what is not
+// chosen by light is shared out evenly to the media: it must suffice for a channel of its own.
+const bool AMBIENT = ENVIRONMENT || EMITS || MEDIA_DIFFER;
 const float LIT_SHARE = AMBIENT ? 0.45 : OPEN ? 0.8 : 0.9;
 const float FREE_SHARE = AMBIENT ? 0.5 : OPEN ? 0.1 : 0.05; // the rest is even in x
 
