@@ -330,13 +330,15 @@ static void suspect_if(struct suspect *suspect, double p, int pixel, int channel
 
 static void score(struct compare_scores *scores, const struct difference *difference)
 {
-    if (!scores)
-        return;
     if (difference->error == 0.0) {
         scores->without_noise++;
         return;
     }
     const double z = difference->value / difference->error;
+    const bool is_rare = !difference->is_seen && neph_student_p(z, difference->dof) < suspicious_p;
+    scores->rare += is_rare;
+    if (is_rare)
+        return;
     if (!difference->is_sure) {
         scores->unsure++;
         scores->unsure_square_sum += z * z;
@@ -346,6 +348,18 @@ static void score(struct compare_scores *scores, const struct difference *differ
     scores->sum += z;
     scores->square_sum += z * z;
     scores->expected_sum += difference->dof / (difference->dof - 2.0);
+}
+
+void compare_add_scores(struct compare_scores *sum, const struct compare_scores *part)
+{
+    sum->count += part->count;
+    sum->sum += part->sum;
+    sum->square_sum += part->square_sum;
+    sum->expected_sum += part->expected_sum;
+    sum->unsure += part->unsure;
+    sum->unsure_square_sum += part->unsure_square_sum;
+    sum->rare += part->rare;
+    sum->without_noise += part->without_noise;
 }
 
 static double largest_of(struct neph_rgb c)
@@ -410,11 +424,11 @@ static struct suspect find_suspect(const struct reading *test, const struct read
     for (int i = 0; i < COMPARE_PIXELS; i++) {
         const int channel = (i + i / RECIPE_WIDTH_PX) % 3;
         struct difference found = difference_at(test, truth, channel, i);
-        score(scores, &found);
         sum.size += found.size;
         const double allowed = float_tolerance * found.size;
         found.is_seen = fabs(found.value) >
                         allowed + (found.has_missed ? unseen.by_all : unseen.by_some);
+        score(scores, &found);
         if (found.error == 0.0) {
             const double p = fabs(found.value) > allowed ? 0.0 : 1.0;
             suspect_if(&suspect, p, i, channel, found);
@@ -662,13 +676,11 @@ static bool judge_stage(struct comparison *comparison, int stage, struct compare
         if (!test->is_there || !truth->is_there)
             continue;
         const struct unseen unseen = find_unseen(comparison->request->still, test, truth, stage);
-        const struct suspect suspect = find_suspect(test, truth, unseen,
-                                                    scores ? &scores[p] : NULL);
+        const struct suspect suspect = find_suspect(test, truth, unseen, &scores[p]);
         if (suspect.p >= suspicious_p)
             continue;
         const bool is_certain = suspect.p < certain_p && stage > 0;
-        needs_more |= !is_certain && stage + 1 < COMPARE_STAGES &&
-                      (suspect.difference.is_seen || stage == 0);
+        needs_more |= !is_certain && stage + 1 < COMPARE_STAGES;
         if (!is_certain)
             continue;
         char what[400];
@@ -696,11 +708,15 @@ enum neph_status compare_scene(const struct compare_request *request,
         read_exact(comparison);
     int stage = 0;
     bool needs_more = true;
+    struct compare_scores last[PAIR_COUNT];
     for (; stage < COMPARE_STAGES && needs_more && !status; stage++) {
+        memset(last, 0, sizeof(last));
         status = read_stage(comparison, stage, diag);
         if (!status)
-            needs_more = judge_stage(comparison, stage, stage == 0 ? scores : NULL);
+            needs_more = judge_stage(comparison, stage, last);
     }
+    for (int p = 0; p < PAIR_COUNT && scores && !status; p++)
+        compare_add_scores(&scores[p], &last[p]);
     result->stages = stage;
     const enum compare_engine truth = comparison->readings[COMPARE_EXACT].is_there ? COMPARE_EXACT
                                                                                    : COMPARE_ORACLE;

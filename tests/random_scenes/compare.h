@@ -46,13 +46,14 @@ enum compare_pair {
 
 enum { COMPARE_BATCHES = 4, COMPARE_PIXELS = 24, COMPARE_STAGES = 3 };
 
-/* z-scores of the first samples of all scenes. */
+/* z-scores of all scenes, each with the most samples that it was rendered with. */
 struct compare_scores {
     long count;
     double sum, square_sum;
     double expected_sum; /* of dof / (dof - 2): what the square sum should be */
     long unsure;         /* pixels whose variance is not known well enough, left out of the above */
     double unsure_square_sum;
+    long rare;          /* pixels with light that their paths may have missed, left out, too */
     long without_noise; /* pixels that are compared within rounding */
 };
 
@@ -84,6 +85,8 @@ struct compare_result {
     double seconds[COMPARE_ENGINES];
     int stages; /* that were rendered */
 };
+
+void compare_add_scores(struct compare_scores *sum, const struct compare_scores *part);
 
 /* Scores may be NULL. Interruption and lack of memory are errors; an engine that fails is a
  * finding. */

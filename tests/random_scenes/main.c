@@ -357,17 +357,6 @@ static enum neph_status run_scene(struct run *run, int index, struct neph_diag *
 
 /* ---- what it came to ------------------------------------------------------------------------- */
 
-static void add_scores(struct compare_scores *sum, const struct compare_scores *part)
-{
-    sum->count += part->count;
-    sum->sum += part->sum;
-    sum->square_sum += part->square_sum;
-    sum->expected_sum += part->expected_sum;
-    sum->unsure += part->unsure;
-    sum->unsure_square_sum += part->unsure_square_sum;
-    sum->without_noise += part->without_noise;
-}
-
 /* How far the variance of so many z-scores may lie from 1 besides 0.1: four of its own standard
  * errors. */
 static double variance_slack(long count)
@@ -379,9 +368,9 @@ static double variance_slack(long count)
 static bool print_scores_of(const char *name, const struct compare_scores *scores)
 {
     const double n = fmax(1.0, (double)scores->count), variance = scores->square_sum / n;
-    printf("%-18s %8ld %+8.3f %9.3f %9.3f %8ld %9.3f\n", name, scores->count, scores->sum / n,
+    printf("%-18s %8ld %+8.3f %9.3f %9.3f %8ld %9.3f %6ld\n", name, scores->count, scores->sum / n,
            variance, scores->expected_sum / n, scores->unsure,
-           scores->unsure_square_sum / fmax(1.0, (double)scores->unsure));
+           scores->unsure_square_sum / fmax(1.0, (double)scores->unsure), scores->rare);
     return scores->count == 0 || fabs(variance - 1.0) <= variance_slack(scores->count);
 }
 
@@ -389,15 +378,15 @@ static bool print_scores(const struct run *run)
 {
     static const char *const names[] = {"oracle - exact", "tracer - exact", "tracer - oracle"};
     struct compare_scores all = {.count = 0}, near = {.count = 0};
-    printf("%-18s %8s %8s %9s %9s %8s %9s\n", "z-scores", "pixels", "mean", "variance", "expected",
-           "unsure", "variance");
+    printf("%-18s %8s %8s %9s %9s %8s %9s %6s\n", "z-scores", "pixels", "mean", "variance",
+           "expected", "unsure", "variance", "rare");
     bool is_right = true;
     for (int p = 0; p <= PAIR_TRACER_ORACLE; p++) {
         struct compare_scores pair = run->tally.scores[FAMILY_ANY][p];
-        add_scores(&near, &run->tally.scores[FAMILY_NEAR_LIGHTS][p]);
-        add_scores(&pair, &run->tally.scores[FAMILY_NEAR_LIGHTS][p]);
+        compare_add_scores(&near, &run->tally.scores[FAMILY_NEAR_LIGHTS][p]);
+        compare_add_scores(&pair, &run->tally.scores[FAMILY_NEAR_LIGHTS][p]);
         is_right &= print_scores_of(names[p], &pair);
-        add_scores(&all, &pair);
+        compare_add_scores(&all, &pair);
     }
     is_right &= print_scores_of("lights near rays", &near);
     is_right &= print_scores_of("all", &all);
@@ -470,8 +459,8 @@ static void run_process(struct run *run, int number, int file)
 static void add_tally(struct tally *sum, const struct tally *part)
 {
     for (int i = 0; i < FAMILIES * PAIR_COUNT; i++)
-        add_scores(&sum->scores[i / PAIR_COUNT][i % PAIR_COUNT],
-                   &part->scores[i / PAIR_COUNT][i % PAIR_COUNT]);
+        compare_add_scores(&sum->scores[i / PAIR_COUNT][i % PAIR_COUNT],
+                           &part->scores[i / PAIR_COUNT][i % PAIR_COUNT]);
     sum->marched.count += part->marched.count;
     sum->marched.rounding += part->marched.rounding;
     sum->marched.left_out += part->marched.left_out;
