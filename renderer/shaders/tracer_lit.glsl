@@ -119,7 +119,9 @@ LitPlace lit_place(LitChoice choice, float u)
     float place = target < lit ? exponential_quantile(b - a, target / lit)
                                : min((target - lit) / other, 1.0);
     float shape = exp(max(mix(a, b, place) - max(a, b), EXPONENT_MIN)) / phi(abs(b - a));
-    return LitPlace(mix(x0, x1, place), (lit * shape + other) / (x1 - x0));
+    // Never at the end: a fog without bounds is FAR_M away there, where its sunlight is lost.
+    float inside = last * (1.0 - exp2(-20.0));
+    return LitPlace(min(mix(x0, x1, place), inside), (lit * shape + other) / (x1 - x0));
 }
 
 #endif
