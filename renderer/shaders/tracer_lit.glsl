@@ -48,13 +48,15 @@ void lit_complete(uint table, float x[LIT_EDGES], float log_light[LIT_EDGES])
     float most = DARK, sum = 0.0;
     for (uint i = 0; i < LIT_EDGES; i++)
         most = max(most, log_light[i]);
+    bool is_dark = most <= DARK;
+    for (uint i = 0; i < LIT_EDGES; i++)
+        log_light[i] = is_dark ? 0.0 : max(log_light[i] - most, EXPONENT_MIN);
     for (uint i = 0; i < LIT_EDGES; i++) {
         lits[table].x[i] = x[i];
-        lits[table].log_light[i] = max(log_light[i] - most, EXPONENT_MIN);
+        lits[table].log_light[i] = log_light[i];
         lits[table].below[i] = sum;
         if (i + 1u < LIT_EDGES)
-            sum += cell_light(x[i + 1u] - x[i], max(log_light[i] - most, EXPONENT_MIN),
-                              max(log_light[i + 1u] - most, EXPONENT_MIN));
+            sum += cell_light(x[i + 1u] - x[i], log_light[i], log_light[i + 1u]);
     }
     for (uint i = 0; i < LIT_EDGES; i++)
         lits[table].below[i] /= max(sum, 1e-30);

@@ -880,27 +880,16 @@ static void test_bright_media_in_dark_ones(void **state)
     }
 }
 
-/* In Horizon layers, whose depths the device has to guess: a glow that is thin, against the oracle.
- * The frame's corners do not meet it. */
-static void test_a_glow_in_dark_clouds(void **state)
+/* A frame of 4 x 3 pixels, of which at least `seen_least` of the 36 values are not 0. */
+static void hold_to_oracle(struct neph_vulkan *vulkan, const struct test_scene *test,
+                           int seen_least)
 {
-    struct test_scene test;
-    test_scene_init(&test);
-    scene_horizon(&test);
-    test.scene.scattering = NEPH_SCATTERING_NONE;
-    test.scene.background_w_per_m2_sr = make_grey(0);
-    test.scene.solid_count = 0;
-    test_add(&test, make_blob(1e-7, (struct neph_vec3){0.0, 200.0, -600.0}, 80.0));
-    for (int m = 0; m < test.scene.medium_count; m++)
-        test.scene.media[m].albedo = make_grey(0);
-    test.scene.media[test.scene.medium_count - 1].emission_w_per_m2_sr = (struct neph_rgb){1, 20,
-                                                                                           400};
     const struct neph_tracer_params params = params_of(4, 3, 256);
     const struct neph_oracle_params of_oracle = {
         .width_px = 4, .height_px = 3, .seed = 5, .samples = 256, .time_limit_s = INFINITY};
     struct neph_diag diag = {0};
-    struct neph_image *frame = render(*state, &test, &params, NULL), *truth = NULL;
-    neph_assert_ok(neph_oracle_render(&test.scene, &of_oracle, &truth, NULL, &diag), &diag);
+    struct neph_image *frame = render(vulkan, test, &params, NULL), *truth = NULL;
+    neph_assert_ok(neph_oracle_render(&test->scene, &of_oracle, &truth, NULL, &diag), &diag);
     int seen = 0; /* values that are not 0 */
     for (int c = 0; c < 3; c++) {
         static const char *const names[][2] = {
@@ -917,9 +906,43 @@ static void test_a_glow_in_dark_clouds(void **state)
                          expected);
         }
     }
-    assert_true(seen >= 18); /* of 36 */
+    assert_true(seen >= seen_least);
     neph_image_destroy(frame);
     neph_image_destroy(truth);
+}
+
+/* In Horizon layers, whose depths the device has to guess: a glow that is thin, against the oracle.
+ * The frame's corners do not meet it. */
+static void test_a_glow_in_dark_clouds(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_horizon(&test);
+    test.scene.scattering = NEPH_SCATTERING_NONE;
+    test.scene.background_w_per_m2_sr = make_grey(0);
+    test.scene.solid_count = 0;
+    test_add(&test, make_blob(1e-7, (struct neph_vec3){0.0, 200.0, -600.0}, 80.0));
+    for (int m = 0; m < test.scene.medium_count; m++)
+        test.scene.media[m].albedo = make_grey(0);
+    test.scene.media[test.scene.medium_count - 1].emission_w_per_m2_sr = (struct neph_rgb){1, 20,
+                                                                                           400};
+    hold_to_oracle(*state, &test, 18);
+    teardown(&test);
+}
+
+/* A sun below a fog without ground: no sunlight arrives, the tables that guesses make of it are
+ * dark, and the fog's own light is all there is. The wall ends the rays, and so the guesses. */
+static void test_a_guess_without_sunlight(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_horizon(&test);
+    test.key.look_at_m = (struct neph_vec3){0.0, 2.4, -10.0};
+    test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.1, -1.0, 0.2});
+    struct neph_medium *fog = test_add_medium(&test, 2e-3, 0.02, 0.0);
+    fog->albedo = make_grey(0.5);
+    fog->emission_w_per_m2_sr = (struct neph_rgb){4, 2, 1};
+    hold_to_oracle(*state, &test, 36);
     teardown(&test);
 }
 
@@ -1208,6 +1231,7 @@ int main(void)
         cmocka_unit_test(test_emission_that_is_seen),
         cmocka_unit_test(test_bright_media_in_dark_ones),
         cmocka_unit_test(test_a_glow_in_dark_clouds),
+        cmocka_unit_test(test_a_guess_without_sunlight),
         cmocka_unit_test(test_kirchhoff_furnace),
         cmocka_unit_test(test_dispatches_change_no_bit),
         cmocka_unit_test(test_seeds_are_independent),
