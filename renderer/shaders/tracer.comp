@@ -24,6 +24,11 @@ const float ROULETTE = 0.05;
 // Below this part of the sunlight that arrives at an event its ray goes on by chance alone.
 const float SUN_ROULETTE = 0.2;
 
+// The same for light of lamps that is scattered on the view ray: behind an optical depth of 10 a
+// roulette at 0.2 leaves one ray in 4,000, and a pixel's variance says nothing of the light it
+// missed.
+const float LAMP_ROULETTE = 0.01;
+
 // Steps through majorant cells in a turn.
 layout(constant_id = 9) const uint STEPS = 8;
 
@@ -392,7 +397,7 @@ bool send_to_place(float end_m)
     path.lamp_direction = place.to_lamp;
     path.lamp_m = place.distance_m;
     path.sun_fraction = vec3(1.0);
-    path.sun_roulette = SUN_ROULETTE;
+    path.sun_roulette = path.events == 0 ? LAMP_ROULETTE : SUN_ROULETTE;
     return true;
 }
 
