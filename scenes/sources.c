@@ -55,20 +55,26 @@ struct neph_source neph_medium_source(const struct neph_scene *scene,
     return source;
 }
 
-static bool differ(double least, double most)
+static double channel_of(struct neph_rgb rgb, int channel)
 {
-    return most > differs_by * least;
+    return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
 }
 
+/* A medium that does not attenuate a channel takes no collisions from others there. */
 bool neph_scene_sources_differ(const struct neph_scene *scene)
 {
-    struct neph_rgb least = {INFINITY, INFINITY, INFINITY}, most = {0, 0, 0};
+    double least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {0.0, 0.0, 0.0};
     for (int m = 0; m < scene->medium_count; m++) {
-        const struct neph_source source = neph_medium_source(scene, &scene->media[m]);
+        const struct neph_medium *medium = &scene->media[m];
+        const struct neph_source source = neph_medium_source(scene, medium);
         const struct neph_rgb all = neph_rgb_add(source.sun, source.ambient);
-        least = (struct neph_rgb){fmin(least.r, all.r), fmin(least.g, all.g), fmin(least.b, all.b)};
-        most = (struct neph_rgb){fmax(most.r, all.r), fmax(most.g, all.g), fmax(most.b, all.b)};
+        for (int j = 0; j < 3; j++) {
+            if (!(channel_of(medium->extinction_color, j) > 0.0))
+                continue;
+            least[j] = fmin(least[j], channel_of(all, j));
+            most[j] = fmax(most[j], channel_of(all, j));
+        }
     }
-    return scene->medium_count > 1 &&
-           (differ(least.r, most.r) || differ(least.g, most.g) || differ(least.b, most.b));
+    return most[0] > differs_by * least[0] || most[1] > differs_by * least[1] ||
+           most[2] > differs_by * least[2];
 }

@@ -424,7 +424,7 @@ static void assert_conserves(struct neph_phase phase, double extinction_per_m, b
     neph_assert_ok(neph_tracker_create(&scene, &tracker, &diag), &diag);
     struct neph_tracking_cost cost = {0, 0};
     struct estimate straight = {{0}, {0}}, scattered = {{0}, {0}};
-    const int samples = neph_test_paths(neph_test_by_day(60000, 1000000));
+    const int samples = neph_test_paths(neph_test_by_day(120000, 1000000));
     for (int n = 0; n < samples; n++) {
         struct neph_random random = neph_random_stream(4, 0, (uint64_t)n);
         const struct neph_phase isotropic = {NEPH_PHASE_ISOTROPIC, 0.0};
