@@ -24,9 +24,9 @@ const float ROULETTE = 0.05;
 // Below this part of the sunlight that arrives at an event its ray goes on by chance alone.
 const float SUN_ROULETTE = 0.2;
 
-// The same for light of lamps that is scattered on the view ray: behind an optical depth of 10 a
-// roulette at 0.2 leaves one ray in 4,000, and a pixel's variance says nothing of the light it
-// missed.
+// Light of lamps that is scattered on the view ray is followed further: behind an optical depth of
+// 10 a roulette at 0.2 leaves one ray in 4,000, and the variance of a pixel says nothing of the
+// rest.
 const float LAMP_ROULETTE = 0.01;
 
 // Steps through majorant cells in a turn.
