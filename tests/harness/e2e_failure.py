@@ -347,8 +347,10 @@ class Interrupted(unittest.TestCase):
     TWO = [*ONE, "--only", "history_first", "--only", "ray_bad", "--preset", "seed", "--jobs", "2"]
 
     def interrupt(self, folder, words, when):
-        """A run that is interrupted as soon as there is something of it."""
-        command = [NEPH, "validate", "--suite", "failure", "-q", "-o", folder, *words]
+        """A run that is interrupted as soon as there is something of it. It has a lower priority:
+        on a busy machine it would end before this process sees its page."""
+        command = ["nice", "-n", "10", NEPH, "validate", "--suite", "failure", "-q", "-o", folder,
+                   *words]
         run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         deadline = time.monotonic() + 120
         while not when() and time.monotonic() < deadline:
