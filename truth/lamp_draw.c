@@ -37,7 +37,7 @@ struct segment {
     struct stretch stretches[NEPH_SCENE_MEDIA_MAX];
     struct pass passes[NEPH_SCENE_LIGHTS_MAX];
     double weights[NEPH_SCENE_LIGHTS_MAX], weight_sum; /* by 1 / d^2 and intensity */
-    double is_shining[NEPH_SCENE_LIGHTS_MAX], shining_count;
+    double even_weights[NEPH_SCENE_LIGHTS_MAX], even_sum;
 };
 
 /* ---- integrals over a stretch ---- */
@@ -115,15 +115,15 @@ static void init_segment(struct segment *segment, const struct neph_scene *scene
     segment->origin_m = origin_m;
     segment->direction = direction;
     segment->stretch_count = 0;
-    segment->weight_sum = segment->shining_count = 0.0;
+    segment->weight_sum = segment->even_sum = 0.0;
     find_stretches(segment, end_m);
     for (int l = 0; segment->stretch_count > 0 && l < scene->light_count; l++) {
         const double intensity = brightness(scene->lights[l].intensity_w_per_sr);
         segment->passes[l] = find_pass(segment, &scene->lights[l]);
         segment->weights[l] = intensity * segment->passes[l].squares_sum_per_m;
-        segment->is_shining[l] = segment->weights[l] > 0.0;
+        segment->even_weights[l] = segment->weights[l] > 0.0;
         segment->weight_sum += segment->weights[l];
-        segment->shining_count += segment->is_shining[l];
+        segment->even_sum += segment->even_weights[l];
     }
 }
 
@@ -134,7 +134,7 @@ static double place_per_m(const struct segment *segment, int l, double s_m)
     const double d_m = hypot(pass->height_m, s_m);
     const double intensity = brightness(segment->scene->lights[l].intensity_w_per_sr);
     const double by_squares = intensity / (segment->weight_sum * d_m * d_m);
-    const double by_octaves = 1.0 / (segment->shining_count * pass->octaves_sum * d_m);
+    const double by_octaves = 1.0 / (segment->even_sum * pass->octaves_sum * d_m);
     double per_m = 0.0;
     for (int i = 0; i < segment->stretch_count; i++) {
         const double s0_m = segment->stretches[i].t0_m - pass->foot_m;
@@ -206,7 +206,7 @@ struct neph_lamp_place neph_lamp_place_draw(const struct neph_scene *scene,
     if (!(segment.weight_sum > 0.0))
         return place;
     const int l = by_octaves
-                      ? pick(segment.is_shining, scene->light_count, segment.shining_count, &choice)
+                      ? pick(segment.even_weights, scene->light_count, segment.even_sum, &choice)
                       : pick(segment.weights, scene->light_count, segment.weight_sum, &choice);
     const struct pass *pass = &segment.passes[l];
     const int i = by_octaves
