@@ -65,8 +65,8 @@ static enum neph_status run_copies(struct neph_vulkan *vulkan,
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_copy",
-        .spirv = copy_spirv,
-        .spirv_size_bytes = sizeof(copy_spirv),
+        .code = copy_spirv,
+        .code_bytes = sizeof(copy_spirv),
         .buffer_count = copy_buffers,
     };
     const struct neph_dispatch dispatch = {
@@ -114,8 +114,8 @@ static enum neph_status run_arithmetic(struct neph_vulkan *vulkan, const struct 
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_arithmetic",
-        .spirv = arithmetic_spirv,
-        .spirv_size_bytes = sizeof(arithmetic_spirv),
+        .code = arithmetic_spirv,
+        .code_bytes = sizeof(arithmetic_spirv),
         .buffer_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_ceiling_turns),
         .constant_count = 1,
@@ -254,8 +254,8 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_samples",
-        .spirv = samples_spirv,
-        .spirv_size_bytes = sizeof(samples_spirv),
+        .code = samples_spirv,
+        .code_bytes = sizeof(samples_spirv),
         .buffer_count = sample_buffers,
         .image_count = 1,
         .texels_count = 1,

@@ -90,9 +90,9 @@ struct neph_texture {
 /* --- kernels ------------------------------------------------------------------------------ */
 
 struct neph_kernel_params {
-    const char *name;      /* unique to the shader */
-    const uint32_t *spirv; /* borrowed */
-    size_t spirv_size_bytes;
+    const char *name;     /* unique to the shader */
+    const uint32_t *code; /* shaders/NAME.comp.inc; borrowed while the device lives */
+    size_t code_bytes;
     int buffer_count;       /* at set 0, bindings 0 .. count-1: storage buffers but for .. */
     int uniform_count;      /* .. the first of them, which are uniform ones */
     int array_count;        /* more of them, an array at binding buffer_count; 0: none */
@@ -104,8 +104,10 @@ struct neph_kernel_params {
     uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
 };
 
-/* The compiled kernel of a shader and its specialization constants: made at the first call, kept
- * and owned by the device. Constants that the shader does not have may have any value. */
+/* The kernel of a shader and its specialization constants: asked for by the first call, kept and
+ * owned by the device. It is made on another thread, and the first batch that needs it waits: ask
+ * for all that a frame needs before its first batch. What goes wrong meanwhile is that batch's
+ * error. Constants that the shader does not have may have any value. */
 enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
                                  const struct neph_kernel_params *params,
                                  const struct neph_kernel **kernel, struct neph_diag *diag);
@@ -140,7 +142,8 @@ struct neph_batch {
 enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_batch *batch,
                                   struct neph_diag *diag);
 
-/* Add a dispatch; its copy is left out. */
+/* Add a dispatch; its copy is left out. Waits for its kernel, and meanwhile sends what the batch
+ * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. */
 enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
                                      const struct neph_dispatch *dispatch, struct neph_diag *diag);
 

@@ -282,8 +282,8 @@ static enum neph_status get_fill(struct work *work, const struct neph_gpu_scene 
 {
     struct neph_kernel_params params = {
         .name = "diffuse_fill",
-        .spirv = fill_spirv,
-        .spirv_size_bytes = sizeof(fill_spirv),
+        .code = fill_spirv,
+        .code_bytes = sizeof(fill_spirv),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 3,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
@@ -299,7 +299,7 @@ static enum neph_status get_kernels(struct work *work, const struct neph_gpu_sce
 {
     const struct {
         const char *name;
-        const uint32_t *spirv;
+        const uint32_t *code;
         size_t bytes;
         int buffers;
         const struct neph_kernel **kernel;
@@ -312,8 +312,8 @@ static enum neph_status get_kernels(struct work *work, const struct neph_gpu_sce
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]) && !status; i++) {
         const struct neph_kernel_params params = {
             .name = rows[i].name,
-            .spirv = rows[i].spirv,
-            .spirv_size_bytes = rows[i].bytes,
+            .code = rows[i].code,
+            .code_bytes = rows[i].bytes,
             .buffer_count = rows[i].buffers,
             .push_size_bytes = sizeof(struct neph_gpu_diffusion_run),
         };

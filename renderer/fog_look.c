@@ -114,8 +114,8 @@ static enum neph_status get_kernel(struct neph_fog_looks *looks, struct neph_dia
 {
     const struct neph_kernel_params kernel = {
         .name = "fog_look",
-        .spirv = fog_look_spirv,
-        .spirv_size_bytes = sizeof(fog_look_spirv),
+        .code = fog_look_spirv,
+        .code_bytes = sizeof(fog_look_spirv),
         .buffer_count = BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .push_size_bytes = sizeof(struct neph_gpu_fog_look_run),

@@ -16,8 +16,8 @@ static enum neph_status ask(struct neph_vulkan *vulkan, const struct neph_buffer
 {
     const struct neph_kernel_params params = {
         .name = "halves",
-        .spirv = spirv,
-        .spirv_size_bytes = sizeof(spirv),
+        .code = spirv,
+        .code_bytes = sizeof(spirv),
         .buffer_count = 1,
     };
     const struct neph_dispatch dispatch = {

@@ -498,8 +498,8 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
 {
     struct neph_kernel_params params = {
         .name = "march",
-        .spirv = march_spirv,
-        .spirv_size_bytes = sizeof(march_spirv),
+        .code = march_spirv,
+        .code_bytes = sizeof(march_spirv),
         .buffer_count = NEPH_MARCH_BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,

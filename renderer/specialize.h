@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * A shader with its specialization constants built in, and without what they leave unused. A driver
- * does the same, but only after it has translated the whole, of which most is for other media and
- * other techniques; and so it does at each start.
+ * A shader with its specialization constants built in, by SPIRV-Tools' optimiser. The order is what
+ * counts: what the constants rule out goes first, function by function; what is left is inlined;
+ * and then it is cleaned. The other way around the whole is inlined, of which most is for other
+ * media and other techniques. Not for other folders.
  */
 #ifndef NEPH_RENDERER_SPECIALIZE_H
 #define NEPH_RENDERER_SPECIALIZE_H
@@ -13,11 +14,13 @@
 #include <stdint.h>
 
 /* SPIR-V of the same meaning as `words` with specialization constants 0 .. count-1 of these 32
- * bits, and no OpSpecConstant left; constants from `count` on have the shader's own value. `words`
- * is valid and of GLSL. Only what decides nothing goes: floating-point arithmetic stays as it is.
- * For the caller to free. NEPH_ERR_MEMORY only. */
+ * bits; constants from `count` on have the shader's own value. Loops stay loops. For the caller to
+ * free. NEPH_ERR_INTERNAL: the optimiser refuses it, with its words. From any thread. */
 enum neph_status neph_specialize(const uint32_t *words, size_t size_bytes,
                                  const uint32_t *constants, int count, uint32_t **specialized,
                                  size_t *specialized_bytes, struct neph_diag *diag);
+
+/* What the result depends on beside the arguments: the optimiser's version and its passes. */
+const char *neph_specialize_version(void);
 
 #endif

@@ -69,8 +69,8 @@ static enum neph_status get_kernel(struct neph_sun_fill *fill, const struct neph
 {
     struct neph_kernel_params params = {
         .name = fill->shader.name,
-        .spirv = fill->shader.spirv,
-        .spirv_size_bytes = fill->shader.spirv_size_bytes,
+        .code = fill->shader.code,
+        .code_bytes = fill->shader.code_bytes,
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,

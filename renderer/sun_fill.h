@@ -33,8 +33,8 @@ void neph_sun_fill_counts(const struct neph_sun_fill_cost *cost, uint64_t *densi
 
 struct neph_sun_fill_shader {
     const char *name;
-    const uint32_t *spirv; /* borrowed */
-    size_t spirv_size_bytes;
+    const uint32_t *code; /* borrowed */
+    size_t code_bytes;
     int table; /* NEPH_SUN_CACHE or _MAP: whose costs it adds to */
 };
 

@@ -141,8 +141,8 @@ static enum neph_status get_walk(struct neph_traced_light *light, const struct n
     struct neph_march_params march = light->params;
     struct neph_kernel_params params = {
         .name = "light_walk",
-        .spirv = walk_spirv,
-        .spirv_size_bytes = sizeof(walk_spirv),
+        .code = walk_spirv,
+        .code_bytes = sizeof(walk_spirv),
         .buffer_count = NEPH_MARCH_BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
@@ -163,16 +163,16 @@ static enum neph_status get_kernels(struct work *work, const struct neph_gpu_sce
 {
     const struct neph_kernel_params settle = {
         .name = "light_settle",
-        .spirv = settle_spirv,
-        .spirv_size_bytes = sizeof(settle_spirv),
+        .code = settle_spirv,
+        .code_bytes = sizeof(settle_spirv),
         .buffer_count = 4,
         .uniform_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_light_fade),
     };
     const struct neph_kernel_params smooth = {
         .name = "light_smooth",
-        .spirv = smooth_spirv,
-        .spirv_size_bytes = sizeof(smooth_spirv),
+        .code = smooth_spirv,
+        .code_bytes = sizeof(smooth_spirv),
         .buffer_count = 2,
         .push_size_bytes = sizeof(struct neph_gpu_light_smooth),
     };

@@ -329,8 +329,8 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
     const struct {
         const struct neph_kernel **kernel;
         const char *name;
-        const uint32_t *spirv;
-        size_t spirv_size_bytes;
+        const uint32_t *code;
+        size_t code_bytes;
         bool is_needed; /* the compiler's time is most of a short render */
     } wanted[] = {
         {&render->view, "tracer_view", view_spirv, sizeof(view_spirv), true},
@@ -347,8 +347,8 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         if (!wanted[i].is_needed)
             continue;
         params.name = wanted[i].name;
-        params.spirv = wanted[i].spirv;
-        params.spirv_size_bytes = wanted[i].spirv_size_bytes;
+        params.code = wanted[i].code;
+        params.code_bytes = wanted[i].code_bytes;
         status = neph_kernel_get(render->vulkan, &params, wanted[i].kernel, diag);
     }
     return status;

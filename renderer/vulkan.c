@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/vulkan.h"
 
+#include "base/threads.h"
+#include "base/workers.h"
 #include "renderer/compute.h"
 #include "renderer/pipeline_cache.h"
+#include "renderer/shader_cache.h"
 
 #include <dlfcn.h>
 #include <link.h>
@@ -27,7 +30,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     (void)severity;
     (void)types;
     struct neph_vulkan *vulkan = user;
-    if (vulkan->message_count++ == 0)
+    if (atomic_fetch_add(&vulkan->message_count, 1) == 0)
         snprintf(vulkan->first_message, sizeof(vulkan->first_message), "%s", data->pMessage);
     return VK_FALSE;
 }
@@ -306,6 +309,7 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
     struct neph_vulkan *created = calloc(1, sizeof(*created));
     if (!created)
         return neph_fail_memory(diag);
+    pthread_mutex_init(&created->pipeline_lock, NULL);
 
     uint32_t timestamp_bits = 0;
     enum neph_status status = create_instance(created, params->validation, diag);
@@ -318,6 +322,10 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
     }
     if (!status)
         status = create_lanes(created, timestamp_bits, diag);
+    if (!status)
+        status = neph_workers_create(neph_processor_count(), &created->makers, diag);
+    if (!status && params->cache_folder)
+        status = neph_shader_cache_create(params->cache_folder, &created->shaders, diag);
     if (!status && params->cache_folder)
         status = neph_pipeline_cache_create(created, params->cache_folder, diag);
     if (!status)
@@ -338,6 +346,7 @@ int neph_vulkan_destroy(struct neph_vulkan *vulkan)
         neph_lanes_destroy(vulkan);
         neph_kernels_destroy(vulkan);
         neph_pipeline_cache_destroy(vulkan);
+        neph_shader_cache_destroy(vulkan->shaders);
         vulkan->api.vkDestroyDevice(vulkan->device, NULL);
     }
     if (vulkan->messenger)
@@ -345,6 +354,7 @@ int neph_vulkan_destroy(struct neph_vulkan *vulkan)
     if (vulkan->instance)
         vkDestroyInstance(vulkan->instance, NULL);
     const int message_count = vulkan->message_count;
+    pthread_mutex_destroy(&vulkan->pipeline_lock);
     free(vulkan);
     return message_count;
 }
@@ -356,6 +366,7 @@ struct neph_vulkan_description neph_vulkan_describe(const struct neph_vulkan *vu
 
 enum neph_status neph_vulkan_check(const struct neph_vulkan *vulkan, struct neph_diag *diag)
 {
+    neph_workers_wait_for_all(vulkan->makers);
     if (vulkan->message_count == 0)
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_INTERNAL, "Vulkan validation, message 1 of %d: %s",

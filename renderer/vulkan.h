@@ -3,7 +3,8 @@
  * A Vulkan 1.2 device for compute. Nothing is linked: the loader is opened at run time (volk), so
  * a machine without Vulkan gets a sentence and an install line instead of a dynamic-linker error.
  *
- * Threads: a neph_vulkan is used by one thread at a time; create them one after the other.
+ * Threads: a neph_vulkan is used by one thread at a time; create them one after the other. It makes
+ * its kernels on threads of its own.
  */
 #ifndef NEPH_RENDERER_VULKAN_H
 #define NEPH_RENDERER_VULKAN_H
@@ -19,8 +20,9 @@ struct neph_vulkan_params {
     bool validation;    /* core and synchronization checks; every message is counted */
     const char *device; /* part of the device name, in any case; NULL: a CPU device (lavapipe) when
                          * there is one, since every machine can have it, else the first */
-    const char *cache_folder; /* borrowed; for what the driver compiles; made if need be. NULL:
-                               * nothing is kept */
+    const char
+        *cache_folder; /* borrowed; for specialised shaders and what the driver makes of them;
+                               * made if need be. NULL: nothing is kept */
 };
 
 /* Open a device with a compute queue. NULL params: all zero. Free with _destroy.

@@ -8,11 +8,15 @@
 #include "base/status.h"
 #include "renderer/vulkan_description.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <volk.h>
 
 struct neph_kernel;
 struct neph_lanes;          /* lane.h */
 struct neph_pipeline_cache; /* pipeline_cache.h */
+struct neph_shader_cache;   /* shader_cache.h */
+struct neph_workers;        /* base/workers.h */
 
 struct neph_vulkan {
     VkInstance instance;
@@ -27,7 +31,10 @@ struct neph_vulkan {
     VkPhysicalDeviceMemoryProperties memory;
     VkPhysicalDeviceLimits limits;
     struct neph_pipeline_cache *pipelines; /* owned; NULL: nothing is kept on disk */
+    struct neph_shader_cache *shaders;     /* owned; NULL: nothing is kept on disk */
     struct neph_kernel *kernels;           /* owned; all that were ever asked for */
+    struct neph_workers *makers;           /* owned; of the kernels */
+    pthread_mutex_t pipeline_lock;         /* of a CPU's driver, while a pipeline is made */
     struct neph_vulkan_description description;
 
     /* Validation. The functions are kept here because volk's globals belong to the instance that
@@ -35,7 +42,7 @@ struct neph_vulkan {
     PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
     PFN_vkSetDebugUtilsObjectNameEXT set_object_name; /* NULL without validation */
     VkDebugUtilsMessengerEXT messenger;
-    int message_count;
+    atomic_int message_count; /* kernels are made on several threads */
     char first_message[900];
 };
 

@@ -293,8 +293,8 @@ static enum neph_status prepare_stage(struct work *work, int at, struct size to,
     const struct neph_post_stage *stage = work->stages[at];
     const struct neph_kernel_params params = {
         .name = stage->shader.name,
-        .spirv = stage->shader.spirv,
-        .spirv_size_bytes = stage->shader.spirv_size_bytes,
+        .code = stage->shader.code,
+        .code_bytes = stage->shader.code_bytes,
         .buffer_count = bindings,
         .push_size_bytes = sizeof(struct neph_gpu_post_run),
     };

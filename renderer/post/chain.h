@@ -52,8 +52,8 @@ struct neph_post_stage {
     enum neph_post_pass pass;
     struct {
         const char *name;
-        const uint32_t *spirv;
-        size_t spirv_size_bytes;
+        const uint32_t *code;
+        size_t code_bytes;
     } shader;
     int settings[2]; /* on where both are not 0; the second may be the same */
     enum {

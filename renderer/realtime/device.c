@@ -193,8 +193,8 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch)
 {
     params->name = pass->shader.name;
-    params->spirv = pass->shader.spirv;
-    params->spirv_size_bytes = pass->shader.spirv_size_bytes;
+    params->code = pass->shader.code;
+    params->code_bytes = pass->shader.code_bytes;
     params->buffer_count = first + 2;
     params->array_count = pass->rays ? RT_RAY_TARGET_COUNT : RT_TARGET_COUNT;
     if (first == 0) { /* no scene before the view */

@@ -11,8 +11,8 @@
 /* A shader that includes realtime.glsl; 64 threads a group, along x. */
 struct neph_rt_shader {
     const char *name;
-    const uint32_t *spirv;
-    size_t spirv_size_bytes;
+    const uint32_t *code;
+    size_t code_bytes;
 };
 
 /* The choice that a setting must have. */

@@ -63,8 +63,8 @@ static enum neph_status watch_targets(struct neph_rt_device *device, uint32_t ta
 {
     const struct neph_kernel_params params = {
         .name = "rt_watch",
-        .spirv = spirv,
-        .spirv_size_bytes = sizeof(spirv),
+        .code = spirv,
+        .code_bytes = sizeof(spirv),
         .buffer_count = 2,
         .push_size_bytes = sizeof(struct neph_gpu_watch_run),
     };

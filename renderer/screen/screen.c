@@ -110,8 +110,8 @@ static enum neph_status get_kernels(struct neph_screening *screen, struct neph_d
         const struct neph_screen_pass *pass = &neph_screen_passes[i];
         const struct neph_kernel_params params = {
             .name = pass->shader.name,
-            .spirv = pass->shader.spirv,
-            .spirv_size_bytes = pass->shader.spirv_size_bytes,
+            .code = pass->shader.code,
+            .code_bytes = pass->shader.code_bytes,
             .buffer_count = BUFFERS,
             .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
             .array_count = SCREEN_TARGET_COUNT,

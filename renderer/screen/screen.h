@@ -21,8 +21,8 @@ struct neph_screen_pass {
     const char *name, *note;
     struct {
         const char *name;
-        const uint32_t *spirv;
-        size_t spirv_size_bytes;
+        const uint32_t *code;
+        size_t code_bytes;
     } shader;
     int settings[2];        /* on where both are not 0; -1: always */
     int resolution;         /* the setting of it; 0: all pixels */

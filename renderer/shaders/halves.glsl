@@ -10,31 +10,51 @@
 // All ways at once and then a choice: lavapipe, for which these are, would run both sides of
 // a branch.
 
-// The nearest half, of two the even one. packHalf2x16 would leave the rounding to the driver.
-uint to_half(float value)
+// The nearest halves, of two the even one. packHalf2x16 would leave the rounding to the driver.
+uvec2 to_halves(vec2 values)
 {
-    uint bits = floatBitsToUint(value), magnitude = bits & 0x7fffffffu;
+    uvec2 bits = floatBitsToUint(values), magnitudes = bits & 0x7fffffffu;
     // Below 2^-14 halves are whole numbers of 2^-24, and so are floats from 1/2 to 1.
-    precise float from_a_half = uintBitsToFloat(magnitude) + 0.5;
-    uint below_normal = floatBitsToUint(from_a_half) - 0x3f000000u;
-    uint normal = (magnitude - 0x38000000u + 0xfffu + (magnitude >> 13 & 1u)) >> 13;
-    uint rounded = magnitude < 0x38800000u ? below_normal : normal;
-    uint infinite = magnitude > 0x7f800000u ? 0x7e00u : 0x7c00u; // NaN; from 65520 on
-    return (bits >> 16 & 0x8000u) | (magnitude >= 0x477ff000u ? infinite : rounded);
+    precise vec2 from_a_half = uintBitsToFloat(magnitudes) + 0.5;
+    uvec2 below_normal = floatBitsToUint(from_a_half) - 0x3f000000u;
+    uvec2 normal = (magnitudes - 0x38000000u + 0xfffu + (magnitudes >> 13 & 1u)) >> 13;
+    uvec2 rounded = mix(normal, below_normal, lessThan(magnitudes, uvec2(0x38800000u)));
+    bvec2 are_nan = greaterThan(magnitudes, uvec2(0x7f800000u));
+    uvec2 infinite = mix(uvec2(0x7c00u), uvec2(0x7e00u), are_nan); // from 65520 on
+    bvec2 are_infinite = greaterThanEqual(magnitudes, uvec2(0x477ff000u));
+    return (bits >> 16 & 0x8000u) | mix(rounded, infinite, are_infinite);
 }
 
-float from_half(uint bits)
+uint to_half(float value) { return to_halves(vec2(value)).x; }
+
+// A word of two, the first in its low half.
+uint to_word(vec2 values)
 {
-    uint magnitude = (bits & 0x7fffu) << 13;
-    bool is_below_normal = magnitude < 0x800000u, is_infinite = magnitude >= 0xf800000u; // or NaN
-    uint exponent = is_infinite ? 0x70000000u : is_below_normal ? 0x38800000u : 0x38000000u;
-    precise float below_normal = uintBitsToFloat(magnitude + exponent) - 6.103515625e-5; // 2^-14
-    uint found = is_below_normal ? floatBitsToUint(below_normal) : magnitude + exponent;
+    uvec2 halves = to_halves(values);
+    return halves.x | (halves.y << 16);
+}
+
+// Four at a time, as one piece of code: it is inlined wherever a texel is read.
+vec4 from_halves(uvec4 bits)
+{
+    uvec4 magnitudes = (bits & 0x7fffu) << 13;
+    bvec4 are_below_normal = lessThan(magnitudes, uvec4(0x800000u));
+    bvec4 are_infinite = greaterThanEqual(magnitudes, uvec4(0xf800000u)); // or NaN
+    uvec4 exponents = mix(mix(uvec4(0x38000000u), uvec4(0x38800000u), are_below_normal),
+                          uvec4(0x70000000u), are_infinite);
+    uvec4 normal = magnitudes + exponents;
+    precise vec4 below_normal = uintBitsToFloat(normal) - 6.103515625e-5; // 2^-14
+    uvec4 found = mix(normal, floatBitsToUint(below_normal), are_below_normal);
     return uintBitsToFloat((bits & 0x8000u) << 16 | found);
 }
 
-// Those of a word. What is a half for a moment alone is read by this: a driver that sees its own
+float from_half(uint bits) { return from_halves(uvec4(bits)).x; }
+
+// Those of two words. What is a half for a moment alone is read by this: a driver that sees its own
 // two conversions follow each other may leave both out, and the value what it was.
-vec2 from_halves(uint word) { return vec2(from_half(word & 0xffffu), from_half(word >> 16)); }
+vec4 from_words(uvec2 words)
+{
+    return from_halves(uvec4(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu, words.y >> 16));
+}
 
 #endif

@@ -67,7 +67,7 @@ vec3 kept(vec3 colour)
     vec3 held = clamp(colour, -HALF_MAX, HALF_MAX);
     switch (view.target) {
     case POST_FLOAT16:
-        return vec3(from_halves(packHalf2x16(held.xy)), from_halves(packHalf2x16(held.zz)).x);
+        return from_words(uvec2(packHalf2x16(held.xy), packHalf2x16(held.zz))).xyz;
     case POST_UNORM10:
         return floor(clamp(colour, 0.0, 1.0) * LAST_CODE + 0.5) / LAST_CODE;
     default:

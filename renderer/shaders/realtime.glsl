@@ -169,10 +169,11 @@ int half_row = int(view.targets[RT_HALF_DEPTH].width);
 int quarter_row = int(view.targets[RT_TILE].width);
 int froxel_row = int(view.targets[RT_FROXELS].width);
 
-int choice(int index) { return SPECIALISED ? known_choice(index) : int(settings[index]); }
+#define choice(index) (SPECIALISED ? known_choice(index) : int(settings[index]))
+int choice_of(int index) { return SPECIALISED ? choice_by_index(index) : int(settings[index]); }
 float setting(int index) { return of_thread(settings[index]); } // of one that is a number
 // Whether a number is other than 0, where that is "never" or "off".
-bool is_set(int index) { return SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0; }
+#define is_set(index) (SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0)
 
 ivec2 view_origin() { return origin_px; }
 ivec2 view_size() { return size_px; }
@@ -195,7 +196,7 @@ const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
 int format_of(int target)
 {
     TargetRow row = TARGETS[target];
-    return row.setting == RT_FIXED || choice(row.setting) == RT_FORMAT_HALF ? row.half_format
+    return row.setting == RT_FIXED || choice_of(row.setting) == RT_FORMAT_HALF ? row.half_format
                                                                            : row.float_format;
 }
 
@@ -206,18 +207,18 @@ layout(constant_id = RT_RESTS_CONSTANT) const uint RESTS = 0;
 const bool ALL_REST = (RESTS & RT_RESTS_ALL) != 0u, AIR_RESTS = (RESTS & RT_RESTS_AIR) != 0u;
 
 // By the driver's own conversions where they are known to be right (renderer/halves.h).
-vec2 unpack(uint word)
+vec4 unpack(uvec2 words)
 {
-    return (NATIVE_HALVES & NEPH_HALVES_READ) != 0u
-               ? unpackHalf2x16(word)
-               : from_halves(word);
+    if ((NATIVE_HALVES & NEPH_HALVES_READ) != 0u)
+        return vec4(unpackHalf2x16(words.x), unpackHalf2x16(words.y));
+    return from_words(words);
 }
 
 uint pack(vec2 value)
 {
     return (NATIVE_HALVES & NEPH_HALVES_WRITTEN) != 0u
                ? packHalf2x16(value)
-               : to_half(value.x) | (to_half(value.y) << 16);
+               : to_word(value);
 }
 
 int width_of(int target)
@@ -270,25 +271,29 @@ void put_word_pair(int target, uint index, uvec2 pair)
         target_longs[target].words[index] = packUint2x32(pair);
 }
 
+// The words of an element that is kept in halves: one, or two.
+uvec2 half_words(int target, uint index, int format)
+{
+    if (format == RT_RGBA16F)
+        return word_pair(target, index);
+    uint word = word(target, index);
+    return uvec2(format == RT_R16F ? word & 0xffffu : word, 0u);
+}
+
 // Element (x, y) of a target, in texels of the whole target. The caller keeps inside.
 vec4 fetch(int target, ivec2 texel)
 {
     uint index = uint(texel.y * width_of(target) + texel.x);
-    switch (format_of(target)) {
-    case RT_R16F:
-        return vec4(unpack(word(target, index) & 0xffffu).x, 0.0, 0.0, 0.0);
+    int format = format_of(target);
+    switch (format) {
     case RT_R32F:
         return vec4(uintBitsToFloat(word(target, index)), 0.0, 0.0, 0.0);
-    case RT_RG16F:
-        return vec4(unpack(word(target, index)), 0.0, 0.0);
     case RT_RG32F:
         return vec4(uintBitsToFloat(word_pair(target, index)), 0.0, 0.0);
-    case RT_RGBA16F: {
-        uvec2 words = word_pair(target, index);
-        return vec4(unpack(words.x), unpack(words.y));
-    }
-    default:
+    case RT_RGBA32F:
         return uintBitsToFloat(word_four(target, index));
+    default:
+        return unpack(half_words(target, index, format));
     }
 }
 

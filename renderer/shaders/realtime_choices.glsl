@@ -38,7 +38,19 @@ layout(constant_id = 25) const uint DIGITS_17 = 0;
 layout(constant_id = 26) const uint DIGITS_18 = 0;
 layout(constant_id = 27) const uint DIGITS_19 = 0;
 
-int known_choice(int setting)
+// The constant of a setting whose index is one, and its digit: numbers that are known before any
+// function is inlined, so that what they rule out never is.
+#define DIGITS_OF(s)                                                                               \
+    ((s) >> 3 == 0 ? DIGITS_0 : (s) >> 3 == 1 ? DIGITS_1 : (s) >> 3 == 2 ? DIGITS_2 :              \
+     (s) >> 3 == 3 ? DIGITS_3 : (s) >> 3 == 4 ? DIGITS_4 : (s) >> 3 == 5 ? DIGITS_5 :              \
+     (s) >> 3 == 6 ? DIGITS_6 : (s) >> 3 == 7 ? DIGITS_7 : (s) >> 3 == 8 ? DIGITS_8 :              \
+     (s) >> 3 == 9 ? DIGITS_9 : (s) >> 3 == 10 ? DIGITS_10 : (s) >> 3 == 11 ? DIGITS_11 :          \
+     (s) >> 3 == 12 ? DIGITS_12 : (s) >> 3 == 13 ? DIGITS_13 : (s) >> 3 == 14 ? DIGITS_14 :        \
+     (s) >> 3 == 15 ? DIGITS_15 : (s) >> 3 == 16 ? DIGITS_16 : (s) >> 3 == 17 ? DIGITS_17 :        \
+     (s) >> 3 == 18 ? DIGITS_18 : DIGITS_19)
+#define known_choice(s) int(DIGITS_OF(s) >> (4 * ((s) & 7)) & 15u)
+
+int choice_by_index(int setting)
 {
     uint digits[20] = {DIGITS_0, DIGITS_1, DIGITS_2, DIGITS_3, DIGITS_4, DIGITS_5,
                        DIGITS_6, DIGITS_7, DIGITS_8, DIGITS_9, DIGITS_10, DIGITS_11,

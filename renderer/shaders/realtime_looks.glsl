@@ -31,7 +31,7 @@ vec4 limited(vec4 value)
 vec4 kept(vec4 value)
 {
     vec4 seen = limited(value);
-    return vec4(from_halves(pack(seen.xy)), from_halves(pack(seen.zw)));
+    return from_words(uvec2(pack(seen.xy), pack(seen.zw)));
 }
 
 // The place in its tile of the texel whose ray a tile keeps in a frame.

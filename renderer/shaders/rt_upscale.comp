@@ -370,7 +370,7 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
 vec4 as_kept(vec4 volume)
 {
     return format_of(RT_VOLUME) == RT_RGBA16F
-               ? vec4(from_halves(pack(volume.xy)), from_halves(pack(volume.zw)))
+               ? from_words(uvec2(pack(volume.xy), pack(volume.zw)))
                : volume;
 }
 

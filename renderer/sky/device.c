@@ -89,8 +89,8 @@ static size_t part_pixels(const struct neph_sky_pictures *pictures)
 static enum neph_status prepare(struct neph_sky_pictures *pictures, struct neph_diag *diag)
 {
     struct neph_kernel_params params = {.name = "sky_picture",
-                                        .spirv = picture_spirv,
-                                        .spirv_size_bytes = sizeof(picture_spirv),
+                                        .code = picture_spirv,
+                                        .code_bytes = sizeof(picture_spirv),
                                         .buffer_count = BUFFERS,
                                         .push_size_bytes = sizeof(struct neph_gpu_sky_part)};
     neph_sky_constants(&pictures->tables, &params);

@@ -35,7 +35,7 @@ enum kernel { SUN, GATHER, SUM, VIEW, AERIAL };
 
 static const struct {
     const char *name;
-    const uint32_t *spirv;
+    const uint32_t *code;
     size_t bytes;
     int buffers; /* told, nodes, directions, what arrives from them */
     size_t push_bytes;
@@ -295,8 +295,8 @@ static enum neph_status get_kernels(struct neph_sky_tables *tables, struct neph_
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < NEPH_SKY_KERNELS && !status; i++) {
         struct neph_kernel_params params = {.name = kernels[i].name,
-                                            .spirv = kernels[i].spirv,
-                                            .spirv_size_bytes = kernels[i].bytes,
+                                            .code = kernels[i].code,
+                                            .code_bytes = kernels[i].bytes,
                                             .buffer_count = kernels[i].buffers,
                                             .push_size_bytes = kernels[i].push_bytes};
         neph_sky_constants(tables, &params);

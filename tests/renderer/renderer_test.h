@@ -9,12 +9,17 @@
 
 #include "renderer/vulkan.h"
 
+#include <stdlib.h>
+
+/* Specialised shaders are kept from test to test where the environment names a folder. */
 static inline struct neph_vulkan *test_vulkan_open(void)
 {
     struct neph_vulkan *vulkan = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(
-        neph_vulkan_create(&(struct neph_vulkan_params){.validation = true}, &vulkan, &diag),
+        neph_vulkan_create(&(struct neph_vulkan_params){.validation = true,
+                                                        .cache_folder = getenv("NEPH_TEST_CACHE")},
+                           &vulkan, &diag),
         &diag);
     return vulkan;
 }

@@ -93,8 +93,8 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct question *que
     struct neph_diag diag = {0};
     const struct neph_kernel_params params = {
         .name = "probe_fog_look",
-        .spirv = probe_spirv,
-        .spirv_size_bytes = sizeof(probe_spirv),
+        .code = probe_spirv,
+        .code_bytes = sizeof(probe_spirv),
         .buffer_count = 2,
     };
     const struct neph_kernel *kernel;

@@ -27,8 +27,8 @@ static void ask(struct neph_vulkan *vulkan, const struct run *run, struct points
 {
     const struct neph_kernel_params params = {
         .name = "probe_sobol",
-        .spirv = probe_spirv,
-        .spirv_size_bytes = sizeof(probe_spirv),
+        .code = probe_spirv,
+        .code_bytes = sizeof(probe_spirv),
         .buffer_count = 1,
         .push_size_bytes = sizeof(*run),
     };

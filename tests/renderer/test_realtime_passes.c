@@ -69,12 +69,12 @@ static struct module reflect(const struct neph_rt_pass *pass)
 {
     enum { HEADER_WORDS = 5, BOUND = 3 };
     const struct neph_rt_shader *shader = &pass->shader;
-    const size_t count = shader->spirv_size_bytes / sizeof(uint32_t);
-    struct module module = {.ids = calloc(shader->spirv[BOUND], sizeof(*module.ids)),
+    const size_t count = shader->code_bytes / sizeof(uint32_t);
+    struct module module = {.ids = calloc(shader->code[BOUND], sizeof(*module.ids)),
                             .texels_binding = pass->rays ? 0 : NEPH_GPU_TEXELS_BINDING + 1};
     assert_non_null(module.ids);
-    for (size_t i = HEADER_WORDS; i < count; i += shader->spirv[i] >> 16)
-        take_instruction(&module, shader->spirv + i);
+    for (size_t i = HEADER_WORDS; i < count; i += shader->code[i] >> 16)
+        take_instruction(&module, shader->code + i);
     free(module.ids);
     return module;
 }

@@ -71,8 +71,8 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct test_scene *t
                    &diag);
     const struct neph_kernel_params params = {
         .name = "probe_media",
-        .spirv = probe_spirv,
-        .spirv_size_bytes = sizeof(probe_spirv),
+        .code = probe_spirv,
+        .code_bytes = sizeof(probe_spirv),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .constant_count = NEPH_GPU_SCENE_CONSTANTS,

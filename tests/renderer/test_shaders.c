@@ -60,8 +60,8 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct probe *probes
 {
     const struct neph_kernel_params params = {
         .name = "probe",
-        .spirv = probe_spirv,
-        .spirv_size_bytes = sizeof(probe_spirv),
+        .code = probe_spirv,
+        .code_bytes = sizeof(probe_spirv),
         .buffer_count = 2,
     };
     const size_t probe_bytes = (size_t)count * sizeof(*probes);

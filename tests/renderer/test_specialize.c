@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
  * Shaders with their specialization constants built in: what a probe of all sorts of ways answers,
- * against the same in C, and that the layer finds nothing wrong with the renderer's own.
+ * against the same in C, that the layer finds nothing wrong with the renderer's own, and what
+ * becomes of a shader that is none.
  */
 #include "tests/renderer/renderer_test.h"
 
 #include "renderer/compute.h"
+#include "renderer/shader_code.h"
 #include "renderer/specialize.h"
+
+#include <zlib.h>
 
 static const uint32_t probe_spirv[] = {
 #include "shaders/probe_constants.comp.inc"
@@ -116,8 +120,8 @@ static void run_probe(struct neph_vulkan *vulkan, const struct constants *consta
 {
     struct neph_kernel_params params = {
         .name = "probe_constants",
-        .spirv = probe_spirv,
-        .spirv_size_bytes = sizeof(probe_spirv),
+        .code = probe_spirv,
+        .code_bytes = sizeof(probe_spirv),
         .buffer_count = 2,
         .constant_count = CONSTANTS,
     };
@@ -164,8 +168,8 @@ static void test_every_way(void **state)
 
 static const struct {
     const char *name;
-    const uint32_t *words;
-    size_t size_bytes;
+    const uint32_t *code;
+    size_t code_bytes;
 } shaders[] = {
     {"probe_constants", probe_spirv, sizeof(probe_spirv)},
     {"march", march_spirv, sizeof(march_spirv)},
@@ -174,12 +178,12 @@ static const struct {
     {"rt_taa", taa_spirv, sizeof(taa_spirv)},
 };
 
-static bool has_spec_constants(const uint32_t *words, size_t size_bytes)
+static bool has_open_constants(const uint32_t *words, size_t size_bytes)
 {
-    enum { HEADER_WORDS = 5, FIRST = 48, LAST = 52 }; /* OpSpecConstantTrue .. OpSpecConstantOp */
+    enum { HEADER_WORDS = 5, OP_DECORATE = 71, SPEC_ID = 1 };
     bool has = false;
     for (size_t i = HEADER_WORDS; i < size_bytes / sizeof(*words); i += words[i] >> 16)
-        has |= (words[i] & 0xffff) >= FIRST && (words[i] & 0xffff) <= LAST;
+        has |= (words[i] & 0xffff) == OP_DECORATE && words[i + 2] == SPEC_ID;
     return has;
 }
 
@@ -198,25 +202,34 @@ static void check_module(struct neph_vulkan *vulkan, const uint32_t *words, size
     neph_assert_ok(neph_vulkan_check(vulkan, &diag), &diag);
 }
 
+static void specialize(const uint32_t *code, size_t code_bytes, const uint32_t *constants,
+                       int count, uint32_t **words, size_t *size_bytes, size_t *whole_bytes)
+{
+    struct neph_diag diag = {0};
+    uint32_t *whole = NULL;
+    neph_assert_ok(neph_shader_unpack(code, code_bytes, &whole, whole_bytes, &diag), &diag);
+    assert_true(has_open_constants(whole, *whole_bytes));
+    neph_assert_ok(neph_specialize(whole, *whole_bytes, constants, count, words, size_bytes, &diag),
+                   &diag);
+    free(whole);
+}
+
 static void test_valid_whatever_the_constants(void **state)
 {
     enum { TRIES = 3, COUNT = 12 };
     const uint64_t seed = 20261123;
     uint64_t random = seed;
     for (size_t i = 0; i < TRIES * sizeof(shaders) / sizeof(shaders[0]); i++) {
-        struct neph_diag diag = {0};
         uint32_t constants[COUNT], *spirv = NULL;
-        size_t bytes = 0;
+        size_t bytes = 0, whole_bytes = 0;
         for (int j = 0; j < COUNT; j++)
             constants[j] = (uint32_t)neph_test_random(&random) >> neph_test_random(&random) % 32;
         const size_t shader = i / TRIES;
         print_message("%s, seed %llu, try %zu\n", shaders[shader].name, (unsigned long long)seed,
                       i % TRIES);
-        neph_assert_ok(neph_specialize(shaders[shader].words, shaders[shader].size_bytes, constants,
-                                       COUNT, &spirv, &bytes, &diag),
-                       &diag);
-        assert_false(has_spec_constants(spirv, bytes));
-        assert_true(bytes <= shaders[shader].size_bytes);
+        specialize(shaders[shader].code, shaders[shader].code_bytes, constants, COUNT, &spirv,
+                   &bytes, &whole_bytes);
+        assert_false(has_open_constants(spirv, bytes));
         check_module(*state, spirv, bytes);
         free(spirv);
     }
@@ -226,16 +239,75 @@ static void test_valid_whatever_the_constants(void **state)
 static void test_unused_goes(void **state)
 {
     (void)state;
+    const uint32_t nothing[12] = {0}, all_kinds[12] = {(1u << NEPH_MEDIUM_KIND_COUNT) - 1, 262532};
+    size_t bytes[2], whole_bytes;
+    for (int i = 0; i < 2; i++) {
+        uint32_t *spirv = NULL;
+        specialize(march_spirv, sizeof(march_spirv), i == 0 ? nothing : all_kinds, 12, &spirv,
+                   &bytes[i], &whole_bytes);
+        free(spirv);
+    }
+    print_message("%zu bytes for nothing, %zu for all media\n", bytes[0], bytes[1]);
+    assert_true(4 * bytes[0] < bytes[1]);
+}
+
+/* --- what is refused ---------------------------------------------------------------------- */
+
+/* As pack_shader.py packs, with constants 1 and 33. */
+static size_t pack(const void *module, size_t size_bytes, uint32_t packed[64])
+{
+    uLongf deflated = 60 * sizeof(*packed);
+    memset(packed, 0, 64 * sizeof(*packed));
+    packed[0] = (uint32_t)size_bytes;
+    packed[1] = packed[2] = 2;
+    assert_int_equal(compress((Bytef *)(packed + 4), &deflated, module, size_bytes), Z_OK);
+    return 4 * sizeof(*packed) + deflated;
+}
+
+/* The batch that needs a kernel is told of its shader, its constants and the reason. */
+static void test_a_refused_shader_is_named(void **state)
+{
+    static const uint32_t no_spirv[8] = {0x07230203, 0x00010500, 0, 2, 0, 0x0001ffff, 1, 2};
+    uint32_t packed[64];
+    const struct neph_kernel_params params = {
+        .name = "refused",
+        .code = packed,
+        .code_bytes = pack(no_spirv, sizeof(no_spirv), packed),
+        .constant_count = 34,
+        .constants = {[1] = 7, [2] = 8, [33] = 9},
+    };
+    const struct neph_dispatch dispatch = {.group_count = 1};
+    const struct neph_kernel *kernel = NULL;
     struct neph_diag diag = {0};
-    const uint32_t constants[12] = {0};
-    uint32_t *spirv = NULL;
-    size_t bytes = 0;
-    neph_assert_ok(
-        neph_specialize(march_spirv, sizeof(march_spirv), constants, 12, &spirv, &bytes, &diag),
-        &diag);
-    print_message("%zu of %zu bytes\n", bytes, sizeof(march_spirv));
-    assert_true(8 * bytes < sizeof(march_spirv));
-    free(spirv);
+    neph_assert_ok(neph_kernel_get(*state, &params, &kernel, &diag), &diag);
+    for (int i = 0; i < 2; i++) {
+        diag = (struct neph_diag){0};
+        assert_int_equal(neph_kernel_run(*state, kernel, &dispatch, NULL, &diag),
+                         NEPH_ERR_INTERNAL);
+        print_message("%s\n", diag.message);
+        assert_non_null(strstr(diag.message, "shader refused with the constants 1:7 33:9: "
+                                             "SPIRV-Tools refuses to specialise it: "));
+    }
+}
+
+static void test_a_damaged_shader_is_found(void **state)
+{
+    (void)state;
+    static const uint32_t module[16] = {1, 2, 3};
+    uint32_t packed[64], *words = NULL;
+    size_t size_bytes = 0;
+    struct neph_diag diag = {0};
+    const size_t bytes = pack(module, sizeof(module), packed);
+    neph_assert_ok(neph_shader_unpack(packed, bytes, &words, &size_bytes, &diag), &diag);
+    assert_int_equal(size_bytes, sizeof(module));
+    assert_memory_equal(words, module, sizeof(module));
+    free(words);
+    assert_true(neph_shader_has_constant(packed, 1) && neph_shader_has_constant(packed, 33));
+    assert_false(neph_shader_has_constant(packed, 0) || neph_shader_has_constant(packed, 34) ||
+                 neph_shader_has_constant(packed, 96));
+    packed[5] ^= 0x100;
+    assert_int_equal(neph_shader_unpack(packed, bytes, &words, &size_bytes, &diag),
+                     NEPH_ERR_INTERNAL);
 }
 
 int main(void)
@@ -244,6 +316,8 @@ int main(void)
         cmocka_unit_test(test_every_way),
         cmocka_unit_test(test_valid_whatever_the_constants),
         cmocka_unit_test(test_unused_goes),
+        cmocka_unit_test(test_a_refused_shader_is_named),
+        cmocka_unit_test(test_a_damaged_shader_is_found),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

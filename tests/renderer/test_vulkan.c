@@ -50,19 +50,19 @@ static const struct neph_kernel *sum_kernel(struct neph_vulkan *vulkan, uint32_t
                                             uint32_t unknown)
 {
     const struct neph_kernel_params params = {.name = "tracer_sum",
-                                              .spirv = sum_spirv,
-                                              .spirv_size_bytes = sizeof(sum_spirv),
+                                              .code = sum_spirv,
+                                              .code_bytes = sizeof(sum_spirv),
                                               .buffer_count = NEPH_KERNEL_STORAGE_MAX,
                                               .push_size_bytes = 64,
-                                              .constant_count = 2,
-                                              .constants = {kinds, unknown}};
+                                              .constant_count = 3,
+                                              .constants = {[0] = kinds, [2] = unknown}};
     const struct neph_kernel *kernel = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
     return kernel;
 }
 
-/* The shader that adds up a tracer's samples has constant 0 and not constant 1. */
+/* The shader that adds up a tracer's samples has constant 0 and not constant 2. */
 static void test_only_constants_of_the_shader_make_another_kernel(void **state)
 {
     (void)state;

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A shader as "shaders/NAME.comp.inc" holds it (renderer/pack_shader.py): not inlined, its functions
+ * in SSA form, its specialization constants open, and packed. Not for other folders.
+ */
+#ifndef NEPH_RENDERER_SHADER_CODE_H
+#define NEPH_RENDERER_SHADER_CODE_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Whether the shader has the specialization constant of this number. */
+bool neph_shader_has_constant(const uint32_t *code, int constant);
+
+/* Its SPIR-V. For the caller to free. NEPH_ERR_INTERNAL: `code` is not what pack_shader.py
+ * writes. */
+enum neph_status neph_shader_unpack(const uint32_t *code, size_t code_bytes, uint32_t **words,
+                                    size_t *size_bytes, struct neph_diag *diag);
+
+#endif

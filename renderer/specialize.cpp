@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Knows SPIRV-Tools. No exception leaves it.
+ */
+extern "C" {
+#include "renderer/specialize.h"
+}
+
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <spirv-tools/optimizer.hpp>
+
+namespace
+{
+
+/* As spirv-opt calls them. */
+const std::vector<std::string> passes = {
+    /* What the constants rule out, in each function. */
+    "--freeze-spec-const",
+    "--fold-spec-const-op-composite",
+    "--ccp",
+    "--eliminate-dead-branches",
+    "--eliminate-dead-functions",
+    "--eliminate-dead-code-aggressive",
+    /* One function, and what is ruled out now that arguments are known. */
+    "--merge-return",
+    "--inline-entry-points-exhaustive",
+    "--eliminate-dead-functions",
+    "--eliminate-local-single-block",
+    "--eliminate-local-single-store",
+    "--ccp",
+    "--eliminate-dead-branches",
+    "--eliminate-dead-code-aggressive",
+    /* Values in place of variables. */
+    "--scalar-replacement=100",
+    "--convert-local-access-chains",
+    "--eliminate-local-single-block",
+    "--eliminate-local-single-store",
+    "--eliminate-dead-code-aggressive",
+    "--ssa-rewrite",
+    "--ccp",
+    "--eliminate-dead-branches",
+    "--eliminate-dead-code-aggressive",
+    /* Once what is computed twice. */
+    "--redundancy-elimination",
+    "--combine-access-chains",
+    "--simplify-instructions",
+    "--eliminate-dead-code-aggressive",
+    "--merge-blocks",
+};
+
+using Values = std::unordered_map<uint32_t, std::vector<uint32_t>>;
+
+Values values_of(const uint32_t *constants, int count)
+{
+    Values values;
+    for (int i = 0; i < count; i++)
+        values[static_cast<uint32_t>(i)] = {constants[i]};
+    return values;
+}
+
+/* The optimiser's words when it refuses; empty: it does not. */
+std::string optimize(const uint32_t *words, size_t word_count, const Values &values,
+                     std::vector<uint32_t> *optimized)
+{
+    std::string said;
+    spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_2);
+    optimizer.SetMessageConsumer([&said](spv_message_level_t, const char *, const spv_position_t &,
+                                         const char *message) { said = message; });
+    if (!values.empty())
+        optimizer.RegisterPass(spvtools::CreateSetSpecConstantDefaultValuePass(values));
+    if (!optimizer.RegisterPassesFromFlags(passes))
+        return "it does not know a pass: " + said;
+    spvtools::OptimizerOptions options;
+    options.set_run_validator(false); /* the build has validated it */
+    if (optimizer.Run(words, word_count, optimized, options))
+        return "";
+    return said.empty() ? "it gives no reason" : said;
+}
+
+std::string version()
+{
+    std::string text = spvSoftwareVersionDetailsString();
+    for (const std::string &pass : passes)
+        text += " " + pass;
+    return text;
+}
+
+} // namespace
+
+extern "C" enum neph_status neph_specialize(const uint32_t *words, size_t size_bytes,
+                                            const uint32_t *constants, int count,
+                                            uint32_t **specialized, size_t *specialized_bytes,
+                                            struct neph_diag *diag)
+try {
+    std::vector<uint32_t> optimized;
+    const std::string refusal = optimize(words, size_bytes / sizeof(*words),
+                                         values_of(constants, count), &optimized);
+    if (!refusal.empty())
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "SPIRV-Tools refuses to specialise it: %s",
+                         refusal.c_str());
+    const size_t bytes = optimized.size() * sizeof(uint32_t);
+    *specialized = static_cast<uint32_t *>(std::malloc(bytes));
+    if (!*specialized)
+        return neph_fail_memory(diag);
+    std::memcpy(*specialized, optimized.data(), bytes);
+    *specialized_bytes = bytes;
+    return NEPH_OK;
+} catch (const std::bad_alloc &) {
+    return neph_fail_memory(diag);
+} catch (const std::exception &error) {
+    return neph_fail(diag, NEPH_ERR_INTERNAL, "SPIRV-Tools fails: %s", error.what());
+}
+
+extern "C" const char *neph_specialize_version(void)
+{
+    static const std::string text = version();
+    return text.c_str();
+}
