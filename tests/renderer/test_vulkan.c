@@ -53,6 +53,7 @@ static const struct neph_kernel *sum_kernel(struct neph_vulkan *vulkan, uint32_t
                                               .code = sum_spirv,
                                               .code_bytes = sizeof(sum_spirv),
                                               .buffer_count = NEPH_KERNEL_STORAGE_MAX,
+                                              .uniform_count = 1,
                                               .push_size_bytes = 64,
                                               .constant_count = 3,
                                               .constants = {[0] = kinds, [2] = unknown}};
