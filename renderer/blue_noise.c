@@ -17,30 +17,37 @@
 
 /* Energies are integers, so that taking a voxel away undoes adding it to the last bit and the order
  * of additions means nothing. A voxel's energy is at most the whole kernel, 2 pi sigma^2 +
- * sqrt(2 pi) sigma = 27.5: 61 bits here. */
+ * sqrt(2 pi) sigma = 27.5: 61 bits here. The next bit says that the voxel is on: the largest of all
+ * is then the tightest cluster, and the smallest the largest void. */
 static const double energy_one = 0x1p56;
+static const int64_t energy_on = (int64_t)1 << 62;
 
 /* Far voxels, and empty slices, have equal energies; the seed decides between them by this many
  * random bits that each voxel begins with, and not the order of the array. */
 enum { TIE_BITS = 12, INTERRUPT_PERIOD = 1024 };
 
-/* What is looked for, which is also the state of the voxels among which it is looked for. */
-enum kind { VOID = 0, CLUSTER = 1, KIND_COUNT };
+/* What is looked for: of the voxels that are off, of those that are on. */
+enum kind { VOID, CLUSTER, KIND_COUNT };
 
 struct found {
     bool is_known;
-    ptrdiff_t voxel; /* -1: the slice has no voxel of that state */
-    int64_t score;   /* the larger, the more it is what we look for */
+    ptrdiff_t voxel; /* -1: there is no voxel of that state */
+    int64_t score;   /* the larger, the more it is what is looked for */
+};
+
+/* The fast search: what was found in each row and in each slice. */
+struct known {
+    struct found *rows, *slices;
 };
 
 struct field {
     int width, height, depth;
     ptrdiff_t slice_size, size;
     int64_t *energies;
-    uint8_t *states;                /* 1: on */
-    int64_t *kernel;                /* [dy * 2 * width + width + dx], dx = -width .. width - 1 */
-    int64_t *frame_kernel;          /* [dt], 0 .. depth - 1 */
-    struct found *best[KIND_COUNT]; /* per slice: the fast search */
+    int64_t *kernel;       /* [dy * 2 * width + width + dx], dx = -width .. width - 1 */
+    int64_t *frame_kernel; /* [dt], 0 .. depth - 1 */
+    struct known known[KIND_COUNT];
+    int reach; /* rows from a voxel on which its kernel is 0 [px] */
     uint64_t random;
 };
 
@@ -73,6 +80,8 @@ static void fill_kernels(struct field *field)
             field->kernel[(ptrdiff_t)(2 * dy + 1) * field->width + dx] = energy_at(
                 x * x + y * y, NEPH_BLUE_NOISE_SIGMA_PX);
         }
+    while (energy_at((double)field->reach * field->reach, NEPH_BLUE_NOISE_SIGMA_PX) != 0)
+        field->reach++;
     for (int dt = 0; dt < field->depth; dt++) {
         const double t = torus_distance(dt, field->depth);
         field->frame_kernel[dt] = energy_at(t * t, NEPH_BLUE_NOISE_SIGMA_FRAMES);
@@ -82,11 +91,12 @@ static void fill_kernels(struct field *field)
 static void field_finish(struct field *field)
 {
     free(field->energies);
-    free(field->states);
     free(field->kernel);
     free(field->frame_kernel);
-    free(field->best[VOID]);
-    free(field->best[CLUSTER]);
+    for (int kind = 0; kind < KIND_COUNT; kind++) {
+        free(field->known[kind].rows);
+        free(field->known[kind].slices);
+    }
 }
 
 static enum neph_status field_start(struct field *field,
@@ -102,14 +112,18 @@ static enum neph_status field_start(struct field *field,
         .slice_size = (ptrdiff_t)slice_size,
         .size = (ptrdiff_t)size,
         .energies = calloc(size, sizeof(*field->energies)),
-        .states = calloc(size, 1),
         .kernel = calloc(2 * slice_size, sizeof(*field->kernel)),
         .frame_kernel = calloc(depth, sizeof(*field->frame_kernel)),
-        .best = {calloc(depth, sizeof(**field->best)), calloc(depth, sizeof(**field->best))},
         .random = request->seed,
     };
-    if (!field->energies || !field->states || !field->kernel || !field->frame_kernel ||
-        !field->best[VOID] || !field->best[CLUSTER]) {
+    bool has_memory = field->energies && field->kernel && field->frame_kernel;
+    for (int kind = 0; kind < KIND_COUNT; kind++) {
+        struct known *known = &field->known[kind];
+        known->rows = calloc(depth * (size_t)request->height_px, sizeof(*known->rows));
+        known->slices = calloc(depth, sizeof(*known->slices));
+        has_memory &= known->rows && known->slices;
+    }
+    if (!has_memory) {
         field_finish(field);
         return neph_fail_memory(diag);
     }
@@ -121,9 +135,20 @@ static enum neph_status field_start(struct field *field,
 
 /* ---- the largest void and the tightest cluster ----------------------------------------------- */
 
+static bool is_on(const struct field *field, ptrdiff_t voxel)
+{
+    return field->energies[voxel] >= energy_on;
+}
+
+/* What turns an energy into a score by an exclusive or. */
+static int64_t flip_of(enum kind kind)
+{
+    return kind == CLUSTER ? 0 : -1;
+}
+
 static int64_t score_of(const struct field *field, enum kind kind, ptrdiff_t voxel)
 {
-    return kind == CLUSTER ? field->energies[voxel] : -field->energies[voxel];
+    return field->energies[voxel] ^ flip_of(kind);
 }
 
 /* The lower place wins a draw, whatever the order of the search. */
@@ -132,45 +157,80 @@ static bool is_better(int64_t score, ptrdiff_t voxel, const struct found *than)
     return than->voxel < 0 || score > than->score || (score == than->score && voxel < than->voxel);
 }
 
-static struct found search_slice(const struct field *field, enum kind kind, int slice)
+/* Four at a time, which do not wait for each other. */
+static int64_t best_score(const int64_t *energies, int count, int64_t flip)
+{
+    int64_t best[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+    int x = 0;
+    for (; x + 4 <= count; x += 4)
+        for (int i = 0; i < 4; i++) {
+            const int64_t score = energies[x + i] ^ flip;
+            best[i] = score > best[i] ? score : best[i];
+        }
+    for (; x < count; x++)
+        best[0] = (energies[x] ^ flip) > best[0] ? energies[x] ^ flip : best[0];
+    for (int i = 1; i < 4; i++)
+        best[0] = best[i] > best[0] ? best[i] : best[0];
+    return best[0];
+}
+
+static struct found search_row(const struct field *field, enum kind kind, ptrdiff_t first)
+{
+    const int64_t best = best_score(field->energies + first, field->width, flip_of(kind));
+    ptrdiff_t voxel = first;
+    while (score_of(field, kind, voxel) != best)
+        voxel++;
+    const bool is_of_kind = is_on(field, voxel) == (kind == CLUSTER);
+    return (struct found){true, is_of_kind ? voxel : -1, best};
+}
+
+static void keep_better(const struct found *here, struct found *best)
+{
+    if (here->voxel >= 0 && is_better(here->score, here->voxel, best))
+        *best = *here;
+}
+
+static struct found search_slice(struct field *field, enum kind kind, int slice)
 {
     struct found best = {true, -1, INT64_MIN};
-    const ptrdiff_t first = slice * field->slice_size, end = first + field->slice_size;
-    for (ptrdiff_t i = first; i < end; i++) {
-        const int64_t score = score_of(field, kind, i);
-        if (field->states[i] == kind && (score > best.score || best.voxel < 0)) {
-            best.score = score;
-            best.voxel = i;
-        }
+    for (int row = slice * field->height; row < (slice + 1) * field->height; row++) {
+        struct found *here = &field->known[kind].rows[row];
+        if (!here->is_known)
+            *here = search_row(field, kind, (ptrdiff_t)row * field->width);
+        keep_better(here, &best);
     }
     return best;
 }
 
-/* -1 when no voxel has that state. A change leaves all slices but its own known (almost always), so
- * that this costs a slice and not the stack. */
+/* -1 when no voxel has that state. A change leaves all slices but its own known (almost always),
+ * and of its own the far rows, so that this costs some rows and not the stack. */
 static ptrdiff_t search(struct field *field, enum kind kind)
 {
     struct found best = {true, -1, INT64_MIN};
     for (int slice = 0; slice < field->depth; slice++) {
-        struct found *here = &field->best[kind][slice];
+        struct found *here = &field->known[kind].slices[slice];
         if (!here->is_known)
             *here = search_slice(field, kind, slice);
-        if (here->voxel >= 0 && is_better(here->score, here->voxel, &best))
-            best = *here;
+        keep_better(here, &best);
     }
     return best.voxel;
 }
 
-/* A voxel of another slice has changed its energy alone. */
-static void keep_known(struct field *field, int slice, ptrdiff_t voxel)
+/* A voxel has changed its energy alone. */
+static void keep_known(struct found *best, ptrdiff_t voxel, int64_t score)
 {
-    const enum kind kind = field->states[voxel] ? CLUSTER : VOID;
-    struct found *best = &field->best[kind][slice];
-    const int64_t score = score_of(field, kind, voxel);
     if (best->voxel == voxel)
         best->is_known = false;
     else if (best->is_known && is_better(score, voxel, best))
         *best = (struct found){true, voxel, score};
+}
+
+static void forget(struct field *field, int slice, int row)
+{
+    for (int kind = 0; kind < KIND_COUNT; kind++) {
+        field->known[kind].slices[slice].is_known = false;
+        field->known[kind].rows[row].is_known = false;
+    }
 }
 
 static void add_row(int64_t *restrict energies, const int64_t *restrict kernel, int count, bool on)
@@ -188,20 +248,25 @@ static void set_voxel(struct field *field, ptrdiff_t voxel, bool on)
     const int slice = (int)(voxel / field->slice_size);
     const ptrdiff_t pixel = voxel % field->slice_size;
     const int voxel_x = (int)(pixel % field->width), voxel_y = (int)(pixel / field->width);
-    field->states[voxel] = on;
+    field->energies[voxel] += on ? energy_on : -energy_on;
     for (int y = 0; y < field->height; y++) {
-        const int dy = abs(y - voxel_y);
-        add_row(field->energies + slice * field->slice_size + (ptrdiff_t)y * field->width,
+        const int dy = abs(y - voxel_y), row = slice * field->height + y;
+        if (torus_distance(dy, field->height) >= field->reach)
+            continue;
+        add_row(field->energies + (ptrdiff_t)row * field->width,
                 field->kernel + (ptrdiff_t)(2 * dy + 1) * field->width - voxel_x, field->width, on);
+        forget(field, slice, row);
     }
-    field->best[VOID][slice].is_known = field->best[CLUSTER][slice].is_known = false;
     for (int other = 0; other < field->depth; other++) {
         if (other == slice)
             continue;
         const ptrdiff_t there = other * field->slice_size + pixel;
         const int64_t energy = field->frame_kernel[abs(other - slice)];
         field->energies[there] += on ? energy : -energy;
-        keep_known(field, other, there);
+        const enum kind kind = is_on(field, there) ? CLUSTER : VOID;
+        const int64_t score = score_of(field, kind, there);
+        keep_known(&field->known[kind].rows[there / field->width], there, score);
+        keep_known(&field->known[kind].slices[other], there, score);
     }
 }
 
@@ -220,7 +285,7 @@ static ptrdiff_t turn_on_some(struct field *field)
     const ptrdiff_t count = (field->size + 9) / 10;
     for (ptrdiff_t done = 0; done < count;) {
         const ptrdiff_t voxel = (ptrdiff_t)(next_random(&field->random) % (uint64_t)field->size);
-        if (field->states[voxel])
+        if (is_on(field, voxel))
             continue;
         set_voxel(field, voxel, true);
         done++;
@@ -239,7 +304,7 @@ static enum neph_status spread(struct field *field, struct neph_diag *diag)
         const ptrdiff_t from = search(field, CLUSTER);
         set_voxel(field, from, false);
         const ptrdiff_t to = search(field, VOID);
-        const bool is_lower = field->energies[to] < field->energies[from];
+        const bool is_lower = field->energies[to] < field->energies[from]; /* both are off */
         set_voxel(field, is_lower ? to : from, true);
         if (!is_lower)
             return NEPH_OK;
