@@ -11,7 +11,8 @@
 
 #include "shortcuts.glsl"
 
-bool samples_textures() { return (SHORTCUTS & 16u) != 0u && has_kind(MEDIUM_GRID); }
+const uint TEXTURES = SHORTCUTS & 16u;
+const bool SAMPLES_TEXTURES = has_kind(MEDIUM_GRID) && TEXTURES != 0u;
 
 // By place in the frame; of what is no grid one texel that nobody asks for.
 layout(binding = NEPH_GPU_IMAGES_BINDING) uniform sampler3D grid_textures[MEDIA_MAX];
@@ -70,12 +71,12 @@ float texture_ray_density(TextureRay ray, float t_m)
     return grid_texture_at(0, ray.start + t_m * ray.per_m);
 }
 
-bool has_only_texture() { return samples_textures() && KNOWN_MEDIA == 1u; }
+const bool HAS_ONLY_TEXTURE = SAMPLES_TEXTURES && KNOWN_MEDIA == 1u;
 
 // As medium_extinction_per_m().
 float sampled_extinction_per_m(uint m, vec3 point_m)
 {
-    if (samples_textures() && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m))) {
+    if (SAMPLES_TEXTURES && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m))) {
         // Whether or not it counts, without a branch: samples are on their way before it is known.
         float per_m = medium_full_per_m(m) * grid_texture_density(m, point_m);
         return mix(0.0, per_m, medium_contains(m, point_m));

@@ -20,13 +20,13 @@ layout(constant_id = RT_BALLS_CONSTANT + 1) const uint MORE_KNOWN_BALLS = ~0u;
 const float ENDLESS_M = 3.0e38; // beyond all
 
 // On a GPU they would fill its registers.
-bool are_known() { return ON_CPU && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN; }
+const bool ARE_KNOWN = ON_CPU && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN;
 
 Solid known_solids[RT_SOLIDS_UNKNOWN];
 
 void know_solids()
 {
-    if (are_known())
+    if (ARE_KNOWN)
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
             known_solids[s] = solids[s];
             known_solids[s].kind = own(solids[s].kind);

@@ -167,7 +167,7 @@ void look_ahead()
     solid_ahead = hit_but(path.solid);
     fog_m = FAR_M;
     fog_medium = MEDIA_MAX;
-    if (has_fog())
+    if (HAS_FOG)
         for (uint m = 0; m < media_count(); m++)
             if (is_fog(m))
                 look_for_fog(m);

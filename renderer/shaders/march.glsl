@@ -101,14 +101,11 @@ float mean(vec3 channels) { return COLOURED ? dot(channels, vec3(1.0 / 3.0)) : c
 
 // Whether a step where the density is 0 at its point adds nothing: all that it asks of the media
 // it asks there.
-bool skips_steps() { return SKIPS && VIEW_MARCHED == KINDS && !has_fog(); }
+const bool SKIPS_STEPS = SKIPS && VIEW_MARCHED == KINDS && !HAS_FOG;
 
 // Whether an only medium is looked up before anything else is done at a step: where it is clear the
 // step adds nothing, and all that it asks of the medium it asks at its point.
-bool passes_clear()
-{
-    return KNOWN_MEDIA == 1u && VIEW_MARCHED == KINDS && !has_fog() && LIGHTING != HORIZON;
-}
+const bool PASSES_CLEAR = KNOWN_MEDIA == 1u && VIEW_MARCHED == KINDS && !HAS_FOG && LIGHTING != HORIZON;
 
 float met_per_m = 0.0; // extinction at the step that was looked up last
 
@@ -116,7 +113,7 @@ float met_per_m = 0.0; // extinction at the step that was looked up last
 void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     TextureRay way;
-    if (has_only_texture())
+    if (HAS_ONLY_TEXTURE)
         way = texture_ray(ray.origin_m, ray.direction);
     for (; i < end; i = step_after(steps, i)) {
         if (SKIPS)
@@ -126,7 +123,7 @@ void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uin
         density_evaluations++;
         view_steps++;
         float t_m = step_point_m(steps, i, place);
-        met_per_m = has_only_texture() ? way.full_per_m * texture_ray_density(way, t_m)
+        met_per_m = HAS_ONLY_TEXTURE ? way.full_per_m * texture_ray_density(way, t_m)
                                        : sampled_extinction_per_m(0, view_point_m(ray, t_m));
         if (met_per_m > 0.0)
             break;
@@ -158,14 +155,14 @@ void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout ui
 }
 
 // Where empty steps are passed it is not known which come next, and lavapipe waits for nothing.
-bool looks_ahead() { return has_only_texture() && !SKIPS && !GROWS_BY_DEPTH && !ON_CPU; }
+const bool LOOKS_AHEAD = HAS_ONLY_TEXTURE && !SKIPS && !GROWS_BY_DEPTH && !ON_CPU;
 
 // In a loop of its own: rays that have passed clear air do their steps in the medium together.
 // Whether any was passed: nothing is added for it once, as in marched_optical_depth().
 bool pass_clear(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     uint start = i;
-    if (looks_ahead())
+    if (LOOKS_AHEAD)
         pass_clear_texels(ray, steps, place, end, i);
     else
         pass_clear_steps(ray, steps, place, end, i);
@@ -179,10 +176,7 @@ bool is_dark(vec3 through) { return all(lessThan(through, vec3(frame.early_out))
 // lavapipe goes through what one of its eight lanes wants with all of them, and what a ray looks up
 // while the others are in the medium it looks up alone. So where clear air is passed rays look up
 // the same steps, go on together until one of them finds something, and do what they found.
-bool marches_together()
-{
-    return ON_CPU && passes_clear() && !SKIPS && !ENDS_EARLY && !GROWS_BY_DEPTH;
-}
+const bool MARCHES_TOGETHER = ON_CPU && PASSES_CLEAR && !SKIPS && !ENDS_EARLY && !GROWS_BY_DEPTH;
 
 // Steps that were looked up at once, and those of them in which there is something.
 const uint TOGETHER = 4;
@@ -207,14 +201,14 @@ void look_up_together(ViewRay ray, Steps steps, float place, uint end, inout uin
                       inout LookedUp found)
 {
     TextureRay way;
-    if (has_only_texture())
+    if (HAS_ONLY_TEXTURE)
         way = texture_ray(ray.origin_m, ray.direction);
     for (;;) {
         found.first = i;
         found.lit = 0u;
         [[unroll]] for (uint k = 0; k < TOGETHER; k++) {
             float t_m = step_point_m(steps, i + k, place);
-            found.per_m[k] = has_only_texture()
+            found.per_m[k] = HAS_ONLY_TEXTURE
                                  ? way.full_per_m * texture_ray_density(way, t_m)
                                  : sampled_extinction_per_m(0, view_point_m(ray, t_m));
             if (found.per_m[k] > 0.0 && i + k < end)
@@ -230,14 +224,14 @@ void look_up_together(ViewRay ray, Steps steps, float place, uint end, inout uin
 }
 
 // One step, onto the sums; of an only medium the extinction there was looked up where
-// passes_clear().
+// PASSES_CLEAR.
 void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
 {
     float step_m = step_length_m(steps, i);
     vec3 start_m = view_point_m(ray, step_start_m(steps, i));
     float point_distance_m = step_point_m(steps, i, place);
     vec3 point_m = view_point_m(ray, point_distance_m);
-    Mixture mixture = mixture_of(point_m, passes_clear(), met_per_m);
+    Mixture mixture = mixture_of(point_m, PASSES_CLEAR, met_per_m);
     vec3 step_depth = mixture.marched_per_m * step_m;
     if (TRANSMITTANCE == EXACT)
         step_depth += exact_optical_depth(start_m, ray.direction, step_m);
@@ -277,7 +271,7 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
     if (stretch.t1_m <= stretch.t0_m)
         return;
     look_along(ray);
-    if (marches_texture()) {
+    if (MARCHES_TEXTURE) {
         march_texture(ray, stretch, place, sums);
         return;
     }
@@ -289,7 +283,7 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
     for (uint i = own(run.first_step);;) {
         if (GROWS_BY_DEPTH)
             steps.span = span_behind(least(marched_depth(sums)));
-        if (skips_steps() && !passes_clear()) {
+        if (SKIPS_STEPS && !PASSES_CLEAR) {
             if (pass_empty_steps(steps, place, ray.origin_m, ray.direction, end, i))
                 sums_add(sums, vec3(0.0), vec3(0.0)); // as in marched_optical_depth()
             if (i == end)
@@ -297,9 +291,9 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         }
         if (ENDS_EARLY && is_dark(fraction_through(marched_depth(sums))))
             break;
-        if (marches_together()) {
+        if (MARCHES_TOGETHER) {
             look_up_together(ray, steps, place, end, i, found);
-        } else if (passes_clear()) {
+        } else if (PASSES_CLEAR) {
             if (pass_clear(ray, steps, place, end, i))
                 sums_add(sums, vec3(0.0), vec3(0.0));
             if (i == end)
@@ -308,12 +302,12 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
             view_steps++;
         }
         for (;;) { // left at its end: lavapipe goes through a turn to there for nobody
-            bool is_lit = !marches_together() || found.lit != 0u;
+            bool is_lit = !MARCHES_TOGETHER || found.lit != 0u;
             uint at = i;
-            if (marches_together())
+            if (MARCHES_TOGETHER)
                 at = take_step(found);
             if (is_lit) {
-                if (marches_together() && at > done)
+                if (MARCHES_TOGETHER && at > done)
                     sums_add(sums, vec3(0.0), vec3(0.0));
                 march_step(ray, steps, at, place, sums);
                 done = at + 1;
@@ -321,12 +315,12 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
             if (found.lit == 0u)
                 break;
         }
-        if (!marches_together())
+        if (!MARCHES_TOGETHER)
             i = step_after(steps, i);
         if (i >= end)
             break;
     }
-    if (marches_together() && done < end)
+    if (MARCHES_TOGETHER && done < end)
         sums_add(sums, vec3(0.0), vec3(0.0));
 }
 

@@ -105,7 +105,7 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
 // added. Where empty steps are passed it is not known which come next.
 const uint TAPS_MAX = 3;
 const bool TAPS_IN_TURN = ON_CPU && KNOWN_MEDIA == 1u && KINDS == 1u << MEDIUM_GRID;
-uint taps() { return SKIPS ? 1 : TAPS_IN_TURN ? 2 : samples_textures() ? TAPS_MAX : 1; }
+uint taps() { return SKIPS ? 1 : TAPS_IN_TURN ? 2 : SAMPLES_TEXTURES ? TAPS_MAX : 1; }
 
 // One after the other, which in an only grid spares a CPU every other turn of a loop. Elsewhere the
 // loops within would turn more often than a dispatch may (renderer/march_cut.c).
@@ -181,7 +181,7 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
     if (stretch.t1_m <= stretch.t0_m)
         return vec3(0.0);
     Steps steps = equal_steps(stretch, step_count);
-    if (has_only_texture())
+    if (HAS_ONLY_TEXTURE)
         return grey(medium_color(0)) *
                texture_optical_depth(origin_m, direction, stretch, step_count, steps.step_m, 1.0);
     Sum sum = sum_zero();
@@ -232,7 +232,7 @@ vec3 grown_sun_depth(uint kinds, vec3 point_m)
         return vec3(0.0);
     uint count = kept_sun_steps;
     float next_m = stretch.t0_m, length_m = frame.sun_first_part * (stretch.t1_m - stretch.t0_m);
-    if (has_only_texture() && !CONES_SUN_RAYS)
+    if (HAS_ONLY_TEXTURE && !CONES_SUN_RAYS)
         return grey(medium_color(0)) *
                texture_optical_depth(point_m, to_sun(), stretch, count, length_m,
                                      frame.sun_growth);
@@ -288,7 +288,7 @@ vec3 mapped_or_own_sun_depth(vec3 point_m)
     vec3 depth;
     if (!MAPS_SHADOW || !find_mapped_sun_depth(point_m, depth))
         return sun_optical_depth(point_m);
-    return has_fog() ? depth + sun_optical_depth_of(KINDS & FOG_KINDS, point_m) : depth;
+    return HAS_FOG ? depth + sun_optical_depth_of(KINDS & FOG_KINDS, point_m) : depth;
 }
 
 // What a sample of a medium sees: fogs as ever, shapes from the cache where there is one.
@@ -339,7 +339,7 @@ const bool KEEPS_PHASES = LIGHTING == OCTAVES && KNOWN_MEDIA == 1u;
 const uint KEPT_PHASES = NEPH_GPU_KEPT_PHASES;
 float kept_phases_per_sr[KEPT_PHASES];
 
-bool sums_channels() { return KEEPS_PHASES && has_only_texture() && !COLOURED; }
+const bool SUMS_CHANNELS = KEEPS_PHASES && HAS_ONLY_TEXTURE && !COLOURED;
 
 void keep_phases()
 {
@@ -348,7 +348,7 @@ void keep_phases()
         kept_phases_per_sr[i] = 0.0;
         if (i < kept_octave_count)
             kept_phases_per_sr[i] = contribution * flattened_phase_per_sr(0, part);
-        if (sums_channels())
+        if (SUMS_CHANNELS)
             contribution *= kept_octave_factors.x;
         part *= kept_octave_factors.z;
     }
@@ -373,7 +373,7 @@ const vec3 LEAST = vec3(1e-37);
 Mixture mixture_of(vec3 point_m, const bool is_known, float known_per_m)
 {
     bool only_fogs = !is_known && SKIPS && shapes_are_empty(point_m);
-    if (!is_known && (!only_fogs || has_fog()))
+    if (!is_known && (!only_fogs || HAS_FOG))
         density_evaluations++;
     Mixture mixture = Mixture(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     is_in_shape = !MAPS_SHADOW;
@@ -436,7 +436,7 @@ vec3 octave_scattering(vec3 optical_depth)
     vec3 sum = vec3(0.0);
     vec3 scale = vec3(1.0); // a^i, b^i, c^i
     if (KEEPS_PHASES) {
-        sum = sums_channels() ? summed_octave_scattering(optical_depth.x)
+        sum = SUMS_CHANNELS ? summed_octave_scattering(optical_depth.x)
                               : kept_octave_scattering(optical_depth);
         [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++)
             scale *= kept_octave_factors;

@@ -12,14 +12,13 @@
 
 #include "march_light.glsl"
 
-bool marches_texture()
-{
-    bool is_sunlit = SUNLIT_TEXTURE && has_only_texture() && !LAMPS && !HAS_VEIL && !COLOURED;
-    bool is_summed = TRANSMITTANCE == MARCHED && SUN == MARCHED && !CACHES_SUN && !MAPS_SHADOW;
-    bool has_equal_steps = !ENDS_EARLY && !GROWS && !GROWS_BY_DEPTH && !CONES_SUN_RAYS;
-    return is_sunlit && is_summed && has_equal_steps && !(ON_CPU && SKIPS) &&
-           (LIGHTING == SINGLE || LIGHTING == TRACED || LIGHTING == OCTAVES);
-}
+const bool IS_SUNLIT = SUNLIT_TEXTURE && HAS_ONLY_TEXTURE && !LAMPS && !HAS_VEIL && !COLOURED;
+const bool IS_SUMMED = TRANSMITTANCE == MARCHED && SUN == MARCHED && !CACHES_SUN && !MAPS_SHADOW;
+const bool HAS_EQUAL_STEPS = !ENDS_EARLY && !GROWS && !GROWS_BY_DEPTH && !CONES_SUN_RAYS;
+const bool PASSES_STEPS = ON_CPU && SKIPS;
+const bool IS_BY_PLACE = LIGHTING == SINGLE || LIGHTING == TRACED || LIGHTING == OCTAVES;
+const bool MARCHES_TEXTURE = IS_SUNLIT && IS_SUMMED && HAS_EQUAL_STEPS && !PASSES_STEPS &&
+                             IS_BY_PLACE;
 
 // --- towards the sun --------------------------------------------------------------------------
 

@@ -65,9 +65,11 @@ const bool ON_CPU = (TRAITS & NEPH_GPU_ON_CPU) != 0u;
 const uint KNOWN_MEDIA = TRAITS >> NEPH_GPU_MEDIA_SHIFT & 15u; // 0: any number
 const uint KNOWN_KINDS = TRAITS >> NEPH_GPU_KINDS_SHIFT;
 
-bool has_kind(uint kind) { return (KINDS & (1u << kind)) != 0u; }
+// Macros and constants: what they rule out is gone before anything is inlined. (In a constant, what
+// is to the right of && or || is one comparison: glslang makes a branch of more.)
+#define has_kind(kind) ((KINDS & (1u << (kind))) != 0u)
 
-bool has_fog() { return (KINDS & FOG_KINDS) != 0u; }
+const bool HAS_FOG = (KINDS & FOG_KINDS) != 0u;
 
 // Layers of one medium, at most: a shape counts as one.
 const uint LAYERS_MAX = NEPH_GPU_LAYERS_MAX;
@@ -108,10 +110,8 @@ struct Medium {
 
 // Whether a shape is of a kind: the compiler knows where the scene has no other. A fog is no shape:
 // asked of one, the answer is that of the only kind of shape.
-bool is_a(uint kind, uint shape_kind)
-{
-    return has_kind(kind) && (SHAPE_KINDS == 1u << kind || shape_kind == kind);
-}
+#define is_a(kind, shape_kind) \
+    (has_kind(kind) && (SHAPE_KINDS == 1u << (kind) || (shape_kind) == (kind)))
 
 float shape_density(uint kind, Shape shape, vec3 point_m)
 {
@@ -190,7 +190,7 @@ uint layer_count_of(uint m)
 }
 
 // What all steps of a ray ask of an only medium, read once for a thread of a CPU as to_sun() is.
-bool is_kept() { return ON_CPU && KNOWN_MEDIA == 1u; }
+const bool IS_KEPT = ON_CPU && KNOWN_MEDIA == 1u;
 
 struct KeptMedium {
     vec3 low_m, high_m, albedo, extinction_color;
@@ -202,56 +202,56 @@ struct KeptMedium {
 
 vec3 medium_low_m(uint m)
 {
-    if (is_kept())
+    if (IS_KEPT)
         return kept.low_m;
     return frame.media[m].low_m;
 }
 
 vec3 medium_high_m(uint m)
 {
-    if (is_kept())
+    if (IS_KEPT)
         return kept.high_m;
     return frame.media[m].high_m;
 }
 
 vec3 medium_albedo(uint m)
 {
-    if (is_kept())
+    if (IS_KEPT)
         return kept.albedo;
     return frame.media[m].albedo;
 }
 
 vec3 medium_color(uint m)
 {
-    if (is_kept())
+    if (IS_KEPT)
         return kept.extinction_color;
     return frame.media[m].extinction_color;
 }
 
 float medium_full_per_m(uint m)
 {
-    if (is_kept())
+    if (IS_KEPT)
         return kept.extinction_per_m;
     return frame.media[m].extinction_per_m;
 }
 
 Shape medium_shape(uint m)
 {
-    if (is_kept())
+    if (IS_KEPT)
         return kept.shape;
     return frame.media[m].shape;
 }
 
 Grid medium_grid(uint m)
 {
-    if (is_kept())
+    if (IS_KEPT)
         return kept.shape.grid;
     return frame.media[m].shape.grid;
 }
 
 bool is_among(uint kinds, uint m) { return (kinds & (1u << kind_of(m))) != 0u; }
 
-bool is_fog(uint m) { return has_fog() && is_among(FOG_KINDS, m); }
+bool is_fog(uint m) { return HAS_FOG && is_among(FOG_KINDS, m); }
 
 bool clip_medium(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
 {

@@ -23,7 +23,7 @@ vec3 grey(vec3 channels)
 Solid solid_at(uint solid)
 {
 #ifdef KNOWS_SOLIDS
-    if (are_known())
+    if (ARE_KNOWN)
         return known_solid(solid);
 #endif
     return solids[solid];
@@ -67,7 +67,7 @@ Hit known_hit(vec3 origin_m, vec3 direction)
 Hit scene_hit(vec3 origin_m, vec3 direction)
 {
 #ifdef KNOWS_SOLIDS
-    if (are_known())
+    if (ARE_KNOWN)
         return known_hit(origin_m, direction);
 #endif
     Hit hit = Hit(FAR_M, NO_SOLID);
@@ -95,7 +95,7 @@ bool sees_sun(vec3 point_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
 #ifdef KNOWS_SOLIDS
-    if (are_known())
+    if (ARE_KNOWN)
         return known_let_pass(point_m, to_sun(), start_m, ENDLESS_M, except);
 #endif
     for (uint block = 0; block < block_count(); block++) {
@@ -125,7 +125,7 @@ bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
 #ifdef KNOWS_SOLIDS
-    if (are_known())
+    if (ARE_KNOWN)
         return known_let_pass(point_m, direction, start_m, distance_m, except);
 #endif
     for (uint block = 0; block < block_count(); block++) {

@@ -676,7 +676,7 @@ void leave()
             path.end_solid = NO_SOLID;
         }
     }
-    if (has_fog())
+    if (HAS_FOG)
         cross_fog();
 }
 
@@ -736,7 +736,7 @@ void arrive()
         arrive_with_fraction();
         return;
     }
-    if (COLOURED && has_fog())
+    if (COLOURED && HAS_FOG)
         weigh_fog();
     bool is_sky = path.end_medium == MEDIA_MAX && path.end_solid == NO_SOLID;
     bool is_first = OPEN && path.events == 0;

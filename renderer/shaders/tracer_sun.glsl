@@ -66,12 +66,12 @@ float shapes_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
 float guess_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
 {
     float depth = 0.0;
-    for (uint m = 0; has_fog() && m < media_count(); m++)
+    for (uint m = 0; HAS_FOG && m < media_count(); m++)
         if (is_fog(m))
             depth += frame.media[m].extinction_color.r *
                      medium_optical_depth(m, point_m, sun, FAR_M);
     float shapes = shapes_sun_transmittance(lattice, point_m, sun);
-    return has_fog() ? shapes * transmittance(depth) : shapes;
+    return HAS_FOG ? shapes * transmittance(depth) : shapes;
 }
 
 #endif
