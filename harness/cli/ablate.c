@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/study/ablation_output.h"
 #include "harness/study/flicker_suites.h"
 
@@ -230,6 +231,7 @@ enum neph_status neph_cli_ablate(int argc, char **argv, struct neph_diag *diag)
     const struct neph_cli_shared *shared = &request.shared;
     struct neph_ablation ablation = {.preset = NULL};
     char **suite = NULL, *take_words = strdup(request.takes);
+    struct neph_shared_device device = {.open = NULL};
     struct neph_flicker_study_params params = {.scenes = shared->operands,
                                                .scene_count = shared->operand_count,
                                                .width_px = shared->size.width_px,
@@ -238,6 +240,7 @@ enum neph_status neph_cli_ablate(int argc, char **argv, struct neph_diag *diag)
                                                .frame_count = request.frame_count,
                                                .steps = request.steps,
                                                .brief = true,
+                                               .device = &device,
                                                .quiet = shared->quiet};
     enum neph_status status = take_words ? choose_takes(take_words, params.takes, diag)
                                          : neph_fail_memory(diag);
@@ -248,6 +251,7 @@ enum neph_status neph_cli_ablate(int argc, char **argv, struct neph_diag *diag)
     }
     if (!status)
         status = ablate(&request, &params, &ablation, diag);
+    neph_shared_device_close(&device);
     neph_ablation_finish(&ablation);
     neph_data_free_names(suite);
     free(take_words);

@@ -7,6 +7,7 @@
 #include "base/threads.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
 #include "harness/run/benchmark.h"
 #include "harness/run/benchmark_frames.h"
@@ -43,7 +44,8 @@ struct left_out {
 struct both {
     struct neph_benchmark noise;
     struct neph_benchmark_frames frames;
-    struct neph_showing showing; /* of the frames, where there is a chain */
+    struct neph_showing showing;      /* of the frames, where there is a chain */
+    struct neph_shared_device device; /* of all but first pictures */
     struct neph_engine_info noise_infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
     struct neph_engine_info frame_infos[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
     int left_out_count;
@@ -153,10 +155,10 @@ static enum neph_status to_voxels(struct neph_scene *scene, int resolution, stru
 /* --- jobs --------------------------------------------------------------------------------- */
 
 static void fill_job(const struct neph_engine *engine, const struct neph_scene *scene,
-                     const struct request *request, struct neph_engine_info *info,
-                     struct neph_job *job)
+                     const struct request *request, struct neph_shared_device *device,
+                     struct neph_engine_info *info, struct neph_job *job)
 {
-    neph_engine_probe(engine, info);
+    neph_engine_probe(engine, device, info);
     *job = (struct neph_job){.engine = engine,
                              .info = info,
                              .shot = {.scene = scene,
@@ -164,7 +166,8 @@ static void fill_job(const struct neph_engine *engine, const struct neph_scene *
                                       .layers = NEPH_LAYER_RADIANCE,
                                       .width_px = request->shared.size.width_px,
                                       .height_px = request->shared.size.height_px,
-                                      .time_limit_s = 3600.0}};
+                                      .time_limit_s = 3600.0,
+                                      .device = device}};
 }
 
 /* The job of an engine in the benchmark of its kind. */
@@ -189,7 +192,8 @@ static enum neph_status add_engine(const char *name, const struct neph_scene *sc
                          flies ? "whose pictures can be in flight" : "with noise");
     const int e = (*count)++;
     struct neph_job *job = flies ? &both->frames.engines[e].job : &both->noise.engines[e].job;
-    fill_job(engine, scene, request, flies ? &both->frame_infos[e] : &both->noise_infos[e], job);
+    fill_job(engine, scene, request, &both->device,
+             flies ? &both->frame_infos[e] : &both->noise_infos[e], job);
     const char *preset = engine->presets ? request->preset : NULL;
     *(flies ? &both->frames.engines[e].preset
             : &both->noise.engines[e].preset) = neph_settings_origin(engine, preset);
@@ -308,7 +312,7 @@ static enum neph_status fill_both(const struct request *request, const struct ne
     if (!status)
         status = find_chain(request, scene, both, diag);
     if (!status)
-        fill_job(neph_engine_find("tracer"), scene, request,
+        fill_job(neph_engine_find("tracer"), scene, request, &both->device,
                  &both->noise_infos[NEPH_BENCHMARK_ENGINES_MAX], &both->noise.reference);
     return status;
 }
@@ -635,6 +639,7 @@ static enum neph_status run(const struct request *request, struct neph_scene *sc
     if (!status)
         status = print(request, both, diag);
     neph_showing_finish(&both->showing);
+    neph_shared_device_close(&both->device);
     free(both);
     return status;
 }

@@ -5,6 +5,7 @@
 #include "harness/cli/cli.h"
 
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/run/conform.h"
 
 #include <stdio.h>
@@ -130,6 +131,7 @@ static enum neph_status render(const struct request *request, struct neph_diag *
 {
     char *names[NEPH_CLI_WORDS_MAX + 1] = {NULL};
     const struct neph_cli_shared *shared = &request->shared;
+    struct neph_shared_device device = {.open = NULL};
     struct neph_conform_params params = {.folder = shared->output,
                                          .scenes = names,
                                          .engine = shared->engine,
@@ -138,12 +140,14 @@ static enum neph_status render(const struct request *request, struct neph_diag *
                                          .pictures = request->pictures,
                                          .samples = request->samples,
                                          .skip_absent = request->scenes.count == 0,
+                                         .device = &device,
                                          .quiet = shared->quiet || shared->json};
     json_t *report = NULL;
     int expected = 0, sound = 0;
     enum neph_status status = list_scenes(&request->scenes, names, &params.scene_count, diag);
     if (!status)
         status = neph_conform_render(&params, &report, diag);
+    neph_shared_device_close(&device);
     for (int i = 0; i < params.scene_count; i++)
         free(names[i]);
     if (status)

@@ -8,6 +8,7 @@
 #include "base/confine.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/fly/window.h"
 #include "harness/host.h"
 #include "scenes/volume_file.h"
@@ -74,12 +75,13 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
 {
     struct neph_cli_shared request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
+    struct neph_shared_device device = {.open = NULL};
     json_t *list = json_array();
     int count, missing = 0, broken = 0;
     const struct neph_engine *const *engines = neph_engines_and_guests(&count);
     for (int i = 0; i < count; i++) {
         struct neph_engine_info info;
-        neph_engine_probe(engines[i], &info);
+        neph_engine_probe(engines[i], &device, &info);
         if (engines[i]->is_guest && !info.available && !info.broken)
             continue;
         missing += !info.available;
@@ -96,6 +98,7 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
             printf("missing  %-9s %s\n         get it:   %s\n", engines[i]->name, info.missing,
                    info.install_line);
     }
+    neph_shared_device_close(&device);
     for (size_t i = 0; i < sizeof(tools) / sizeof(tools[0]); i++) {
         const bool there = tools[i].is_there(tools[i].program);
         neph_json_add(&list, json_pack("{s:s, s:b, s:s, s:s}", "name", tools[i].program,

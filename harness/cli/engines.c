@@ -6,6 +6,7 @@
 
 #include "harness/cli/post_list.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -114,6 +115,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
     if (only && !neph_engine_find(only))
         return neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'; `neph engines` lists them",
                          only);
+    struct neph_shared_device device = {.open = NULL};
     json_t *list = json_array();
     int count;
     const struct neph_engine *const *engines = neph_engines_and_guests(&count);
@@ -121,12 +123,13 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
         struct neph_engine_info info;
         if (only && strcmp(only, engines[i]->name) != 0)
             continue;
-        neph_engine_probe(engines[i], &info);
+        neph_engine_probe(engines[i], &device, &info);
         if (request.json)
             neph_json_add(&list, engine_json(engines[i], &info));
         else
             print_engine(engines[i], &info);
     }
+    neph_shared_device_close(&device);
     enum neph_status status = NEPH_OK;
     if (request.json)
         status = neph_cli_print_json(json_incref(list), diag);

@@ -5,6 +5,7 @@
 #include "harness/cli/cli.h"
 
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/fly/fly.h"
 #include "harness/run/seed.h"
 
@@ -84,12 +85,14 @@ static enum neph_status fly(const struct request *request, const struct neph_sce
                             struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
+    struct neph_shared_device device = {.open = NULL};
     const struct neph_fly_params params = {
         .studio = {.scene = scene,
                    .width_px = shared->size.width_px,
                    .height_px = shared->size.height_px,
                    .settings = shared->settings.list,
                    .setting_count = shared->settings.count,
+                   .device = &device,
                    .seed = request->seed >= 0 ? (uint64_t)request->seed : neph_seed_of(scene, 1)},
         .preset = request->preset,
         .folder = shared->output,
@@ -98,6 +101,7 @@ static enum neph_status fly(const struct request *request, const struct neph_sce
     };
     json_t *result = NULL;
     enum neph_status status = neph_fly(&params, &result, diag);
+    neph_shared_device_close(&device);
     if (!result)
         return status;
     if (!shared->json)

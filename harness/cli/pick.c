@@ -4,6 +4,7 @@
  */
 #include "harness/cli/cli.h"
 #include "harness/cli/pick_presets.h"
+#include "harness/engines/vulkan_device.h"
 
 #include "base/files.h"
 #include "harness/sweep/pick.h"
@@ -231,6 +232,7 @@ enum neph_status neph_cli_pick(int argc, char **argv, struct neph_diag *diag)
     if (request.presets)
         return pick_preset(&request, diag);
     const struct neph_cli_shared *shared = &request.shared;
+    struct neph_shared_device device = {.open = NULL};
     struct neph_pick_params params = {.scene = shared->operands[0],
                                       .error = request.error,
                                       .flicker = request.flicker,
@@ -239,6 +241,9 @@ enum neph_status neph_cli_pick(int argc, char **argv, struct neph_diag *diag)
                                       .height_px = shared->size.height_px,
                                       .seed = (uint64_t)given_or(request.seed, 1),
                                       .time_limit_s = shared->time_limit_s,
+                                      .device = &device,
                                       .quiet = shared->quiet || shared->json};
-    return run(&request, &params, diag);
+    const enum neph_status status = run(&request, &params, diag);
+    neph_shared_device_close(&device);
+    return status;
 }

@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "harness/cli/cli.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/study/flicker_study_output.h"
 #include "harness/study/flicker_suites.h"
 
@@ -106,6 +107,7 @@ enum neph_status neph_cli_pick_presets(const struct neph_cli_pick_presets *asked
 {
     const char *presets[NEPH_STUDY_PRESETS_MAX];
     struct neph_choice choice = {.candidate_count = 0};
+    struct neph_shared_device device = {.open = NULL};
     struct neph_flicker_study_params params = {
         .presets = presets,
         .scenes = asked->scenes,
@@ -117,6 +119,7 @@ enum neph_status neph_cli_pick_presets(const struct neph_cli_pick_presets *asked
         .height_px = asked->height_px,
         .takes = {[NEPH_STUDY_FLICKER] = true, [NEPH_STUDY_STEP] = true, [NEPH_STUDY_SINE] = true},
         .brief = true,
+        .device = &device,
         .quiet = asked->quiet};
     char *words = strdup(asked->presets), **suite = NULL;
     memcpy(choice.budget, asked->budget, sizeof(choice.budget));
@@ -132,6 +135,7 @@ enum neph_status neph_cli_pick_presets(const struct neph_cli_pick_presets *asked
     }
     if (!status)
         status = run(asked, &params, &choice, diag);
+    neph_shared_device_close(&device);
     neph_data_free_names(suite);
     free(words);
     return status;

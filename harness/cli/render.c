@@ -13,6 +13,7 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/frame_stats.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/progress.h"
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_bias.h"
@@ -174,8 +175,8 @@ static enum neph_status check_engine(const struct request *request,
 }
 
 static enum neph_status make_job(const struct request *request, const struct neph_scene *scene,
-                                 struct neph_engine_info *info, struct neph_job *job,
-                                 struct neph_diag *diag)
+                                 struct neph_shared_device *device, struct neph_engine_info *info,
+                                 struct neph_job *job, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
     const struct neph_engine *engine = request->config ? request->configuration.engine
@@ -197,6 +198,7 @@ static enum neph_status make_job(const struct request *request, const struct nep
                  .frame = request->first_frame,
                  .seed = request->seed >= 0 ? (uint64_t)request->seed : neph_seed_of(scene, 1),
                  .time_limit_s = shared->time_limit_s,
+                 .device = device,
                  .checkpoint = request->checkpoint}};
     enum neph_status status = check_frames(request, engine, scene, diag);
     if (!status)
@@ -206,7 +208,7 @@ static enum neph_status make_job(const struct request *request, const struct nep
     for (int i = 0; i < shared->settings.count && !status; i++)
         status = neph_settings_set(engine, &job->shot.settings, shared->settings.list[i], diag);
     if (!status)
-        neph_engine_probe(engine, info);
+        neph_engine_probe(engine, device, info);
     return status;
 }
 
@@ -430,7 +432,7 @@ static enum neph_status open_run(struct run *run, struct neph_diag *diag)
     if (!status)
         status = neph_cli_open_folder(request->shared.output, diag);
     return status ? status
-                  : neph_shown_open(&run->shown, request->chain, run->job->shot.scene,
+                  : neph_shown_open(&run->shown, request->chain, &run->job->shot,
                                     request->shared.output, diag);
 }
 
@@ -504,13 +506,15 @@ enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
     struct request request = {0};
     neph_cli_parse(&render_syntax, argc, argv, &request);
     struct neph_scene *scene = NULL, *other = NULL;
+    struct neph_shared_device device = {.open = NULL};
     struct neph_engine_info info;
     struct neph_job job;
     enum neph_status status = load(&request, &scene, &other, diag);
     if (!status)
-        status = make_job(&request, other ? other : scene, &info, &job, diag);
+        status = make_job(&request, other ? other : scene, &device, &info, &job, diag);
     if (!status)
         status = render_frames(&request, &job, diag);
+    neph_shared_device_close(&device);
     neph_scene_destroy(other);
     neph_scene_destroy(scene);
     return status;
@@ -547,17 +551,19 @@ enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
     struct request request = {0};
     neph_cli_parse(&export_syntax, argc, argv, &request);
     struct neph_scene *scene = NULL, *other = NULL, *still = NULL;
+    struct neph_shared_device device = {.open = NULL};
     struct neph_engine_info info;
     struct neph_job job;
     enum neph_status status = load(&request, &scene, &other, diag);
     if (!status)
-        status = make_job(&request, other ? other : scene, &info, &job, diag);
+        status = make_job(&request, other ? other : scene, &device, &info, &job, diag);
     if (!status && neph_scene_moves(scene))
         status = neph_scene_at(job.shot.scene, job.shot.frame, &still, diag);
     if (still)
         job.shot.scene = still;
     if (!status)
         status = export_files(&request, &job, diag);
+    neph_shared_device_close(&device);
     neph_scene_destroy(still);
     neph_scene_destroy(other);
     neph_scene_destroy(scene);

@@ -29,9 +29,10 @@ static enum neph_status check(struct neph_shown *shown, const char *path, struct
 }
 
 enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
-                                 const struct neph_scene *scene, const char *output,
+                                 const struct neph_shot *shot, const char *output,
                                  struct neph_diag *diag)
 {
+    const struct neph_scene *scene = shot->scene;
     const char *path = chain ? chain : scene->chain;
     if (!path || (chain && strcmp(chain, "off") == 0))
         return NEPH_OK;
@@ -44,12 +45,12 @@ enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
         status = check(shown, path, diag);
     if (!status)
         status = neph_cli_open_folder(shown->folder, diag);
-    return status ? status : neph_vulkan_open(&shown->vulkan, diag);
+    return status ? status : neph_device_acquire(shot->device, &shown->device, diag);
 }
 
 void neph_shown_close(struct neph_shown *shown)
 {
-    neph_vulkan_destroy(shown->vulkan);
+    neph_device_release(shown->device);
     neph_showing_finish(&shown->showing);
     free(shown->folder);
 }
@@ -116,7 +117,7 @@ enum neph_status neph_shown_make(struct neph_shown *shown, const struct neph_ima
     params->eye = &shown->showing.eye;
     enum neph_status status = neph_showing_settle(&shown->showing, number, diag);
     if (!status)
-        status = neph_post_run(shown->vulkan, params, frame, &picture, &cost, diag);
+        status = neph_post_run(shown->device->vulkan, params, frame, &picture, &cost, diag);
     if (!status)
         status = label(picture, params, &cost, diag);
     if (!status)

@@ -8,21 +8,22 @@
 #include "harness/json.h"
 #include "harness/run/showing.h"
 
-struct neph_vulkan;
+struct neph_open_device;
+struct neph_shot;
 
 /* Zero-initialise it; for _close. */
 struct neph_shown {
     bool is_on;
     char *folder; /* owned */
     struct neph_showing showing;
-    struct neph_vulkan *vulkan;
+    struct neph_open_device *device;
 };
 
-/* The chain of the scene, or of a file in its place ("off": none), whose pictures go to
+/* The chain of the shot's scene, or of a file in its place ("off": none), whose pictures go to
  * `output`/shown; its camera is that of the scene, which has to outlive it. NEPH_ERR_USAGE: the
  * chain is off, or has no size of its own. Errors as of loading a chain. */
 enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
-                                 const struct neph_scene *scene, const char *output,
+                                 const struct neph_shot *shot, const char *output,
                                  struct neph_diag *diag);
 
 /* From the size that is asked for to that which is rendered. */

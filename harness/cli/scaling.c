@@ -3,6 +3,7 @@
  * `neph scaling SCENE`.
  */
 #include "harness/cli/cli.h"
+#include "harness/engines/vulkan_device.h"
 
 #include "base/files.h"
 #include "harness/sweep/scaling.h"
@@ -98,12 +99,14 @@ enum neph_status neph_cli_scaling(int argc, char **argv, struct neph_diag *diag)
          *times_path = neph_path_join(shared->output, "times.json");
     struct neph_store *store = NULL;
     struct neph_times times = {NULL};
+    struct neph_shared_device device = {.open = NULL};
     const struct neph_scaling_params params = {.scene = shared->operands[0],
                                                .preset = request.preset,
                                                .width_px = shared->size.width_px,
                                                .height_px = shared->size.height_px,
                                                .seed = (uint64_t)request.seed,
                                                .untimed = request.untimed,
+                                               .device = &device,
                                                .quiet = shared->quiet || shared->json,
                                                .times = &times,
                                                .retimes = request.retimes};
@@ -124,6 +127,7 @@ enum neph_status neph_cli_scaling(int argc, char **argv, struct neph_diag *diag)
         status = tell(&request, &scaling, there, diag);
     json_decref(there);
     neph_times_close(&times);
+    neph_shared_device_close(&device);
     neph_store_close(store);
     free(times_path);
     free(folder);

@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/study/flicker_study_output.h"
 #include "harness/study/flicker_suites.h"
 
@@ -184,6 +185,7 @@ enum neph_status neph_cli_study_flicker(int argc, char **argv, struct neph_diag 
     const char *presets[NEPH_STUDY_PRESETS_MAX];
     char **suite = NULL, *preset_words = strdup(request.presets),
          *take_words = strdup(request.takes);
+    struct neph_shared_device device = {.open = NULL};
     struct neph_flicker_study_params params = {.presets = presets,
                                                .scenes = shared->operands,
                                                .scene_count = shared->operand_count,
@@ -192,6 +194,7 @@ enum neph_status neph_cli_study_flicker(int argc, char **argv, struct neph_diag 
                                                .seed_count = request.seed_count,
                                                .frame_count = request.frame_count,
                                                .steps = request.steps,
+                                               .device = &device,
                                                .quiet = shared->quiet};
     enum neph_status status = preset_words && take_words ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
@@ -206,6 +209,7 @@ enum neph_status neph_cli_study_flicker(int argc, char **argv, struct neph_diag 
     }
     if (!status)
         status = run(&request, &params, diag);
+    neph_shared_device_close(&device);
     neph_data_free_names(suite);
     free(preset_words);
     free(take_words);

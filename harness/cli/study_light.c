@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/physics/light_laws.h"
 #include "harness/study/light_fit.h"
 #include "harness/study/light_study_output.h"
@@ -315,8 +316,8 @@ static enum neph_status run(const struct request *request,
     if (!status)
         status = neph_light_study_run(params, store, &found.study, diag);
     if (!status && request->laws)
-        status = neph_light_laws_run(params->models, params->model_count, params->steps, store,
-                                     &found.laws, diag);
+        status = neph_light_laws_run(params->models, params->model_count, params->steps,
+                                     params->device, store, &found.laws, diag);
     if (!status)
         status = write_all(request, &found, diag);
     neph_light_study_finish(&found.study);
@@ -333,6 +334,7 @@ enum neph_status neph_cli_study_light(int argc, char **argv, struct neph_diag *d
     const char *models[NEPH_LIGHT_MODELS_MAX];
     struct neph_light_entry *entries = NULL;
     char *words = request.models ? strdup(request.models) : neph_light_models_offered();
+    struct neph_shared_device device = {.open = NULL};
     struct neph_light_study_params params = {.models = models,
                                              .width_px = shared->size.width_px,
                                              .height_px = shared->size.height_px,
@@ -342,6 +344,7 @@ enum neph_status neph_cli_study_light(int argc, char **argv, struct neph_diag *d
                                              .sun_speed_rad_per_s = request.sun_speed *
                                                                     NEPH_RAD_PER_DEG,
                                              .with_lit = request.fit != NULL,
+                                             .device = &device,
                                              .quiet = shared->quiet};
     enum neph_status status = words ? neph_cli_split(words, "models", NEPH_LIGHT_MODELS_MAX, models,
                                                      &params.model_count, diag)
@@ -354,6 +357,7 @@ enum neph_status neph_cli_study_light(int argc, char **argv, struct neph_diag *d
     params.entries = entries;
     if (!status)
         status = run(&request, &params, diag);
+    neph_shared_device_close(&device);
     neph_light_entries_free(entries, params.entry_count);
     free(words);
     return status;

@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/study/post_study.h"
 
 #include <stdio.h>
@@ -117,6 +118,7 @@ enum neph_status neph_cli_study_post(int argc, char **argv, struct neph_diag *di
     neph_cli_parse(&syntax, argc, argv, &request);
     const struct neph_cli_shared *shared = &request.shared;
     const char *chains[NEPH_POST_ROWS_MAX];
+    struct neph_shared_device device = {.open = NULL};
     struct neph_post_study_params params = {.scenes = shared->operands,
                                             .scene_count = shared->operand_count,
                                             .preset = request.preset,
@@ -128,6 +130,7 @@ enum neph_status neph_cli_study_post(int argc, char **argv, struct neph_diag *di
                                             .seed = request.seed,
                                             .frame_rate_hz = request.rate_hz,
                                             .chains = chains,
+                                            .device = &device,
                                             .quiet = shared->quiet};
     struct neph_store *store = NULL;
     struct neph_post_study *study = calloc(1, sizeof(*study));
@@ -146,6 +149,7 @@ enum neph_status neph_cli_study_post(int argc, char **argv, struct neph_diag *di
         status = print_results(&request, study, diag);
     if (study)
         neph_post_study_finish(study);
+    neph_shared_device_close(&device);
     neph_store_close(store);
     free(study);
     free(words);

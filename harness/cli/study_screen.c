@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/study/screen_page.h"
 
 #include <stdio.h>
@@ -141,6 +142,7 @@ enum neph_status neph_cli_study_screen(int argc, char **argv, struct neph_diag *
     neph_cli_parse(&syntax, argc, argv, &request);
     const char *models[NEPH_LIGHT_MODELS_MAX];
     struct neph_scene *scenes[NEPH_SCREEN_SCENES_MAX];
+    struct neph_shared_device device = {.open = NULL};
     struct neph_screen_study_params params = {.scenes = scenes,
                                               .models = models,
                                               .width_px = request.shared.size.width_px,
@@ -150,6 +152,7 @@ enum neph_status neph_cli_study_screen(int argc, char **argv, struct neph_diag *
                                               .rays = request.rays,
                                               .witness_samples = request.witness_samples,
                                               .frame_count = request.frame_count,
+                                              .device = &device,
                                               .quiet = request.shared.quiet};
     char *words = strdup(request.models);
     enum neph_status status = words ? neph_cli_split(words, "models", NEPH_LIGHT_MODELS_MAX, models,
@@ -161,6 +164,7 @@ enum neph_status neph_cli_study_screen(int argc, char **argv, struct neph_diag *
         status = run(&request, &params, diag);
     for (int i = 0; i < params.scene_count; i++)
         neph_scene_destroy(scenes[i]);
+    neph_shared_device_close(&device);
     free(words);
     return status;
 }

@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/study/sky_study.h"
 
 #include <stdio.h>
@@ -124,6 +125,7 @@ enum neph_status neph_cli_study_sky(int argc, char **argv, struct neph_diag *dia
     const struct neph_cli_shared *shared = &request.shared;
     const char *models[NEPH_LIGHT_MODELS_MAX];
     struct neph_scene *scene = NULL;
+    struct neph_shared_device device = {.open = NULL};
     struct neph_sky_study_params params = {.models = models,
                                            .truth = request.truth,
                                            .width_px = shared->size.width_px,
@@ -131,6 +133,7 @@ enum neph_status neph_cli_study_sky(int argc, char **argv, struct neph_diag *dia
                                            .tile_px = request.tile,
                                            .steps = request.steps,
                                            .samples = request.samples,
+                                           .device = &device,
                                            .quiet = shared->quiet};
     char *words = strdup(request.models);
     enum neph_status status = words ? neph_cli_split(words, "models", NEPH_LIGHT_MODELS_MAX, models,
@@ -147,6 +150,7 @@ enum neph_status neph_cli_study_sky(int argc, char **argv, struct neph_diag *dia
     params.scene = scene;
     if (!status)
         status = run(&request, &params, diag);
+    neph_shared_device_close(&device);
     neph_scene_destroy(scene);
     free(words);
     return status;

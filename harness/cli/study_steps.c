@@ -7,6 +7,7 @@
 #include "base/files.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/study/studies.h"
 #include "harness/study/study.h"
 
@@ -96,8 +97,9 @@ static void print_study(const struct neph_study *study, const struct neph_cli_sh
 }
 
 static enum neph_status prepare(const struct neph_cli_shared *shared,
-                                const struct neph_scene *scene, struct neph_engine_info *info,
-                                struct neph_job *job, struct neph_diag *diag)
+                                const struct neph_scene *scene, struct neph_shared_device *device,
+                                struct neph_engine_info *info, struct neph_job *job,
+                                struct neph_diag *diag)
 {
     const struct neph_engine *engine = neph_engine_find(shared->operands[0]);
     if (!engine || !engine->step.option) {
@@ -111,7 +113,7 @@ static enum neph_status prepare(const struct neph_cli_shared *shared,
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "scene %s holds homogeneous media alone: %s needs no steps there",
                          scene->name, engine->name);
-    neph_engine_probe(engine, info);
+    neph_engine_probe(engine, device, info);
     *job = (struct neph_job){.engine = engine,
                              .info = info,
                              .shot = {.scene = scene,
@@ -120,6 +122,7 @@ static enum neph_status prepare(const struct neph_cli_shared *shared,
                                       .width_px = shared->size.width_px,
                                       .height_px = shared->size.height_px,
                                       .time_limit_s = shared->time_limit_s,
+                                      .device = device,
                                       .seed = 1}};
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < shared->settings.count && !status; i++)
@@ -131,6 +134,7 @@ static enum neph_status run_study(const struct neph_cli_shared *shared, struct n
                                   struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
+    struct neph_shared_device device = {.open = NULL};
     struct neph_engine_info info;
     struct neph_job job;
     struct neph_study study;
@@ -138,7 +142,7 @@ static enum neph_status run_study(const struct neph_cli_shared *shared, struct n
     char reason[1600] = "";
     enum neph_status status = neph_data_load_scene(shared->operands[1], &scene, diag);
     if (!status)
-        status = prepare(shared, scene, &info, &job, diag);
+        status = prepare(shared, scene, &device, &info, &job, diag);
     if (!status)
         status = neph_study_run(&job, store, &study, &outcome, reason, diag);
     if (!status)
@@ -147,6 +151,7 @@ static enum neph_status run_study(const struct neph_cli_shared *shared, struct n
         status = neph_cli_print_json(neph_study_json(&study), diag);
     else if (!status)
         print_study(&study, shared);
+    neph_shared_device_close(&device);
     neph_scene_destroy(scene);
     return status;
 }

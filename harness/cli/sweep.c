@@ -3,6 +3,7 @@
  * `neph sweep SCENE`.
  */
 #include "harness/cli/cli.h"
+#include "harness/engines/vulkan_device.h"
 
 #include "base/files.h"
 #include "harness/progress.h"
@@ -143,12 +144,14 @@ static enum neph_status run(const struct request *request, const struct neph_swe
 {
     const struct neph_cli_shared *shared = &request->shared;
     struct neph_times times = {NULL};
+    struct neph_shared_device device = {.open = NULL};
     const struct neph_sweep_params params = {.plan = plan,
                                              .scene = shared->operands[0],
                                              .only = only,
                                              .against = request->against,
                                              .time_limit_s = shared->time_limit_s,
                                              .seed = (uint64_t)seed,
+                                             .device = &device,
                                              .quiet = shared->quiet,
                                              .untimed = request->untimed,
                                              .times = &times,
@@ -168,6 +171,7 @@ static enum neph_status run(const struct request *request, const struct neph_swe
     if (!status)
         status = write_files(page, output, sweep, diag);
     neph_times_close(&times);
+    neph_shared_device_close(&device);
     neph_store_close(store);
     neph_report_folder_close(page);
     free(page_folder);

@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/physics/physics.h"
 #include "harness/report/charts.h"
 #include "harness/report/report.h"
@@ -177,7 +178,8 @@ static const struct neph_cli_syntax syntax = {
 
 /* The physics suite: the frame of a validation without scenes, and the checks. */
 static enum neph_status run_physics(const struct request *request, int time_limit_s,
-                                    struct neph_store *store, struct neph_validation *validation,
+                                    struct neph_shared_device *device, struct neph_store *store,
+                                    struct neph_validation *validation,
                                     struct neph_physics *physics, struct neph_diag *diag)
 {
     const struct neph_physics_params params = {.engines = request->engines.list,
@@ -186,6 +188,7 @@ static enum neph_status run_physics(const struct request *request, int time_limi
                                                .samples = request->samples < 0 ? 256
                                                                                : request->samples,
                                                .time_limit_s = time_limit_s,
+                                               .device = device,
                                                .quiet = request->shared.quiet};
     const enum neph_status status = neph_physics_run(&params, store, physics, diag);
     if (status)
@@ -250,6 +253,7 @@ static enum neph_status run_suite(const struct request *request, struct neph_rep
                                   struct neph_store *store, struct neph_validation *validation,
                                   struct neph_physics *physics, struct neph_diag *diag)
 {
+    struct neph_shared_device device = {.open = NULL};
     struct neph_validate_params params;
     struct neph_charts_params charts;
     make_params(request, tier_of(request), &params, &charts);
@@ -257,6 +261,7 @@ static enum neph_status run_suite(const struct request *request, struct neph_rep
     params.scene_count = scene_count;
     params.show = show_page;
     params.context = report;
+    params.device = charts.device = &device;
     if (is_physics(request)) {
         params.scene_count = 0;
         params.charts = NULL;
@@ -264,7 +269,9 @@ static enum neph_status run_suite(const struct request *request, struct neph_rep
     }
     enum neph_status status = neph_validate(&params, store, validation, diag);
     if (!status && is_physics(request))
-        status = run_physics(request, (int)params.budget_s, store, validation, physics, diag);
+        status = run_physics(request, (int)params.budget_s, &device, store, validation, physics,
+                             diag);
+    neph_shared_device_close(&device);
     return status;
 }
 
@@ -366,6 +373,7 @@ static enum neph_status run_catalog(const struct request *request, struct neph_d
 static enum neph_status run_failure(const struct request *request, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
+    struct neph_shared_device device = {.open = NULL};
     struct neph_failure_params params = {.full = request->tier &&
                                                  strcmp(request->tier, "full") == 0,
                                          .only = request->only.list,
@@ -378,12 +386,15 @@ static enum neph_status run_failure(const struct request *request, struct neph_d
                                          .height_px = shared->size.height_px,
                                          .on_device = request->on_device,
                                          .jobs = request->jobs < 0 ? 1 : request->jobs,
+                                         .device = &device,
                                          .quiet = shared->quiet};
     const size_t limit_mb = request->page_limit_mb < 0 ? 60 : (size_t)request->page_limit_mb;
     if (request->pictures)
         params.pictures = neph_cli_failure_pictures(request->pictures);
-    return neph_cli_validate_failure(&params, shared->output, limit_mb * 1000000, shared->json,
-                                     diag);
+    const enum neph_status status = neph_cli_validate_failure(
+        &params, shared->output, limit_mb * 1000000, shared->json, diag);
+    neph_shared_device_close(&device);
+    return status;
 }
 
 enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag)

@@ -117,8 +117,9 @@ static void judge_version(const char *text, struct neph_engine_info *info)
     snprintf(info->device, sizeof(info->device), "CPU, %d threads", neph_processor_count());
 }
 
-static void probe(struct neph_engine_info *info)
+static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
+    (void)device;
     *info = (struct neph_engine_info){.available = false};
     snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);
     if (!neph_child_program_exists("blender")) {

@@ -42,9 +42,10 @@ static void name_own_build(struct neph_engine_info *info)
     snprintf(info->missing, sizeof(info->missing), "its build is not known: %.400s", diag.message);
 }
 
-void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info)
+void neph_engine_probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                       struct neph_engine_info *info)
 {
-    engine->probe(info);
+    engine->probe(device, info);
     name_own_build(info);
     neph_text_clean(info->version, sizeof(info->version));
     neph_text_clean(info->device, sizeof(info->device));

@@ -21,6 +21,8 @@ enum neph_rung {
     NEPH_RUNG_COUNT,
 };
 
+struct neph_shared_device; /* vulkan_device.h */
+
 #define NEPH_BUILD_SIZE 17 /* 16 hexadecimal digits and the NUL */
 
 /* What is installed. */
@@ -50,8 +52,9 @@ struct neph_shot {
     int frame;       /* 0-based */
     unsigned layers; /* enum neph_layers */
     uint64_t seed;
-    const char *scratch_directory;  /* exists, empty, is ours: inputs, logs and outputs go there */
-    double time_limit_s;            /* per child process */
+    const char *scratch_directory; /* exists, empty, is ours: inputs, logs and outputs go there */
+    double time_limit_s;           /* per child process */
+    struct neph_shared_device *device; /* that engines on Vulkan share; NULL: each opens its own */
     const struct neph_image *given; /* engines that take one: Z and R G B in place of the solids */
     const char *checkpoint; /* engines that `rests`: file to leave unfinished work in and to go on
                                from; NULL: none */
@@ -158,8 +161,9 @@ struct neph_engine {
     bool (*describe_pass)(int index, struct neph_engine_pass *pass);
 
     /* Look for the engine. Never fails and ends in bounded time: `available`, `broken` and
-     * `missing` say how it is. Called through neph_engine_probe(). */
-    void (*probe)(struct neph_engine_info *info);
+     * `missing` say how it is. `device`: as neph_shot.device. Called through
+     * neph_engine_probe(). */
+    void (*probe)(struct neph_shared_device *device, struct neph_engine_info *info);
 
     /* Fills `reason` with what it cannot model with these settings ("multiple scattering") and
      * returns false, or returns true. */
@@ -181,7 +185,8 @@ struct neph_engine {
 
 /* Look for an engine. The texts of `info` are fit for terminals and JSON (base/text.h), whatever a
  * driver or program is called. */
-void neph_engine_probe(const struct neph_engine *engine, struct neph_engine_info *info);
+void neph_engine_probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                       struct neph_engine_info *info);
 
 /* The first choice of its option "lighting" with which an engine can render a scene that it cannot
  * with these settings: "octaves". NULL: there is none. */

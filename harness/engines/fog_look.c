@@ -99,7 +99,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_scene 
 /* ---- pictures in a row ----------------------------------------------------------------------- */
 
 struct sequence {
-    struct neph_vulkan *vulkan;
+    struct neph_open_device *device;
     struct neph_fog_looks *looks; /* for pictures of this size */
     int width_px, height_px;
     int sent, home; /* pictures that went on their way, and those no longer on it */
@@ -112,7 +112,7 @@ static void close_sequence(void *opened)
     if (!sequence)
         return;
     neph_fog_looks_destroy(sequence->looks);
-    neph_vulkan_destroy(sequence->vulkan);
+    neph_device_release(sequence->device);
     free(sequence);
 }
 
@@ -133,7 +133,8 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
     sequence->looks = NULL;
     sequence->width_px = shot->width_px;
     sequence->height_px = shot->height_px;
-    return neph_fog_looks_create(sequence->vulkan, shot->scene, &params, &sequence->looks, diag);
+    return neph_fog_looks_create(sequence->device->vulkan, shot->scene, &params, &sequence->looks,
+                                 diag);
 }
 
 static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
@@ -142,7 +143,7 @@ static enum neph_status open_sequence(const struct neph_shot *shot, void **opene
     struct sequence *sequence = calloc(1, sizeof(*sequence));
     if (!sequence)
         return neph_fail_memory(diag);
-    enum neph_status status = neph_vulkan_open(&sequence->vulkan, diag);
+    enum neph_status status = neph_device_acquire(shot->device, &sequence->device, diag);
     if (!status)
         status = set_up(sequence, shot, diag);
     if (status)

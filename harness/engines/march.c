@@ -167,7 +167,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_march_
 struct sequence {
     enum neph_march_lighting lighting;
     int width_px, height_px;
-    struct neph_vulkan *vulkan;
+    struct neph_open_device *device;
     struct neph_march *march; /* for pictures of this size */
     int sent, home;           /* pictures that went on their way, and those no longer on it */
     double sent_s[NEPH_FLIGHT_PICTURES_MAX]; /* the CPU's part of each, by number */
@@ -179,7 +179,7 @@ static void close_sequence(void *opened)
     if (!sequence)
         return;
     neph_march_destroy(sequence->march);
-    neph_vulkan_destroy(sequence->vulkan);
+    neph_device_release(sequence->device);
     free(sequence);
 }
 
@@ -252,7 +252,8 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
     sequence->march = NULL;
     sequence->width_px = shot->width_px;
     sequence->height_px = shot->height_px;
-    return neph_march_create(sequence->vulkan, shot->scene, &params, &sequence->march, diag);
+    return neph_march_create(sequence->device->vulkan, shot->scene, &params, &sequence->march,
+                             diag);
 }
 
 static enum neph_status open_sequence(enum neph_march_lighting lighting,
@@ -263,7 +264,7 @@ static enum neph_status open_sequence(enum neph_march_lighting lighting,
     if (!sequence)
         return neph_fail_memory(diag);
     sequence->lighting = lighting;
-    enum neph_status status = neph_vulkan_open(&sequence->vulkan, diag);
+    enum neph_status status = neph_device_acquire(shot->device, &sequence->device, diag);
     if (!status)
         status = set_up(sequence, shot, diag);
     if (status)

@@ -85,8 +85,9 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     return NEPH_OK;
 }
 
-static void probe(struct neph_engine_info *info)
+static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
+    (void)device;
     *info = (struct neph_engine_info){.available = true};
     snprintf(info->version, sizeof(info->version), "path tracer, revision %u",
              (unsigned)neph_engine_oracle.version);

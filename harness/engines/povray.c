@@ -108,8 +108,9 @@ static bool parse_version(const char *text, char version[64])
     return false;
 }
 
-static void probe(struct neph_engine_info *info)
+static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
+    (void)device;
     *info = (struct neph_engine_info){.available = false};
     snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);
     if (!neph_child_program_exists("povray")) {

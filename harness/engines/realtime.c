@@ -23,7 +23,7 @@
 _Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pictures in flight");
 
 struct sequence {
-    struct neph_vulkan *vulkan;
+    struct neph_open_device *device;
     struct neph_realtime *realtime;
     int width_px, height_px;
 };
@@ -34,7 +34,7 @@ static void close_sequence(void *opened)
     if (!sequence)
         return;
     neph_realtime_destroy(sequence->realtime);
-    neph_vulkan_destroy(sequence->vulkan);
+    neph_device_release(sequence->device);
     free(sequence);
 }
 
@@ -51,10 +51,10 @@ static enum neph_status create(struct sequence *sequence, const struct neph_shot
     };
     enum neph_status status = cache ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
-        status = neph_vulkan_open(&sequence->vulkan, diag);
+        status = neph_device_acquire(shot->device, &sequence->device, diag);
     if (!status)
-        status = neph_realtime_create(sequence->vulkan, shot->scene, &params, &sequence->realtime,
-                                      diag);
+        status = neph_realtime_create(sequence->device->vulkan, shot->scene, &params,
+                                      &sequence->realtime, diag);
     if (status == NEPH_ERR_IO)
         neph_hint(diag, "masks of blue noise are kept in %s; XDG_CACHE_HOME is another place",
                   cache);

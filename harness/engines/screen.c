@@ -76,7 +76,7 @@ static enum neph_status label(struct neph_image *image, const struct neph_screen
 }
 
 struct sequence {
-    struct neph_vulkan *vulkan;
+    struct neph_open_device *device;
     struct neph_screening *screen; /* of pictures of this size */
     int width_px, height_px;
     struct neph_flight_cost costs[NEPH_FLIGHT_PICTURES_MAX]; /* of pictures sent, by number */
@@ -89,7 +89,7 @@ static void close_sequence(void *opened)
     if (!sequence)
         return;
     neph_screening_destroy(sequence->screen);
-    neph_vulkan_destroy(sequence->vulkan);
+    neph_device_release(sequence->device);
     free(sequence);
 }
 
@@ -115,8 +115,8 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
     sequence->screen = NULL;
     sequence->width_px = shot->width_px;
     sequence->height_px = shot->height_px;
-    const enum neph_status status = neph_screening_create(sequence->vulkan, shot->scene, &params,
-                                                          &sequence->screen, diag);
+    const enum neph_status status = neph_screening_create(sequence->device->vulkan, shot->scene,
+                                                          &params, &sequence->screen, diag);
     return status ? status : warm_up(sequence, shot, diag);
 }
 
@@ -126,7 +126,7 @@ static enum neph_status open_sequence(const struct neph_shot *shot, void **opene
     struct sequence *sequence = calloc(1, sizeof(*sequence));
     if (!sequence)
         return neph_fail_memory(diag);
-    enum neph_status status = neph_vulkan_open(&sequence->vulkan, diag);
+    enum neph_status status = neph_device_acquire(shot->device, &sequence->device, diag);
     if (!status)
         status = set_up(sequence, shot, diag);
     if (status)

@@ -201,7 +201,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_sky_st
 /* ---- pictures in a row ----------------------------------------------------------------------- */
 
 struct sequence {
-    struct neph_vulkan *vulkan;         /* NULL: on the CPU */
+    struct neph_open_device *device;    /* NULL: on the CPU */
     struct neph_sky_pictures *pictures; /* of this size */
     int width_px, height_px;
     int sent, home; /* pictures that went on their way, and those no longer on it */
@@ -214,7 +214,7 @@ static void close_sequence(void *opened)
     if (!sequence)
         return;
     neph_sky_pictures_destroy(sequence->pictures);
-    neph_vulkan_destroy(sequence->vulkan);
+    neph_device_release(sequence->device);
     free(sequence);
 }
 
@@ -231,7 +231,7 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
     sequence->pictures = NULL;
     sequence->width_px = shot->width_px;
     sequence->height_px = shot->height_px;
-    return neph_sky_pictures_create(sequence->vulkan, shot->scene, &params, shot->width_px,
+    return neph_sky_pictures_create(sequence->device->vulkan, shot->scene, &params, shot->width_px,
                                     shot->height_px, &sequence->pictures, diag);
 }
 
@@ -243,8 +243,8 @@ static enum neph_status open_sequence(const struct neph_shot *shot, void **opene
         return neph_fail_memory(diag);
     enum neph_status status = NEPH_OK;
     if (is_on_device(shot))
-        status = neph_vulkan_open(&sequence->vulkan, diag);
-    if (!status && sequence->vulkan)
+        status = neph_device_acquire(shot->device, &sequence->device, diag);
+    if (!status && sequence->device)
         status = set_up(sequence, shot, diag);
     if (status)
         close_sequence(sequence);
@@ -285,7 +285,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
     const struct neph_stopwatch start = neph_stopwatch_start();
     const struct neph_sky_params params = params_of(&shot->settings);
     double gpu_s = NAN;
-    const enum neph_status status = sequence->vulkan
+    const enum neph_status status = sequence->device
                                         ? picture_on_device(sequence, shot, frame, &gpu_s, diag)
                                         : render_on_cpu(shot, &params, frame, diag);
     if (!status)
@@ -296,7 +296,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
 static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
 {
     struct sequence *sequence = opened;
-    if (!sequence->vulkan)
+    if (!sequence->device)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a sky on the CPU is never in flight: set on=device");
     const double start_s = neph_wall_s();
@@ -358,10 +358,10 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 }
 
 /* The device counts, where there is one: its frames are its own. */
-static void probe(struct neph_engine_info *info)
+static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
     struct neph_engine_info vulkan;
-    neph_vulkan_probe(&vulkan);
+    neph_vulkan_probe(device, &vulkan);
     *info = (struct neph_engine_info){.available = true};
     snprintf(info->version, sizeof(info->version), "sky tables, revision %u",
              (unsigned)neph_engine_sky.version);

@@ -71,15 +71,15 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         .time_limit_s = values[OPTION_TIME_LIMIT] > 0.0 ? values[OPTION_TIME_LIMIT] : INFINITY,
         .checkpoint = shot->checkpoint,
     };
-    struct neph_vulkan *vulkan = NULL;
+    struct neph_open_device *device = NULL;
     struct neph_image *image = NULL;
     struct neph_tracer_stats stats;
-    enum neph_status status = neph_vulkan_open(&vulkan, diag);
+    enum neph_status status = neph_device_acquire(shot->device, &device, diag);
     if (!status)
-        status = neph_tracer_render(vulkan, shot->scene, &params, &image, &stats, diag);
+        status = neph_tracer_render(device->vulkan, shot->scene, &params, &image, &stats, diag);
     if (!status)
         status = label(image, &stats, diag);
-    neph_vulkan_destroy(vulkan);
+    neph_device_release(device);
     if (status) {
         neph_image_destroy(image);
         return status;

@@ -46,6 +46,7 @@ struct neph_failure_params {
     bool on_device; /* bad values alone, in all images of all passes, counted on the device; nothing
                        is kept, not even in the store */
     int jobs;       /* processes that render at the same time, 1 .. */
+    struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
 
     /* Called with what is there so far, by one process alone; NULL: nobody looks. */

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/interrupt.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/failure/expectations.h"
 #include "harness/failure/letter.h"
 #include "harness/failure/pieces.h"
@@ -209,13 +210,13 @@ static void probe(struct neph_failure_bench *bench)
     struct neph_failure_suite *suite = bench->suite;
     const struct neph_engine *realtime = neph_engine_find("realtime");
     struct neph_engine_info info;
-    neph_engine_probe(realtime, &info);
+    neph_engine_probe(realtime, bench->params->device, &info);
     snprintf(suite->device, sizeof(suite->device), "%s", info.device);
     for (int c = 0; c < suite->column_count; c++)
         if (suite->columns[c].engine == realtime)
             bench->infos[c] = info;
         else
-            neph_engine_probe(suite->columns[c].engine, &bench->infos[c]);
+            neph_engine_probe(suite->columns[c].engine, bench->params->device, &bench->infos[c]);
 }
 
 /* Engines are asked, and the time is guessed, in each process. */
@@ -245,6 +246,8 @@ static enum neph_status run_share(struct neph_share *share, void *context, struc
     close_point(&point);
     free(pieces.list);
     neph_progress_end(&work->bench.progress);
+    if (share->index > 0)
+        neph_shared_device_close(work->bench.params->device);
     return status;
 }
 
@@ -265,6 +268,8 @@ enum neph_status neph_failure_run(const struct neph_failure_params *params,
     enum neph_status status = neph_failure_plan(params, suite, diag);
     if (!status)
         status = neph_failure_expectations_load(NULL, &work.bench.expectations, diag);
+    if (!status)
+        neph_shared_device_close(params->device); /* other processes open their own */
     if (!status)
         status = neph_shares_run(params->jobs, run_share, hear, &work, diag);
     json_decref(work.bench.expectations);

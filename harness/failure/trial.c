@@ -143,7 +143,8 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
                  .height_px = own_size ? failing->height_px : params->height_px,
                  .layers = layers_of(column),
                  .seed = neph_seed_of(trial->point->at, 1),
-                 .time_limit_s = limit_of(column)}};
+                 .time_limit_s = limit_of(column),
+                 .device = params->device}};
     if (column->engine->is_guest && row_of(trial, 0)->point_index > 0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a program reads the file, which has other values");

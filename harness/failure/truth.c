@@ -68,7 +68,7 @@ static enum neph_status make_exact(const struct neph_job *test,
     struct neph_job job = {.engine = exact, .info = &info, .shot = test->shot};
     struct neph_reference made = {.text = NULL};
     struct neph_sequence *pictures = &made.frames[NEPH_REFERENCE_AVERAGED];
-    neph_engine_probe(exact, &info);
+    neph_engine_probe(exact, test->shot.device, &info);
     job.shot.settings = neph_settings_default(exact);
     job.shot.seed = 1; /* nothing is random */
     job.shot.layers = NEPH_LAYERS_ALL;

@@ -63,7 +63,8 @@ static struct seat realtime_seat(const struct neph_studio *studio,
                                          .height_px = studio->params.height_px,
                                          .frame = studio->live.job.shot.frame,
                                          .seed = studio->params.seed,
-                                         .layers = NEPH_LAYERS_ALL}}};
+                                         .layers = NEPH_LAYERS_ALL,
+                                         .device = studio->params.device}}};
     return seat;
 }
 
@@ -99,7 +100,7 @@ enum neph_status neph_studio_choose_preset(struct neph_studio *studio, const cha
     if (status)
         return status;
     struct seat seat = realtime_seat(studio, &settings);
-    neph_engine_probe(seat.job.engine, &seat.info);
+    neph_engine_probe(seat.job.engine, seat.job.shot.device, &seat.info);
     status = take_seat(studio, &seat, diag);
     if (status)
         return status;

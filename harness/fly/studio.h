@@ -16,6 +16,7 @@ struct neph_studio_params {
     const char *const *settings; /* "key=value" of engine realtime, after any preset */
     int setting_count;
     uint64_t seed;
+    struct neph_shared_device *device; /* as neph_shot.device */
 };
 
 struct neph_studio;

@@ -352,12 +352,13 @@ static void close_at_new_medium(struct run *run, int i)
         neph_job_close(&run->job);
 }
 
-static enum neph_status run_model(const char *words, int steps, int model, struct neph_store *store,
+static enum neph_status run_model(const char *words, int steps, int model,
+                                  struct neph_shared_device *device, struct neph_store *store,
                                   struct neph_light_laws *laws, struct neph_diag *diag)
 {
     struct run run = {.store = store};
     struct neph_diag why = {.line = 0};
-    enum neph_status status = neph_light_model_parse(words, steps, &run.model, diag);
+    enum neph_status status = neph_light_model_parse(words, steps, device, &run.model, diag);
     if (status)
         return status;
     run.job = (struct neph_job){.engine = run.model.engine,
@@ -365,7 +366,8 @@ static enum neph_status run_model(const char *words, int steps, int model, struc
                                 .shot = {.settings = run.model.settings,
                                          .layers = NEPH_LAYERS_ALL,
                                          .seed = 1,
-                                         .time_limit_s = INFINITY}};
+                                         .time_limit_s = INFINITY,
+                                         .device = device}};
     for (int i = 0; i < CASES && !status; i++) {
         close_at_new_medium(&run, i);
         status = run_case(&run, &cases[i], &laws->values[i][model], &laws->truths[i], &why);
@@ -381,8 +383,8 @@ static enum neph_status run_model(const char *words, int steps, int model, struc
 }
 
 enum neph_status neph_light_laws_run(const char *const *models, int model_count, int steps,
-                                     struct neph_store *store, struct neph_light_laws *laws,
-                                     struct neph_diag *diag)
+                                     struct neph_shared_device *device, struct neph_store *store,
+                                     struct neph_light_laws *laws, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     *laws = (struct neph_light_laws){.models = models, .model_count = model_count};
@@ -392,7 +394,7 @@ enum neph_status neph_light_laws_run(const char *const *models, int model_count,
             laws->values[i][model] = NAN;
     }
     for (int model = 0; model < model_count && !status; model++)
-        status = run_model(models[model], steps, model, store, laws, diag);
+        status = run_model(models[model], steps, model, device, store, laws, diag);
     return status;
 }
 

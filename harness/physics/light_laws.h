@@ -62,10 +62,10 @@ struct neph_light_laws {
 };
 
 /* Measure all cases with all models, in pictures that the store keeps. Errors of models' names and
- * of the store; NEPH_ERR_ENGINE and others where a picture broke. */
+ * of the store; NEPH_ERR_ENGINE and others where a picture broke. `device`: as neph_shot.device. */
 enum neph_status neph_light_laws_run(const char *const *models, int model_count, int steps,
-                                     struct neph_store *store, struct neph_light_laws *laws,
-                                     struct neph_diag *diag);
+                                     struct neph_shared_device *device, struct neph_store *store,
+                                     struct neph_light_laws *laws, struct neph_diag *diag);
 
 /* A Markdown table; for the caller to free. NEPH_ERR_MEMORY. */
 enum neph_status neph_light_laws_text(const struct neph_light_laws *laws, char **text,

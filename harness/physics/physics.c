@@ -92,16 +92,17 @@ static enum neph_status apply(const struct neph_engine *engine, struct neph_sett
                                        : NEPH_OK;
 }
 
-static enum neph_status enrol(const struct neph_participant *participant, int samples,
+static enum neph_status enrol(const struct neph_physics_params *params,
+                              const struct neph_participant *participant,
                               struct neph_entrant *entrant, struct neph_diag *diag)
 {
     entrant->participant = participant;
     entrant->engine = neph_engine_find(participant->engine);
-    neph_engine_probe(entrant->engine, &entrant->info);
+    neph_engine_probe(entrant->engine, params->device, &entrant->info);
     entrant->settings = neph_settings_default(entrant->engine);
     enum neph_status status = NEPH_OK;
     char paths[32];
-    snprintf(paths, sizeof(paths), "samples=%d", samples);
+    snprintf(paths, sizeof(paths), "samples=%d", params->samples);
     if (entrant->engine->rung == NEPH_RUNG_TRACER)
         status = apply(entrant->engine, &entrant->settings, paths, diag);
     for (int i = 0; i < NEPH_PARTICIPANT_SETTINGS_MAX && !status; i++)
@@ -140,7 +141,7 @@ static enum neph_status choose_entrants(const struct neph_physics_params *params
     for (int i = 0; i < neph_participant_count() && !status; i++) {
         const struct neph_participant *participant = neph_participant_at(i);
         if (is_wanted(params, participant->engine) && neph_engine_find(participant->engine))
-            status = enrol(participant, params->samples, &field->entrants[field->count++], diag);
+            status = enrol(params, participant, &field->entrants[field->count++], diag);
     }
     return status;
 }
@@ -209,6 +210,7 @@ static enum neph_status run_entrant(struct run *run, int index, struct neph_scen
     const struct neph_entrant *entrant = &run->field.entrants[index];
     const struct neph_trial trial = {.entrant = entrant,
                                      .time_limit_s = run->params->time_limit_s,
+                                     .device = run->params->device,
                                      .store = run->store,
                                      .arena = &run->made->arena};
     struct neph_physics_row *row = &run->made->rows[run->made->row_count];

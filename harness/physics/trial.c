@@ -25,7 +25,8 @@ static struct neph_job job_of(const struct neph_trial *trial, const struct neph_
                                     .height_px = seen->view->height_px,
                                     .layers = NEPH_LAYER_RADIANCE,
                                     .seed = neph_seed_of(&seen->stage->scene, 1),
-                                    .time_limit_s = trial->time_limit_s}};
+                                    .time_limit_s = trial->time_limit_s,
+                                    .device = trial->device}};
     if (study)
         neph_study_apply(study, job.engine, &job.shot.settings);
     return job;

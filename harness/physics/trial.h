@@ -21,7 +21,8 @@ struct neph_entrant {
 /* Borrowed. */
 struct neph_trial {
     const struct neph_entrant *entrant;
-    double time_limit_s; /* per child process */
+    double time_limit_s;               /* per child process */
+    struct neph_shared_device *device; /* as neph_shot.device */
     struct neph_store *store;
     struct neph_arena *arena; /* of the results */
 };

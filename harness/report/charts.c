@@ -79,6 +79,7 @@ struct sweep {
     struct neph_progress *progress;
     int repeats;
     double time_limit_s;
+    struct neph_shared_device *device;
 };
 
 static struct neph_job make_job(const struct sweep *sweep, const struct neph_engine *engine,
@@ -94,7 +95,8 @@ static struct neph_job make_job(const struct sweep *sweep, const struct neph_eng
                  .height_px = chart_height_px,
                  .layers = NEPH_LAYER_RADIANCE,
                  .seed = (uint64_t)repeat + 1,
-                 .time_limit_s = sweep->time_limit_s},
+                 .time_limit_s = sweep->time_limit_s,
+                 .device = sweep->device},
     };
 }
 
@@ -190,7 +192,7 @@ static enum neph_status run_series(const struct sweep *sweep, const struct serie
 {
     const struct neph_engine *engine = neph_engine_find(series->engine);
     struct neph_engine_info info;
-    neph_engine_probe(engine, &info);
+    neph_engine_probe(engine, sweep->device, &info);
     struct point measured[POINTS_MAX];
     memset(measured, 0, sizeof(measured));
     int count = 0;
@@ -218,7 +220,7 @@ static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag
 {
     const struct neph_engine *exact = neph_engine_find("exact");
     struct neph_engine_info info;
-    neph_engine_probe(exact, &info);
+    neph_engine_probe(exact, sweep->device, &info);
     const struct neph_job job = make_job(sweep, exact, &info, 0);
     struct neph_cost cost;
     return neph_job_render(&job, &sweep->truth, &cost, diag);
@@ -309,7 +311,8 @@ enum neph_status neph_charts_run(const struct neph_charts_params *params, struct
     struct sweep sweep = {.store = store,
                           .progress = progress,
                           .repeats = params->repeats,
-                          .time_limit_s = params->time_limit_s};
+                          .time_limit_s = params->time_limit_s,
+                          .device = params->device};
     *charts = neph_arena_zeroed(arena, CHART_COUNT, sizeof(**charts));
     enum neph_status status = neph_arena_check(arena, diag);
     for (size_t i = 0; i < CHART_COUNT && !status; i++) {

@@ -13,9 +13,10 @@
 #include <stdbool.h>
 
 struct neph_charts_params {
-    const char *const *ids; /* NULL-terminated; NULL: all */
-    int repeats;            /* of each point, 1 .. NEPH_CHARTS_REPEATS_MAX */
-    double time_limit_s;    /* per child process */
+    const char *const *ids;            /* NULL-terminated; NULL: all */
+    int repeats;                       /* of each point, 1 .. NEPH_CHARTS_REPEATS_MAX */
+    double time_limit_s;               /* per child process */
+    struct neph_shared_device *device; /* as neph_shot.device */
 };
 
 enum { NEPH_CHARTS_REPEATS_MAX = 3 };

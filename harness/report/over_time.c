@@ -41,6 +41,7 @@ int neph_over_time_step_count(void)
 
 struct work {
     const struct neph_scene *scene;
+    struct neph_shared_device *device;
     struct neph_store *store;
     struct neph_progress *progress;
     struct neph_reference reference;
@@ -53,7 +54,7 @@ static enum neph_status make_job(const struct work *work, struct neph_engine_inf
                                  const char *preset, struct neph_job *job, struct neph_diag *diag)
 {
     const struct neph_engine *engine = neph_engine_find("realtime");
-    neph_engine_probe(engine, info);
+    neph_engine_probe(engine, work->device, info);
     *job = (struct neph_job){.engine = engine,
                              .info = info,
                              .shot = {.scene = work->scene,
@@ -61,7 +62,8 @@ static enum neph_status make_job(const struct work *work, struct neph_engine_inf
                                       .width_px = width_px,
                                       .height_px = height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .seed = 1}};
+                                      .seed = 1,
+                                      .device = work->device}};
     enum neph_status status = preset
                                   ? neph_settings_preset(engine, preset, &job->shot.settings, diag)
                                   : NEPH_OK;
@@ -282,13 +284,14 @@ static enum neph_status run_sequence(struct work *work, struct neph_over_time **
     return status ? NEPH_OK : run_presets(work, diag);
 }
 
-enum neph_status neph_over_time_run(struct neph_store *store, struct neph_progress *progress,
-                                    struct neph_arena *arena, struct neph_over_time **made,
-                                    struct neph_diag *diag)
+enum neph_status neph_over_time_run(struct neph_shared_device *device, struct neph_store *store,
+                                    struct neph_progress *progress, struct neph_arena *arena,
+                                    struct neph_over_time **made, struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     enum neph_status status = neph_data_load_scene(scene_name, &scene, diag);
-    struct work work = {.scene = scene, .store = store, .progress = progress, .arena = arena};
+    struct work work = {
+        .scene = scene, .device = device, .store = store, .progress = progress, .arena = arena};
     if (!status)
         status = run_sequence(&work, made, diag);
     neph_reference_finish(&work.reference);

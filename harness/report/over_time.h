@@ -45,9 +45,9 @@ struct neph_over_time {
  * reference is tried, and is to be given to _finish. A preset that fails is a row that says why.
  * The store keeps the last frame of each preset with its measurements and pictures, and they are
  * used again. */
-enum neph_status neph_over_time_run(struct neph_store *store, struct neph_progress *progress,
-                                    struct neph_arena *arena, struct neph_over_time **made,
-                                    struct neph_diag *diag);
+enum neph_status neph_over_time_run(struct neph_shared_device *device, struct neph_store *store,
+                                    struct neph_progress *progress, struct neph_arena *arena,
+                                    struct neph_over_time **made, struct neph_diag *diag);
 
 void neph_over_time_finish(struct neph_over_time *over_time); /* NULL is fine */
 

@@ -72,7 +72,8 @@ static struct neph_job job_of(const struct neph_scene_run *run, int index,
                  .height_px = run->height_px,
                  .frame = frame_of(run, scene),
                  .layers = NEPH_LAYERS_ALL,
-                 .seed = neph_seed_of(scene, seed)},
+                 .seed = neph_seed_of(scene, seed),
+                 .device = run->device},
     };
 }
 

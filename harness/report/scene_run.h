@@ -16,6 +16,7 @@ struct neph_scene_run {
     int frame;       /* of every scene; the last frame of a shorter one */
     int seed;        /* the how-manieth of engines that draw paths, from 1 */
     double budget_s; /* of each picture of another project's renderer: see budget.h */
+    struct neph_shared_device *device; /* as neph_shot.device */
     struct neph_store *store;
     struct neph_progress *progress; /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
     struct neph_arena *arena;       /* of the results */

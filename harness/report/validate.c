@@ -47,7 +47,7 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         field->engines[field->count] = engines[i];
         field->settings[field->count] = neph_settings_default(engines[i]);
-        neph_engine_probe(engines[i], &field->infos[field->count++]);
+        neph_engine_probe(engines[i], params->device, &field->infos[field->count++]);
     }
     return NEPH_OK;
 }
@@ -91,6 +91,7 @@ static enum neph_status begin(struct run *run, struct neph_diag *diag)
                                           .frame = params->frame,
                                           .seed = params->seed > 0 ? params->seed : 1,
                                           .budget_s = params->budget_s,
+                                          .device = params->device,
                                           .store = run->store,
                                           .progress = &run->progress,
                                           .arena = &made->arena};
@@ -176,8 +177,8 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
         status = run_scene(run, params->scenes[i], diag);
     run->progress.kind = KIND_OVER_TIME;
     if (!status && params->over_time)
-        status = neph_over_time_run(run->store, &run->progress, &made->arena, &made->over_time,
-                                    diag);
+        status = neph_over_time_run(params->device, run->store, &run->progress, &made->arena,
+                                    &made->over_time, diag);
     if (!status && params->over_time)
         status = show(run, diag);
     run->progress.kind = KIND_CHART;

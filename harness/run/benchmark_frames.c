@@ -269,20 +269,20 @@ static enum neph_status time_chain(const struct neph_benchmark_frames *benchmark
                                    struct neph_diag *diag)
 {
     struct neph_showing *showing = benchmark->showing;
-    struct neph_vulkan *vulkan = NULL;
+    struct neph_open_device *device = NULL;
     struct neph_image *picture = NULL;
     struct neph_post_stats stats;
     showing->params.step_s = 1.0 / engine->job.shot.scene->frame_rate_hz;
     enum neph_status status = neph_showing_settle(showing, number, diag);
     if (!status)
-        status = neph_vulkan_open(&vulkan, diag);
+        status = neph_device_acquire(engine->job.shot.device, &device, diag);
     if (!status)
-        status = neph_chain_warm_up(vulkan, &showing->params, frame, diag);
+        status = neph_chain_warm_up(device->vulkan, &showing->params, frame, diag);
     if (!status)
-        status = neph_chain_take(vulkan, &showing->params, frame, repeats, limit_s, &picture,
-                                 &stats, &engine->chain, diag);
+        status = neph_chain_take(device->vulkan, &showing->params, frame, repeats, limit_s,
+                                 &picture, &stats, &engine->chain, diag);
     neph_image_destroy(picture);
-    neph_vulkan_destroy(vulkan);
+    neph_device_release(device);
     return status;
 }
 
@@ -309,16 +309,20 @@ static enum neph_status look(const struct neph_benchmark_frames *benchmark,
 
 /* --- all of it ---------------------------------------------------------------------------- */
 
+/* The device is opened for it: the time is from nothing. */
 static enum neph_status first_picture(struct neph_benchmark_frames_engine *engine,
                                       struct neph_diag *diag)
 {
+    struct neph_shared_device *const shared = engine->job.shot.device;
     const double start_s = neph_wall_s();
     struct neph_image *image = NULL;
     struct neph_cost cost;
+    engine->job.shot.device = NULL;
     enum neph_status status = neph_job_open(&engine->job, diag);
     if (!status)
         status = neph_job_render(&engine->job, &image, &cost, diag);
     engine->first_s = neph_wall_s() - start_s;
+    engine->job.shot.device = shared;
     neph_image_destroy(image);
     return status;
 }
@@ -399,18 +403,19 @@ static struct neph_ceilings no_ceilings(void)
 static enum neph_status measure_device(struct neph_benchmark_frames *benchmark,
                                        struct neph_diag *diag)
 {
-    struct neph_vulkan *vulkan = NULL;
-    enum neph_status status = neph_vulkan_open(&vulkan, diag);
+    struct neph_open_device *device = NULL;
+    enum neph_status status = neph_device_acquire(benchmark->engines[0].job.shot.device, &device,
+                                                  diag);
     if (status)
         return status;
-    const bool is_cpu = neph_vulkan_describe(vulkan).is_cpu;
+    const bool is_cpu = neph_vulkan_describe(device->vulkan).is_cpu;
     benchmark->ceilings = no_ceilings();
     if (!benchmark->without_ceilings)
-        status = neph_ceilings_measure(vulkan, is_cpu ? cpu_ceiling_s : gpu_ceiling_s,
+        status = neph_ceilings_measure(device->vulkan, is_cpu ? cpu_ceiling_s : gpu_ceiling_s,
                                        texel_formats(benchmark), &benchmark->ceilings, diag);
     benchmark->thread_count = is_cpu ? threads_of_cpu() : 0;
     benchmark->cpu_clock_hz = is_cpu ? clock_of_cpu() : NAN;
-    neph_vulkan_destroy(vulkan);
+    neph_device_release(device);
     return status;
 }
 

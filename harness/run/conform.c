@@ -28,15 +28,15 @@ struct picture {
     struct neph_engine_info info;
 };
 
-static int list_pictures(const char *only_engine, struct picture pictures[])
+static int list_pictures(const struct neph_conform_params *params, struct picture pictures[])
 {
     int count = 0;
     for (size_t e = 0; e < sizeof(engine_names) / sizeof(engine_names[0]); e++) {
         const struct neph_engine *engine = neph_engine_find(engine_names[e]);
-        if (only_engine && strcmp(only_engine, engine->name) != 0)
+        if (params->engine && strcmp(params->engine, engine->name) != 0)
             continue;
         struct picture picture = {.engine = engine};
-        neph_engine_probe(engine, &picture.info);
+        neph_engine_probe(engine, params->device, &picture.info);
         const struct neph_preset *preset = engine->presets;
         do {
             picture.preset = preset && preset->name ? preset : NULL;
@@ -86,7 +86,8 @@ static enum neph_status fill_job(const struct neph_conform_params *params,
                                       .width_px = params->width_px,
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .seed = 1}};
+                                      .seed = 1,
+                                      .device = params->device}};
     snprintf(samples, sizeof(samples), "samples=%d", params->samples);
     if (strcmp(engine->name, "tracer") == 0)
         return neph_settings_set(engine, &job->shot.settings, samples, diag);
@@ -369,7 +370,7 @@ enum neph_status neph_conform_render(const struct neph_conform_params *params, j
                                      struct neph_diag *diag)
 {
     struct picture pictures[NEPH_CONFORM_PICTURES_MAX];
-    const int picture_count = list_pictures(params->engine, pictures);
+    const int picture_count = list_pictures(params, pictures);
     if (picture_count == 0) {
         neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of ours on a Vulkan device",
                   params->engine);

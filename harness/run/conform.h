@@ -27,9 +27,10 @@ struct neph_conform_params {
     int scene_count;
     const char *engine; /* this one alone; NULL: all of ours that run on a Vulkan device */
     int width_px, height_px;
-    int pictures;     /* of a sequence of `realtime` */
-    int samples;      /* paths per pixel of `tracer` */
-    bool quiet;       /* no progress */
+    int pictures;                      /* of a sequence of `realtime` */
+    int samples;                       /* paths per pixel of `tracer` */
+    struct neph_shared_device *device; /* as neph_shot.device */
+    bool quiet;                        /* no progress */
     bool skip_absent; /* a scene whose file or data is not there is left out, not an error */
 };
 

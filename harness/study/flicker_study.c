@@ -60,6 +60,7 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
                                       .time_limit_s = NEPH_GUEST_LIMIT_S,
+                                      .device = params->device,
                                       .seed = scene ? neph_seed_of(scene, seed + 1) : 1}};
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", params->steps);
@@ -496,8 +497,8 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
                         .store = store,
                         .progress = neph_progress_start(params->quiet, 0)};
     *study = (struct neph_flicker_study){.params = params};
-    neph_engine_probe(neph_engine_find("realtime"), &work.info);
-    neph_engine_probe(neph_engine_find("command"), &work.guest);
+    neph_engine_probe(neph_engine_find("realtime"), params->device, &work.info);
+    neph_engine_probe(neph_engine_find("command"), params->device, &work.guest);
     enum neph_status status = prepare(&work, diag);
     if (!status)
         status = expect(&work, diag);

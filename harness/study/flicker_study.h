@@ -24,6 +24,7 @@ struct neph_flicker_study_params {
     int width_px, height_px;
     bool takes[NEPH_STUDY_TAKES];
     bool brief; /* nothing at the displays but the first, nor against centre rays */
+    struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
 };
 

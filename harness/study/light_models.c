@@ -41,8 +41,8 @@ static enum neph_status apply(struct neph_light_model *model, const char *word, 
     return status ? status : set_common(model, steps, diag);
 }
 
-static enum neph_status find_engine(const char *name, struct neph_light_model *model,
-                                    struct neph_diag *diag)
+static enum neph_status find_engine(const char *name, struct neph_shared_device *device,
+                                    struct neph_light_model *model, struct neph_diag *diag)
 {
     const struct neph_engine *engine = neph_engine_find(name);
     if (!engine || engine->rung != NEPH_RUNG_MODEL) {
@@ -53,19 +53,20 @@ static enum neph_status find_engine(const char *name, struct neph_light_model *m
     }
     model->engine = engine;
     model->settings = neph_settings_default(engine);
-    neph_engine_probe(engine, &model->info);
+    neph_engine_probe(engine, device, &model->info);
     return NEPH_OK;
 }
 
 /* Each '+' ends a word. */
 enum neph_status neph_light_model_parse(const char *words, int steps,
+                                        struct neph_shared_device *device,
                                         struct neph_light_model *model, struct neph_diag *diag)
 {
     char *copy = strdup(words), *rest = copy;
     if (!copy)
         return neph_fail_memory(diag);
     struct neph_light_model made = {.engine = NULL};
-    enum neph_status status = find_engine(strsep(&rest, "+"), &made, diag);
+    enum neph_status status = find_engine(strsep(&rest, "+"), device, &made, diag);
     if (!status)
         status = set_common(&made, steps, diag);
     while (rest && !status)

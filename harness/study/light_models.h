@@ -21,9 +21,10 @@ struct neph_light_model {
 };
 
 /* "NAME", or "NAME+KEY=VALUE+...", where preset=WORD is one, too; with so many steps of every view
- * ray unless it says otherwise. NEPH_ERR_USAGE: no engine of the model rung, or none of its
- * settings. */
+ * ray unless it says otherwise; `device`: as of neph_engine_probe(). NEPH_ERR_USAGE: no engine of
+ * the model rung, or none of its settings. */
 enum neph_status neph_light_model_parse(const char *words, int steps,
+                                        struct neph_shared_device *device,
                                         struct neph_light_model *model, struct neph_diag *diag);
 
 /* Whether it claims no physics (harness/engines/look.h). */

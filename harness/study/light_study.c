@@ -36,7 +36,8 @@ static struct neph_job make_job(const struct work *work, const struct neph_scene
                                       .height_px = work->params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
                                       .seed = 1,
-                                      .time_limit_s = INFINITY}};
+                                      .time_limit_s = INFINITY,
+                                      .device = work->params->device}};
 }
 
 /* ---- pictures -------------------------------------------------------------------------------- */
@@ -301,10 +302,10 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     struct neph_light_study *study = work->study;
     enum neph_status status = NEPH_OK;
     work->tracer = neph_engine_find("tracer");
-    neph_engine_probe(work->tracer, &work->tracer_info);
+    neph_engine_probe(work->tracer, params->device, &work->tracer_info);
     for (int model = 0; model < params->model_count && !status; model++) {
-        status = neph_light_model_parse(params->models[model], params->steps, &work->models[model],
-                                        diag);
+        status = neph_light_model_parse(params->models[model], params->steps, params->device,
+                                        &work->models[model], diag);
         if (!status)
             study->looks[model] = neph_light_model_is_look(&work->models[model]);
     }

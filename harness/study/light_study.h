@@ -30,6 +30,7 @@ struct neph_light_study_params {
     int samples;                /* its most */
     double sun_speed_rad_per_s; /* before what remembers pictures the sun sinks so to its place */
     bool with_lit;              /* keep what a fit needs of every pixel */
+    struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
 };
 

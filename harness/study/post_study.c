@@ -70,7 +70,7 @@ struct work {
     struct neph_post_study *study;
     struct neph_store *store;
     struct neph_progress progress;
-    struct neph_vulkan *vulkan;
+    struct neph_open_device *device;
     struct neph_engine_info info; /* of realtime */
     int scene;                    /* at hand */
     struct neph_image **references;
@@ -105,8 +105,8 @@ static enum neph_status measure_rows(struct work *work, const struct neph_post_f
                                      struct neph_diag *diag)
 {
     double exposure_ev;
-    enum neph_status status = neph_post_meter(work->vulkan, film->references[0], &exposure_ev,
-                                              diag);
+    enum neph_status status = neph_post_meter(work->device->vulkan, film->references[0],
+                                              &exposure_ev, diag);
     work->progress.kind = KIND_CHAIN;
     const struct neph_post_row *rows = work->study->rows;
     for (int r = 0; rows[r].name && !status; r++) {
@@ -117,7 +117,7 @@ static enum neph_status measure_rows(struct work *work, const struct neph_post_f
         neph_progress_begin(&work->progress, rows[r].name);
         status = settings_of(&rows[r], exposure_ev, &settings, diag);
         if (!status)
-            status = neph_post_measure(work->vulkan, film, &settings,
+            status = neph_post_measure(work->device->vulkan, film, &settings,
                                        &work->study->numbers[work->scene][r], diag);
         if (!status)
             neph_progress_step(&work->progress, rows[r].name, "measured", neph_wall_s() - start_s);
@@ -185,7 +185,8 @@ static enum neph_status make_job(struct work *work, const struct neph_scene *sce
                                       .width_px = params->width_px,
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .seed = neph_seed_of(scene, params->seed)}};
+                                      .seed = neph_seed_of(scene, params->seed),
+                                      .device = params->device}};
     enum neph_status status = neph_engine_words(params->preset, steps, &job->engine,
                                                 &job->shot.settings, diag);
     if (!status && !job->engine->can_render(scene, &job->shot.settings, why, sizeof(why)))
@@ -283,15 +284,15 @@ enum neph_status neph_post_study_run(const struct neph_post_study_params *params
         return status;
     neph_progress_expect(&work.progress, KIND_REFERENCE, params->scene_count, 0.0);
     neph_progress_expect(&work.progress, KIND_CHAIN, params->scene_count * row_count, 0.0);
-    engine->probe(&work.info);
+    neph_engine_probe(engine, params->device, &work.info);
     if (!work.info.available)
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "realtime: %s", work.info.missing);
     snprintf(study->device, sizeof(study->device), "%s", work.info.device);
-    status = neph_vulkan_open(&work.vulkan, diag);
+    status = neph_device_acquire(params->device, &work.device, diag);
     if (!status)
         status = run_scenes(&work, diag);
     neph_progress_end(&work.progress);
-    neph_vulkan_destroy(work.vulkan);
+    neph_device_release(work.device);
     return status;
 }
 

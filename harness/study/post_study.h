@@ -70,6 +70,7 @@ struct neph_post_study_params {
     double frame_rate_hz;
     const char *const *chains; /* those with one of these words in their names, and the curve */
     int chain_count;           /* 0: all */
+    struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
 };
 

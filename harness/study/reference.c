@@ -71,7 +71,7 @@ enum neph_status neph_reference_job(const struct neph_job *test, enum neph_refer
                                     struct neph_diag *diag)
 {
     const struct neph_engine *march = engine_of(test);
-    neph_engine_probe(march, info);
+    neph_engine_probe(march, test->shot.device, info);
     *job = (struct neph_job){.engine = march, .info = info, .shot = test->shot};
     job->shot.settings = settings_of(test, march);
     job->shot.seed = 1; /* nothing is random */

@@ -40,7 +40,7 @@ struct work {
     struct neph_store *store;
     struct neph_progress progress;
     struct neph_light_model truth, witness, models[NEPH_LIGHT_MODELS_MAX];
-    struct neph_vulkan *vulkan; /* of the display that flicker is seen on */
+    struct neph_open_device *device; /* of the display that flicker is seen on */
 };
 
 /* ---- pictures -------------------------------------------------------------------------------- */
@@ -57,7 +57,8 @@ static struct neph_job job_of(const struct work *work, const struct neph_light_m
                                       .frame = frame,
                                       .layers = NEPH_LAYERS_ALL,
                                       .seed = neph_seed_of(scene, 1),
-                                      .time_limit_s = INFINITY}};
+                                      .time_limit_s = INFINITY,
+                                      .device = work->params->device}};
 }
 
 /* From the store, or rendered. */
@@ -368,7 +369,8 @@ static enum neph_status run_model(const struct work *work, int model,
     if (status || !known->sequence.frames)
         return status;
     struct neph_job job = job_of(work, &work->models[model], scene, 0);
-    return neph_screen_flicker(work->vulkan, &job, &known->sequence, &result->flicker[model], diag);
+    return neph_screen_flicker(work->device->vulkan, &job, &known->sequence,
+                               &result->flicker[model], diag);
 }
 
 /* Cycles finds no light that a mirror throws; where it cannot, the scene has no witness. */
@@ -464,7 +466,7 @@ static enum neph_status prepare_witness(struct work *work, struct neph_diag *dia
         return NEPH_OK;
     witness->engine = neph_engine_find("cycles");
     witness->settings = neph_settings_default(witness->engine);
-    neph_engine_probe(witness->engine, &witness->info);
+    neph_engine_probe(witness->engine, work->params->device, &witness->info);
     if (!witness->info.available)
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "cycles: %s", witness->info.missing);
     enum neph_status status = set_number(witness, "samples", work->params->witness_samples, diag);
@@ -481,12 +483,13 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     struct neph_light_model *truth = &work->truth;
     truth->engine = &neph_engine_surfaces;
     truth->settings = neph_settings_default(truth->engine);
-    neph_engine_probe(truth->engine, &truth->info);
+    neph_engine_probe(truth->engine, work->params->device, &truth->info);
     enum neph_status status = set_number(truth, "samples", params->samples, diag);
     if (!status)
         status = set_number(truth, "ao_distance_m", params->radius_m, diag);
     for (int i = 0; i < params->model_count && !status; i++) {
-        status = neph_light_model_parse(params->models[i], 1, &work->models[i], diag);
+        status = neph_light_model_parse(params->models[i], 1, params->device, &work->models[i],
+                                        diag);
         if (!status && work->models[i].engine != &neph_engine_screen)
             status = neph_fail(diag, NEPH_ERR_USAGE,
                                "'%s' is no screen: models are screen, with "
@@ -498,7 +501,9 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     neph_progress_expect(&work->progress, 0, params->scene_count, scene_typical_s);
     if (!status)
         status = prepare_witness(work, diag);
-    return status || params->frame_count == 0 ? status : neph_vulkan_open(&work->vulkan, diag);
+    return status || params->frame_count == 0
+               ? status
+               : neph_device_acquire(params->device, &work->device, diag);
 }
 
 enum neph_status neph_screen_study_run(const struct neph_screen_study_params *params,
@@ -512,7 +517,7 @@ enum neph_status neph_screen_study_run(const struct neph_screen_study_params *pa
     for (int i = 0; i < params->scene_count && !status; i++)
         status = run_scene(&work, params->scenes[i], &study->scenes[i], diag);
     neph_progress_end(&work.progress);
-    neph_vulkan_destroy(work.vulkan);
+    neph_device_release(work.device);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");
     return status;

@@ -42,6 +42,7 @@ struct neph_screen_study_params {
     int rays;            /* a pixel, to tell why it is lost */
     int witness_samples; /* of Cycles, which is then held against, too; 0: it is not */
     int frame_count;     /* over which models flicker, at least 16; 0: nobody looks */
+    struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
 };
 

@@ -52,7 +52,8 @@ static enum neph_status take_picture(const struct work *work, const struct neph_
                                           .height_px = work->params->height_px,
                                           .layers = NEPH_LAYER_RADIANCE,
                                           .seed = neph_seed_of(scene, seed),
-                                          .time_limit_s = INFINITY}};
+                                          .time_limit_s = INFINITY,
+                                          .device = work->params->device}};
     struct neph_job_result result = {.settings = NULL};
     enum neph_status status = neph_job_run(&job, work->store, &result, diag);
     if (!status)
@@ -282,11 +283,11 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     enum neph_status status = parse_truth(work, diag);
     if (status)
         return status;
-    neph_engine_probe(work->truth.engine, &work->truth.info);
+    neph_engine_probe(work->truth.engine, params->device, &work->truth.info);
     snprintf(work->study->device, sizeof(work->study->device), "%s", work->truth.info.device);
     for (int model = 0; model < params->model_count && !status; model++) {
-        status = neph_light_model_parse(params->models[model], params->steps, &work->models[model],
-                                        diag);
+        status = neph_light_model_parse(params->models[model], params->steps, params->device,
+                                        &work->models[model], diag);
         if (!status)
             status = describe(work, model, diag);
     }

@@ -30,10 +30,11 @@ struct neph_sky_study_params {
                           tables leave, without noise: ENGINE+KEY=VALUE+... */
     double suns_deg[NEPH_SKY_LIST_MAX], altitudes_m[NEPH_SKY_LIST_MAX];
     int sun_count, altitude_count;
-    int width_px, height_px; /* of a picture */
-    int tile_px;             /* side of a direction */
-    int steps;               /* of every view ray, unless a model says otherwise */
-    int samples;             /* of a picture of the truth, for a tracer */
+    int width_px, height_px;           /* of a picture */
+    int tile_px;                       /* side of a direction */
+    int steps;                         /* of every view ray, unless a model says otherwise */
+    int samples;                       /* of a picture of the truth, for a tracer */
+    struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
 };
 

@@ -164,7 +164,7 @@ static enum neph_status renew(const struct neph_scene *scene, const struct neph_
                               struct neph_diag *diag)
 {
     struct neph_engine_info info;
-    neph_engine_probe(engine, &info);
+    neph_engine_probe(engine, NULL, &info);
     const struct neph_job job = {.engine = engine,
                                  .info = &info,
                                  .shot = {.scene = scene,

@@ -265,7 +265,7 @@ static enum neph_status add_guest(struct neph_sweep_plan *plan, struct neph_diag
 {
     const struct neph_engine *guest = neph_engine_find("command");
     struct neph_engine_info info;
-    neph_engine_probe(guest, &info);
+    neph_engine_probe(guest, NULL, &info);
     return info.available
                ? neph_ladder_add(plan, "yours", guest->name, NULL, NULL, NULL, -1, true, diag)
                : NEPH_OK;

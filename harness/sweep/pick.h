@@ -20,7 +20,8 @@ struct neph_pick_params {
     double time_s;         /* of a picture at full size; NaN: not asked, and not timed */
     int width_px, height_px;
     uint64_t seed;
-    double time_limit_s; /* per child process */
+    double time_limit_s;               /* per child process */
+    struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
     struct neph_times *times; /* borrowed */
 };

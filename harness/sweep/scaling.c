@@ -144,7 +144,8 @@ static enum neph_status make_job(struct work *work, int series, const struct nep
                                       .width_px = work->params->width_px,
                                       .height_px = work->params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .seed = work->params->seed}};
+                                      .seed = work->params->seed,
+                                      .device = work->params->device}};
     enum neph_status status = neph_sweep_settings(&work->plan, of, 0, scattering,
                                                   &job->shot.settings, diag);
     char steps[24];
@@ -357,7 +358,7 @@ static enum neph_status make_plan(struct work *work, struct neph_diag *diag)
         status = make_job(work, i, work->scene, &job, diag);
         if (status)
             break;
-        neph_engine_probe(job.engine, info);
+        neph_engine_probe(job.engine, work->params->device, info);
         if (!info->available)
             status = neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s: %s", job.engine->name,
                                info->missing);

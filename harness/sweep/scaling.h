@@ -18,8 +18,9 @@ struct neph_scaling_params {
     int width_px, height_px; /* the largest */
     uint64_t seed;
     bool untimed, quiet;
-    struct neph_times *times; /* NULL when untimed */
-    bool retimes;             /* what was timed before is timed again */
+    struct neph_times *times;          /* NULL when untimed */
+    bool retimes;                      /* what was timed before is timed again */
+    struct neph_shared_device *device; /* as neph_shot.device */
 };
 
 enum neph_scaling_axis_id {

@@ -99,7 +99,8 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
                          .height_px = plan->height_px,
                          .layers = NEPH_LAYERS_ALL,
                          .seed = params->seed,
-                         .time_limit_s = params->time_limit_s}},
+                         .time_limit_s = params->time_limit_s,
+                         .device = params->device}},
         .time = {NAN, NAN, NAN},
         .evaluations = NAN,
     };
@@ -180,7 +181,7 @@ static enum neph_status probe_engines(const struct neph_sweep_params *params,
                                plan, &plan->series[s],
                                neph_sweep_scattering(&plan->series[s], sweep->scene)) == engines[i];
         if (is_asked)
-            neph_engine_probe(engines[i], &sweep->infos[i]);
+            neph_engine_probe(engines[i], params->device, &sweep->infos[i]);
     }
     return NEPH_OK;
 }

@@ -21,6 +21,7 @@ struct neph_sweep_params {
     const char *against; /* a series that others are held against; NULL: the first that can be */
     double time_limit_s; /* per child process */
     uint64_t seed;
+    struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
     bool untimed;             /* no times: evaluations are the cost */
     struct neph_times *times; /* what was timed before is not timed again; NULL when untimed */

@@ -125,7 +125,7 @@ enum neph_status neph_sweep_truth_make(const struct neph_sweep_plan *plan,
         const struct neph_engine *engine = neph_engine_find(candidates[i]);
         const struct neph_settings settings = neph_settings_default(engine);
         struct neph_engine_info info;
-        neph_engine_probe(engine, &info);
+        neph_engine_probe(engine, shot->device, &info);
         const bool can = info.available &&
                          engine->can_render(shot->scene, &settings, reason, sizeof(reason));
         if (can) {

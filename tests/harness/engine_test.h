@@ -17,7 +17,7 @@
 static inline bool test_has_engine(const struct neph_engine *engine)
 {
     struct neph_engine_info info;
-    engine->probe(&info);
+    engine->probe(NULL, &info);
     if (!info.available)
         print_message("SKIPPED, %s is not measured here: %s\n", engine->name, info.missing);
     return info.available;
@@ -28,7 +28,7 @@ static inline struct neph_engine_info test_probe_without_path(const struct neph_
     struct neph_engine_info info;
     char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
     setenv("PATH", "/nonexistent", 1);
-    engine->probe(&info);
+    engine->probe(NULL, &info);
     setenv("PATH", path, 1);
     free(path);
     return info;
@@ -74,7 +74,7 @@ static inline struct neph_engine_info test_probe_impostor(const struct neph_engi
     struct neph_engine_info info;
     struct impostor impostor;
     set_impostor(&impostor, program, script);
-    engine->probe(&info);
+    engine->probe(NULL, &info);
     remove_impostor(&impostor);
     return info;
 }

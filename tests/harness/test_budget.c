@@ -24,8 +24,9 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-static void probe(struct neph_engine_info *info)
+static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
+    (void)device;
     *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
 }
 
@@ -95,7 +96,7 @@ static struct neph_job_result run(struct bench *bench, const struct neph_engine 
 {
     struct neph_diag diag = {0};
     struct neph_job_result result;
-    engine->probe(&bench->info);
+    engine->probe(NULL, &bench->info);
     struct neph_job job = {.engine = engine,
                            .info = &bench->info,
                            .shot = {.scene = &bench->scene,

@@ -334,7 +334,7 @@ static void test_models_offered(void **state)
         const char *word = strsep(&rest, ",");
         struct neph_light_model model;
         struct neph_diag diag = {.line = 0};
-        neph_assert_ok(neph_light_model_parse(word, 99, &model, &diag), &diag);
+        neph_assert_ok(neph_light_model_parse(word, 99, NULL, &model, &diag), &diag);
         assert_true(neph_setting(model.engine, &model.settings, "steps") == 99.0);
         assert_null(strstr(word, "lighting=octaves")); /* march_octaves stands for it */
         singles += strcmp(word, "march") == 0;
@@ -350,18 +350,21 @@ static void test_models_by_name(void **state)
     struct neph_light_model model;
     struct neph_diag diag = {.line = 0};
     neph_assert_ok(
-        neph_light_model_parse("realtime+preset=ours+lighting=octaves", 77, &model, &diag), &diag);
+        neph_light_model_parse("realtime+preset=ours+lighting=octaves", 77, NULL, &model, &diag),
+        &diag);
     assert_true(neph_setting(model.engine, &model.settings, "steps") == 77.0);
     assert_true(neph_setting(model.engine, &model.settings, "warm_up") == NEPH_LIGHT_WARM_UP);
     assert_true(neph_light_model_is_look(&model));
-    neph_assert_ok(neph_light_model_parse("realtime+steps=5+warm_up=2", 77, &model, &diag), &diag);
+    neph_assert_ok(neph_light_model_parse("realtime+steps=5+warm_up=2", 77, NULL, &model, &diag),
+                   &diag);
     assert_true(neph_setting(model.engine, &model.settings, "steps") == 5.0);
     assert_true(neph_setting(model.engine, &model.settings, "warm_up") == 2.0);
     assert_false(neph_light_model_is_look(&model));
     static const char *const refused[] = {
         "tracer", "nothing", "", "march+preset=ours", "realtime+preset=none", "march+light=1"};
     for (size_t i = 0; i < sizeof(refused) / sizeof(refused[0]); i++)
-        assert_int_equal(neph_light_model_parse(refused[i], 8, &model, &diag), NEPH_ERR_USAGE);
+        assert_int_equal(neph_light_model_parse(refused[i], 8, NULL, &model, &diag),
+                         NEPH_ERR_USAGE);
 }
 
 /* Every scene can be loaded, where its data is at hand, and every cell be lit; under the sanitizers
