@@ -283,6 +283,12 @@ static void warn(const struct neph_job *job, char *warning)
     free(warning);
 }
 
+/* Once for a sequence whose pictures are fast. */
+static bool estimates_step_bias(const struct request *request, const struct neph_job *job)
+{
+    return !job->engine->remembers || job->shot.frame == request->first_frame;
+}
+
 static void say(const struct request *request, const struct neph_job *job,
                 const struct unseen *unseen)
 {
@@ -291,6 +297,12 @@ static void say(const struct request *request, const struct neph_job *job,
     if (isfinite(unseen->noise) && !request->shared.quiet)
         fprintf(stderr, "frame %d: noise %.2g %% of the rms radiance, seed %llu\n", job->shot.frame,
                 100.0 * unseen->noise, (unsigned long long)job->shot.seed);
+    char *omission = request->shared.quiet || !estimates_step_bias(request, job)
+                         ? NULL
+                         : neph_step_bias_omission(&job->shot, job->engine);
+    if (omission)
+        fprintf(stderr, "frame %d: %s\n", job->shot.frame, omission);
+    free(omission);
 }
 
 /* The picture of a frame beside it, and the line of both in the results. */
@@ -350,8 +362,7 @@ static enum neph_status render_one(struct run *run, const char *depth, struct ne
         status = neph_exr_write(path, frame, diag);
     if (!status) {
         unseen.step_depth = neph_step_depth(&job->shot, job->engine);
-        /* Once for a sequence whose pictures are fast. */
-        if (!job->engine->remembers || job->shot.frame == request->first_frame)
+        if (estimates_step_bias(request, job))
             unseen.step_bias = neph_step_bias(&job->shot, job->engine, frame);
         say(request, job, &unseen);
         status = show_and_note(run, frame, path, &cost, &unseen, diag);

@@ -423,7 +423,7 @@ const struct neph_engine neph_engine_march = {
     .typical_s = 2.0,
     .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
     .options = options,
-    .version = 4, /* 4: steps are divided around lamps */
+    .version = 5, /* 5: steps far from a lamp keep their length */
 };
 
 const struct neph_engine neph_engine_march_octaves = {

@@ -374,7 +374,7 @@ const struct neph_engine neph_engine_realtime = {
     .remembers = true,
     .takes_given = true,
     .injects = true,
-    .version = 4, /* 4: steps are divided around lamps */
+    .version = 5, /* 5: steps far from a lamp keep their length */
     .shortcut_of = "march",
     .stochastic = true,
     .step = {.option = NULL},

@@ -107,7 +107,7 @@ const struct neph_engine neph_engine_tracer = {
         "none; in a procedural cloud within a medium without end, light scattered once and seen "
         "against the sun at optical depths above 10 has a larger error than the frame says",
     .options = options,
-    .version = 9, /* 9: lights on and near rays */
+    .version = 10, /* 10: sunlight that reaches a grid through dark fog */
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,

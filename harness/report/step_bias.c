@@ -26,6 +26,9 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 enum { RAYS_MAX = 160, RAYS_LEAST = 40, STEPS_MAX = 50000, OPEN_STEPS = 16 };
 
+/* Steps of RAYS_LEAST rays, those towards a light among them: some 0.3 s. */
+static const double work_max = 1e6;
+
 static const double order_factor = 2.0;
 
 /* THIN and OPAQUE of renderer/shaders/fog.glsl. */
@@ -368,6 +371,14 @@ static struct neph_pixel_ray ray_of_frame(const struct neph_shot *shot,
                            i * shot->height_px / count);
 }
 
+/* Whether even the fewest rays, with the frame's steps and with twice as many, are too much work. */
+static bool is_costly(const struct march *march)
+{
+    const double ray_work = march->marches_sun ? 5.0 * march->steps * march->sun_steps
+                                               : 3.0 * march->steps;
+    return RAYS_LEAST * ray_work > work_max;
+}
+
 /* The bias over the light of the media. Fewer rays where there are many steps. */
 static double bias_of_media(const struct neph_shot *shot, const struct march *march)
 {
@@ -444,10 +455,23 @@ double neph_step_bias(const struct neph_shot *shot, const struct neph_engine *en
     double bias = NAN;
     if (!neph_marched_scene_init(shot, engine, &marched))
         return NAN;
-    if (march_of(shot, engine, marched.scene, &march))
+    if (march_of(shot, engine, marched.scene, &march) && !is_costly(&march))
         bias = bias_of_media(shot, &march) * sum_of(frame, "volume") / sum_of(frame, NULL);
     neph_marched_scene_finish(&marched);
     return isfinite(bias) ? bias : NAN;
+}
+
+char *neph_step_bias_omission(const struct neph_shot *shot, const struct neph_engine *engine)
+{
+    struct march march;
+    if (!march_of(shot, engine, shot->scene, &march) || !is_costly(&march))
+        return NULL;
+    if (march.marches_sun)
+        return neph_format("step bias not estimated: steps times sun_steps is %.0f, at most %.0f "
+                           "are marched again",
+                           (double)march.steps * march.sun_steps, work_max / (5.0 * RAYS_LEAST));
+    return neph_format("step bias not estimated: %d steps, at most %.0f are marched again",
+                       march.steps, floor(work_max / (3.0 * RAYS_LEAST)));
 }
 
 char *neph_step_bias_warning(double bias, const struct neph_engine *engine)

@@ -14,9 +14,14 @@
 
 /* The estimated step bias of a shot's frame over the mean radiance of the frame; above 0: too
  * bright. Of light that is scattered once, or by octaves: NaN for other lightings, for engines
- * without equal steps, for frames without light, and without memory. */
+ * without equal steps, for frames without light, for so many steps that the estimate would take
+ * long (neph_step_bias_omission()), and without memory. */
 double neph_step_bias(const struct neph_shot *shot, const struct neph_engine *engine,
                       const struct neph_image *frame);
+
+/* Why the estimate is left out, for the caller to free; NULL: it has not too many steps, or memory is
+ * short. */
+char *neph_step_bias_omission(const struct neph_shot *shot, const struct neph_engine *engine);
 
 /* The warning, for the caller to free; NULL: the bias is small or unknown, or memory is short. */
 char *neph_step_bias_warning(double bias, const struct neph_engine *engine);

@@ -46,8 +46,10 @@ vec3 lamp_part_depth(Mixture mixture, vec3 start_m, vec3 direction, float length
     return depth;
 }
 
-// What a step sends to its near end. A step of one part is taken for its mixture and its optical
-// depth, which are given; else the mixture that was looked up last is another after this.
+// What a step sends to its near end. A step of one part is taken for its mixture, its length and its
+// optical depth, which are given: float32 rounds the places of its ends, and their difference with
+// them, the more the farther the step is from the lamp's foot, and all steps of a ray alike. Else
+// the mixture that was looked up last is another after this.
 vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, Stretch stretch,
                      float start_m, float length_m, vec3 step_depth, out bool is_divided)
 {
@@ -61,16 +63,18 @@ vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, Str
                                 : clamp(lamp_place_m(pass, first + extent * float(i) /
                                                                        float(parts)),
                                         s0_m, end_m);
-        if (s1_m <= s0_m)
+        float part_m = is_divided ? s1_m - s0_m : length_m;
+        if (part_m <= 0.0)
             continue;
-        vec3 part_depth = step_depth * ((s1_m - s0_m) / length_m);
+        vec3 part_depth = step_depth;
         if (is_divided) {
             float middle_m = pass.foot_m + lamp_bisector_m(pass, s0_m, s1_m);
             mixture = mixture_at(view_point_m(ray, middle_m));
             part_depth = lamp_part_depth(mixture, view_point_m(ray, pass.foot_m + s0_m),
-                                         ray.direction, s1_m - s0_m);
+                                         ray.direction, part_m);
         }
-        float inverse_square = lamp_angle(pass, s0_m, s1_m) / (pass.height_m * (s1_m - s0_m));
+        float inverse_square = lamp_angle_over(pass, s0_m, s1_m, part_m) /
+                               (pass.height_m * part_m);
         if (mixture.extinction_per_m != vec3(0.0))
             sum += lamp_scattered_per_m(lamp, pass, ray, s0_m, s1_m, inverse_square) *
                    fraction_through(depth) * fraction_lost(part_depth) /

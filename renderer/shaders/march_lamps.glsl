@@ -43,10 +43,15 @@ LampPass lamp_pass(vec3 lamp_m, ViewRay ray, float ball_m)
                                 1e-6 * length(way_m) + 1e-12), ball_m);
 }
 
-// The angle between two places on the ray, by their distances behind the foot.
+// The angle between two places on the ray, by their distances behind the foot and their own.
+float lamp_angle_over(LampPass pass, float s0_m, float s1_m, float length_m)
+{
+    return atan(pass.height_m * length_m, pass.height_m * pass.height_m + s0_m * s1_m);
+}
+
 float lamp_angle(LampPass pass, float s0_m, float s1_m)
 {
-    return atan(pass.height_m * (s1_m - s0_m), pass.height_m * pass.height_m + s0_m * s1_m);
+    return lamp_angle_over(pass, s0_m, s1_m, s1_m - s0_m);
 }
 
 // 1/d^2 over a stretch, its integral: all of it.

@@ -80,13 +80,9 @@ static void test_long_steps_are_warned_of(void **state)
 }
 
 /* By the estimate's own steps; the frame is all light of the media, or half of it. */
-static double step_bias(const struct stage *stage, const char *engine_name, float behind)
+static double step_bias_of(const struct neph_shot *shot, const struct neph_engine *engine,
+                           float behind)
 {
-    const struct neph_engine *engine = neph_engine_find(engine_name);
-    const struct neph_shot shot = {.scene = &stage->scene,
-                                   .settings = neph_settings_default(engine),
-                                   .width_px = 64,
-                                   .height_px = 36};
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
     float *all[3], *volume[3];
@@ -97,9 +93,19 @@ static double step_bias(const struct stage *stage, const char *engine_name, floa
         volume[i / (64 * 36)][i % (64 * 36)] = 1.0f;
         all[i / (64 * 36)][i % (64 * 36)] = 1.0f + behind;
     }
-    const double bias = neph_step_bias(&shot, engine, frame);
+    const double bias = neph_step_bias(shot, engine, frame);
     neph_image_destroy(frame);
     return bias;
+}
+
+static double step_bias(const struct stage *stage, const char *engine_name, float behind)
+{
+    const struct neph_engine *engine = neph_engine_find(engine_name);
+    const struct neph_shot shot = {.scene = &stage->scene,
+                                   .settings = neph_settings_default(engine),
+                                   .width_px = 64,
+                                   .height_px = 36};
+    return step_bias_of(&shot, engine, behind);
 }
 
 /* With the sun behind the camera both ways are as long, and of the light of a step of optical depth
@@ -126,6 +132,31 @@ static void test_the_step_bias_of_a_slab(void **state)
     assert_null(neph_step_bias_warning(0.09, march));
     assert_null(neph_step_bias_warning(-0.09, march));
     assert_null(neph_step_bias_warning(NAN, march));
+}
+
+/* 40 rays with n and with 2 n steps are a million steps where n is 8,333. */
+static void test_of_many_steps_no_bias_is_estimated(void **state)
+{
+    (void)state;
+    const struct neph_engine *march = neph_engine_find("march");
+    struct stage stage;
+    make_slab(&stage, 4.0);
+    stage.scene.sun = (struct neph_sun){true, {0, 0, 1}, {3, 3, 3}};
+    stage.scene.scattering = NEPH_SCATTERING_SINGLE;
+    struct neph_shot shot = {.scene = &stage.scene,
+                             .settings = neph_settings_default(march),
+                             .width_px = 64,
+                             .height_px = 36};
+    double *steps = &shot.settings.values[neph_option_find(march->options, "steps")];
+    *steps = 8333;
+    assert_false(isnan(step_bias_of(&shot, march, 0.0f)));
+    assert_null(neph_step_bias_omission(&shot, march));
+    *steps = 8334;
+    assert_true(isnan(step_bias_of(&shot, march, 0.0f)));
+    char *omission = neph_step_bias_omission(&shot, march);
+    assert_string_equal(omission,
+                        "step bias not estimated: 8334 steps, at most 8333 are marched again");
+    free(omission);
 }
 
 static void test_scenes_have_seeds_of_their_own(void **state)
@@ -175,6 +206,7 @@ int main(void)
         cmocka_unit_test(test_a_step_spans_its_part_of_the_depth),
         cmocka_unit_test(test_long_steps_are_warned_of),
         cmocka_unit_test(test_the_step_bias_of_a_slab),
+        cmocka_unit_test(test_of_many_steps_no_bias_is_estimated),
         cmocka_unit_test(test_scenes_have_seeds_of_their_own),
         cmocka_unit_test(test_noise_is_known),
     };

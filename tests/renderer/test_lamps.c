@@ -121,6 +121,32 @@ static void test_fog_without_bounds_is_of_second_order(void **state)
     }
 }
 
+/* A metre of fog with the foot of the lamp a kilometre away, where float32 knows places to 0.06 mm:
+ * steps of 2 mm, 0.3 mm and 0.03 mm keep their length. Taken from the places of their ends it was
+ * off by 0.7 %, by 8 %, and 0. Vulkan allows atan() 4,096 units in the last place. */
+static void test_short_steps_far_from_a_lamp(void **state)
+{
+    struct test_scene test;
+    test_scene_init(&test);
+    test.key.position_m = (struct neph_vec3){0, 0, 0};
+    test.key.look_at_m = (struct neph_vec3){0, 0, -1};
+    test.scene.vertical_fov_rad = 0.01;
+    test.scene.sun.present = false;
+    test.scene.background_w_per_m2_sr = make_grey(0.0);
+    test.scene.light_count = 1;
+    test.scene.lights[0] = (struct neph_light){.position_m = {300, 0, -1000},
+                                               .intensity_w_per_sr = {1e6, 1e6, 1e6}};
+    test_add_medium(&test, 0.5, 0.0, 0.0)->bounds = (struct neph_bounds){{-1, -1, -1.7},
+                                                                         {1, 1, -0.7}};
+    static const int steps[] = {500, 3000, 33000};
+    for (long i = 0; i < neph_test_by_day(2, 3); i++) {
+        const struct neph_march_params params = march_params(steps[i], NEPH_MARCH_EXACT);
+        const struct error error = march_error(*state, &test, &params);
+        print_message("%5d steps: sum off by %+.1e, rms %.1e\n", steps[i], error.bias, error.rms);
+        assert_true(fabs(error.bias) < 2.5e-4 && error.rms < 2.5e-4);
+    }
+}
+
 static void test_marched_depths_to_lamps(void **state)
 {
     neph_test_waits_for_the_night();
@@ -297,6 +323,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_march_comes_to_the_exact_transport),
         cmocka_unit_test(test_fog_without_bounds_is_of_second_order),
+        cmocka_unit_test(test_short_steps_far_from_a_lamp),
         cmocka_unit_test(test_marched_depths_to_lamps),
         cmocka_unit_test(test_sun_and_lamps_add),
         cmocka_unit_test(test_what_knows_no_lamps_says_so),

@@ -344,6 +344,32 @@ static void test_against_the_light(void **state)
     }
 }
 
+/* All orders in a grid beneath fog that lets e^-16 of the sunlight pass: without a table of
+ * sunlight, paths find the sunlight of first collisions by themselves. Second orders are 1e-6 of the
+ * first. Where the sun crosses 7 / n of optical depth or less, none of n samples may collide, and
+ * the pixel does not know of its noise. */
+static void test_a_grid_beneath_dark_fog(void **state)
+{
+    enum { SAMPLES = 512 };
+    struct test_scene test;
+    test_scene_init(&test);
+    scene_grid(&test);
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    test.scene.background_w_per_m2_sr = (struct neph_rgb){0, 0, 0};
+    test.scene.media[0].albedo = make_grey(1e-6);
+    struct neph_medium *fog = test_add_medium(&test, 16.0 * test.scene.sun.direction.y, 0.0, 0.0);
+    fog->albedo = make_grey(0.0);
+    fog->bounds = (struct neph_bounds){{-200, 5, -200}, {200, 6, 200}};
+    struct neph_tracer_params params = params_of(16, 9, SAMPLES);
+    params.sun_nodes = 0;
+    struct neph_image *frame = render(*state, &test, &params, NULL);
+    struct verdict verdict = compare(&test, frame, exact_single, NULL);
+    verdict.exact_error = fmax(0.0, verdict.exact_error - 7.0 / SAMPLES);
+    judge("grid beneath dark fog", verdict, 2.0 * NEPH_TRACER_BATCH_SAMPLES / SAMPLES);
+    neph_image_destroy(frame);
+    teardown(&test);
+}
+
 /* All that is known of light scattered once where the sun stands straight ahead: from everywhere on
  * the ray it has the same way, so that L = E albedo p tau e^-tau. `context`: tau. */
 static double lit_from_behind(const struct test_scene *test, struct neph_vec3 ray, int i,
@@ -1214,6 +1240,7 @@ int main(void)
         cmocka_unit_test(test_single_scattering_is_exact_transport),
         cmocka_unit_test(test_clouds_in_single_scattering),
         cmocka_unit_test(test_against_the_light),
+        cmocka_unit_test(test_a_grid_beneath_dark_fog),
         cmocka_unit_test(test_procedural_clouds_against_the_light),
         cmocka_unit_test(test_the_last_bit_decides_little),
         cmocka_unit_test(test_without_scattering_the_rest_is_exact),
