@@ -157,7 +157,7 @@ def judge(budgets, measured, references):
         is_over = value > (limit if unit == EXACT else limit * slack)
         if is_over:
             over.append(name)
-        shown = f"{value:.0f}" if unit == EXACT else f"{value:.3g}"
+        shown = f"{value:.0f}" if value >= 100 else f"{value:.3g}"
         mark, end = ("!", "  ** OVER ITS LIMIT **") if is_over else (" ", "")
         lines.append(f"{mark} {name}: {shown} {unit}, limit {limit:.10g}: {what}{end}")
     return lines, over

@@ -82,14 +82,15 @@ class Budgets(unittest.TestCase):
 
     def test_times_of_a_shell(self):
         self.assertEqual(budget.read_shell_times("0m1.000s 0m1.000s\n2m3.250s 1m0.500s\n"), 183.75)
-        told = subprocess.run(["bash", "-c", "sh -c 'exit 0'; times"], capture_output=True, text=True,
-                              check=True).stdout
+        told = subprocess.run(["bash", "-c", "sh -c 'exit 0'; times"], capture_output=True,
+                              text=True, check=True).stdout
         self.assertGreaterEqual(budget.read_shell_times(told), 0)
 
     def test_a_timed_command_is_the_command(self):
         with tempfile.TemporaryDirectory() as folder:
+            script = "echo; echo said >&2; exit 3"
             done = subprocess.run(
-                [SCRIPTS / "timed_command", "out.o", "log", "sh", "-c", "echo; echo said >&2; exit 3"],
+                [SCRIPTS / "timed_command", "out.o", "log", "sh", "-c", script],
                 capture_output=True, text=True, cwd=folder)
             self.assertEqual((done.returncode, done.stdout, done.stderr), (3, "\n", "said\n"))
             log = (pathlib.Path(folder) / "log").read_text()
