@@ -16,6 +16,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/interrupt.h"
 #include "base/text.h"
 #include "harness/engines/vulkan_device.h"
 #include "renderer/vulkan.h"
@@ -26,6 +27,7 @@
 #include <errno.h>
 #include <math.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,7 +42,7 @@ enum { ATTEMPTS_MAX = 64, SHRINK_TURNS_MAX = 120 };
 struct options {
     uint64_t seed;
     int first, count, processes;
-    double seconds;     /* no scene begins after so long; +inf: none */
+    double seconds;     /* that the comparison may take; +inf: any time */
     const char *folder; /* for kept scenes */
     const char *scene;  /* a file to compare in place of random scenes */
     const char *still;  /* the same without wind; NULL: `scene` itself */
@@ -178,6 +180,7 @@ struct tally {
     struct compare_scores scores[FAMILIES][PAIR_COUNT];
     struct compare_march marched;
     int scenes, disagreements;
+    int left; /* begun, and not done when the time was up */
     int covered[COMPARE_ENGINES];
     double seconds[COMPARE_ENGINES];
     int stages[COMPARE_STAGES + 1]; /* scenes that needed so many */
@@ -398,10 +401,9 @@ static bool print_scores(const struct run *run)
 
 static bool print_summary(const struct run *run)
 {
-    printf("seed %llu, scenes %d to %d: %d compared, %d disagreements\n",
-           (unsigned long long)run->options->seed, run->options->first,
-           run->options->first + run->tally.scenes - 1, run->tally.scenes,
-           run->tally.disagreements);
+    printf("seed %llu, %d scenes from %d on: %d compared, %d left, %d disagreements\n",
+           (unsigned long long)run->options->seed, run->tally.scenes + run->tally.left,
+           run->options->first, run->tally.scenes, run->tally.left, run->tally.disagreements);
     for (int e = 0; e < COMPARE_ENGINES; e++)
         printf("  %-7s %5d scenes %8.1f s\n", compare_engine_names[e], run->tally.covered[e],
                run->tally.seconds[e]);
@@ -417,17 +419,40 @@ static bool print_summary(const struct run *run)
 
 /* ---- processes ------------------------------------------------------------------------------- */
 
-/* Take scenes from the shared counter until there are none, or no time. */
+/* Interrupts the scene in work of this process when the time is up. */
+static bool start_timer(const struct run *run)
+{
+    const double left_s = run->options->seconds - (neph_wall_s() - run->start_s);
+    if (!isfinite(left_s))
+        return true;
+    const double whole_s = floor(fmax(0.0, left_s));
+    const struct itimerspec time = {
+        .it_value = {(time_t)whole_s, 1 + (long)(fmax(0.0, left_s - whole_s) * 999999998.0)}};
+    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGTERM};
+    timer_t timer;
+    neph_interrupt_install();
+    return !timer_create(CLOCK_MONOTONIC, &event, &timer) && !timer_settime(timer, 0, &time, NULL);
+}
+
+/* Take scenes from the shared counter until there are none, or no time. A scene in work is left. */
 static enum neph_status run_some(struct run *run, struct neph_diag *diag)
 {
     const struct options *options = run->options;
+    if (!start_timer(run))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "no timer: %s", strerror(errno));
     const bool needs_device = options->engines >> COMPARE_TRACER != 0;
     enum neph_status status = needs_device ? neph_vulkan_open(&run->vulkan, diag) : NEPH_OK;
-    while (!status && neph_wall_s() - run->start_s <= options->seconds) {
+    while (!status && neph_wall_s() - run->start_s <= options->seconds && !neph_interrupted()) {
         const int turn = atomic_fetch_add(run->next, 1);
         if (turn >= options->count)
             break;
         status = run_scene(run, options->first + turn, diag);
+        if (status != NEPH_ERR_INTERRUPTED)
+            continue;
+        printf("scene %d: left, since the time is up\n", options->first + turn);
+        fflush(stdout);
+        run->tally.left++;
+        status = NEPH_OK;
     }
     neph_vulkan_destroy(run->vulkan);
     run->vulkan = NULL;
@@ -466,6 +491,7 @@ static void add_tally(struct tally *sum, const struct tally *part)
     sum->marched.left_out += part->marched.left_out;
     sum->marched.largest_bias = fmax(sum->marched.largest_bias, part->marched.largest_bias);
     sum->scenes += part->scenes;
+    sum->left += part->left;
     sum->disagreements += part->disagreements;
     for (int e = 0; e < COMPARE_ENGINES; e++) {
         sum->covered[e] += part->covered[e];
@@ -588,7 +614,7 @@ static const struct argp_option argp_options[] = {
     {"first", KEY_FIRST, "N", 0, "index of the first scene (default 0)", 0},
     {"count", 'n', "N", 0, "scenes (default 20)", 0},
     {"processes", KEY_PROCESSES, "N", 0, "that share the scenes (default 1)", 0},
-    {"seconds", KEY_SECONDS, "S", 0, "no scene begins after so long", 0},
+    {"seconds", KEY_SECONDS, "S", 0, "after so long, leave the scenes that are not done", 0},
     {"folder", KEY_FOLDER, "DIR", 0, "for scenes that disagree (default random_scenes)", 0},
     {"scene", KEY_SCENE, "FILE", 0, "compare this scene file", 0},
     {"still", KEY_STILL, "FILE", 0, "the same scene without wind", 0},
