@@ -2,7 +2,6 @@
 #include "renderer/compute.h"
 
 #include "renderer/device_memory.h"
-#include "renderer/kernel.h"
 #include "renderer/kernel_sets.h"
 
 #include <stdio.h>
@@ -133,7 +132,7 @@ enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan, int te
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer)
 {
     if (buffer->handle)
-        neph_kernels_forget_buffer(vulkan, buffer->handle);
+        neph_kernel_sets_forget_buffer(vulkan, buffer->handle);
     vulkan->api.vkDestroyBufferView(vulkan->device, buffer->texels, NULL);
     vulkan->api.vkDestroyBuffer(vulkan->device, buffer->handle, NULL);
     vulkan->api.vkFreeMemory(vulkan->device, buffer->memory, NULL); /* unmaps it too */
@@ -176,6 +175,21 @@ static void bind(struct neph_batch *batch, const struct neph_kernel *kernel, VkD
     batch->bound_set = set;
 }
 
+static struct neph_kernel_bound bound_by(const struct neph_kernel *kernel,
+                                         const struct neph_dispatch *dispatch)
+{
+    struct neph_kernel_bound bound = {.buffers = {VK_NULL_HANDLE}};
+    for (int i = 0; i < neph_kernel_buffer_count(&kernel->params); i++) {
+        bound.buffers[i] = dispatch->buffers[i]->handle;
+        bound.texels[i] = dispatch->buffers[i]->texels;
+    }
+    for (int i = 0; i < kernel->params.image_count; i++) {
+        bound.images[i] = dispatch->images[i]->view;
+        bound.samplers[i] = dispatch->images[i]->sampler;
+    }
+    return bound;
+}
+
 /* While a kernel is being made the device gets what there is, so that it can begin. */
 static enum neph_status await_kernel(struct neph_batch *batch, const struct neph_kernel *kernel,
                                      struct neph_diag *diag)
@@ -198,7 +212,8 @@ enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph
     if (status)
         return status;
     VkDescriptorSet set;
-    const VkResult result = neph_kernel_sets_get(kernel, dispatch, &set);
+    const struct neph_kernel_bound bound = bound_by(kernel, dispatch);
+    const VkResult result = neph_kernel_sets_get(kernel, &bound, &set);
     if (result != VK_SUCCESS)
         return neph_vulkan_fail(result, kernel->params.name, diag);
     bind(batch, kernel, set);

@@ -6,24 +6,16 @@
 #ifndef NEPH_RENDERER_COMPUTE_H
 #define NEPH_RENDERER_COMPUTE_H
 
+#include "renderer/kernel.h"
 #include "renderer/lane.h"
-#include "renderer/shaders/constants.h"
 
 #include <stddef.h>
-
-/* As many storage buffers as lavapipe lets a kernel see, and two uniform ones. */
-#define NEPH_KERNEL_STORAGE_MAX 32
-#define NEPH_KERNEL_BUFFERS_MAX (NEPH_KERNEL_STORAGE_MAX + 2)
-#define NEPH_KERNEL_CONSTANTS_MAX 96
-#define NEPH_KERNEL_IMAGES_MAX NEPH_GPU_MEDIA_MAX
 
 /* Loop turns that one thread may make in one dispatch, all its loops together, the last failing
  * test of each included. lavapipe leaves every loop after 65535 of them, in silence (Mesa,
  * lp_bld_limits.h: LP_MAX_TGSI_LOOP_ITERATIONS, "shared between every loop"); a GPU has a watchdog
  * instead. Longer work must be cut into several dispatches. */
 #define NEPH_KERNEL_LOOP_TURNS_MAX 65000
-
-struct neph_kernel;
 
 /* --- buffers ------------------------------------------------------------------------------ */
 
@@ -87,36 +79,7 @@ struct neph_texture {
     VkSampler sampler;
 };
 
-/* --- kernels ------------------------------------------------------------------------------ */
-
-struct neph_kernel_params {
-    const char *name;     /* unique to the shader */
-    const uint32_t *code; /* shaders/NAME.comp.inc; borrowed while the device lives */
-    size_t code_bytes;
-    int buffer_count;       /* at set 0, bindings 0 .. count-1: storage buffers but for .. */
-    int uniform_count;      /* .. the first of them, which are uniform ones */
-    int array_count;        /* more of them, an array at binding buffer_count; 0: none */
-    int image_count;        /* textures, an array at NEPH_GPU_IMAGES_BINDING; 0: none */
-    int texels_first;       /* the first buffer that a kernel of a CPU sees as texels, too .. */
-    int texels_count;       /* .. and how many, an array at NEPH_GPU_TEXELS_BINDING; 0: none */
-    size_t push_size_bytes; /* push constants, from offset 0 */
-    int constant_count;     /* specialization constants 0 .. count-1 */
-    uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
-};
-
-/* The kernel of a shader and its specialization constants: asked for by the first call, kept and
- * owned by the device. It is made on another thread, and the first batch that needs it waits: ask
- * for all that a frame needs before its first batch. What goes wrong meanwhile is that batch's
- * error. Constants that the shader does not have may have any value. */
-enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
-                                 const struct neph_kernel_params *params,
-                                 const struct neph_kernel **kernel, struct neph_diag *diag);
-
-/* Before an image goes: waits for all that is on its way, and no kernel is bound to it any more. */
-void neph_kernels_forget(const struct neph_vulkan *vulkan, const struct neph_texture *texture);
-
-/* For neph_vulkan_destroy(). */
-void neph_kernels_destroy(struct neph_vulkan *vulkan);
+/* --- running kernels ---------------------------------------------------------------------- */
 
 struct neph_dispatch {
     const struct neph_buffer *buffers[NEPH_KERNEL_BUFFERS_MAX]; /* those of the array come last */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/kernel.h"
 
-#include "renderer/kernel_sets.h"
 #include "renderer/pipeline_cache.h"
 #include "renderer/shader_cache.h"
 #include "renderer/shader_code.h"
@@ -236,7 +235,6 @@ static bool same_kernel(const struct neph_kernel_params *a, const struct neph_ke
 static void kernel_destroy(struct neph_kernel *kernel)
 {
     const struct neph_vulkan *vulkan = kernel->vulkan;
-    neph_kernel_sets_destroy(vulkan, kernel->sets);
     vulkan->api.vkDestroyPipeline(vulkan->device, kernel->pipeline, NULL);
     vulkan->api.vkDestroyPipelineLayout(vulkan->device, kernel->layout, NULL);
     vulkan->api.vkDestroyDescriptorSetLayout(vulkan->device, kernel->set_layout, NULL);
@@ -253,9 +251,7 @@ static enum neph_status create_kernel(struct neph_vulkan *vulkan,
     created->vulkan = vulkan;
     created->params = *own;
     created->making = (struct neph_task){.work = make, .context = created};
-    created->sets = neph_kernel_sets_create();
-    const VkResult result = created->sets ? create_layouts(vulkan, created)
-                                          : VK_ERROR_OUT_OF_HOST_MEMORY;
+    const VkResult result = create_layouts(vulkan, created);
     if (result != VK_SUCCESS) {
         kernel_destroy(created);
         return neph_vulkan_fail(result, own->name, diag);

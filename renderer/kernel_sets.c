@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/kernel_sets.h"
 
-#include "renderer/kernel.h"
 #include "renderer/lane.h"
 
 #include <stdlib.h>
 
-/* The buffers and images that a kernel has once been run with. */
 struct kernel_set {
     struct kernel_set *next;
+    const struct neph_kernel *kernel;
     VkBuffer buffers[NEPH_KERNEL_BUFFERS_MAX];
     VkImageView images[NEPH_KERNEL_IMAGES_MAX];
     VkDescriptorPool pool;
@@ -61,20 +60,21 @@ static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph
     return vulkan->api.vkAllocateDescriptorSets(vulkan->device, &info, &set->handle);
 }
 
-static void write_images(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
-                         const struct kernel_set *set, const struct neph_dispatch *dispatch)
+static void write_images(const struct neph_kernel *kernel, const struct neph_kernel_bound *bound,
+                         VkDescriptorSet set)
 {
+    const struct neph_vulkan *vulkan = kernel->vulkan;
     VkDescriptorImageInfo images[NEPH_KERNEL_IMAGES_MAX];
     const int count = kernel->params.image_count;
     for (int i = 0; i < count; i++)
         images[i] = (VkDescriptorImageInfo){
-            .sampler = dispatch->images[i]->sampler,
-            .imageView = set->images[i],
+            .sampler = bound->samplers[i],
+            .imageView = bound->images[i],
             .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
         };
     const VkWriteDescriptorSet write = {
         .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-        .dstSet = set->handle,
+        .dstSet = set,
         .dstBinding = NEPH_GPU_IMAGES_BINDING,
         .descriptorCount = (uint32_t)count,
         .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
@@ -84,117 +84,123 @@ static void write_images(const struct neph_vulkan *vulkan, const struct neph_ker
         vulkan->api.vkUpdateDescriptorSets(vulkan->device, 1, &write, 0, NULL);
 }
 
-static void write_texels(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
-                         const struct kernel_set *set, const struct neph_dispatch *dispatch)
+static void write_texels(const struct neph_kernel *kernel, const struct neph_kernel_bound *bound,
+                         VkDescriptorSet set)
 {
-    VkBufferView texels[NEPH_KERNEL_BUFFERS_MAX];
+    const struct neph_vulkan *vulkan = kernel->vulkan;
     const int count = kernel->params.texels_count;
-    for (int i = 0; i < count; i++)
-        texels[i] = dispatch->buffers[kernel->params.texels_first + i]->texels;
     const VkWriteDescriptorSet write = {
         .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-        .dstSet = set->handle,
+        .dstSet = set,
         .dstBinding = NEPH_GPU_TEXELS_BINDING,
         .descriptorCount = (uint32_t)count,
         .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
-        .pTexelBufferView = texels,
+        .pTexelBufferView = bound->texels + kernel->params.texels_first,
     };
     if (count > 0)
         vulkan->api.vkUpdateDescriptorSets(vulkan->device, 1, &write, 0, NULL);
 }
 
-static void write_set(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
-                      const struct kernel_set *set)
+static void write_buffers(const struct neph_kernel *kernel, const struct neph_kernel_bound *bound,
+                          VkDescriptorSet set)
 {
+    const struct neph_vulkan *vulkan = kernel->vulkan;
+    const struct neph_kernel_params *params = &kernel->params;
     VkDescriptorBufferInfo buffers[NEPH_KERNEL_BUFFERS_MAX];
     VkWriteDescriptorSet writes[NEPH_KERNEL_BUFFERS_MAX];
-    const int array = kernel->params.buffer_count;
-    const int binding_count = neph_kernel_binding_count(&kernel->params);
-    for (int i = 0; i < neph_kernel_buffer_count(&kernel->params); i++)
-        buffers[i] = (VkDescriptorBufferInfo){.buffer = set->buffers[i], .range = VK_WHOLE_SIZE};
+    const int array = params->buffer_count, binding_count = neph_kernel_binding_count(params);
+    for (int i = 0; i < neph_kernel_buffer_count(params); i++)
+        buffers[i] = (VkDescriptorBufferInfo){.buffer = bound->buffers[i], .range = VK_WHOLE_SIZE};
     for (int i = 0; i < binding_count; i++)
         writes[i] = (VkWriteDescriptorSet){
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-            .dstSet = set->handle,
+            .dstSet = set,
             .dstBinding = (uint32_t)i,
-            .descriptorCount = i == array ? (uint32_t)kernel->params.array_count : 1,
-            .descriptorType = neph_kernel_binding_type(&kernel->params, i),
+            .descriptorCount = i == array ? (uint32_t)params->array_count : 1,
+            .descriptorType = neph_kernel_binding_type(params, i),
             .pBufferInfo = &buffers[i],
         };
     vulkan->api.vkUpdateDescriptorSets(vulkan->device, (uint32_t)binding_count, writes, 0, NULL);
 }
 
-static bool is_for(const struct neph_kernel *kernel, const struct kernel_set *set,
-                   const struct neph_dispatch *dispatch)
+static bool is_for(const struct kernel_set *set, const struct neph_kernel *kernel,
+                   const struct neph_kernel_bound *bound)
 {
-    bool same = true;
+    bool same = set->kernel == kernel;
     for (int i = 0; i < neph_kernel_buffer_count(&kernel->params) && same; i++)
-        same = set->buffers[i] == dispatch->buffers[i]->handle;
+        same = set->buffers[i] == bound->buffers[i];
     for (int i = 0; i < kernel->params.image_count && same; i++)
-        same = set->images[i] == dispatch->images[i]->view;
+        same = set->images[i] == bound->images[i];
     return same;
 }
 
-/* Made once for the buffers and images of a dispatch, kept until one of them goes. */
+static struct kernel_set *make_set(const struct neph_kernel *kernel,
+                                   const struct neph_kernel_bound *bound)
+{
+    struct kernel_set *made = calloc(1, sizeof(*made));
+    if (!made)
+        return NULL;
+    made->kernel = kernel;
+    for (int i = 0; i < neph_kernel_buffer_count(&kernel->params); i++)
+        made->buffers[i] = bound->buffers[i];
+    for (int i = 0; i < kernel->params.image_count; i++)
+        made->images[i] = bound->images[i];
+    return made;
+}
+
 VkResult neph_kernel_sets_get(const struct neph_kernel *kernel,
-                              const struct neph_dispatch *dispatch, VkDescriptorSet *handle)
+                              const struct neph_kernel_bound *bound, VkDescriptorSet *handle)
 {
     const struct neph_vulkan *vulkan = kernel->vulkan;
-    for (const struct kernel_set *set = kernel->sets->first; set; set = set->next)
-        if (is_for(kernel, set, dispatch)) {
+    for (const struct kernel_set *set = vulkan->sets->first; set; set = set->next)
+        if (is_for(set, kernel, bound)) {
             *handle = set->handle;
             return VK_SUCCESS;
         }
-    struct kernel_set *made = calloc(1, sizeof(*made));
-    if (!made)
-        return VK_ERROR_OUT_OF_HOST_MEMORY;
-    for (int i = 0; i < neph_kernel_buffer_count(&kernel->params); i++)
-        made->buffers[i] = dispatch->buffers[i]->handle;
-    for (int i = 0; i < kernel->params.image_count; i++)
-        made->images[i] = dispatch->images[i]->view;
-    made->next = kernel->sets->first;
-    kernel->sets->first = made;
-    const VkResult result = allocate_set(vulkan, kernel, made);
+    struct kernel_set *made = make_set(kernel, bound);
+    const VkResult result = made ? allocate_set(vulkan, kernel, made) : VK_ERROR_OUT_OF_HOST_MEMORY;
     if (result != VK_SUCCESS) {
-        kernel->sets->first = made->next;
-        destroy_set(vulkan, made);
+        if (made)
+            destroy_set(vulkan, made);
         return result;
     }
+    made->next = vulkan->sets->first;
+    vulkan->sets->first = made;
     neph_vulkan_name(vulkan, VK_OBJECT_TYPE_DESCRIPTOR_SET, (uint64_t)made->handle,
                      kernel->params.name);
-    write_set(vulkan, kernel, made);
-    write_images(vulkan, kernel, made, dispatch);
-    write_texels(vulkan, kernel, made, dispatch);
+    write_buffers(kernel, bound, made->handle);
+    write_images(kernel, bound, made->handle);
+    write_texels(kernel, bound, made->handle);
     *handle = made->handle;
     return VK_SUCCESS;
 }
 
 /* --- what goes ---------------------------------------------------------------------------- */
 
-/* What goes: one of the two. */
+/* One of the two. What a set does not have is null there. */
 struct going {
     VkBuffer buffer;
     VkImageView image;
 };
 
-static bool set_has(const struct neph_kernel *kernel, const struct kernel_set *set,
-                    struct going going)
+static bool set_has(const struct kernel_set *set, struct going going)
 {
     bool has = false;
-    for (int i = 0; i < neph_kernel_buffer_count(&kernel->params); i++)
-        has |= set->buffers[i] == going.buffer;
-    for (int i = 0; i < kernel->params.image_count; i++)
-        has |= set->images[i] == going.image;
+    for (int i = 0; i < NEPH_KERNEL_BUFFERS_MAX; i++)
+        has |= going.buffer && set->buffers[i] == going.buffer;
+    for (int i = 0; i < NEPH_KERNEL_IMAGES_MAX; i++)
+        has |= going.image && set->images[i] == going.image;
     return has;
 }
 
-static void drop_sets(const struct neph_vulkan *vulkan, const struct neph_kernel *kernel,
-                      struct going going)
+/* Nothing that is on its way uses it any more, and another one may get its handle. */
+static void forget(const struct neph_vulkan *vulkan, struct going going)
 {
-    struct kernel_set **at = &kernel->sets->first;
+    neph_lanes_wait(vulkan, vulkan->lanes->sent); /* a lost device is reported by who needs it */
+    struct kernel_set **at = &vulkan->sets->first;
     while (*at) {
         struct kernel_set *set = *at;
-        if (!set_has(kernel, set, going)) {
+        if (!set_has(set, going)) {
             at = &set->next;
             continue;
         }
@@ -203,35 +209,28 @@ static void drop_sets(const struct neph_vulkan *vulkan, const struct neph_kernel
     }
 }
 
+void neph_kernel_sets_forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer)
+{
+    forget(vulkan, (struct going){.buffer = buffer});
+}
+
+void neph_kernel_sets_forget_image(const struct neph_vulkan *vulkan, VkImageView image)
+{
+    forget(vulkan, (struct going){.image = image});
+}
+
 struct neph_kernel_sets *neph_kernel_sets_create(void)
 {
     return calloc(1, sizeof(struct neph_kernel_sets));
 }
 
-void neph_kernel_sets_destroy(const struct neph_vulkan *vulkan, struct neph_kernel_sets *sets)
+void neph_kernel_sets_destroy(struct neph_vulkan *vulkan)
 {
-    while (sets && sets->first) {
-        struct kernel_set *set = sets->first;
-        sets->first = set->next;
+    while (vulkan->sets && vulkan->sets->first) {
+        struct kernel_set *set = vulkan->sets->first;
+        vulkan->sets->first = set->next;
         destroy_set(vulkan, set);
     }
-    free(sets);
-}
-
-/* Nothing that is on its way uses it any more, and another one may get its handle. */
-static void forget(const struct neph_vulkan *vulkan, struct going going)
-{
-    neph_lanes_wait(vulkan, vulkan->lanes->sent); /* a lost device is reported by who needs it */
-    for (struct neph_kernel *kernel = vulkan->kernels; kernel; kernel = kernel->next)
-        drop_sets(vulkan, kernel, going);
-}
-
-void neph_kernels_forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer)
-{
-    forget(vulkan, (struct going){.buffer = buffer});
-}
-
-void neph_kernels_forget(const struct neph_vulkan *vulkan, const struct neph_texture *texture)
-{
-    forget(vulkan, (struct going){.image = texture->view});
+    free(vulkan->sets);
+    vulkan->sets = NULL;
 }

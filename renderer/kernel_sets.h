@@ -1,26 +1,32 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a kernel is bound to: a descriptor set for each choice of buffers and images that it was run
- * with, kept until one of them goes. Not for other folders.
+ * What kernels are bound to: a descriptor set for each choice of buffers and images that a kernel
+ * was run with, kept until one of them goes. Not for other folders.
  */
 #ifndef NEPH_RENDERER_KERNEL_SETS_H
 #define NEPH_RENDERER_KERNEL_SETS_H
 
-#include "renderer/compute.h"
+#include "renderer/kernel.h"
 
-struct neph_kernel_sets;
+/* As many of each as the kernel's params say. */
+struct neph_kernel_bound {
+    VkBuffer buffers[NEPH_KERNEL_BUFFERS_MAX]; /* those of the array come last */
+    VkBufferView texels[NEPH_KERNEL_BUFFERS_MAX];
+    VkImageView images[NEPH_KERNEL_IMAGES_MAX];
+    VkSampler samplers[NEPH_KERNEL_IMAGES_MAX];
+};
 
-/* NULL: no memory. Free with _destroy. */
-struct neph_kernel_sets *neph_kernel_sets_create(void);
-
-/* NULL is fine. */
-void neph_kernel_sets_destroy(const struct neph_vulkan *vulkan, struct neph_kernel_sets *sets);
-
-/* The set for the buffers and images of a dispatch. */
+/* Made at the first call, owned by the device. */
 VkResult neph_kernel_sets_get(const struct neph_kernel *kernel,
-                              const struct neph_dispatch *dispatch, VkDescriptorSet *handle);
+                              const struct neph_kernel_bound *bound, VkDescriptorSet *handle);
 
-/* Before a buffer goes, as neph_kernels_forget() of compute.h. */
-void neph_kernels_forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer);
+/* Before a buffer or an image goes: waits for all that is on its way, and no kernel is bound to it
+ * any more. */
+void neph_kernel_sets_forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer);
+void neph_kernel_sets_forget_image(const struct neph_vulkan *vulkan, VkImageView image);
+
+/* For neph_vulkan_create() and _destroy(); NULL is fine for the latter. NULL: no memory. */
+struct neph_kernel_sets *neph_kernel_sets_create(void);
+void neph_kernel_sets_destroy(struct neph_vulkan *vulkan);
 
 #endif

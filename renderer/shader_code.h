@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A shader as "shaders/NAME.comp.inc" holds it (renderer/pack_shader.py): not inlined, its functions
- * in SSA form, its specialization constants open, and packed. Not for other folders.
+ * A shader as "shaders/NAME.comp.inc" holds it (renderer/pack_shader.py): not inlined, its
+ * functions in SSA form, its specialization constants open, and packed. Not for other folders.
  */
 #ifndef NEPH_RENDERER_SHADER_CODE_H
 #define NEPH_RENDERER_SHADER_CODE_H

@@ -39,15 +39,6 @@ bool neph_spirv_is_pure(const struct neph_spirv_module *module, size_t at)
 
 /* --- reading ------------------------------------------------------------------------------ */
 
-static void read_type(struct neph_spirv_module *module, size_t at)
-{
-    enum { BITS = 32 };
-    const uint32_t operation = neph_spirv_operation(module, at), *words = module->words + at;
-    if (operation == OP_TYPE_BOOL ||
-        ((operation == OP_TYPE_INT || operation == OP_TYPE_FLOAT) && words[2] == BITS))
-        module->ids[words[1]].scalar = operation;
-}
-
 /* Returns how many blocks there are. */
 static int read_ids(struct neph_spirv_module *module)
 {
@@ -59,7 +50,6 @@ static int read_ids(struct neph_spirv_module *module)
         if (operation == OP_FUNCTION && at < module->functions)
             module->functions = at;
         block_count += operation == OP_LABEL;
-        read_type(module, at);
         if (neph_spirv_is_pure(module, at))
             module->ids[module->words[at + 2]].at = at;
     }

@@ -188,6 +188,17 @@ static void find_blocks(struct search *search)
     }
 }
 
+/* Whether any way leads to a second turn. What returns from the middle of a function is inlined as
+ * a loop of one. */
+static bool turns(const struct search *search)
+{
+    for (int b = 0; b < search->module.block_count; b++)
+        for (struct ways way = ways_of(search, b); way.at < way.end; way.at += way.step)
+            if (block_at(search, way.at) == search->target)
+                return true;
+    return search->target == search->header;
+}
+
 /* All threads of a subgroup have the same answer. */
 static bool is_vote(const struct search *search, uint32_t id)
 {
@@ -347,7 +358,7 @@ static uint32_t find_in_loop(struct search *search, int header)
     search->merge = block_at(search, merge + 1);
     search->target = block_at(search, merge + 2);
     find_blocks(search);
-    if (is_left_together(search))
+    if (!turns(search) || is_left_together(search))
         return 0;
     find_continue(search);
     forget_and_carry(search);

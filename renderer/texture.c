@@ -2,6 +2,7 @@
 #include "renderer/texture.h"
 
 #include "renderer/device_memory.h"
+#include "renderer/kernel_sets.h"
 #include "renderer/realtime/view.h"
 #include "renderer/shortcuts.h"
 
@@ -229,7 +230,7 @@ enum neph_status neph_texture_create(const struct neph_vulkan *vulkan,
 void neph_texture_destroy(const struct neph_vulkan *vulkan, struct neph_texture *texture)
 {
     if (texture->view)
-        neph_kernels_forget(vulkan, texture);
+        neph_kernel_sets_forget_image(vulkan, texture->view);
     vulkan->api.vkDestroySampler(vulkan->device, texture->sampler, NULL);
     vulkan->api.vkDestroyImageView(vulkan->device, texture->view, NULL);
     vulkan->api.vkDestroyImage(vulkan->device, texture->image, NULL);

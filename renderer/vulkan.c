@@ -3,7 +3,8 @@
 
 #include "base/threads.h"
 #include "base/workers.h"
-#include "renderer/compute.h"
+#include "renderer/kernel_sets.h"
+#include "renderer/lane.h"
 #include "renderer/pipeline_cache.h"
 #include "renderer/shader_cache.h"
 
@@ -324,6 +325,8 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
         status = create_lanes(created, timestamp_bits, diag);
     if (!status)
         status = neph_workers_create(neph_processor_count(), &created->makers, diag);
+    if (!status && !(created->sets = neph_kernel_sets_create()))
+        status = neph_fail_memory(diag);
     if (!status && params->cache_folder)
         status = neph_shader_cache_create(params->cache_folder, &created->shaders, diag);
     if (!status && params->cache_folder)
@@ -344,6 +347,7 @@ int neph_vulkan_destroy(struct neph_vulkan *vulkan)
         return 0;
     if (vulkan->device) {
         neph_lanes_destroy(vulkan);
+        neph_kernel_sets_destroy(vulkan);
         neph_kernels_destroy(vulkan);
         neph_pipeline_cache_destroy(vulkan);
         neph_shader_cache_destroy(vulkan->shaders);

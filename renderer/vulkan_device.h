@@ -13,6 +13,7 @@
 #include <volk.h>
 
 struct neph_kernel;
+struct neph_kernel_sets;    /* kernel_sets.h */
 struct neph_lanes;          /* lane.h */
 struct neph_pipeline_cache; /* pipeline_cache.h */
 struct neph_shader_cache;   /* shader_cache.h */
@@ -32,6 +33,7 @@ struct neph_vulkan {
     VkPhysicalDeviceLimits limits;
     struct neph_pipeline_cache *pipelines; /* owned; NULL: nothing is kept on disk */
     struct neph_shader_cache *shaders;     /* owned; NULL: nothing is kept on disk */
+    struct neph_kernel_sets *sets;         /* owned; they grow where the device itself is const */
     struct neph_kernel *kernels;           /* owned; all that were ever asked for */
     struct neph_workers *makers;           /* owned; of the kernels */
     pthread_mutex_t pipeline_lock;         /* of a CPU's driver, while a pipeline is made */

@@ -47,6 +47,12 @@ static uint32_t place_before(uint32_t x)
     return before;
 }
 
+static uint32_t once(uint32_t x)
+{
+    const uint32_t value = x & 7;
+    return value > 3 ? value + x : value > 1 ? x : value;
+}
+
 static uint32_t yes(uint32_t x)
 {
     (void)x;
@@ -58,12 +64,10 @@ static const struct {
     uint32_t (*answer)(uint32_t x);
     bool is_kept; /* by lavapipe, too */
 } ways[] = {
-    {"carried from turn to turn", carried, true},
-    {"left at its start", same, true},
-    {"read in the last turn", same, false},
-    {"made in the last turn", next_third, false},
-    {"read in the last turn of all", yes, true},
-    {"where the turn before was", place_before, true},
+    {"carried from turn to turn", carried, true}, {"left at its start", same, true},
+    {"read in the last turn", same, false},       {"made in the last turn", next_third, false},
+    {"read in the last turn of all", yes, true},  {"where the turn before was", place_before, true},
+    {"left in its first turn", once, true},
 };
 
 enum { WAYS = sizeof(ways) / sizeof(ways[0]) };
