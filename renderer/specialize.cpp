@@ -47,8 +47,7 @@ const std::vector<std::string> passes = {
     "--ccp",
     "--eliminate-dead-branches",
     "--eliminate-dead-code-aggressive",
-    /* What is computed twice, and what says little. */
-    "--redundancy-elimination",
+    /* What says little. */
     "--simplify-instructions",
     "--eliminate-dead-code-aggressive",
     "--merge-blocks",
