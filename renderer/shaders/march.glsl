@@ -105,7 +105,8 @@ const bool SKIPS_STEPS = SKIPS && VIEW_MARCHED == KINDS && !HAS_FOG;
 
 // Whether an only medium is looked up before anything else is done at a step: where it is clear the
 // step adds nothing, and all that it asks of the medium it asks at its point.
-const bool PASSES_CLEAR = KNOWN_MEDIA == 1u && VIEW_MARCHED == KINDS && !HAS_FOG && LIGHTING != HORIZON;
+const bool PASSES_CLEAR = KNOWN_MEDIA == 1u && VIEW_MARCHED == KINDS && !HAS_FOG &&
+                          LIGHTING != HORIZON;
 
 float met_per_m = 0.0; // extinction at the step that was looked up last
 
