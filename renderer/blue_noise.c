@@ -157,21 +157,25 @@ static bool is_better(int64_t score, ptrdiff_t voxel, const struct found *than)
     return than->voxel < 0 || score > than->score || (score == than->score && voxel < than->voxel);
 }
 
+static int64_t larger(int64_t a, int64_t b)
+{
+    return a > b ? a : b;
+}
+
 /* Four at a time, which do not wait for each other. */
 static int64_t best_score(const int64_t *energies, int count, int64_t flip)
 {
-    int64_t best[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+    int64_t a = INT64_MIN, b = INT64_MIN, c = INT64_MIN, d = INT64_MIN;
     int x = 0;
-    for (; x + 4 <= count; x += 4)
-        for (int i = 0; i < 4; i++) {
-            const int64_t score = energies[x + i] ^ flip;
-            best[i] = score > best[i] ? score : best[i];
-        }
+    for (; x + 4 <= count; x += 4) {
+        a = larger(a, energies[x] ^ flip);
+        b = larger(b, energies[x + 1] ^ flip);
+        c = larger(c, energies[x + 2] ^ flip);
+        d = larger(d, energies[x + 3] ^ flip);
+    }
     for (; x < count; x++)
-        best[0] = (energies[x] ^ flip) > best[0] ? energies[x] ^ flip : best[0];
-    for (int i = 1; i < 4; i++)
-        best[0] = best[i] > best[0] ? best[i] : best[0];
-    return best[0];
+        a = larger(a, energies[x] ^ flip);
+    return larger(larger(a, b), larger(c, d));
 }
 
 static struct found search_row(const struct field *field, enum kind kind, ptrdiff_t first)

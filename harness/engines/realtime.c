@@ -62,6 +62,14 @@ static enum neph_status create(struct sequence *sequence, const struct neph_shot
     return status;
 }
 
+/* Whether the picture of a GPU stays there until it is asked for. Without the split passes find it
+ * on the CPU. On a CPU it has another kernel. */
+static bool stays_there(const struct sequence *sequence, const struct neph_shot *shot)
+{
+    return shot->settings.values[RT_SPLIT] != RT_SPLIT_NONE &&
+           !neph_vulkan_describe(sequence->device->vulkan).is_cpu;
+}
+
 /* The pictures before the first, as if the sequence had begun earlier: before picture 0 camera and
  * sun are held and the wind blows as in picture 0. A given frame is the first picture's. */
 static enum neph_status warm_up(struct sequence *sequence, const struct neph_shot *shot,
@@ -71,7 +79,8 @@ static enum neph_status warm_up(struct sequence *sequence, const struct neph_sho
     for (int left = (int)shot->settings.values[RT_WARM_UP]; left > 0 && !status; left--) {
         const struct neph_realtime_frame frame = {shot->scene, shot->frame - left, shot->given};
         struct neph_image *image = NULL;
-        status = neph_realtime_render(sequence->realtime, &frame, &image, NULL, diag);
+        status = neph_realtime_render(sequence->realtime, &frame,
+                                      stays_there(sequence, shot) ? NULL : &image, NULL, diag);
         neph_image_destroy(image);
     }
     return status;

@@ -32,6 +32,11 @@ static enum neph_status create_noise(struct neph_rt_device *device, const uint32
     return NEPH_OK;
 }
 
+void neph_rt_device_give_noise(struct neph_rt_device *device, const uint32_t *ranks)
+{
+    memcpy(device->noise.mapped, ranks, NEPH_RT_NOISE_COUNT * sizeof(*ranks));
+}
+
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
                                            struct neph_buffer *buffer, struct neph_diag *diag)
 {
@@ -258,14 +263,29 @@ enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
     return status;
 }
 
+static enum neph_status bind_pass(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                                  struct neph_dispatch *dispatch, const struct neph_kernel **kernel,
+                                  struct neph_diag *diag)
+{
+    struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
+    neph_rt_device_bind(device, pass, 0, &params, dispatch);
+    return neph_kernel_get(device->vulkan, &params, kernel, diag);
+}
+
+enum neph_status neph_rt_device_ask(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                                    struct neph_diag *diag)
+{
+    struct neph_dispatch dispatch = {.group_count = 0};
+    const struct neph_kernel *kernel;
+    return bind_pass(device, pass, &dispatch, &kernel, diag);
+}
+
 enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                                     struct neph_rt_submission *submission, struct neph_diag *diag)
 {
-    struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
     struct neph_dispatch dispatch = {.group_count = 0};
-    neph_rt_device_bind(device, pass, 0, &params, &dispatch);
     const struct neph_kernel *kernel;
-    enum neph_status status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
+    enum neph_status status = bind_pass(device, pass, &dispatch, &kernel, diag);
     const uint32_t colours = neph_rt_colour_count(device->view, pass, device->on_gpu);
     for (uint32_t colour = 0; colour < colours && !status; colour++)
         status = add_colour(device, pass, kernel, &dispatch, colour, submission, diag);

@@ -42,6 +42,9 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
                                        struct neph_rt_device *device, struct neph_diag *diag);
 void neph_rt_device_destroy(struct neph_rt_device *device);
 
+/* Other noise, NEPH_RT_NOISE_COUNT ranks, before the first pass. */
+void neph_rt_device_give_noise(struct neph_rt_device *device, const uint32_t *ranks);
+
 /* Another buffer for a target, all zero. Zero-initialise `buffer`; its owner destroys it, also
  * after an error. */
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
@@ -72,6 +75,10 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
  * others, so that none waits for that when the camera starts or stops. */
 enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
                                         const struct neph_rt_pass *pass, struct neph_diag *diag);
+
+/* Ask for the kernel of a pass without rays, which is made while others are asked for. */
+enum neph_status neph_rt_device_ask(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+                                    struct neph_diag *diag);
 
 /* Add a pass without rays to what is on its way. */
 enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,

@@ -36,6 +36,7 @@ struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_settings settings;
     uint32_t seed;
+    char *cache_folder;    /* owned; or NULL */
     uint32_t *noise_ranks; /* owned */
     int picture_px[2];
     struct neph_march_params march; /* of what is rendered for it */
@@ -137,12 +138,11 @@ static struct neph_march_params march_of(const struct neph_realtime *realtime,
     return march;
 }
 
-static enum neph_status add_ray_pass(struct neph_realtime *realtime,
-                                     const struct neph_rt_pass *pass, bool counts,
-                                     struct neph_rt_submission *submission, double *gpu_s,
-                                     struct neph_diag *diag)
+static enum neph_status bind_ray_pass(struct neph_realtime *realtime,
+                                      const struct neph_rt_pass *pass, bool counts,
+                                      struct neph_dispatch *dispatch,
+                                      const struct neph_kernel **kernel, struct neph_diag *diag)
 {
-    const struct neph_march_cut *cut = &realtime->cuts[pass - neph_rt_passes];
     struct neph_kernel_params params = {
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
@@ -150,25 +150,35 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
         .texels_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
     };
+    if (is_of_froxels(pass))
+        neph_march_scene_bind_froxels(&realtime->scene, dispatch);
+    else
+        neph_march_scene_bind(&realtime->scene, dispatch);
+    dispatch->buffers[NEPH_GPU_SCENE_BUFFERS] = &realtime->states;
+    dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &realtime->counters;
+    neph_rt_device_bind(&realtime->device, pass, NEPH_MARCH_BUFFERS, &params, dispatch);
+    const struct neph_march_params march = march_of(realtime, pass);
+    neph_march_constants(seen_by(realtime, pass), &march, params.constants);
+    params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
+    params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene.gpu);
+    set_known_balls(&realtime->scene.gpu, &params.constants[RT_BALLS_CONSTANT]);
+    return neph_kernel_get(realtime->vulkan, &params, kernel, diag);
+}
+
+static enum neph_status add_ray_pass(struct neph_realtime *realtime,
+                                     const struct neph_rt_pass *pass, bool counts,
+                                     struct neph_rt_submission *submission, double *gpu_s,
+                                     struct neph_diag *diag)
+{
+    const struct neph_march_cut *cut = &realtime->cuts[pass - neph_rt_passes];
     struct ray_pass work = {
         .pass = pass,
         .submission = submission,
         .is_cut = !neph_march_cut_is_whole(cut),
         .gpu_s = gpu_s,
     };
-    if (is_of_froxels(pass))
-        neph_march_scene_bind_froxels(&realtime->scene, &work.dispatch);
-    else
-        neph_march_scene_bind(&realtime->scene, &work.dispatch);
-    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &realtime->states;
-    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &realtime->counters;
-    neph_rt_device_bind(&realtime->device, pass, NEPH_MARCH_BUFFERS, &params, &work.dispatch);
-    const struct neph_march_params march = march_of(realtime, pass);
-    neph_march_constants(seen_by(realtime, pass), &march, params.constants);
-    params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
-    params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene.gpu);
-    set_known_balls(&realtime->scene.gpu, &params.constants[RT_BALLS_CONSTANT]);
-    const enum neph_status status = neph_kernel_get(realtime->vulkan, &params, &work.kernel, diag);
+    const enum neph_status status = bind_ray_pass(realtime, pass, counts, &work.dispatch,
+                                                  &work.kernel, diag);
     return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
 }
 
@@ -332,18 +342,6 @@ static void destroy_sized(struct neph_realtime *realtime)
     neph_buffer_destroy(realtime->vulkan, &realtime->states);
 }
 
-/* Whether any dither reads the masks of blue noise, which take seconds to make for a new seed. */
-static bool needs_masks(const struct neph_realtime *realtime)
-{
-    static const int dithers[] = {RT_RAY_DITHER, RT_UPSCALE_DITHER};
-    bool needs = false;
-    for (size_t i = 0; i < sizeof(dithers) / sizeof(dithers[0]); i++) {
-        const int dither = choice_of(realtime, dithers[i]);
-        needs |= dither >= RT_DITHER_BLUE;
-    }
-    return needs && choice_of(realtime, RT_SPLIT) == RT_SPLIT_FOUR;
-}
-
 static enum neph_status create_once(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_realtime_params *params,
                                     struct neph_diag *diag)
@@ -352,9 +350,9 @@ static enum neph_status create_once(struct neph_realtime *realtime, const struct
     if (!realtime->noise_ranks)
         return neph_fail_memory(diag);
     enum neph_status status = NEPH_OK;
-    if (needs_masks(realtime))
-        status = neph_rt_noise_ranks(params->seed, params->cache_folder, realtime->noise_ranks,
-                                     diag);
+    realtime->cache_folder = params->cache_folder ? strdup(params->cache_folder) : NULL;
+    if (params->cache_folder && !realtime->cache_folder)
+        status = neph_fail_memory(diag);
     if (!status)
         status = neph_march_scene_create(realtime->vulkan, scene, &realtime->march,
                                          &realtime->scene, diag);
@@ -404,6 +402,7 @@ void neph_realtime_destroy(struct neph_realtime *realtime)
     neph_buffer_destroy(realtime->vulkan, &realtime->counters);
     neph_march_scene_destroy(realtime->vulkan, &realtime->scene);
     free(realtime->noise_ranks);
+    free(realtime->cache_folder);
     free(realtime);
 }
 
@@ -508,9 +507,47 @@ static bool is_wanted(const struct neph_realtime *realtime, const struct neph_rt
     return neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given);
 }
 
+/* Whether any dither reads the masks of blue noise, which take seconds to make for a new seed. */
+static bool needs_masks(const struct neph_realtime *realtime)
+{
+    static const int dithers[] = {RT_RAY_DITHER, RT_UPSCALE_DITHER};
+    bool needs = false;
+    for (size_t i = 0; i < sizeof(dithers) / sizeof(dithers[0]); i++) {
+        const int dither = choice_of(realtime, dithers[i]);
+        needs |= dither >= RT_DITHER_BLUE;
+    }
+    return needs && choice_of(realtime, RT_SPLIT) == RT_SPLIT_FOUR;
+}
+
+/* All kernels of the first picture at once, and the noise while they are made. */
+static enum neph_status begin_passes(struct neph_realtime *realtime, const struct progress *made,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++) {
+        struct neph_dispatch dispatch = {.group_count = 0};
+        const struct neph_kernel *kernel;
+        if (!is_wanted(realtime, pass, made) ||
+            neph_rt_is_done_by_other(realtime->device.view, pass))
+            continue;
+        status = pass->rays ? bind_ray_pass(realtime, pass, made->counts, &dispatch, &kernel, diag)
+                            : neph_rt_device_ask(&realtime->device, pass, diag);
+    }
+    if (!status && needs_masks(realtime))
+        status = neph_rt_noise_ranks(realtime->seed, realtime->cache_folder, realtime->noise_ranks,
+                                     diag);
+    if (!status)
+        neph_rt_device_give_noise(&realtime->device, realtime->noise_ranks);
+    return status;
+}
+
 static enum neph_status run_passes(struct neph_realtime *realtime, struct progress *made,
                                    struct neph_diag *diag)
 {
+    const enum neph_status begun = realtime->frame_count == 0 ? begin_passes(realtime, made, diag)
+                                                              : NEPH_OK;
+    if (begun)
+        return begun;
     struct neph_rt_submission submission = {.vulkan = realtime->vulkan};
     enum neph_status status = NEPH_OK;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++)
