@@ -19,8 +19,8 @@
 double neph_step_bias(const struct neph_shot *shot, const struct neph_engine *engine,
                       const struct neph_image *frame);
 
-/* Why the estimate is left out, for the caller to free; NULL: it has not too many steps, or memory is
- * short. */
+/* Why the estimate is left out, for the caller to free; NULL: it has not too many steps, or memory
+ * is short. */
 char *neph_step_bias_omission(const struct neph_shot *shot, const struct neph_engine *engine);
 
 /* The warning, for the caller to free; NULL: the bias is small or unknown, or memory is short. */

@@ -46,10 +46,10 @@ vec3 lamp_part_depth(Mixture mixture, vec3 start_m, vec3 direction, float length
     return depth;
 }
 
-// What a step sends to its near end. A step of one part is taken for its mixture, its length and its
-// optical depth, which are given: float32 rounds the places of its ends, and their difference with
-// them, the more the farther the step is from the lamp's foot, and all steps of a ray alike. Else
-// the mixture that was looked up last is another after this.
+// What a step sends to its near end. A step of one part is taken for its mixture, its length and
+// its optical depth, which are given: float32 rounds the places of its ends, and their difference
+// with them, the more the farther the step is from the lamp's foot, and all steps of a ray alike.
+// Else the mixture that was looked up last is another after this.
 vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, Stretch stretch,
                      float start_m, float length_m, vec3 step_depth, out bool is_divided)
 {
