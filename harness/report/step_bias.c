@@ -371,7 +371,7 @@ static struct neph_pixel_ray ray_of_frame(const struct neph_shot *shot,
                            i * shot->height_px / count);
 }
 
-/* Whether even the fewest rays, with the frame's steps and twice as many, are too much work. */
+/* Whether even the fewest rays, with the frame's steps and with twice as many, are too much. */
 static bool is_costly(const struct march *march)
 {
     const double ray_work = march->marches_sun ? 5.0 * march->steps * march->sun_steps

@@ -346,8 +346,8 @@ static void test_against_the_light(void **state)
 
 /* All orders in a grid beneath fog that lets e^-16 of the sunlight pass: without a table of
  * sunlight, paths find the sunlight of first collisions by themselves. Second orders are 1e-6 of
- * the first. Where the sun crosses 7 / n of optical depth or less, none of n samples may collide, and
- * the pixel does not know of its noise. */
+ * the first. Where the sun crosses 7 / n of optical depth or less, none of n samples may collide,
+ * and the pixel does not know of its noise. */
 static void test_a_grid_beneath_dark_fog(void **state)
 {
     enum { SAMPLES = 512 };
