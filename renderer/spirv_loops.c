@@ -14,6 +14,10 @@ enum {
     OP_VECTOR_SHUFFLE = 79,
     OP_COMPOSITE_EXTRACT = 81,
     OP_COMPOSITE_INSERT = 82,
+    OP_IMAGE_SAMPLE_EXPLICIT_LOD = 88,
+    OP_IMAGE_FETCH = 95,
+    OP_IMAGE_READ = 98,
+    OP_IMAGE_WRITE = 99,
     OP_GROUP_NON_UNIFORM_ALL = 334,
     OP_GROUP_NON_UNIFORM_ANY = 335,
 };
@@ -96,10 +100,14 @@ static struct operands operands_of(const struct search *search, size_t at)
         break;
     case OP_LOAD:
     case OP_COMPOSITE_EXTRACT:
+    case OP_IMAGE_WRITE:
         operands.end = 4;
         break;
     case OP_VECTOR_SHUFFLE:
     case OP_COMPOSITE_INSERT:
+    case OP_IMAGE_SAMPLE_EXPLICIT_LOD: /* whose level of detail is a constant */
+    case OP_IMAGE_FETCH:
+    case OP_IMAGE_READ:
         operands.end = 5;
         break;
     case OP_EXT_INST:

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * What a device may do to our arithmetic that lavapipe does not: fuse a product into the sum that
- * takes it, without rounding in between. All shaders are read as SPIR-V, because no CPU driver
- * shows what it costs.
+ * takes it, without rounding in between. Shaders are read as SPIR-V, because no CPU driver shows
+ * what it costs: each as one function, with its own constants.
  */
-#include "tests/neph_test.h"
+#include "tests/renderer/shader_words.h"
 
 #include <stdint.h>
 #include <stdio.h>
@@ -66,12 +66,12 @@ SHADER(tracer_view){
 
 static const struct shader {
     const char *name;
-    const uint32_t *words;
-    size_t word_count;
+    const uint32_t *code;
+    size_t code_bytes;
 } shaders[] = {
 #define ENTRY(name)                                                                                \
     {                                                                                              \
-#name, name, sizeof(name) / sizeof(name[0])                                                \
+#name, name, sizeof(name)                                                                  \
     }
     ENTRY(march),        ENTRY(probe),         ENTRY(probe_media),    ENTRY(rt_compose),
     ENTRY(rt_march),     ENTRY(rt_min_max),    ENTRY(rt_reconstruct), ENTRY(rt_scene),
@@ -120,15 +120,15 @@ static uint32_t length_of(const uint32_t *instruction)
     return instruction[0] >> 16;
 }
 
-static struct module read_module(const struct shader *shader)
+static struct module read_module(const uint32_t *words, size_t word_count)
 {
     enum { HEADER_WORDS = 5, BOUND = 3, FIRST_WITH_RESULT = OP_VECTOR_SHUFFLE, LAST = OP_SELECT };
-    struct module module = {.bound = shader->words[BOUND]};
+    struct module module = {.bound = words[BOUND]};
     module.results = calloc(module.bound, sizeof(*module.results));
     module.is_kept = calloc(module.bound, sizeof(*module.is_kept));
     assert_true(module.results && module.is_kept);
-    const uint32_t *end = shader->words + shader->word_count;
-    for (const uint32_t *at = shader->words + HEADER_WORDS; at < end; at += length_of(at)) {
+    const uint32_t *end = words + word_count;
+    for (const uint32_t *at = words + HEADER_WORDS; at < end; at += length_of(at)) {
         assert_true(length_of(at) > 0 && at + length_of(at) <= end);
         const uint32_t op = opcode_of(at);
         if (op == OP_DECORATE && at[2] == DECORATION_NO_CONTRACTION)
@@ -199,11 +199,14 @@ static bool is_open_fraction(const struct module *module, uint32_t id)
 
 static int count_open_fractions(const struct shader *shader)
 {
-    struct module module = read_module(shader);
+    size_t word_count = 0;
+    uint32_t *words = test_shader_words(shader->code, shader->code_bytes, NULL, 0, &word_count);
+    struct module module = read_module(words, word_count);
     int count = 0;
     for (uint32_t id = 0; id < module.bound; id++)
         count += is_open_fraction(&module, id);
     finish_module(&module);
+    free(words);
     return count;
 }
 

@@ -4,6 +4,7 @@
  * compiled shaders themselves.
  */
 #include "tests/renderer/renderer_test.h"
+#include "tests/renderer/shader_words.h"
 
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/passes.h"
@@ -64,19 +65,35 @@ static void take_instruction(struct module *module, const uint32_t *words)
     }
 }
 
-/* Where a pass looks at the scene texels are those of its grids. */
-static struct module reflect(const struct neph_rt_pass *pass)
+/* Adds what a shader does with these constants; where a pass looks at the scene texels are those of
+ * its grids. */
+static void reflect_with(const struct neph_rt_pass *pass, const uint32_t *constants, int count,
+                         struct module *sum)
 {
     enum { HEADER_WORDS = 5, BOUND = 3 };
-    const struct neph_rt_shader *shader = &pass->shader;
-    const size_t count = shader->code_bytes / sizeof(uint32_t);
-    struct module module = {.ids = calloc(shader->code[BOUND], sizeof(*module.ids)),
+    size_t word_count = 0;
+    uint32_t *words = test_shader_words(pass->shader.code, pass->shader.code_bytes, constants,
+                                        count, &word_count);
+    struct module module = {.ids = calloc(words[BOUND], sizeof(*module.ids)),
                             .texels_binding = pass->rays ? 0 : NEPH_GPU_TEXELS_BINDING + 1};
     assert_non_null(module.ids);
-    for (size_t i = HEADER_WORDS; i < count; i += shader->code[i] >> 16)
-        take_instruction(&module, shader->code + i);
+    for (size_t i = HEADER_WORDS; i < word_count; i += words[i] >> 16)
+        take_instruction(&module, words + i);
     free(module.ids);
-    return module;
+    free(words);
+    sum->reads |= module.reads;
+    sum->writes |= module.writes;
+}
+
+/* With settings that are read and not known, on a CPU and, of passes without rays, on a GPU. */
+static struct module reflect(const struct neph_rt_pass *pass)
+{
+    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_ON_GPU_CONSTANT] = 1};
+    struct module sum = {.reads = 0};
+    reflect_with(pass, NULL, 0, &sum);
+    if (!pass->rays)
+        reflect_with(pass, on_gpu, RT_CONSTANT_COUNT, &sum);
+    return sum;
 }
 
 static void assert_same_targets(const char *pass, const char *what, uint32_t declared,
