@@ -14,7 +14,7 @@ import zlib
 
 MASK_WORDS = 3  # as shader_code.h has it
 HEADER_WORDS = 5
-OP_CAPABILITY, OP_DECORATE = 17, 71
+OP_NAME, OP_CAPABILITY, OP_SPEC_CONSTANT_TRUE, OP_SPEC_CONSTANT, OP_DECORATE = 5, 17, 48, 50, 71
 SPEC_ID = 1
 # To take a texel buffer of an array by a number that is not known, which lavapipe does not offer:
 # the front end asks for it wherever a function is told the number, and has it known in the end.
@@ -29,11 +29,23 @@ def instructions(words):
         at += length
 
 
+def asked_for(words) -> set:
+    """What may be an id that some instruction asks for. Numbers among them do no harm."""
+    found = set()
+    for operation, instruction in instructions(words):
+        if OP_SPEC_CONSTANT_TRUE <= operation <= OP_SPEC_CONSTANT:
+            continue  # which ask for none, and begin with their own
+        if operation not in (OP_NAME, OP_DECORATE):
+            found.update(instruction[1:])
+    return found
+
+
 def pack(module: bytes) -> array.array:
     words = array.array("I", module)
+    used = asked_for(words)
     kept, mask = words[:HEADER_WORDS], 0
     for operation, instruction in instructions(words):
-        if operation == OP_DECORATE and instruction[2] == SPEC_ID:
+        if operation == OP_DECORATE and instruction[2] == SPEC_ID and instruction[1] in used:
             mask |= 1 << instruction[3]
         if operation != OP_CAPABILITY or instruction[1] != IDLE_CAPABILITY:
             kept.extend(instruction)

@@ -251,6 +251,23 @@ static void test_unused_goes(void **state)
     assert_true(4 * bytes[0] < bytes[1]);
 }
 
+/* The tracer's work groups have the size that a constant says. */
+static void test_the_size_of_work_groups_stays(void **state)
+{
+    enum { HEADER_WORDS = 5, OP_DECORATE = 71, BUILT_IN = 11, WORKGROUP_SIZE = 25 };
+    (void)state;
+    const uint32_t constants[3] = {[2] = 8};
+    uint32_t *words = NULL;
+    size_t bytes = 0, whole_bytes = 0;
+    specialize(tracer_spirv, sizeof(tracer_spirv), constants, 3, &words, &bytes, &whole_bytes);
+    bool has_size = false;
+    for (size_t i = HEADER_WORDS; i < bytes / sizeof(*words); i += words[i] >> 16)
+        has_size |= (words[i] & 0xffff) == OP_DECORATE && words[i + 2] == BUILT_IN &&
+                    words[i + 3] == WORKGROUP_SIZE;
+    assert_true(has_size);
+    free(words);
+}
+
 /* --- what is refused ---------------------------------------------------------------------- */
 
 /* As pack_shader.py packs, with constants 1 and 33. */
@@ -316,6 +333,7 @@ int main(void)
         cmocka_unit_test(test_every_way),
         cmocka_unit_test(test_valid_whatever_the_constants),
         cmocka_unit_test(test_unused_goes),
+        cmocka_unit_test(test_the_size_of_work_groups_stays),
         cmocka_unit_test(test_a_refused_shader_is_named),
         cmocka_unit_test(test_a_damaged_shader_is_found),
     };
