@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/vulkan_device.h"
 #include "harness/sweep/ladder.h"
 #include "harness/sweep/output.h"
 #include "harness/sweep/point.h"
@@ -478,6 +479,17 @@ static enum neph_status choose(struct work *work, struct neph_diag *diag)
     return status || !work->pick->found ? status : weigh_what_is_left_out(work, chosen, diag);
 }
 
+/* Why there is no picture at all: mostly there is no driver. */
+static enum neph_status blame_device(const struct neph_pick_params *params, struct neph_diag *diag)
+{
+    struct neph_open_device *device = NULL;
+    const enum neph_status status = neph_device_acquire(params->device, &device, diag);
+    neph_device_release(device);
+    return status ? status
+                  : neph_fail(diag, NEPH_ERR_ENGINE, "no configuration of '%s' could be rendered",
+                              params->scene);
+}
+
 enum neph_status neph_pick_run(const struct neph_pick_params *params, struct neph_store *store,
                                struct neph_pick *pick, struct neph_diag *diag)
 {
@@ -490,6 +502,8 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
         pick->is_still = neph_ladder_is_still(work.scene);
         status = choose(&work, diag);
     }
+    if (!status && pick->measured == 0)
+        status = blame_device(params, diag);
     neph_sweep_plan_finish(&work.plan);
     neph_scene_destroy(work.scene);
     free(work.entries);

@@ -218,6 +218,13 @@ class Pick(unittest.TestCase):
         done = run("pick", "no_such_scene", "--error", "1", "-o", self.out)
         self.assertEqual(done.returncode, 66)
 
+    def test_without_a_driver(self):
+        done = subprocess.run([NEPH, "pick", "gaussian_blob", "--error", "1", "--json", "-o", self.out],
+                              env=dict(os.environ, VK_DRIVER_FILES="/nonexistent"),
+                              capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout), (69, ""), done.stderr)
+        self.assertIn("apt-get install", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()
