@@ -107,7 +107,7 @@ const struct neph_engine neph_engine_tracer = {
         "none; in a procedural cloud within a medium without end, light scattered once and seen "
         "against the sun at optical depths above 10 has a larger error than the frame says",
     .options = options,
-    .version = 10, /* 10: sunlight that reaches a grid through dark fog */
+    .version = 11, /* 11: rays to a medium that is far for a float32 */
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,

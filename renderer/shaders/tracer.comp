@@ -35,6 +35,11 @@ const float LAMP_ROULETTE = 0.01;
 // Steps through majorant cells in a turn.
 layout(constant_id = 9) const uint STEPS = 8;
 
+// A tracked medium that begins so many of its free paths away is tracked from there. From 2^23 on a
+// step would be less than the last bit of the way from the origin: the ray would meet one tentative
+// collision after the other in the same place, and where the density is 0 there would be no end.
+const float FAR_FREE_PATHS = 1e4;
+
 // Items that a thread takes in a turn, at most, if they are empty.
 const uint TAKES = NEPH_GPU_TAKES;
 
@@ -88,7 +93,8 @@ struct TracerState {
     uint end_medium;   // that has a collision there, or MEDIA_MAX
     uint end_solid;    // that is met there, or NO_SOLID
     uint tracked;      // place in TRACKED_ORDER
-    float t_m;         // where tracking is
+    float skipped_m;   // of the segment, as far as a far medium
+    float t_m;         // where tracking is, from there on
     ivec3 cell;
     float depth_left; // majorant optical depth to the next tentative collision
     vec3 view_fraction; // if OPEN: of the light behind the media, the part that arrives
@@ -660,6 +666,7 @@ void leave()
     path.end_medium = MEDIA_MAX;
     path.end_solid = NO_SOLID;
     path.tracked = 0;
+    path.skipped_m = 0.0;
     path.stage = TRACKED_COUNT > 0 ? STAGE_ENTER : STAGE_ARRIVE;
     if (is_path() && path.throughput == vec3(0.0)) {
         finish_path();
@@ -767,16 +774,35 @@ void arrive()
 
 vec3 cells_start, cells_slope; // the ray in units of majorant cells
 
+vec3 tracked_from_m() { return path.origin_m + path.skipped_m * path.direction; }
+
+void place_cells()
+{
+    cells_start = (tracked_from_m() - tracked.low_m) * tracked_cells_per_m;
+    cells_slope = path.direction * tracked_cells_per_m;
+}
+
 void next_tracked()
 {
     path.tracked++;
+    path.skipped_m = 0.0;
     path.stage = path.tracked < TRACKED_COUNT ? STAGE_ENTER : STAGE_ARRIVE;
 }
 
 void enter()
 {
     float t0_m = 0.0, t1_m = path.end_m;
-    if (!clip_box(tracked.low_m, tracked.high_m, path.origin_m, path.direction, t0_m, t1_m)) {
+    bool is_met = clip_box(tracked.low_m, tracked.high_m, path.origin_m, path.direction, t0_m, t1_m);
+    float free_paths_per_m = tracked.extinction_per_m * brightest_of(tracked.extinction_color);
+    if (is_met && t0_m * free_paths_per_m > FAR_FREE_PATHS) {
+        path.skipped_m = t0_m;
+        place_cells();
+        t0_m = -path.skipped_m; // the place is rounded, and may lie behind the box's face
+        t1_m = path.end_m - path.skipped_m;
+        is_met = clip_box(tracked.low_m, tracked.high_m, tracked_from_m(), path.direction, t0_m,
+                          t1_m);
+    }
+    if (!is_met) {
         next_tracked();
         return;
     }
@@ -799,7 +825,7 @@ void collide(float majorant_per_m)
     lookups++;
     path.depth_left = exponential_from(bits.x);
     float u = (float(bits.y >> 9) + 0.5) * exp2(-23.0);
-    vec3 point_m = path.origin_m + path.t_m * path.direction;
+    vec3 point_m = tracked_from_m() + path.t_m * path.direction;
     float extinction_per_m =
         tracked.extinction_per_m *
         shape_random_density(tracked.kind, tracked.shape, point_m, bits.zw);
@@ -818,7 +844,7 @@ void collide(float majorant_per_m)
                                  : (1.0 - chance) / (1.0 - chance[path.hero]);
     if (!is_real)
         return;
-    path.end_m = path.t_m;
+    path.end_m = path.skipped_m + path.t_m;
     path.end_medium = tracked_medium();
     path.end_solid = NO_SOLID;
     next_tracked();
@@ -829,7 +855,8 @@ void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
 {
     vec3 faces_m = mix((vec3(path.cell + side) - cells_start) * per_slope, vec3(FAR_M), parallel);
     float face_m = min(faces_m.x, min(faces_m.y, faces_m.z));
-    float exit_m = max(path.t_m, min(face_m, path.end_m));
+    float end_m = path.end_m - path.skipped_m;
+    float exit_m = max(path.t_m, min(face_m, end_m));
     uvec3 cell = uvec3(path.cell), size = tracked.majorant_size;
     float majorant_per_m =
         path.raised * brightest_of(tracked.extinction_color) *
@@ -843,7 +870,7 @@ void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
     path.depth_left -= depth;
     path.t_m = exit_m;
     path.cell += mix(ivec3(0), 2 * side - 1, lessThanEqual(faces_m, vec3(face_m)));
-    if (exit_m >= path.end_m ||
+    if (exit_m >= end_m ||
         !all(lessThan(uvec3(path.cell), size))) // -1 is a large number
         next_tracked();
 }
@@ -881,8 +908,7 @@ void main()
         if (TRACKED_COUNT > 0) {
             if (TRACKED_COUNT > 1)
                 read_tracked();
-            cells_start = (path.origin_m - tracked.low_m) * tracked_cells_per_m;
-            cells_slope = path.direction * tracked_cells_per_m;
+            place_cells();
             if (path.stage == STAGE_ENTER)
                 enter();
             track();

@@ -370,6 +370,39 @@ static void test_a_grid_beneath_dark_fog(void **state)
     teardown(&test);
 }
 
+/* Fog 2^30 m beneath a grid, where a float32 knows a ray's way to 128 m: 13 mean free paths of the
+ * majorant. Rays to the sun cross the grid where its density is a fiftieth of that, and must not
+ * meet one tentative collision after the other in one place. Second orders are 1e-6 of the first.
+ */
+static void test_a_grid_far_from_the_fog_below(void **state)
+{
+    enum { SAMPLES = 512 };
+    const double far_m = 0x1p30, width_m = 1e8, thick_m = 1e6;
+    struct test_scene test;
+    test_scene_init(&test);
+    test.key.look_at_m = (struct neph_vec3){0.0, -1e3, 0.0};
+    test.scene.camera_up = (struct neph_vec3){0.0, 0.0, -1.0};
+    test.scene.vertical_fov_rad = 5e-4;
+    test.scene.sun.direction = (struct neph_vec3){0.0, 1.0, 0.0};
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    test.scene.background_w_per_m2_sr = (struct neph_rgb){0, 0, 0};
+    uint64_t random = seed;
+    test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.1)->grid = random_lattice(
+        (const int[3]){1, 4, 1}, (struct neph_vec3){-0.98 * width_m, 200.0, 0.0},
+        (struct neph_vec3){width_m, 150.0, width_m}, 1.0, &random);
+    struct neph_medium *fog = test_add_medium(&test, 0.1 / thick_m, 0.0, 0.0);
+    fog->albedo = make_grey(1e-6);
+    fog->bounds = (struct neph_bounds){{-1e6, -far_m - 2.0 * thick_m, -1e6},
+                                       {1e6, -far_m - thick_m, 1e6}};
+    struct neph_tracer_params params = params_of(16, 9, SAMPLES);
+    params.sun_nodes = 0;
+    struct neph_image *frame = render(*state, &test, &params, NULL);
+    judge("grid far from fog", compare(&test, frame, exact_single, NULL),
+          2.0 * NEPH_TRACER_BATCH_SAMPLES / SAMPLES);
+    neph_image_destroy(frame);
+    teardown(&test);
+}
+
 /* All that is known of light scattered once where the sun stands straight ahead: from everywhere on
  * the ray it has the same way, so that L = E albedo p tau e^-tau. `context`: tau. */
 static double lit_from_behind(const struct test_scene *test, struct neph_vec3 ray, int i,
@@ -1241,6 +1274,7 @@ int main(void)
         cmocka_unit_test(test_clouds_in_single_scattering),
         cmocka_unit_test(test_against_the_light),
         cmocka_unit_test(test_a_grid_beneath_dark_fog),
+        cmocka_unit_test(test_a_grid_far_from_the_fog_below),
         cmocka_unit_test(test_procedural_clouds_against_the_light),
         cmocka_unit_test(test_the_last_bit_decides_little),
         cmocka_unit_test(test_without_scattering_the_rest_is_exact),
