@@ -535,7 +535,7 @@ static float *array_of(size_t texels, size_t channels)
 enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
                                      struct neph_horizon **horizon, struct neph_diag *diag)
 {
-    const enum neph_status status = check(params, diag);
+    enum neph_status status = check(params, diag);
     if (status)
         return status;
     struct neph_horizon *made = calloc(1, sizeof(*made));
@@ -553,8 +553,13 @@ enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
         neph_horizon_destroy(made);
         return neph_fail_memory(diag);
     }
-    neph_horizon_fill_base(params->seed, made->base);
-    neph_horizon_fill_detail(params->seed, made->detail);
+    status = neph_horizon_fill_base(params->seed, made->base, diag);
+    if (!status)
+        status = neph_horizon_fill_detail(params->seed, made->detail, diag);
+    if (status) {
+        neph_horizon_destroy(made);
+        return status;
+    }
     neph_horizon_fill_weather(params->seed, made->weather);
     fill_blocks(made);
     *horizon = made;

@@ -6,6 +6,7 @@
  */
 #include "scenes/horizon_textures.h"
 
+#include "base/threads.h"
 #include "scenes/noise.h"
 
 #include <math.h>
@@ -65,37 +66,58 @@ static double worley_octaves_at(uint64_t seed, uint64_t pattern, int period, con
     return 0.625 * octaves[0] + 0.25 * octaves[1] + 0.125 * octaves[2];
 }
 
-void neph_horizon_fill_base(uint64_t seed, float *base)
+/* A texture, slice by slice. */
+struct filling {
+    uint64_t seed;
+    float *texels;
+};
+
+static void fill_base_slice(int k, void *context)
 {
     enum { SIDE = NEPH_HORIZON_BASE_SIDE, PERIOD = 4, PERLIN_OCTAVES = 3 };
+    const struct filling *filling = context;
+    const uint64_t seed = filling->seed;
     const struct neph_noise perlin = noise_of(seed, PATTERN_BASE_PERLIN, 3, PERIOD);
-    for (int k = 0; k < SIDE; k++)
-        for (int j = 0; j < SIDE; j++)
-            for (int i = 0; i < SIDE; i++, base += 4) {
-                const double point[3] = {(i + 0.5) / SIDE, (j + 0.5) / SIDE, (k + 0.5) / SIDE};
-                double octaves[3];
-                const double worley = worley_octaves_at(seed, PATTERN_BASE_WORLEY, PERIOD, point,
-                                                        octaves);
-                const double gradient = clamp01(
-                    0.5 + 0.5 * perlin_sum_at(&perlin, PERLIN_OCTAVES, point));
-                base[0] = (float)neph_noise_perlin_worley(gradient, worley);
-                for (int octave = 0; octave < 3; octave++)
-                    base[1 + octave] = (float)octaves[octave];
-            }
+    float *base = filling->texels + (size_t)k * SIDE * SIDE * 4;
+    for (int j = 0; j < SIDE; j++)
+        for (int i = 0; i < SIDE; i++, base += 4) {
+            const double point[3] = {(i + 0.5) / SIDE, (j + 0.5) / SIDE, (k + 0.5) / SIDE};
+            double octaves[3];
+            const double worley = worley_octaves_at(seed, PATTERN_BASE_WORLEY, PERIOD, point,
+                                                    octaves);
+            const double gradient = clamp01(0.5 +
+                                            0.5 * perlin_sum_at(&perlin, PERLIN_OCTAVES, point));
+            base[0] = (float)neph_noise_perlin_worley(gradient, worley);
+            for (int octave = 0; octave < 3; octave++)
+                base[1 + octave] = (float)octaves[octave];
+        }
 }
 
-void neph_horizon_fill_detail(uint64_t seed, float *detail)
+enum neph_status neph_horizon_fill_base(uint64_t seed, float *base, struct neph_diag *diag)
+{
+    struct filling filling = {seed, base};
+    return neph_parallel_rows(NEPH_HORIZON_BASE_SIDE, fill_base_slice, &filling, diag);
+}
+
+static void fill_detail_slice(int k, void *context)
 {
     enum { SIDE = NEPH_HORIZON_DETAIL_SIDE, PERIOD = 2 };
-    for (int k = 0; k < SIDE; k++)
-        for (int j = 0; j < SIDE; j++)
-            for (int i = 0; i < SIDE; i++, detail += 3) {
-                const double point[3] = {(i + 0.5) / SIDE, (j + 0.5) / SIDE, (k + 0.5) / SIDE};
-                double octaves[3];
-                worley_octaves_at(seed, PATTERN_DETAIL_WORLEY, PERIOD, point, octaves);
-                for (int octave = 0; octave < 3; octave++)
-                    detail[octave] = (float)octaves[octave];
-            }
+    const struct filling *filling = context;
+    float *detail = filling->texels + (size_t)k * SIDE * SIDE * 3;
+    for (int j = 0; j < SIDE; j++)
+        for (int i = 0; i < SIDE; i++, detail += 3) {
+            const double point[3] = {(i + 0.5) / SIDE, (j + 0.5) / SIDE, (k + 0.5) / SIDE};
+            double octaves[3];
+            worley_octaves_at(filling->seed, PATTERN_DETAIL_WORLEY, PERIOD, point, octaves);
+            for (int octave = 0; octave < 3; octave++)
+                detail[octave] = (float)octaves[octave];
+        }
+}
+
+enum neph_status neph_horizon_fill_detail(uint64_t seed, float *detail, struct neph_diag *diag)
+{
+    struct filling filling = {seed, detail};
+    return neph_parallel_rows(NEPH_HORIZON_DETAIL_SIDE, fill_detail_slice, &filling, diag);
 }
 
 /* --- weather --------------------------------------------------------------------------------- */
