@@ -792,7 +792,8 @@ void next_tracked()
 void enter()
 {
     float t0_m = 0.0, t1_m = path.end_m;
-    bool is_met = clip_box(tracked.low_m, tracked.high_m, path.origin_m, path.direction, t0_m, t1_m);
+    bool is_met = clip_box(tracked.low_m, tracked.high_m, path.origin_m, path.direction, t0_m,
+                           t1_m);
     float free_paths_per_m = tracked.extinction_per_m * brightest_of(tracked.extinction_color);
     if (is_met && t0_m * free_paths_per_m > FAR_FREE_PATHS) {
         path.skipped_m = t0_m;
