@@ -219,8 +219,8 @@ class Pick(unittest.TestCase):
         self.assertEqual(done.returncode, 66)
 
     def test_without_a_driver(self):
-        done = subprocess.run([NEPH, "pick", "gaussian_blob", "--error", "1", "--json", "-o", self.out],
-                              env=dict(os.environ, VK_DRIVER_FILES="/nonexistent"),
+        words = [NEPH, "pick", "gaussian_blob", "--error", "1", "--json", "-o", self.out]
+        done = subprocess.run(words, env=dict(os.environ, VK_DRIVER_FILES="/nonexistent"),
                               capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stdout), (69, ""), done.stderr)
         self.assertIn("apt-get install", done.stderr)
