@@ -55,11 +55,18 @@ static enum neph_status create(struct sequence *sequence, const struct neph_shot
     if (!status)
         status = neph_realtime_create(sequence->device->vulkan, shot->scene, &params,
                                       &sequence->realtime, diag);
-    if (status == NEPH_ERR_IO)
+    free(cache);
+    return status;
+}
+
+/* What the first picture writes is noise alone. */
+static void name_cache(enum neph_status status, struct neph_diag *diag)
+{
+    char *cache = status == NEPH_ERR_IO ? neph_cache_path() : NULL;
+    if (cache)
         neph_hint(diag, "masks of blue noise are kept in %s; XDG_CACHE_HOME is another place",
                   cache);
     free(cache);
-    return status;
 }
 
 /* Whether the picture of a GPU stays there until it is asked for. Without the split passes find it
@@ -83,6 +90,7 @@ static enum neph_status warm_up(struct sequence *sequence, const struct neph_sho
                                       stays_there(sequence, shot) ? NULL : &image, NULL, diag);
         neph_image_destroy(image);
     }
+    name_cache(status, diag);
     return status;
 }
 
@@ -235,6 +243,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
     enum neph_status status = follow_size(sequence, shot, diag);
     if (!status)
         status = neph_realtime_render(sequence->realtime, &picture, &image, &stats, diag);
+    name_cache(status, diag);
     if (!status)
         status = label(image, &stats, diag);
     if (!status)
@@ -254,7 +263,10 @@ static enum neph_status send(void *opened, const struct neph_shot *shot, struct 
 {
     struct sequence *sequence = opened;
     const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
-    return neph_realtime_render(sequence->realtime, &picture, NULL, NULL, diag);
+    const enum neph_status status = neph_realtime_render(sequence->realtime, &picture, NULL, NULL,
+                                                         diag);
+    name_cache(status, diag);
+    return status;
 }
 
 /* What is done before the passes, if it is. */

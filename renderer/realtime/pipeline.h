@@ -72,6 +72,7 @@ void neph_realtime_destroy(struct neph_realtime *realtime);
  * NEPH_ERR_INPUT: the given frame has another size, no Z, a depth that is not above 0, or radiance
  * that is not finite or below 0.
  * NEPH_ERR_INTERRUPTED as of neph_march_frame(); the sequence is of no more use then.
+ * The first picture loads the masks of blue noise, or makes them: errors of neph_blue_noise_load().
  *
  * `image` NULL: the picture is on its way when this returns, nothing comes back of it, nothing is
  * counted, `stats` is left alone; its successors are what they would have been. Up to
