@@ -301,6 +301,14 @@ static void hold_drivers(void)
     dl_iterate_phdr(hold_library, NULL);
 }
 
+/* A CPU's driver compiles what it is sent on one thread, which all others wait for: it gets a
+ * core. */
+static int maker_count(const struct neph_vulkan *vulkan)
+{
+    const int processors = neph_processor_count();
+    return vulkan->description.is_cpu && processors > 1 ? processors - 1 : processors;
+}
+
 enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
                                     struct neph_vulkan **vulkan, struct neph_diag *diag)
 {
@@ -324,7 +332,7 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
     if (!status)
         status = create_lanes(created, timestamp_bits, diag);
     if (!status)
-        status = neph_workers_create(neph_processor_count(), &created->makers, diag);
+        status = neph_workers_create(maker_count(created), &created->makers, diag);
     if (!status && !(created->sets = neph_kernel_sets_create()))
         status = neph_fail_memory(diag);
     if (!status && params->cache_folder)
