@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Threads that work on what they are handed, in the order it comes, while who hands it in goes on.
+ * A pool of threads. Tasks are started in the order in which they are added, while the caller goes
+ * on.
  */
 #ifndef NEPH_BASE_WORKERS_H
 #define NEPH_BASE_WORKERS_H
@@ -9,8 +10,7 @@
 
 #include <stdbool.h>
 
-/* One piece of work, part of what it is about: owned by the caller, who lets it live until it is
- * done. Fill the first two. */
+/* A task: memory of the caller, valid until the task is done. Fill the first two fields. */
 struct neph_task {
     void (*work)(void *context); /* on any thread */
     void *context;
@@ -24,10 +24,10 @@ struct neph_workers;
 enum neph_status neph_workers_create(int count, struct neph_workers **workers,
                                      struct neph_diag *diag);
 
-/* NULL is fine. All that was handed in is done before it returns. */
+/* NULL is fine. All tasks that were added are done when it returns. */
 void neph_workers_destroy(struct neph_workers *workers);
 
-/* Where no thread can be made the work is done before this returns. */
+/* Where no thread can be made the task is done when this returns. */
 void neph_workers_add(struct neph_workers *workers, struct neph_task *task);
 
 bool neph_workers_have_done(struct neph_workers *workers, const struct neph_task *task);

@@ -9,14 +9,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const uint32_t copy_spirv[] = {
+static const uint32_t copy_code[] = {
 #include "shaders/ceiling_copy.comp.inc"
 };
-static const uint32_t samples_spirv[] = {
+static const uint32_t samples_code[] = {
 #include "shaders/ceiling_samples.comp.inc"
 };
 
-static const uint32_t arithmetic_spirv[] = {
+static const uint32_t arithmetic_code[] = {
 #include "shaders/ceiling_arithmetic.comp.inc"
 };
 
@@ -65,8 +65,8 @@ static enum neph_status run_copies(struct neph_vulkan *vulkan,
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_copy",
-        .code = copy_spirv,
-        .code_bytes = sizeof(copy_spirv),
+        .code = copy_code,
+        .code_bytes = sizeof(copy_code),
         .buffer_count = copy_buffers,
     };
     const struct neph_dispatch dispatch = {
@@ -114,8 +114,8 @@ static enum neph_status run_arithmetic(struct neph_vulkan *vulkan, const struct 
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_arithmetic",
-        .code = arithmetic_spirv,
-        .code_bytes = sizeof(arithmetic_spirv),
+        .code = arithmetic_code,
+        .code_bytes = sizeof(arithmetic_code),
         .buffer_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_ceiling_turns),
         .constant_count = 1,
@@ -254,8 +254,8 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_samples",
-        .code = samples_spirv,
-        .code_bytes = sizeof(samples_spirv),
+        .code = samples_code,
+        .code_bytes = sizeof(samples_code),
         .buffer_count = sample_buffers,
         .image_count = 1,
         .texels_count = 1,

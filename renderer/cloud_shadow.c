@@ -13,7 +13,7 @@
 _Static_assert(NEPH_SHADOW_PLANE_COUNT == 2, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 
-static const uint32_t cloud_shadow_spirv[] = {
+static const uint32_t cloud_shadow_code[] = {
 #include "shaders/cloud_shadow.comp.inc"
 };
 
@@ -169,8 +169,8 @@ static enum neph_status plan(struct neph_vulkan *vulkan, const struct neph_scene
                              const struct neph_march_params *params,
                              struct neph_cloud_shadow *shadow, struct neph_diag *diag)
 {
-    static const struct neph_sun_fill_shader shader = {"cloud_shadow", cloud_shadow_spirv,
-                                                       sizeof(cloud_shadow_spirv), NEPH_SUN_MAP};
+    static const struct neph_sun_fill_shader shader = {"cloud_shadow", cloud_shadow_code,
+                                                       sizeof(cloud_shadow_code), NEPH_SUN_MAP};
     struct neph_march_cut cut;
     const uint64_t layers = (uint64_t)shadow->map.layers;
     const enum neph_status status = neph_march_cut_make_whole(

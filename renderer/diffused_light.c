@@ -15,16 +15,16 @@
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
-static const uint32_t fill_spirv[] = {
+static const uint32_t fill_code[] = {
 #include "shaders/diffuse_fill.comp.inc"
 };
-static const uint32_t links_spirv[] = {
+static const uint32_t links_code[] = {
 #include "shaders/diffuse_links.comp.inc"
 };
-static const uint32_t cycle_spirv[] = {
+static const uint32_t cycle_code[] = {
 #include "shaders/diffuse_cycle.comp.inc"
 };
-static const uint32_t field_spirv[] = {
+static const uint32_t field_code[] = {
 #include "shaders/diffuse_field.comp.inc"
 };
 
@@ -282,8 +282,8 @@ static enum neph_status get_fill(struct work *work, const struct neph_gpu_scene 
 {
     struct neph_kernel_params params = {
         .name = "diffuse_fill",
-        .code = fill_spirv,
-        .code_bytes = sizeof(fill_spirv),
+        .code = fill_code,
+        .code_bytes = sizeof(fill_code),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 3,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
@@ -304,9 +304,9 @@ static enum neph_status get_kernels(struct work *work, const struct neph_gpu_sce
         int buffers;
         const struct neph_kernel **kernel;
     } rows[] = {
-        {"diffuse_links", links_spirv, sizeof(links_spirv), 1, &work->links},
-        {"diffuse_cycle", cycle_spirv, sizeof(cycle_spirv), 1, &work->cycle},
-        {"diffuse_field", field_spirv, sizeof(field_spirv), 2, &work->field},
+        {"diffuse_links", links_code, sizeof(links_code), 1, &work->links},
+        {"diffuse_cycle", cycle_code, sizeof(cycle_code), 1, &work->cycle},
+        {"diffuse_field", field_code, sizeof(field_code), 2, &work->field},
     };
     enum neph_status status = get_fill(work, gpu, diag);
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]) && !status; i++) {

@@ -11,7 +11,7 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 
-static const uint32_t fog_look_spirv[] = {
+static const uint32_t fog_look_code[] = {
 #include "shaders/fog_look.comp.inc"
 };
 
@@ -114,8 +114,8 @@ static enum neph_status get_kernel(struct neph_fog_looks *looks, struct neph_dia
 {
     const struct neph_kernel_params kernel = {
         .name = "fog_look",
-        .code = fog_look_spirv,
-        .code_bytes = sizeof(fog_look_spirv),
+        .code = fog_look_code,
+        .code_bytes = sizeof(fog_look_code),
         .buffer_count = BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .push_size_bytes = sizeof(struct neph_gpu_fog_look_run),

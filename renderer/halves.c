@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static const uint32_t spirv[] = {
+static const uint32_t code[] = {
 #include "shaders/halves.comp.inc"
 };
 
@@ -16,8 +16,8 @@ static enum neph_status ask(struct neph_vulkan *vulkan, const struct neph_buffer
 {
     const struct neph_kernel_params params = {
         .name = "halves",
-        .code = spirv,
-        .code_bytes = sizeof(spirv),
+        .code = code,
+        .code_bytes = sizeof(code),
         .buffer_count = 1,
     };
     const struct neph_dispatch dispatch = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What kernels are bound to: a descriptor set for each choice of buffers and images that a kernel
- * was run with, kept until one of them goes. Not for other folders.
+ * Descriptor sets of kernels: one for each choice of buffers and images that a kernel was run with,
+ * kept until one of these is destroyed. Not for other folders.
  */
 #ifndef NEPH_RENDERER_KERNEL_SETS_H
 #define NEPH_RENDERER_KERNEL_SETS_H
@@ -20,8 +20,8 @@ struct neph_kernel_bound {
 VkResult neph_kernel_sets_get(const struct neph_kernel *kernel,
                               const struct neph_kernel_bound *bound, VkDescriptorSet *handle);
 
-/* Before a buffer or an image goes: waits for all that is on its way, and no kernel is bound to it
- * any more. */
+/* Before a buffer or an image is destroyed: wait for all batches on their way, and destroy the sets
+ * that contain it. */
 void neph_kernel_sets_forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer);
 void neph_kernel_sets_forget_image(const struct neph_vulkan *vulkan, VkImageView image);
 

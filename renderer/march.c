@@ -24,7 +24,7 @@ _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-static const uint32_t march_spirv[] = {
+static const uint32_t march_code[] = {
 #include "shaders/march.comp.inc"
 };
 
@@ -498,8 +498,8 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
 {
     struct neph_kernel_params params = {
         .name = "march",
-        .code = march_spirv,
-        .code_bytes = sizeof(march_spirv),
+        .code = march_code,
+        .code_bytes = sizeof(march_code),
         .buffer_count = NEPH_MARCH_BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,

@@ -30,7 +30,7 @@ def instructions(words):
 
 
 def asked_for(words) -> set:
-    """What may be an id that some instruction asks for. Numbers among them do no harm."""
+    """Operands of all instructions: ids, and literals, which at worst keep a constant too many."""
     found = set()
     for operation, instruction in instructions(words):
         if OP_SPEC_CONSTANT_TRUE <= operation <= OP_SPEC_CONSTANT:

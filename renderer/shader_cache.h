@@ -15,8 +15,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The most that the folder holds after _destroy [bytes]: what was not used for longest goes. Some
- * 2,000 shaders. */
+/* The size limit of the folder [bytes], which _destroy enforces: it removes the least recently used
+ * files. Some 2,000 shaders. */
 enum { NEPH_SHADER_CACHE_MAX_BYTES = 64 << 20 };
 
 struct neph_shader_cache;

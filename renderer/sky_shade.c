@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static const uint32_t sunlit_spirv[] = {
+static const uint32_t sunlit_code[] = {
 #include "shaders/sky_sunlit.comp.inc"
 };
 
@@ -59,8 +59,8 @@ static enum neph_status get_kernel(const struct neph_sky_shade *shade,
 {
     struct neph_kernel_params params = {
         .name = "sky_sunlit",
-        .code = sunlit_spirv,
-        .code_bytes = sizeof(sunlit_spirv),
+        .code = sunlit_code,
+        .code_bytes = sizeof(sunlit_code),
         .buffer_count = NEPH_MARCH_BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A shader with its specialization constants built in, by SPIRV-Tools' optimiser. The order is what
- * counts: what the constants rule out goes first, function by function; what is left is inlined;
- * and then it is cleaned. The other way around the whole is inlined, of which most is for other
+ * A shader with its specialization constants built in, by SPIRV-Tools' optimiser. The order
+ * matters: code that the constants rule out is removed first, function by function; the remaining
+ * code is inlined; then it is simplified. Inlined first, it would be larger by all code for other
  * media and other techniques. Not for other folders.
  */
 #ifndef NEPH_RENDERER_SPECIALIZE_H

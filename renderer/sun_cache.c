@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-static const uint32_t sun_cache_spirv[] = {
+static const uint32_t sun_cache_code[] = {
 #include "shaders/sun_cache.comp.inc"
 };
 
@@ -22,8 +22,8 @@ static enum neph_status plan(struct neph_sun_cache *cache, const struct neph_sce
                              const struct neph_gpu_scene *gpu,
                              const struct neph_march_params *params, struct neph_diag *diag)
 {
-    static const struct neph_sun_fill_shader shader = {"sun_cache", sun_cache_spirv,
-                                                       sizeof(sun_cache_spirv), NEPH_SUN_CACHE};
+    static const struct neph_sun_fill_shader shader = {"sun_cache", sun_cache_code,
+                                                       sizeof(sun_cache_code), NEPH_SUN_CACHE};
     struct neph_march_params one_step = *params;
     struct neph_march_cut cut;
     one_step.steps = 1;

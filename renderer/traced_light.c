@@ -9,13 +9,13 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
-static const uint32_t walk_spirv[] = {
+static const uint32_t walk_code[] = {
 #include "shaders/light_walk.comp.inc"
 };
-static const uint32_t settle_spirv[] = {
+static const uint32_t settle_code[] = {
 #include "shaders/light_settle.comp.inc"
 };
-static const uint32_t smooth_spirv[] = {
+static const uint32_t smooth_code[] = {
 #include "shaders/light_smooth.comp.inc"
 };
 
@@ -141,8 +141,8 @@ static enum neph_status get_walk(struct neph_traced_light *light, const struct n
     struct neph_march_params march = light->params;
     struct neph_kernel_params params = {
         .name = "light_walk",
-        .code = walk_spirv,
-        .code_bytes = sizeof(walk_spirv),
+        .code = walk_code,
+        .code_bytes = sizeof(walk_code),
         .buffer_count = NEPH_MARCH_BUFFERS,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
@@ -163,16 +163,16 @@ static enum neph_status get_kernels(struct work *work, const struct neph_gpu_sce
 {
     const struct neph_kernel_params settle = {
         .name = "light_settle",
-        .code = settle_spirv,
-        .code_bytes = sizeof(settle_spirv),
+        .code = settle_code,
+        .code_bytes = sizeof(settle_code),
         .buffer_count = 4,
         .uniform_count = 1,
         .push_size_bytes = sizeof(struct neph_gpu_light_fade),
     };
     const struct neph_kernel_params smooth = {
         .name = "light_smooth",
-        .code = smooth_spirv,
-        .code_bytes = sizeof(smooth_spirv),
+        .code = smooth_code,
+        .code_bytes = sizeof(smooth_code),
         .buffer_count = 2,
         .push_size_bytes = sizeof(struct neph_gpu_light_smooth),
     };

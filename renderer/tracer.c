@@ -28,28 +28,28 @@
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-static const uint32_t path_spirv[] = {
+static const uint32_t path_code[] = {
 #include "shaders/tracer.comp.inc"
 };
-static const uint32_t view_spirv[] = {
+static const uint32_t view_code[] = {
 #include "shaders/tracer_view.comp.inc"
 };
-static const uint32_t lit_spirv[] = {
+static const uint32_t lit_code[] = {
 #include "shaders/tracer_lit.comp.inc"
 };
-static const uint32_t guess_spirv[] = {
+static const uint32_t guess_code[] = {
 #include "shaders/tracer_guess.comp.inc"
 };
-static const uint32_t first_spirv[] = {
+static const uint32_t first_code[] = {
 #include "shaders/tracer_first.comp.inc"
 };
-static const uint32_t sun_spirv[] = {
+static const uint32_t sun_code[] = {
 #include "shaders/tracer_sun.comp.inc"
 };
-static const uint32_t check_spirv[] = {
+static const uint32_t check_code[] = {
 #include "shaders/tracer_check.comp.inc"
 };
-static const uint32_t sum_spirv[] = {
+static const uint32_t sum_code[] = {
 #include "shaders/tracer_sum.comp.inc"
 };
 
@@ -333,14 +333,14 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         size_t code_bytes;
         bool is_needed; /* the compiler's time is most of a short render */
     } wanted[] = {
-        {&render->view, "tracer_view", view_spirv, sizeof(view_spirv), true},
-        {&render->lit, "tracer_lit", lit_spirv, sizeof(lit_spirv), is_lit && !is_open},
-        {&render->lit, "tracer_guess", guess_spirv, sizeof(guess_spirv), is_lit && is_open},
-        {&render->first, "tracer_first", first_spirv, sizeof(first_spirv), is_lit || !is_open},
-        {&render->path, "tracer", path_spirv, sizeof(path_spirv), render->needs_paths},
-        {&render->sun, "tracer_sun", sun_spirv, sizeof(sun_spirv), render->has_sun_table},
-        {&render->check, "tracer_check", check_spirv, sizeof(check_spirv), render->has_sun_table},
-        {&render->sum, "tracer_sum", sum_spirv, sizeof(sum_spirv), true},
+        {&render->view, "tracer_view", view_code, sizeof(view_code), true},
+        {&render->lit, "tracer_lit", lit_code, sizeof(lit_code), is_lit && !is_open},
+        {&render->lit, "tracer_guess", guess_code, sizeof(guess_code), is_lit && is_open},
+        {&render->first, "tracer_first", first_code, sizeof(first_code), is_lit || !is_open},
+        {&render->path, "tracer", path_code, sizeof(path_code), render->needs_paths},
+        {&render->sun, "tracer_sun", sun_code, sizeof(sun_code), render->has_sun_table},
+        {&render->check, "tracer_check", check_code, sizeof(check_code), render->has_sun_table},
+        {&render->sum, "tracer_sum", sum_code, sizeof(sum_code), true},
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < sizeof(wanted) / sizeof(wanted[0]); i++) {

@@ -20,9 +20,9 @@ struct neph_vulkan_params {
     bool validation;    /* core and synchronization checks; every message is counted */
     const char *device; /* part of the device name, in any case; NULL: a CPU device (lavapipe) when
                          * there is one, since every machine can have it, else the first */
-    const char
-        *cache_folder; /* borrowed; for specialised shaders and what the driver makes of them;
-                               * made if need be. NULL: nothing is kept */
+    /* Borrowed; for specialised shaders and the driver's compiled pipelines; made if need be. NULL:
+     * nothing is kept. */
+    const char *cache_folder;
 };
 
 /* Open a device with a compute queue. NULL params: all zero. Free with _destroy.

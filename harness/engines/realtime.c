@@ -59,7 +59,7 @@ static enum neph_status create(struct sequence *sequence, const struct neph_shot
     return status;
 }
 
-/* What the first picture writes is noise alone. */
+/* The only file that a render writes is the mask of blue noise. */
 static void name_cache(enum neph_status status, struct neph_diag *diag)
 {
     char *cache = status == NEPH_ERR_IO ? neph_cache_path() : NULL;
@@ -69,9 +69,10 @@ static void name_cache(enum neph_status status, struct neph_diag *diag)
     free(cache);
 }
 
-/* Whether the picture of a GPU stays there until it is asked for. Without the split passes find it
- * on the CPU. On a CPU it has another kernel. */
-static bool stays_there(const struct sequence *sequence, const struct neph_shot *shot)
+/* Whether warm-up frames stay on the device. Without the split the passes behind the march need
+ * them on the CPU; and on a CPU device frames that are not read take a kernel of their own, which
+ * costs more to compile than to read some small frames. */
+static bool stays_on_device(const struct sequence *sequence, const struct neph_shot *shot)
 {
     return shot->settings.values[RT_SPLIT] != RT_SPLIT_NONE &&
            !neph_vulkan_describe(sequence->device->vulkan).is_cpu;
@@ -87,7 +88,7 @@ static enum neph_status warm_up(struct sequence *sequence, const struct neph_sho
         const struct neph_realtime_frame frame = {shot->scene, shot->frame - left, shot->given};
         struct neph_image *image = NULL;
         status = neph_realtime_render(sequence->realtime, &frame,
-                                      stays_there(sequence, shot) ? NULL : &image, NULL, diag);
+                                      stays_on_device(sequence, shot) ? NULL : &image, NULL, diag);
         neph_image_destroy(image);
     }
     name_cache(status, diag);

@@ -1,31 +1,31 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/post/chain.h"
 
-static const uint32_t meter_spirv[] = {
+static const uint32_t meter_code[] = {
 #include "shaders/post_meter.comp.inc"
 };
-static const uint32_t adapt_spirv[] = {
+static const uint32_t adapt_code[] = {
 #include "shaders/post_adapt.comp.inc"
 };
-static const uint32_t bloom_down_spirv[] = {
+static const uint32_t bloom_down_code[] = {
 #include "shaders/post_bloom_down.comp.inc"
 };
-static const uint32_t bloom_up_spirv[] = {
+static const uint32_t bloom_up_code[] = {
 #include "shaders/post_bloom_up.comp.inc"
 };
-static const uint32_t lut_spirv[] = {
+static const uint32_t lut_code[] = {
 #include "shaders/post_lut.comp.inc"
 };
-static const uint32_t tone_spirv[] = {
+static const uint32_t tone_code[] = {
 #include "shaders/post_tone.comp.inc"
 };
-static const uint32_t fxaa_spirv[] = {
+static const uint32_t fxaa_code[] = {
 #include "shaders/post_fxaa.comp.inc"
 };
-static const uint32_t sharpen_spirv[] = {
+static const uint32_t sharpen_code[] = {
 #include "shaders/post_sharpen.comp.inc"
 };
-static const uint32_t upscale_spirv[] = {
+static const uint32_t upscale_code[] = {
 #include "shaders/post_upscale.comp.inc"
 };
 
@@ -34,7 +34,7 @@ const struct neph_post_stage neph_post_stages[] = {
         .name = "light meter",
         .pass = NEPH_POST_EXPOSURE,
         .note = "a histogram of the frame's luminance",
-        .shader = {"post_meter", meter_spirv, sizeof(meter_spirv)},
+        .shader = {"post_meter", meter_code, sizeof(meter_code)},
         .settings = {POST_AUTO_EXPOSURE, POST_AUTO_EXPOSURE},
         .makes = NEPH_POST_MAKES_HISTOGRAM,
     },
@@ -42,7 +42,7 @@ const struct neph_post_stage neph_post_stages[] = {
         .name = "adaptation",
         .pass = NEPH_POST_EXPOSURE,
         .note = "of the eye to what was metered",
-        .shader = {"post_adapt", adapt_spirv, sizeof(adapt_spirv)},
+        .shader = {"post_adapt", adapt_code, sizeof(adapt_code)},
         .settings = {POST_AUTO_EXPOSURE, POST_AUTO_EXPOSURE},
         .makes = NEPH_POST_MAKES_EXPOSURE,
     },
@@ -50,7 +50,7 @@ const struct neph_post_stage neph_post_stages[] = {
         .name = "bloom, down",
         .pass = NEPH_POST_BLOOM,
         .note = "halves of halves of the frame",
-        .shader = {"post_bloom_down", bloom_down_spirv, sizeof(bloom_down_spirv)},
+        .shader = {"post_bloom_down", bloom_down_code, sizeof(bloom_down_code)},
         .settings = {POST_BLOOM, POST_BLOOM},
         .makes = NEPH_POST_MAKES_PYRAMID,
     },
@@ -58,7 +58,7 @@ const struct neph_post_stage neph_post_stages[] = {
         .name = "bloom, up",
         .pass = NEPH_POST_BLOOM,
         .note = "light that the lens spreads",
-        .shader = {"post_bloom_up", bloom_up_spirv, sizeof(bloom_up_spirv)},
+        .shader = {"post_bloom_up", bloom_up_code, sizeof(bloom_up_code)},
         .settings = {POST_BLOOM, POST_BLOOM},
         .makes = NEPH_POST_MAKES_BLOOM,
     },
@@ -66,7 +66,7 @@ const struct neph_post_stage neph_post_stages[] = {
         .name = "table of colours",
         .pass = NEPH_POST_TONE_MAPPING,
         .note = "what tone curve and display make of 32^3 colours",
-        .shader = {"post_lut", lut_spirv, sizeof(lut_spirv)},
+        .shader = {"post_lut", lut_code, sizeof(lut_code)},
         .settings = {POST_TONE, POST_LUT},
         .makes = NEPH_POST_MAKES_TABLE,
     },
@@ -74,21 +74,21 @@ const struct neph_post_stage neph_post_stages[] = {
         .name = "tone mapping",
         .pass = NEPH_POST_TONE_MAPPING,
         .note = "exposure, vignette, tone curve, grain",
-        .shader = {"post_tone", tone_spirv, sizeof(tone_spirv)},
+        .shader = {"post_tone", tone_code, sizeof(tone_code)},
         .settings = {POST_TONE, POST_TONE},
     },
     {
         .name = "fxaa",
         .pass = NEPH_POST_FXAA,
         .note = "anti-aliasing of the encoded picture",
-        .shader = {"post_fxaa", fxaa_spirv, sizeof(fxaa_spirv)},
+        .shader = {"post_fxaa", fxaa_code, sizeof(fxaa_code)},
         .settings = {POST_FXAA, POST_FXAA},
     },
     {
         .name = "upscale",
         .pass = NEPH_POST_UPSCALE,
         .note = "to the size of the display",
-        .shader = {"post_upscale", upscale_spirv, sizeof(upscale_spirv)},
+        .shader = {"post_upscale", upscale_code, sizeof(upscale_code)},
         .settings = {POST_UPSCALE, POST_UPSCALE},
         .makes = NEPH_POST_MAKES_LARGER,
         .filter = POST_UPSCALE,
@@ -98,14 +98,14 @@ const struct neph_post_stage neph_post_stages[] = {
         .name = "sharpening",
         .pass = NEPH_POST_SHARPENING,
         .note = "against the blur of what came before",
-        .shader = {"post_sharpen", sharpen_spirv, sizeof(sharpen_spirv)},
+        .shader = {"post_sharpen", sharpen_code, sizeof(sharpen_code)},
         .settings = {POST_SHARPEN, POST_SHARPEN},
     },
     {
         .name = "secondary upscale",
         .pass = NEPH_POST_SECONDARY_UPSCALE,
         .note = "to the size of the window",
-        .shader = {"post_upscale", upscale_spirv, sizeof(upscale_spirv)},
+        .shader = {"post_upscale", upscale_code, sizeof(upscale_code)},
         .settings = {POST_SECONDARY_UPSCALE, POST_SECONDARY_UPSCALE},
         .makes = NEPH_POST_MAKES_LARGER,
         .filter = POST_SECONDARY_UPSCALE,

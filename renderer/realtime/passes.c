@@ -5,67 +5,67 @@
 
 #include <string.h>
 
-static const uint32_t scene_spirv[] = {
+static const uint32_t scene_code[] = {
 #include "shaders/rt_scene.comp.inc"
 };
-static const uint32_t min_max_spirv[] = {
+static const uint32_t min_max_code[] = {
 #include "shaders/rt_min_max.comp.inc"
 };
-static const uint32_t tile_index_spirv[] = {
+static const uint32_t tile_index_code[] = {
 #include "shaders/rt_tile_index.comp.inc"
 };
-static const uint32_t march_spirv[] = {
+static const uint32_t march_code[] = {
 #include "shaders/rt_march.comp.inc"
 };
-static const uint32_t gradient_spirv[] = {
+static const uint32_t gradient_code[] = {
 #include "shaders/rt_gradient.comp.inc"
 };
-static const uint32_t change_spirv[] = {
+static const uint32_t change_code[] = {
 #include "shaders/rt_change.comp.inc"
 };
-static const uint32_t reconstruct_spirv[] = {
+static const uint32_t reconstruct_code[] = {
 #include "shaders/rt_reconstruct.comp.inc"
 };
-static const uint32_t atrous_1_spirv[] = {
+static const uint32_t atrous_1_code[] = {
 #include "shaders/rt_atrous_1.comp.inc"
 };
-static const uint32_t atrous_2_spirv[] = {
+static const uint32_t atrous_2_code[] = {
 #include "shaders/rt_atrous_2.comp.inc"
 };
-static const uint32_t atrous_4_spirv[] = {
+static const uint32_t atrous_4_code[] = {
 #include "shaders/rt_atrous_4.comp.inc"
 };
-static const uint32_t upscale_spirv[] = {
+static const uint32_t upscale_code[] = {
 #include "shaders/rt_upscale.comp.inc"
 };
-static const uint32_t compose_spirv[] = {
+static const uint32_t compose_code[] = {
 #include "shaders/rt_compose.comp.inc"
 };
-static const uint32_t motion_spirv[] = {
+static const uint32_t motion_code[] = {
 #include "shaders/rt_motion.comp.inc"
 };
-static const uint32_t taa_spirv[] = {
+static const uint32_t taa_code[] = {
 #include "shaders/rt_taa.comp.inc"
 };
-static const uint32_t taau_spirv[] = {
+static const uint32_t taau_code[] = {
 #include "shaders/rt_taau.comp.inc"
 };
-static const uint32_t locks_spirv[] = {
+static const uint32_t locks_code[] = {
 #include "shaders/rt_locks.comp.inc"
 };
-static const uint32_t sharpen_spirv[] = {
+static const uint32_t sharpen_code[] = {
 #include "shaders/rt_sharpen.comp.inc"
 };
-static const uint32_t froxel_light_spirv[] = {
+static const uint32_t froxel_light_code[] = {
 #include "shaders/rt_froxel_light.comp.inc"
 };
-static const uint32_t froxel_sum_spirv[] = {
+static const uint32_t froxel_sum_code[] = {
 #include "shaders/rt_froxel_sum.comp.inc"
 };
-static const uint32_t froxel_apply_spirv[] = {
+static const uint32_t froxel_apply_code[] = {
 #include "shaders/rt_froxel_apply.comp.inc"
 };
-static const uint32_t lamp_peaks_spirv[] = {
+static const uint32_t lamp_peaks_code[] = {
 #include "shaders/rt_lamp_peaks.comp.inc"
 };
 
@@ -103,7 +103,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "scene",
         .note = "depth and radiance of what is behind all media, a ray per pixel",
-        .shader = {"rt_scene", scene_spirv, sizeof(scene_spirv)},
+        .shader = {"rt_scene", scene_code, sizeof(scene_code)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_FULL,
         .rays = NEPH_RT_RAYS_TO_SOLIDS,
@@ -112,7 +112,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "depth map",
         .note = "one of 2x2 depths",
-        .shader = {"rt_min_max", min_max_spirv, sizeof(min_max_spirv)},
+        .shader = {"rt_min_max", min_max_code, sizeof(min_max_code)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .done_by_other = {{RT_DEPTH_MAP_PASS, RT_DEPTH_MAP_PASS_TILE_INDEX}},
         .resolution = RT_HALF,
@@ -123,7 +123,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "froxel light",
         .note = "what media near the camera scatter and extinguish, a froxel at a time",
-        .shader = {"rt_froxel_light", froxel_light_spirv, sizeof(froxel_light_spirv)},
+        .shader = {"rt_froxel_light", froxel_light_code, sizeof(froxel_light_code)},
         .condition = {RT_FROXEL_VOLUME, 1},
         .resolution = RT_FROXEL,
         .rays = NEPH_RT_POINTS_IN_MEDIA,
@@ -133,7 +133,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "froxel sum",
         .note = "front to back, what lies before each slice",
-        .shader = {"rt_froxel_sum", froxel_sum_spirv, sizeof(froxel_sum_spirv)},
+        .shader = {"rt_froxel_sum", froxel_sum_code, sizeof(froxel_sum_code)},
         .condition = {RT_FROXEL_VOLUME, 1},
         .resolution = RT_FROXEL_COLUMN,
         .reads = BIT(RT_FROXELS),
@@ -142,7 +142,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "tile index",
         .note = "which of its 2x2 half-resolution texels a tile marches",
-        .shader = {"rt_tile_index", tile_index_spirv, sizeof(tile_index_spirv)},
+        .shader = {"rt_tile_index", tile_index_code, sizeof(tile_index_code)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_QUARTER,
         .block = {RT_COLOUR_BLOCK, RT_COLOUR_BLOCK},
@@ -154,7 +154,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "march",
         .note = "a ray per tile through the media",
-        .shader = {"rt_march", march_spirv, sizeof(march_spirv)},
+        .shader = {"rt_march", march_code, sizeof(march_code)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_QUARTER,
         .block = {RT_MARCH_BLOCK, RT_MARCH_BLOCK},
@@ -165,7 +165,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "gradient",
         .note = "what the same rays see that were marched before",
-        .shader = {"rt_gradient", gradient_spirv, sizeof(gradient_spirv)},
+        .shader = {"rt_gradient", gradient_code, sizeof(gradient_code)},
         .condition = {RT_GRADIENT, 1},
         .done_by_other = {{RT_STEADY, RT_STEADY_KNOWN}, {RT_STEADY, RT_STEADY_UNREAD}},
         .resolution = RT_QUARTER,
@@ -177,7 +177,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "change",
         .note = "what has changed around a tile",
-        .shader = {"rt_change", change_spirv, sizeof(change_spirv)},
+        .shader = {"rt_change", change_code, sizeof(change_code)},
         .condition = {RT_GRADIENT, 1},
         .done_by_other = {{RT_CHANGE_PASS, RT_CHANGE_PASS_RECONSTRUCTION},
                           {RT_STEADY, RT_STEADY_KNOWN},
@@ -189,7 +189,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "reconstruction",
         .note = "rays and the reprojected history at half resolution",
-        .shader = {"rt_reconstruct", reconstruct_spirv, sizeof(reconstruct_spirv)},
+        .shader = {"rt_reconstruct", reconstruct_code, sizeof(reconstruct_code)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_HALF,
         .unread_resolution = RT_QUARTER,
@@ -208,7 +208,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "a-trous 1",
         .note = "the volume filtered by depth and luma",
-        .shader = {"rt_atrous_1", atrous_1_spirv, sizeof(atrous_1_spirv)},
+        .shader = {"rt_atrous_1", atrous_1_code, sizeof(atrous_1_code)},
         .condition = {RT_ATROUS, 1},
         .resolution = RT_HALF,
         .reads = BIT(RT_HISTORY) | ATROUS_READS,
@@ -217,7 +217,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "a-trous 2",
         .note = "the same of texels two apart",
-        .shader = {"rt_atrous_2", atrous_2_spirv, sizeof(atrous_2_spirv)},
+        .shader = {"rt_atrous_2", atrous_2_code, sizeof(atrous_2_code)},
         .condition = {RT_ATROUS, 1},
         .resolution = RT_HALF,
         .reads = BIT(RT_HISTORY_BEFORE) | ATROUS_READS,
@@ -226,7 +226,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "a-trous 4",
         .note = "the same of texels four apart",
-        .shader = {"rt_atrous_4", atrous_4_spirv, sizeof(atrous_4_spirv)},
+        .shader = {"rt_atrous_4", atrous_4_code, sizeof(atrous_4_code)},
         .condition = {RT_ATROUS, 1},
         .resolution = RT_HALF,
         .reads = BIT(RT_KEPT_RAY) | ATROUS_READS,
@@ -235,7 +235,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "upscale",
         .note = "the volume at full resolution, guided by depth",
-        .shader = {"rt_upscale", upscale_spirv, sizeof(upscale_spirv)},
+        .shader = {"rt_upscale", upscale_code, sizeof(upscale_code)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_FULL,
         .in_quads = true,
@@ -254,7 +254,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "froxel composition",
         .note = "the froxels before the volume that was marched behind them",
-        .shader = {"rt_froxel_apply", froxel_apply_spirv, sizeof(froxel_apply_spirv)},
+        .shader = {"rt_froxel_apply", froxel_apply_code, sizeof(froxel_apply_code)},
         .condition = {RT_FROXEL_VOLUME, 1},
         .resolution = RT_FULL,
         .reads = BIT(RT_FROXELS) | BIT(RT_DEPTH) | BIT(RT_VOLUME),
@@ -263,7 +263,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "lamp peaks",
         .note = "what froxels leave out around each lamp, a ray per pixel",
-        .shader = {"rt_lamp_peaks", lamp_peaks_spirv, sizeof(lamp_peaks_spirv)},
+        .shader = {"rt_lamp_peaks", lamp_peaks_code, sizeof(lamp_peaks_code)},
         .condition = {RT_LAMP_PEAKS, 1},
         .resolution = RT_FULL,
         .rays = NEPH_RT_POINTS_IN_MEDIA,
@@ -273,7 +273,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "composition",
         .note = "the volume over what is behind it",
-        .shader = {"rt_compose", compose_spirv, sizeof(compose_spirv)},
+        .shader = {"rt_compose", compose_code, sizeof(compose_code)},
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .done_by_other = {{RT_COMPOSITION, RT_COMPOSITION_TAA},
                           {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},
@@ -285,7 +285,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "motion",
         .note = "how far solids that move have come, a ray per pixel",
-        .shader = {"rt_motion", motion_spirv, sizeof(motion_spirv)},
+        .shader = {"rt_motion", motion_code, sizeof(motion_code)},
         .condition = {RT_SOLID_MOTION, 1},
         .resolution = RT_FULL,
         .rays = NEPH_RT_RAYS_TO_SOLIDS,
@@ -294,7 +294,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "anti-aliasing",
         .note = "the mean over jittered frames, held in a neighbourhood clamp",
-        .shader = {"rt_taa", taa_spirv, sizeof(taa_spirv)},
+        .shader = {"rt_taa", taa_code, sizeof(taa_code)},
         .condition = {RT_TAA, RT_TAA_ON},
         .resolution = RT_PICTURE,
         .column = RT_TAA_COLUMN,
@@ -308,7 +308,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "upsampling",
         .note = "anti-aliasing to a picture of more pixels than are rendered",
-        .shader = {"rt_taau", taau_spirv, sizeof(taau_spirv)},
+        .shader = {"rt_taau", taau_code, sizeof(taau_code)},
         .condition = {RT_TAA, RT_TAA_UPSAMPLING},
         .resolution = RT_PICTURE,
         .reads = TAA_READS,
@@ -320,7 +320,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "locks",
         .note = "upsampling with locks on thin features, after FSR 2",
-        .shader = {"rt_locks", locks_spirv, sizeof(locks_spirv)},
+        .shader = {"rt_locks", locks_code, sizeof(locks_code)},
         .condition = {RT_TAA, RT_TAA_LOCKS},
         .resolution = RT_PICTURE,
         .reads = TAA_READS | BIT(RT_TAA_STATE_BEFORE),
@@ -332,7 +332,7 @@ const struct neph_rt_pass neph_rt_passes[] = {
     {
         .name = "sharpening",
         .note = "against the blur of anti-aliasing",
-        .shader = {"rt_sharpen", sharpen_spirv, sizeof(sharpen_spirv)},
+        .shader = {"rt_sharpen", sharpen_code, sizeof(sharpen_code)},
         .condition = {RT_SHARPEN, 1},
         .resolution = RT_PICTURE,
         .reads = BIT(RT_COLOR) | BIT(RT_TAA_OUT),

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static const uint32_t spirv[] = {
+static const uint32_t code[] = {
 #include "shaders/rt_watch.comp.inc"
 };
 
@@ -63,8 +63,8 @@ static enum neph_status watch_targets(struct neph_rt_device *device, uint32_t ta
 {
     const struct neph_kernel_params params = {
         .name = "rt_watch",
-        .code = spirv,
-        .code_bytes = sizeof(spirv),
+        .code = code,
+        .code_bytes = sizeof(code),
         .buffer_count = 2,
         .push_size_bytes = sizeof(struct neph_gpu_watch_run),
     };

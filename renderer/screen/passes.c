@@ -4,31 +4,31 @@
  */
 #include "renderer/screen/screen.h"
 
-static const uint32_t gbuffer_spirv[] = {
+static const uint32_t gbuffer_code[] = {
 #include "shaders/screen_gbuffer.comp.inc"
 };
-static const uint32_t ao_spirv[] = {
+static const uint32_t ao_code[] = {
 #include "shaders/screen_ao.comp.inc"
 };
-static const uint32_t ao_blur_spirv[] = {
+static const uint32_t ao_blur_code[] = {
 #include "shaders/screen_ao_blur.comp.inc"
 };
-static const uint32_t gi_spirv[] = {
+static const uint32_t gi_code[] = {
 #include "shaders/screen_gi.comp.inc"
 };
-static const uint32_t ssr_spirv[] = {
+static const uint32_t ssr_code[] = {
 #include "shaders/screen_ssr.comp.inc"
 };
-static const uint32_t mean_spirv[] = {
+static const uint32_t mean_code[] = {
 #include "shaders/screen_mean.comp.inc"
 };
-static const uint32_t smooth_spirv[] = {
+static const uint32_t smooth_code[] = {
 #include "shaders/screen_smooth.comp.inc"
 };
-static const uint32_t whole_spirv[] = {
+static const uint32_t whole_code[] = {
 #include "shaders/screen_whole.comp.inc"
 };
-static const uint32_t compose_spirv[] = {
+static const uint32_t compose_code[] = {
 #include "shaders/screen_compose.comp.inc"
 };
 
@@ -45,14 +45,14 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "g-buffer",
         .note = "first solids by rays; sun and lamps with their shadows",
-        .shader = {"screen_gbuffer", gbuffer_spirv, sizeof(gbuffer_spirv)},
+        .shader = {"screen_gbuffer", gbuffer_code, sizeof(gbuffer_code)},
         .settings = {-1, -1},
         .writes = GBUFFER,
     },
     {
         .name = "ambient occlusion",
         .note = "what is open of the hemisphere over each surface",
-        .shader = {"screen_ao", ao_spirv, sizeof(ao_spirv)},
+        .shader = {"screen_ao", ao_code, sizeof(ao_code)},
         .settings = {SCREEN_AO, SCREEN_AO},
         .resolution = SCREEN_AO_RESOLUTION,
         .reads = SURFACES,
@@ -61,7 +61,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "occlusion blur",
         .note = "over the pixels of the noise, within a plane",
-        .shader = {"screen_ao_blur", ao_blur_spirv, sizeof(ao_blur_spirv)},
+        .shader = {"screen_ao_blur", ao_blur_code, sizeof(ao_blur_code)},
         .settings = {SCREEN_AO, SCREEN_AO_BLUR_PX},
         .resolution = SCREEN_AO_RESOLUTION,
         .reads = SURFACES | BIT(SCREEN_OPEN),
@@ -70,7 +70,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "occlusion of all",
         .note = "between one of 2x2 pixels, on the same surface",
-        .shader = {"screen_whole", whole_spirv, sizeof(whole_spirv)},
+        .shader = {"screen_whole", whole_code, sizeof(whole_code)},
         .settings = {SCREEN_AO, SCREEN_AO_RESOLUTION},
         .resolution = SCREEN_AO_RESOLUTION,
         .makes_whole = true,
@@ -80,7 +80,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "indirect light",
         .note = "of diffuse surfaces, by rays through the picture",
-        .shader = {"screen_gi", gi_spirv, sizeof(gi_spirv)},
+        .shader = {"screen_gi", gi_code, sizeof(gi_code)},
         .settings = {SCREEN_GI, SCREEN_GI},
         .resolution = SCREEN_GI_RESOLUTION,
         .reads = GBUFFER | BEFORE | LIGHT_BEFORE | OPEN,
@@ -89,7 +89,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "indirect mean",
         .note = "over frames",
-        .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
+        .shader = {"screen_mean", mean_code, sizeof(mean_code)},
         .settings = {SCREEN_GI, SCREEN_GI},
         .resolution = SCREEN_GI_RESOLUTION,
         .reads = SURFACES | BEFORE | BIT(SCREEN_BASE) | BIT(SCREEN_MARKS) | BIT(SCREEN_GI_RAW) |
@@ -102,7 +102,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "indirect smoothing",
         .note = "over pixels of the same plane, wider by turns",
-        .shader = {"screen_smooth", smooth_spirv, sizeof(smooth_spirv)},
+        .shader = {"screen_smooth", smooth_code, sizeof(smooth_code)},
         .settings = {SCREEN_GI, SCREEN_GI_SMOOTH},
         .resolution = SCREEN_GI_RESOLUTION,
         .reads = SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_GI_MEAN),
@@ -114,7 +114,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "indirect of all",
         .note = "between one of 2x2 pixels, on the same surface",
-        .shader = {"screen_whole", whole_spirv, sizeof(whole_spirv)},
+        .shader = {"screen_whole", whole_code, sizeof(whole_code)},
         .settings = {SCREEN_GI, SCREEN_GI_RESOLUTION},
         .resolution = SCREEN_GI_RESOLUTION,
         .makes_whole = true,
@@ -125,7 +125,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "diffuse light",
         .note = "direct and indirect, of all but metal",
-        .shader = {"screen_compose", compose_spirv, sizeof(compose_spirv)},
+        .shader = {"screen_compose", compose_code, sizeof(compose_code)},
         .settings = {-1, -1},
         .reads = GBUFFER | OPEN | GI_OUT,
         .writes = BIT(SCREEN_LIT),
@@ -133,7 +133,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "reflections",
         .note = "of metal, by rays through the picture",
-        .shader = {"screen_ssr", ssr_spirv, sizeof(ssr_spirv)},
+        .shader = {"screen_ssr", ssr_code, sizeof(ssr_code)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
         .resolution = SCREEN_SSR_RESOLUTION,
         .reads = GBUFFER | BEFORE | LIGHT_BEFORE | OPEN | BIT(SCREEN_LIT),
@@ -142,7 +142,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "reflections mean",
         .note = "over frames",
-        .shader = {"screen_mean", mean_spirv, sizeof(mean_spirv)},
+        .shader = {"screen_mean", mean_code, sizeof(mean_code)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
         .resolution = SCREEN_SSR_RESOLUTION,
         .reads = SURFACES | BEFORE | BIT(SCREEN_BASE) | BIT(SCREEN_MARKS) | BIT(SCREEN_SSR_RAW) |
@@ -156,7 +156,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "reflections smoothing",
         .note = "over pixels of the same plane, as far as it is rough",
-        .shader = {"screen_smooth", smooth_spirv, sizeof(smooth_spirv)},
+        .shader = {"screen_smooth", smooth_code, sizeof(smooth_code)},
         .settings = {SCREEN_SSR, SCREEN_SSR_SMOOTH},
         .resolution = SCREEN_SSR_RESOLUTION,
         .reads = SURFACES | BIT(SCREEN_BASE) | BIT(SCREEN_SSR_MEAN),
@@ -168,7 +168,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "reflections of all",
         .note = "between one of 2x2 pixels, on the same surface",
-        .shader = {"screen_whole", whole_spirv, sizeof(whole_spirv)},
+        .shader = {"screen_whole", whole_code, sizeof(whole_code)},
         .settings = {SCREEN_SSR, SCREEN_SSR_RESOLUTION},
         .resolution = SCREEN_SSR_RESOLUTION,
         .makes_whole = true,
@@ -179,7 +179,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "picture",
         .note = "with what metal reflects",
-        .shader = {"screen_compose", compose_spirv, sizeof(compose_spirv)},
+        .shader = {"screen_compose", compose_code, sizeof(compose_code)},
         .settings = {-1, -1},
         .reads = GBUFFER | OPEN | SSR_OUT | BIT(SCREEN_LIT),
         .writes = BIT(SCREEN_PICTURE),

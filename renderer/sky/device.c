@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const uint32_t picture_spirv[] = {
+static const uint32_t picture_code[] = {
 #include "shaders/sky_picture.comp.inc"
 };
 
@@ -89,8 +89,8 @@ static size_t part_pixels(const struct neph_sky_pictures *pictures)
 static enum neph_status prepare(struct neph_sky_pictures *pictures, struct neph_diag *diag)
 {
     struct neph_kernel_params params = {.name = "sky_picture",
-                                        .code = picture_spirv,
-                                        .code_bytes = sizeof(picture_spirv),
+                                        .code = picture_code,
+                                        .code_bytes = sizeof(picture_code),
                                         .buffer_count = BUFFERS,
                                         .push_size_bytes = sizeof(struct neph_gpu_sky_part)};
     neph_sky_constants(&pictures->tables, &params);

@@ -12,19 +12,19 @@
 _Static_assert(NEPH_SKY_REFILL_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-static const uint32_t sun_spirv[] = {
+static const uint32_t sun_code[] = {
 #include "shaders/sky_sun.comp.inc"
 };
-static const uint32_t gather_spirv[] = {
+static const uint32_t gather_code[] = {
 #include "shaders/sky_gather.comp.inc"
 };
-static const uint32_t sum_spirv[] = {
+static const uint32_t sum_code[] = {
 #include "shaders/sky_sum.comp.inc"
 };
-static const uint32_t view_spirv[] = {
+static const uint32_t view_code[] = {
 #include "shaders/sky_view.comp.inc"
 };
-static const uint32_t aerial_spirv[] = {
+static const uint32_t aerial_code[] = {
 #include "shaders/sky_aerial.comp.inc"
 };
 
@@ -40,12 +40,12 @@ static const struct {
     int buffers; /* told, nodes, directions, what arrives from them */
     size_t push_bytes;
 } kernels[NEPH_SKY_KERNELS] = {
-    [SUN] = {"sky_sun", sun_spirv, sizeof(sun_spirv), 2, 0},
-    [GATHER] = {"sky_gather", gather_spirv, sizeof(gather_spirv), 4,
+    [SUN] = {"sky_sun", sun_code, sizeof(sun_code), 2, 0},
+    [GATHER] = {"sky_gather", gather_code, sizeof(gather_code), 4,
                 sizeof(struct neph_gpu_sky_pass)},
-    [SUM] = {"sky_sum", sum_spirv, sizeof(sum_spirv), 4, sizeof(struct neph_gpu_sky_pass)},
-    [VIEW] = {"sky_view", view_spirv, sizeof(view_spirv), 2, 0},
-    [AERIAL] = {"sky_aerial", aerial_spirv, sizeof(aerial_spirv), 2, 0},
+    [SUM] = {"sky_sum", sum_code, sizeof(sum_code), 4, sizeof(struct neph_gpu_sky_pass)},
+    [VIEW] = {"sky_view", view_code, sizeof(view_code), 2, 0},
+    [AERIAL] = {"sky_aerial", aerial_code, sizeof(aerial_code), 2, 0},
 };
 
 /* As shaders find it at the first binding. */

@@ -13,7 +13,7 @@
 #include "truth/fog_look.h"
 #include "truth/transport.h"
 
-static const uint32_t probe_spirv[] = {
+static const uint32_t probe_code[] = {
 #include "shaders/probe_fog_look.comp.inc"
 };
 
@@ -93,8 +93,8 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct question *que
     struct neph_diag diag = {0};
     const struct neph_kernel_params params = {
         .name = "probe_fog_look",
-        .code = probe_spirv,
-        .code_bytes = sizeof(probe_spirv),
+        .code = probe_code,
+        .code_bytes = sizeof(probe_code),
         .buffer_count = 2,
     };
     const struct neph_kernel *kernel;

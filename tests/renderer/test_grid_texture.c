@@ -16,7 +16,7 @@
 
 #include <stdlib.h>
 
-static const uint32_t probe_spirv[] = {
+static const uint32_t probe_code[] = {
 #include "shaders/probe_texture.comp.inc"
 };
 
@@ -86,8 +86,8 @@ static float *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
     neph_assert_ok(neph_grid_textures_create(vulkan, &test->scene, shortcuts, &gpu, &diag), &diag);
     struct neph_kernel_params params = {
         .name = "probe_texture",
-        .code = probe_spirv,
-        .code_bytes = sizeof(probe_spirv),
+        .code = probe_code,
+        .code_bytes = sizeof(probe_code),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,

@@ -9,7 +9,7 @@
 #include "renderer/compute.h"
 #include "renderer/tracer.h"
 
-static const uint32_t probe_spirv[] = {
+static const uint32_t probe_code[] = {
 #include "shaders/probe_sobol.comp.inc"
 };
 
@@ -27,8 +27,8 @@ static void ask(struct neph_vulkan *vulkan, const struct run *run, struct points
 {
     const struct neph_kernel_params params = {
         .name = "probe_sobol",
-        .code = probe_spirv,
-        .code_bytes = sizeof(probe_spirv),
+        .code = probe_code,
+        .code_bytes = sizeof(probe_code),
         .buffer_count = 1,
         .push_size_bytes = sizeof(*run),
     };

@@ -315,12 +315,12 @@ static void test_channels_cover_the_square(void **state)
                 fail_msg("kind %d, channel %u", kind, channel);
 }
 
-static const uint32_t probe_spirv[] = {
+static const uint32_t probe_code[] = {
 #include "shaders/probe_dither.comp.inc"
 };
 static const struct neph_rt_pass probe = {
     .name = "probe",
-    .shader = {"probe_dither", probe_spirv, sizeof(probe_spirv)},
+    .shader = {"probe_dither", probe_code, sizeof(probe_code)},
     .resolution = RT_FULL,
     .writes = NEPH_RT_BIT(RT_COLOR),
 };

@@ -13,7 +13,7 @@
 #include "scenes/horizon.h"
 #include "scenes/media.h"
 
-static const uint32_t probe_spirv[] = {
+static const uint32_t probe_code[] = {
 #include "shaders/probe_media.comp.inc"
 };
 
@@ -71,8 +71,8 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct test_scene *t
                    &diag);
     const struct neph_kernel_params params = {
         .name = "probe_media",
-        .code = probe_spirv,
-        .code_bytes = sizeof(probe_spirv),
+        .code = probe_code,
+        .code_bytes = sizeof(probe_code),
         .buffer_count = NEPH_GPU_SCENE_BUFFERS + 2,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .constant_count = NEPH_GPU_SCENE_CONSTANTS,

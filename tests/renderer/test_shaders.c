@@ -15,7 +15,7 @@
 #include "scenes/media.h"
 #include "scenes/solids.h"
 
-static const uint32_t probe_spirv[] = {
+static const uint32_t probe_code[] = {
 #include "shaders/probe.comp.inc"
 };
 
@@ -60,8 +60,8 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct probe *probes
 {
     const struct neph_kernel_params params = {
         .name = "probe",
-        .code = probe_spirv,
-        .code_bytes = sizeof(probe_spirv),
+        .code = probe_code,
+        .code_bytes = sizeof(probe_code),
         .buffer_count = 2,
     };
     const size_t probe_bytes = (size_t)count * sizeof(*probes);

@@ -12,19 +12,19 @@
 
 #include <zlib.h>
 
-static const uint32_t probe_spirv[] = {
+static const uint32_t probe_code[] = {
 #include "shaders/probe_constants.comp.inc"
 };
-static const uint32_t march_spirv[] = {
+static const uint32_t march_code[] = {
 #include "shaders/march.comp.inc"
 };
-static const uint32_t tracer_spirv[] = {
+static const uint32_t tracer_code[] = {
 #include "shaders/tracer.comp.inc"
 };
-static const uint32_t first_spirv[] = {
+static const uint32_t first_code[] = {
 #include "shaders/tracer_first.comp.inc"
 };
-static const uint32_t taa_spirv[] = {
+static const uint32_t taa_code[] = {
 #include "shaders/rt_taa.comp.inc"
 };
 
@@ -120,8 +120,8 @@ static void run_probe(struct neph_vulkan *vulkan, const struct constants *consta
 {
     struct neph_kernel_params params = {
         .name = "probe_constants",
-        .code = probe_spirv,
-        .code_bytes = sizeof(probe_spirv),
+        .code = probe_code,
+        .code_bytes = sizeof(probe_code),
         .buffer_count = 2,
         .constant_count = CONSTANTS,
     };
@@ -171,11 +171,11 @@ static const struct {
     const uint32_t *code;
     size_t code_bytes;
 } shaders[] = {
-    {"probe_constants", probe_spirv, sizeof(probe_spirv)},
-    {"march", march_spirv, sizeof(march_spirv)},
-    {"tracer", tracer_spirv, sizeof(tracer_spirv)},
-    {"tracer_first", first_spirv, sizeof(first_spirv)},
-    {"rt_taa", taa_spirv, sizeof(taa_spirv)},
+    {"probe_constants", probe_code, sizeof(probe_code)},
+    {"march", march_code, sizeof(march_code)},
+    {"tracer", tracer_code, sizeof(tracer_code)},
+    {"tracer_first", first_code, sizeof(first_code)},
+    {"rt_taa", taa_code, sizeof(taa_code)},
 };
 
 static bool has_open_constants(const uint32_t *words, size_t size_bytes)
@@ -243,7 +243,7 @@ static void test_unused_goes(void **state)
     size_t bytes[2], whole_bytes;
     for (int i = 0; i < 2; i++) {
         uint32_t *spirv = NULL;
-        specialize(march_spirv, sizeof(march_spirv), i == 0 ? nothing : all_kinds, 12, &spirv,
+        specialize(march_code, sizeof(march_code), i == 0 ? nothing : all_kinds, 12, &spirv,
                    &bytes[i], &whole_bytes);
         free(spirv);
     }
@@ -259,7 +259,7 @@ static void test_the_size_of_work_groups_stays(void **state)
     const uint32_t constants[3] = {[2] = 8};
     uint32_t *words = NULL;
     size_t bytes = 0, whole_bytes = 0;
-    specialize(tracer_spirv, sizeof(tracer_spirv), constants, 3, &words, &bytes, &whole_bytes);
+    specialize(tracer_code, sizeof(tracer_code), constants, 3, &words, &bytes, &whole_bytes);
     bool has_size = false;
     for (size_t i = HEADER_WORDS; i < bytes / sizeof(*words); i += words[i] >> 16)
         has_size |= (words[i] & 0xffff) == OP_DECORATE && words[i + 2] == BUILT_IN &&

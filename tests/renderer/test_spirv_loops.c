@@ -10,7 +10,7 @@
 #include "renderer/specialize.h"
 #include "renderer/spirv_loops.h"
 
-static const uint32_t probe_spirv[] = {
+static const uint32_t probe_code[] = {
 #include "shaders/probe_loops.comp.inc"
 };
 
@@ -75,8 +75,8 @@ enum { WAYS = sizeof(ways) / sizeof(ways[0]) };
 static struct neph_kernel_params params_of(uint32_t way)
 {
     return (struct neph_kernel_params){.name = "probe_loops",
-                                       .code = probe_spirv,
-                                       .code_bytes = sizeof(probe_spirv),
+                                       .code = probe_code,
+                                       .code_bytes = sizeof(probe_code),
                                        .buffer_count = 2,
                                        .constant_count = 2,
                                        .constants = {way, 0}};

@@ -42,7 +42,7 @@ static void test_two_devices_live_side_by_side(void **state)
     assert_int_equal(neph_vulkan_destroy(second), 0);
 }
 
-static const uint32_t sum_spirv[] = {
+static const uint32_t sum_code[] = {
 #include "shaders/tracer_sum.comp.inc"
 };
 
@@ -50,8 +50,8 @@ static const struct neph_kernel *sum_kernel(struct neph_vulkan *vulkan, uint32_t
                                             uint32_t unknown)
 {
     const struct neph_kernel_params params = {.name = "tracer_sum",
-                                              .code = sum_spirv,
-                                              .code_bytes = sizeof(sum_spirv),
+                                              .code = sum_code,
+                                              .code_bytes = sizeof(sum_code),
                                               .buffer_count = NEPH_KERNEL_STORAGE_MAX,
                                               .uniform_count = 1,
                                               .push_size_bytes = 64,
