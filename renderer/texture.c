@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/texture.h"
 
+#include "base/threads.h"
 #include "renderer/device_memory.h"
 #include "renderer/kernel_sets.h"
 #include "renderer/realtime/view.h"
@@ -156,52 +157,78 @@ static void change_layout(const struct neph_vulkan *vulkan, const struct neph_la
         0, NULL, 1, &barrier);
 }
 
-static VkResult copy_slab(const struct neph_vulkan *vulkan,
-                          const struct neph_texture_params *params,
-                          const struct neph_buffer *staging, int z,
-                          const struct neph_texture *texture)
+/* Slabs of a texture that travel together. */
+struct slabs {
+    const struct neph_texture_params *params;
+    size_t count_each; /* numbers of a slab */
+    int first, count;
+    float *values;               /* of slab `first` on; owned */
+    struct neph_buffer *staging; /* the same as texels */
+};
+
+static void fill_slab(int i, void *context)
 {
+    const struct slabs *slabs = context;
+    const size_t count = slabs->count_each;
+    const enum neph_texel_format format = slabs->params->format;
+    float *values = slabs->values + (size_t)i * count;
+    slabs->params->slab(slabs->params->context, slabs->first + i, values);
+    convert(values, count, format,
+            (char *)slabs->staging->mapped + (size_t)i * count * formats[format].bytes);
+}
+
+static VkResult copy_slabs(const struct neph_vulkan *vulkan, const struct slabs *slabs,
+                           const struct neph_texture *texture)
+{
+    const int *size = slabs->params->size;
     const VkBufferImageCopy region = {
         .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-        .imageOffset = {0, 0, z},
-        .imageExtent = {(uint32_t)params->size[0], (uint32_t)params->size[1], 1},
+        .imageOffset = {0, 0, slabs->first},
+        .imageExtent = {(uint32_t)size[0], (uint32_t)size[1], (uint32_t)slabs->count},
     };
     struct neph_lane *lane;
     VkResult result = neph_lane_begin(vulkan, &lane);
     if (result != VK_SUCCESS)
         return result;
-    if (z == 0)
+    if (slabs->first == 0)
         change_layout(vulkan, lane, texture, false);
-    vulkan->api.vkCmdCopyBufferToImage(lane->commands, staging->handle, texture->image,
+    vulkan->api.vkCmdCopyBufferToImage(lane->commands, slabs->staging->handle, texture->image,
                                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    if (z == params->size[2] - 1)
+    if (slabs->first + slabs->count == size[2])
         change_layout(vulkan, lane, texture, true);
     result = neph_lane_send(vulkan, lane);
     return result == VK_SUCCESS ? neph_lanes_wait(vulkan, vulkan->lanes->sent) : result;
 }
 
-/* Slab after slab: no second copy of the lattice in memory. */
+/* A few megabytes of slabs after the other: no second copy of the lattice in memory, and no wait
+ * for the device after each slab. */
 static enum neph_status fill(const struct neph_vulkan *vulkan,
                              const struct neph_texture_params *params,
                              const struct neph_texture *texture, struct neph_diag *diag)
 {
-    const size_t count = (size_t)params->size[0] * (size_t)params->size[1];
-    float *values = malloc(count * sizeof(*values));
+    const size_t group_bytes = (size_t)4 << 20;
     struct neph_buffer staging = {0};
-    enum neph_status status = values ? NEPH_OK : neph_fail_memory(diag);
+    struct slabs slabs = {params,  (size_t)params->size[0] * (size_t)params->size[1], 0, 0, NULL,
+                          &staging};
+    const size_t fitting = group_bytes / (slabs.count_each * sizeof(*slabs.values));
+    const int depth = params->size[2];
+    const int group = fitting < 1 ? 1 : fitting < (size_t)depth ? (int)fitting : depth;
+    const size_t group_count = (size_t)group * slabs.count_each;
+    slabs.values = malloc(group_count * sizeof(*slabs.values));
+    enum neph_status status = slabs.values ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD,
-                                    count * formats[params->format].bytes, "staging", &staging,
-                                    diag);
-    for (int z = 0; z < params->size[2] && !status; z++) {
-        params->slab(params->context, z, values);
-        convert(values, count, params->format, staging.mapped);
-        const VkResult result = copy_slab(vulkan, params, &staging, z, texture);
+                                    group_count * formats[params->format].bytes, "staging",
+                                    &staging, diag);
+    for (; slabs.first < depth && !status; slabs.first += group) {
+        slabs.count = depth - slabs.first < group ? depth - slabs.first : group;
+        status = neph_parallel_rows(slabs.count, fill_slab, &slabs, diag);
+        const VkResult result = status ? VK_SUCCESS : copy_slabs(vulkan, &slabs, texture);
         if (result != VK_SUCCESS)
             status = neph_vulkan_fail(result, params->name, diag);
     }
     neph_buffer_destroy(vulkan, &staging);
-    free(values);
+    free(slabs.values);
     return status;
 }
 

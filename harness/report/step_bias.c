@@ -8,6 +8,7 @@
 #include "harness/report/step_bias.h"
 
 #include "base/files.h"
+#include "base/threads.h"
 #include "harness/report/marched_scene.h"
 #include "renderer/march_params.h"
 #include "scenes/emission.h"
@@ -379,23 +380,46 @@ static bool is_costly(const struct march *march)
     return RAYS_LEAST * ray_work > work_max;
 }
 
-/* The bias over the light of the media. Fewer rays where there are many steps. */
+/* Rays that are marched twice, the second time with steps half as long. */
+struct twice {
+    const struct neph_shot *shot;
+    const struct march *coarse, *fine;
+    struct neph_camera camera;
+    int rays;
+    double coarse_light[RAYS_MAX], fine_light[RAYS_MAX];
+};
+
+static void march_twice(int i, void *context)
+{
+    struct twice *twice = context;
+    const struct neph_pixel_ray seen = ray_of_frame(twice->shot, &twice->camera, i, twice->rays);
+    const struct way way = {
+        seen.origin_m, seen.direction,
+        neph_scene_hit(twice->coarse->scene, seen.origin_m, seen.direction).t_m};
+    twice->coarse_light[i] = mean(ray_light(twice->coarse, &way));
+    twice->fine_light[i] = mean(ray_light(twice->fine, &way));
+}
+
+/* The bias over the light of the media; NAN: interrupted. Fewer rays where there are many steps. */
 static double bias_of_media(const struct neph_shot *shot, const struct march *march)
 {
     struct march finer = *march;
     finer.steps *= 2;
     finer.sun_steps *= 2;
     finer.growth = sqrt(march->growth);
-    const struct neph_camera camera = neph_scene_camera(march->scene, shot->frame);
-    const int rays = (int)fmax(RAYS_LEAST, fmin(RAYS_MAX, STEPS_MAX / (3.0 * march->steps)));
+    struct twice twice = {
+        .shot = shot,
+        .coarse = march,
+        .fine = &finer,
+        .camera = neph_scene_camera(march->scene, shot->frame),
+        .rays = (int)fmax(RAYS_LEAST, fmin(RAYS_MAX, STEPS_MAX / (3.0 * march->steps))),
+    };
+    if (neph_parallel_rows(twice.rays, march_twice, &twice, NULL))
+        return NAN;
     double difference = 0.0, sum = 0.0;
-    for (int i = 0; i < rays; i++) {
-        const struct neph_pixel_ray seen = ray_of_frame(shot, &camera, i, rays);
-        const struct way way = {seen.origin_m, seen.direction,
-                                neph_scene_hit(march->scene, seen.origin_m, seen.direction).t_m};
-        const double coarse = mean(ray_light(march, &way)), fine = mean(ray_light(&finer, &way));
-        difference += coarse - fine;
-        sum += fine;
+    for (int i = 0; i < twice.rays; i++) {
+        difference += twice.coarse_light[i] - twice.fine_light[i];
+        sum += twice.fine_light[i];
     }
     return order_factor * difference / sum;
 }

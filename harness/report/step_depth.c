@@ -2,6 +2,7 @@
 #include "harness/report/step_depth.h"
 
 #include "base/files.h"
+#include "base/threads.h"
 #include "harness/report/marched_scene.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
@@ -99,27 +100,53 @@ static double own_steps(const struct ray *ray, int steps)
     return most;
 }
 
+/* A frame whose rays are looked along. */
+struct frame {
+    const struct neph_shot *shot;
+    const struct neph_scene *scene;
+    struct neph_camera camera;
+    struct neph_bounds containers[NEPH_SCENE_MEDIA_MAX];
+    bool shared;
+    int steps;
+    double most[ROWS]; /* of each row */
+};
+
+/* Pixel centres of the frame itself, so that its shape counts. */
+static void look_along_row(int row, void *context)
+{
+    struct frame *frame = context;
+    const int width_px = frame->shot->width_px, height_px = frame->shot->height_px;
+    frame->most[row] = 0.0;
+    for (int column = 0; column < COLUMNS; column++) {
+        const struct neph_pixel_ray seen = neph_camera_ray(
+            &frame->camera, width_px, height_px, (2 * column + 1) * width_px / (2 * COLUMNS),
+            (2 * row + 1) * height_px / (2 * ROWS));
+        struct ray ray = {.scene = frame->scene,
+                          .containers = frame->containers,
+                          .origin_m = seen.origin_m,
+                          .direction = seen.direction};
+        ray.end_m = neph_scene_hit(frame->scene, ray.origin_m, ray.direction).t_m;
+        frame->most[row] = fmax(frame->most[row], frame->shared ? shared_steps(&ray, frame->steps)
+                                                                : own_steps(&ray, frame->steps));
+    }
+}
+
+/* NAN: interrupted. */
 static double most_of_frame(const struct neph_shot *shot, const struct neph_scene *scene,
                             bool shared, int steps)
 {
-    struct neph_bounds containers[NEPH_SCENE_MEDIA_MAX];
-    const struct neph_camera camera = neph_scene_camera(scene, shot->frame);
+    struct frame frame = {.shot = shot,
+                          .scene = scene,
+                          .camera = neph_scene_camera(scene, shot->frame),
+                          .shared = shared,
+                          .steps = steps};
     double most = 0.0, cut_error;
     for (int m = 0; m < scene->medium_count; m++)
-        containers[m] = neph_medium_container(scene, &scene->media[m], &cut_error);
-    for (int i = 0; i < COLUMNS * ROWS; i++) {
-        /* Pixel centres of the picture itself, so that its shape counts. */
-        const int column = (2 * (i % COLUMNS) + 1) * shot->width_px / (2 * COLUMNS);
-        const int row = (2 * (i / COLUMNS) + 1) * shot->height_px / (2 * ROWS);
-        const struct neph_pixel_ray seen = neph_camera_ray(&camera, shot->width_px, shot->height_px,
-                                                           column, row);
-        struct ray ray = {.scene = scene,
-                          .containers = containers,
-                          .origin_m = seen.origin_m,
-                          .direction = seen.direction};
-        ray.end_m = neph_scene_hit(scene, ray.origin_m, ray.direction).t_m;
-        most = fmax(most, shared ? shared_steps(&ray, steps) : own_steps(&ray, steps));
-    }
+        frame.containers[m] = neph_medium_container(scene, &scene->media[m], &cut_error);
+    if (neph_parallel_rows(ROWS, look_along_row, &frame, NULL))
+        return NAN;
+    for (int row = 0; row < ROWS; row++)
+        most = fmax(most, frame.most[row]);
     return most;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/media/grid.h"
 
+#include "base/threads.h"
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
 #include "scenes/grid.h"
@@ -98,48 +99,75 @@ static size_t data_count(const struct neph_medium *medium)
     return (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
 }
 
-/* One slab of the padded lattice after the other: no second copy of the grid in memory. */
+/* Slabs of the padded lattice as a kernel reads them: values, or pairs of each value and the one
+ * behind it in its row (0 behind the last of a slab). */
+struct slabs {
+    const struct neph_medium *medium;
+    size_t count_each; /* values of a slab */
+    bool are_pairs;
+    int first;
+    float *values; /* of slab `first` on; owned */
+};
+
+/* Pairs are made in place, from the last value on. */
+static void fill_slab(int i, void *context)
+{
+    const struct slabs *slabs = context;
+    const size_t count = slabs->count_each;
+    float *values = slabs->values + (size_t)i * count * (slabs->are_pairs ? 2 : 1);
+    neph_gpu_grid_slab(slabs->medium, slabs->first + i, values);
+    if (!slabs->are_pairs)
+        return;
+    float behind = 0.0f;
+    for (size_t k = count; k-- > 0;) {
+        const float value = values[k];
+        values[2 * k] = value;
+        values[2 * k + 1] = behind;
+        behind = value;
+    }
+}
+
+/* A few megabytes of slabs after the other: no second copy of the grid in memory, and no wait for
+ * the device after each slab. */
+static enum neph_status upload_slabs(const struct neph_vulkan *vulkan,
+                                     const struct neph_medium *medium, bool are_pairs,
+                                     uint32_t first, const struct neph_buffer *buffer,
+                                     struct neph_diag *diag)
+{
+    const size_t group_bytes = (size_t)4 << 20;
+    int size[3];
+    neph_gpu_grid_size(medium->grid, size);
+    struct slabs slabs = {medium, (size_t)size[0] * (size_t)size[1], are_pairs, 0, NULL};
+    const size_t slab_bytes = slabs.count_each * (are_pairs ? 2 : 1) * sizeof(*slabs.values);
+    const int group = group_bytes < slab_bytes ? 1 : (int)(group_bytes / slab_bytes);
+    slabs.values = malloc((size_t)(group < size[2] ? group : size[2]) * slab_bytes);
+    enum neph_status status = slabs.values ? NEPH_OK : neph_fail_memory(diag);
+    for (; slabs.first < size[2] && !status; slabs.first += group) {
+        const int left = size[2] - slabs.first, now = left < group ? left : group;
+        status = neph_parallel_rows(now, fill_slab, &slabs, diag);
+        if (!status)
+            status = neph_buffer_upload(vulkan, buffer,
+                                        (are_pairs ? 2 : 1) * (size_t)first *
+                                                sizeof(*slabs.values) +
+                                            (size_t)slabs.first * slab_bytes,
+                                        slabs.values, (size_t)now * slab_bytes, diag);
+    }
+    free(slabs.values);
+    return status;
+}
+
 static enum neph_status upload(const struct neph_vulkan *vulkan, const struct neph_medium *medium,
                                uint32_t first, const struct neph_buffer *buffer,
                                struct neph_diag *diag)
 {
-    int size[3];
-    neph_gpu_grid_size(medium->grid, size);
-    const size_t slab_count = (size_t)size[0] * (size_t)size[1];
-    float *slab = malloc(slab_count * sizeof(*slab));
-    enum neph_status status = slab ? NEPH_OK : neph_fail_memory(diag);
-    for (int z = 0; z < size[2] && !status; z++) {
-        neph_gpu_grid_slab(medium, z, slab);
-        status = neph_buffer_upload(vulkan, buffer,
-                                    (first + (size_t)z * slab_count) * sizeof(*slab), slab,
-                                    slab_count * sizeof(*slab), diag);
-    }
-    free(slab);
-    return status;
+    return upload_slabs(vulkan, medium, false, first, buffer, diag);
 }
 
-/* Each value and the one behind it in its row. */
 static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
                                      const struct neph_medium *medium, uint32_t first,
                                      const struct neph_buffer *buffer, struct neph_diag *diag)
 {
-    int size[3];
-    neph_gpu_grid_size(medium->grid, size);
-    const size_t slab_count = (size_t)size[0] * (size_t)size[1];
-    float *slab = calloc(slab_count + 1, sizeof(*slab));
-    float *pairs = calloc(slab_count, 2 * sizeof(*pairs));
-    enum neph_status status = slab && pairs ? NEPH_OK : neph_fail_memory(diag);
-    for (int z = 0; z < size[2] && !status; z++) {
-        neph_gpu_grid_slab(medium, z, slab);
-        for (size_t i = 0; i < slab_count; i++)
-            memcpy(&pairs[2 * i], &slab[i], 2 * sizeof(*slab));
-        status = neph_buffer_upload(vulkan, buffer,
-                                    2 * (first + (size_t)z * slab_count) * sizeof(*slab), pairs,
-                                    2 * slab_count * sizeof(*slab), diag);
-    }
-    free(pairs);
-    free(slab);
-    return status;
+    return upload_slabs(vulkan, medium, true, first, buffer, diag);
 }
 
 static uint64_t integral_turns(const struct neph_medium *medium)
