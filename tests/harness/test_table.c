@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+#include "tests/neph_test.h"
+
+#include "base/written.h"
+#include "harness/document/table.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+struct row {
+    double bias, noise;
+};
+
+static void fill(struct neph_table *table)
+{
+    static const struct neph_column fixed[] = {
+        {.key = "scene", .title = "scene"},
+        {.key = "frames", .title = "frames", .format = "%g"},
+        {.title = "", .forms = NEPH_TABLE_TEXT},
+        {.key = "moves"},
+    };
+    static const struct neph_field numbers[] = {
+        {{.key = "bias", .title = "bias, %", .format = "%+.1f", .scale = 100.0},
+         offsetof(struct row, bias)},
+        {{.key = "noise", .title = "noise", .format = "%.3f", .none = "none"},
+         offsetof(struct row, noise)},
+    };
+    static const struct row rows[] = {{0.125, NAN}, {NAN, 0.25}};
+    neph_table_columns(table, fixed, 4);
+    neph_table_fields(table, numbers, 2);
+    neph_table_word(table, "fog, \"thin\"");
+    neph_table_count(table, 3);
+    neph_table_word(table, "left out");
+    neph_table_flag(table, true);
+    neph_table_field_cells(table, numbers, 2, &rows[0]);
+    neph_table_word(table, "cloud");
+    neph_table_count(table, 0);
+    neph_table_shown(table, "all %d", 7);
+    neph_table_word(table, NULL);
+    neph_table_flag(table, false);
+    neph_table_field_cells(table, numbers, 2, &rows[1]);
+}
+
+static void print(const void *table, FILE *out)
+{
+    neph_table_print(table, out);
+}
+
+static void print_csv(const void *table, FILE *out)
+{
+    neph_table_print_csv(table, "\r\n", out);
+}
+
+static void test_one_table_is_written_in_three_forms(void **state)
+{
+    (void)state;
+    struct neph_table table = {.cells = NULL};
+    char *text, *csv;
+    fill(&table);
+    assert_int_equal(neph_table_check(&table, NULL), NEPH_OK);
+    assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
+    assert_string_equal(text, "| scene | frames | | bias, % | noise |\n"
+                              "| --- | ---: | --- | ---: | ---: |\n"
+                              "| fog, \"thin\" | 3 | left out | +12.5 | none |\n"
+                              "| cloud | all 7 | | - | 0.250 |\n");
+    assert_int_equal(neph_written(print_csv, &table, &csv, NULL), NEPH_OK);
+    assert_string_equal(csv, "scene,frames,moves,bias,noise\r\n"
+                             "\"fog, \"\"thin\"\"\",3,1,0.125,\r\n"
+                             "cloud,0,0,,0.25\r\n");
+    json_t *list = neph_table_json(&table);
+    char *json = json_dumps(list, JSON_COMPACT);
+    assert_string_equal(json, "[{\"scene\":\"fog, \\\"thin\\\"\",\"frames\":3,\"moves\":true,"
+                              "\"bias\":0.125,\"noise\":null},"
+                              "{\"scene\":\"cloud\",\"frames\":0,\"moves\":false,"
+                              "\"bias\":null,\"noise\":0.25}]");
+    free(json);
+    json_decref(list);
+    free(csv);
+    free(text);
+    neph_table_finish(&table);
+}
+
+static void test_words_are_cleaned(void **state)
+{
+    (void)state;
+    struct neph_table table = {.cells = NULL};
+    char *text;
+    neph_table_columns(&table, &(struct neph_column){.key = "name", .title = "name"}, 1);
+    neph_table_word(&table, "a\x1b[31mb");
+    assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
+    assert_null(strchr(text, '\x1b'));
+    free(text);
+    neph_table_finish(&table);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_one_table_is_written_in_three_forms),
+        cmocka_unit_test(test_words_are_cleaned),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
