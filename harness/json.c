@@ -69,3 +69,15 @@ json_t *neph_json_cleaned(const char *text)
     free(clean);
     return string;
 }
+
+enum neph_status neph_json_print(json_t *json, struct neph_diag *diag)
+{
+    enum neph_status status = neph_json_check(json, diag);
+    const bool written = !status && json_dumpf(json, stdout, JSON_INDENT(2)) == 0;
+    if (!status && !written && !ferror(stdout)) /* what stdout does not take is told at the end */
+        status = neph_json_check(NULL, diag);
+    if (!status)
+        putchar('\n');
+    json_decref(json);
+    return status;
+}

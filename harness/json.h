@@ -53,4 +53,9 @@ json_t *neph_json_number(double value);
  * to be opened again must not be changed, and is refused before (neph_cli_check_folder). */
 json_t *neph_json_cleaned(const char *text);
 
+/* JSON on stdout, indented, with a newline at the end; consumes the reference. NEPH_ERR_INTERNAL:
+ * it is NULL, because it could not be made. */
+enum neph_status neph_json_print(json_t *json, struct neph_diag *diag)
+    __attribute__((warn_unused_result));
+
 #endif

@@ -152,7 +152,7 @@ static enum neph_status print(const struct request *request, const struct neph_a
 {
     char *text = NULL;
     if (request->shared.json)
-        return neph_cli_print_json(json_incref(json), diag);
+        return neph_json_print(json_incref(json), diag);
     const enum neph_status status = neph_ablation_text(ablation, &text, diag);
     if (!status)
         fputs(text, stdout);

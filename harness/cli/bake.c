@@ -168,7 +168,7 @@ enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
     if (!status && !entry)
         status = neph_fail_memory(diag);
     if (!status && request.shared.json)
-        status = neph_cli_print_json(result_json(output, entry, &result), diag);
+        status = neph_json_print(result_json(output, entry, &result), diag);
     else if (!status)
         print_result(output, entry, &result);
     free(entry);

@@ -114,7 +114,7 @@ static enum neph_status list(const struct request *request, struct neph_database
     const json_t *row;
     enum neph_status status = neph_history_acceptances(index, &acceptances, diag);
     if (!status && request->shared.json)
-        return neph_cli_print_json(acceptances, diag);
+        return neph_json_print(acceptances, diag);
     json_array_foreach(acceptances, i, row) printf(
         "%s  night %lld  %s  %s: %s\n", neph_json_text(row, "when_utc"),
         (long long)json_integer_value(json_object_get(row, "night")), neph_json_text(row, "series"),

@@ -609,7 +609,7 @@ static enum neph_status print(const struct request *request, const struct both *
                               struct neph_diag *diag)
 {
     if (request->shared.json)
-        return neph_cli_print_json(json_of(both), diag);
+        return neph_json_print(json_of(both), diag);
     if (both->frames.engine_count > 0)
         print_frames(&both->frames);
     if (both->noise.engine_count > 0)

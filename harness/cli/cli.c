@@ -57,18 +57,6 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
     free(path);
 }
 
-enum neph_status neph_cli_print_json(json_t *json, struct neph_diag *diag)
-{
-    enum neph_status status = neph_json_check(json, diag);
-    const bool written = !status && json_dumpf(json, stdout, JSON_INDENT(2)) == 0;
-    if (!status && !written && !ferror(stdout)) /* what stdout does not take is told at the end */
-        status = neph_json_check(NULL, diag);
-    if (!status)
-        putchar('\n');
-    json_decref(json);
-    return status;
-}
-
 json_t *neph_cli_options_json(const struct neph_option *options)
 {
     json_t *list = json_array();

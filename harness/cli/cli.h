@@ -9,7 +9,7 @@
 #include "base/option.h"
 #include "base/scratch.h"
 #include "base/status.h"
-#include "harness/cli/options.h"
+#include "harness/options.h"
 #include "harness/json.h"
 #include "harness/run/store.h"
 
@@ -59,10 +59,5 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
 /* A table of options, for JSON and for people. */
 json_t *neph_cli_options_json(const struct neph_option *options);
 void neph_cli_print_options(const struct neph_option *options);
-
-/* Print JSON on stdout, indented, with a newline at the end; consumes the reference.
- * NEPH_ERR_INTERNAL: it is NULL, because it could not be made. */
-enum neph_status neph_cli_print_json(json_t *json, struct neph_diag *diag)
-    __attribute__((warn_unused_result));
 
 #endif

@@ -306,7 +306,7 @@ static enum neph_status print_all(const struct neph_cli_comparison *asked,
                          asked->mask);
     const bool csv_on_stdout = asked->csv && strcmp(asked->csv, "-") == 0;
     if (asked->shared.json)
-        status = neph_cli_print_json(neph_compared_json(compared), diag);
+        status = neph_json_print(neph_compared_json(compared), diag);
     else if (!csv_on_stdout)
         neph_comparison_print(compared, asked->rings || asked->mask, asked->metrics.count > 0);
     return asked->csv && !status ? neph_comparison_write_csv(asked->csv, compared, diag) : status;

@@ -5,7 +5,7 @@
 #ifndef NEPH_HARNESS_CLI_COMPARISON_H
 #define NEPH_HARNESS_CLI_COMPARISON_H
 
-#include "harness/cli/options.h"
+#include "harness/options.h"
 #include "harness/compare/comparison.h"
 
 /* What is asked for; the shared settings are of extractors. */

@@ -154,7 +154,7 @@ static enum neph_status render(const struct request *request, struct neph_diag *
         return status;
     neph_conform_count(report, &expected, &sound);
     if (shared->json) {
-        status = neph_cli_print_json(report, diag);
+        status = neph_json_print(report, diag);
     } else {
         print_wrong(report);
         printf("%d of %d pictures are finite and nowhere negative\n", sound, expected);
@@ -203,7 +203,7 @@ static enum neph_status compare(const struct request *request, struct neph_diag 
     const long long expected = json_integer_value(json_object_get(report, "expected"));
     const long long agreeing = json_integer_value(json_object_get(report, "agreeing"));
     if (shared->json) {
-        status = neph_cli_print_json(report, diag);
+        status = neph_json_print(report, diag);
     } else {
         print_comparison(report);
         json_decref(report);

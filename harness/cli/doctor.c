@@ -112,7 +112,7 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
     char *data = neph_data_directory();
     enum neph_status status = NEPH_OK;
     if (request.json)
-        status = neph_cli_print_json(
+        status = neph_json_print(
             json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", json_incref(list)), diag);
     else
         printf("data     %s\n", data ? data : "");

@@ -132,7 +132,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
     neph_shared_device_close(&device);
     enum neph_status status = NEPH_OK;
     if (request.json)
-        status = neph_cli_print_json(json_incref(list), diag);
+        status = neph_json_print(json_incref(list), diag);
     json_decref(list);
     return status;
 }

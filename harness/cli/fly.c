@@ -107,7 +107,7 @@ static enum neph_status fly(const struct request *request, const struct neph_sce
     if (!shared->json)
         print_result(result);
     const enum neph_status printed =
-        shared->json ? neph_cli_print_json(json_incref(result), status ? NULL : diag) : NEPH_OK;
+        shared->json ? neph_json_print(json_incref(result), status ? NULL : diag) : NEPH_OK;
     json_decref(result);
     return status ? status : printed;
 }

@@ -121,7 +121,7 @@ static enum neph_status list_masks(bool as_json, struct neph_diag *diag)
     }
     enum neph_status status = NEPH_OK;
     if (as_json)
-        status = neph_cli_print_json(json_incref(list), diag);
+        status = neph_json_print(json_incref(list), diag);
     else
         printf(
             "%-14s a channel mask.NAME of the reference, above 0.5 inside (mask.cloud, mask.fog, "
@@ -166,7 +166,7 @@ enum neph_status neph_cli_metrics(int argc, char **argv, struct neph_diag *diag)
             print_extractor(extractor, only != NULL);
     }
     if (shared->json)
-        status = neph_cli_print_json(json_incref(list), diag);
+        status = neph_json_print(json_incref(list), diag);
     json_decref(list);
     return status;
 }

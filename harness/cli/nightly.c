@@ -128,7 +128,7 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
     const char *output = request->shared.output;
     enum neph_status status = neph_night_write(night, request->tier, output, diag);
     if (!status && request->shared.json) {
-        status = neph_cli_print_json(neph_night_json(night, request->tier), diag);
+        status = neph_json_print(neph_night_json(night, request->tier), diag);
     } else if (!status) {
         char *summary = neph_night_summary(night, request->tier);
         status = summary ? NEPH_OK : neph_fail_memory(diag);

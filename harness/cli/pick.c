@@ -162,7 +162,7 @@ static enum neph_status tell(const struct request *request, const struct neph_pi
 {
     enum neph_status status = write_json(params, pick, path, diag);
     if (!status && request->shared.json)
-        status = neph_cli_print_json(neph_pick_json(params, pick), diag);
+        status = neph_json_print(neph_pick_json(params, pick), diag);
     if (!status && !request->shared.json) {
         neph_pick_print(params, pick, stdout);
         printf("neph render %s --config %s\n", params->scene, path);

@@ -48,7 +48,7 @@ static enum neph_status tell(const struct neph_cli_pick_presets *asked,
     if (!status)
         status = write_files(asked->output, study, json, diag);
     if (!status && asked->json)
-        status = neph_cli_print_json(json_incref(json), diag);
+        status = neph_json_print(json_incref(json), diag);
     else if (!status)
         status = neph_choice_print(choice, study, stdout, diag);
     json_decref(json);

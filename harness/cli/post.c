@@ -394,7 +394,7 @@ static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
     if (!status)
         status = make_all(work, diag);
     if (!status && request->shared.json)
-        status = neph_cli_print_json(json_incref(work->results), diag);
+        status = neph_json_print(json_incref(work->results), diag);
     return status;
 }
 

@@ -68,7 +68,7 @@ static enum neph_status list_chain(const struct neph_post_plan *plan, bool as_js
     for (int i = 0; i < count; i++)
         neph_json_add(&names, json_string(stages[i]->name));
     if (as_json)
-        return neph_cli_print_json(
+        return neph_json_print(
             json_pack("{s:o, s:o}", "stages", names, "volumes", weights_json(plan)), diag);
     json_decref(names);
     printf("stages that are on, in their order\n");
@@ -87,7 +87,7 @@ enum neph_status neph_cli_post_list(const struct neph_post_plan *plan, bool as_j
     if (plan)
         return list_chain(plan, as_json, diag);
     if (as_json)
-        return neph_cli_print_json(list_json(), diag);
+        return neph_json_print(list_json(), diag);
     printf("stages, in their order\n");
     neph_cli_post_print_stages("    ");
     printf("settings\n");

@@ -472,7 +472,7 @@ static enum neph_status render_frames(const struct request *request, struct neph
     if (request->stats && !request->shared.json && json_array_size(run.results) > 0)
         print_stats(run.results);
     const enum neph_status printed =
-        request->shared.json ? neph_cli_print_json(json_incref(run.results), status ? NULL : diag)
+        request->shared.json ? neph_json_print(json_incref(run.results), status ? NULL : diag)
                              : NEPH_OK;
     json_decref(run.results);
     return status ? status : printed;
@@ -551,7 +551,7 @@ static enum neph_status export_files(const struct request *request, struct neph_
     if (status)
         return status;
     if (request->shared.json)
-        return neph_cli_print_json(
+        return neph_json_print(
             json_pack("{s:s, s:s}", "folder", request->shared.output, "command", command), diag);
     printf("in %s: %s\n", request->shared.output, command);
     return NEPH_OK;

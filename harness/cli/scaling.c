@@ -83,7 +83,7 @@ static enum neph_status tell(const struct request *request, const struct neph_sc
     if (status)
         return status;
     if (request->shared.json)
-        return neph_cli_print_json(neph_scaling_json(scaling), diag);
+        return neph_json_print(neph_scaling_json(scaling), diag);
     neph_scaling_print(scaling, stdout);
     if (there)
         neph_scaling_print_against(scaling, there, stdout);

@@ -187,7 +187,7 @@ static enum neph_status show_scene(const char *name, bool as_json, struct neph_d
     if (status)
         return status;
     if (as_json)
-        status = neph_cli_print_json(scene_json(scene), diag);
+        status = neph_json_print(scene_json(scene), diag);
     else
         print_scene(scene);
     neph_scene_destroy(scene);
@@ -298,7 +298,7 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT && !status; folder++)
         status = list_folder((enum neph_data_scenes)folder, as_json, list, diag);
     if (!status && as_json)
-        status = neph_cli_print_json(json_incref(list), diag);
+        status = neph_json_print(json_incref(list), diag);
     json_decref(list);
     return status;
 }

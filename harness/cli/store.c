@@ -101,7 +101,7 @@ static enum neph_status run_check(const struct request *request, struct neph_sto
     enum neph_status status = neph_store_check(store, request->repairs, tell_fault,
                                                json ? &faults : NULL, &sums, diag);
     if (!status && json)
-        status = neph_cli_print_json(
+        status = neph_json_print(
             json_pack("{s:I, s:I, s:I, s:I, s:I, s:O}", "frames", (json_int_t)sums.frames, "bytes",
                       (json_int_t)sums.bytes, "nights", (json_int_t)sums.nights, "acceptances",
                       (json_int_t)sums.accepted, "bad", (json_int_t)sums.bad, "faults", faults),
@@ -147,7 +147,7 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
     enum neph_status status = neph_store_gc(store, (int64_t)limit, 3600.0 * request->spare_hours,
                                             &gc, diag);
     if (!status && request->shared.json)
-        status = neph_cli_print_json(
+        status = neph_json_print(
             json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "frames_before",
                       (json_int_t)gc.frames_before, "bytes_before", (json_int_t)gc.bytes_before,
                       "frames_removed", (json_int_t)gc.frames_removed, "bytes_removed",
@@ -178,7 +178,7 @@ static enum neph_status run_export(struct neph_store *store, struct neph_diag *d
 {
     json_t *document = NULL;
     const enum neph_status status = neph_store_export(store, &document, diag);
-    return status ? status : neph_cli_print_json(document, diag);
+    return status ? status : neph_json_print(document, diag);
 }
 
 /* ---- all ------------------------------------------------------------------------------------- */

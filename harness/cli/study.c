@@ -5,28 +5,30 @@
 #include "harness/cli/study.h"
 
 #include "harness/engines/engines.h"
+#include "harness/experiments/experiments.h"
 
 #include <stdio.h>
 #include <string.h>
 
 static const struct {
     const char *name;
-    neph_verb *run;
+    neph_verb *run; /* or: */
+    const struct neph_experiment *experiment;
     const char *help;
 } kinds[] = {
-    {"steps", neph_cli_study_steps,
+    {"steps", neph_cli_study_steps, NULL,
      "how far an engine's steps are from their limit, and which are enough"},
-    {"flicker", neph_cli_study_flicker,
+    {"flicker", neph_cli_study_flicker, NULL,
      "which preset of the real-time renderer flickers and lags less, with intervals"},
-    {"light", neph_cli_study_light,
+    {"light", neph_cli_study_light, NULL,
      "how far lighting models are from all orders of scattering, and where"},
-    {"sky", neph_cli_study_sky,
+    {"sky", neph_cli_study_sky, NULL,
      "how far models of a planet's atmosphere are from all orders of scattering, and where"},
-    {"fog", neph_cli_study_fog,
+    {"fog", neph_cli_study_fog, NULL,
      "what the controls of a fog's look give, take and break, each alone, against exact"},
-    {"screen", neph_cli_study_screen,
+    {"screen", neph_cli_study_screen, NULL,
      "how far occlusion, reflections and indirect light on a screen are from the truth, and why"},
-    {"post", neph_cli_study_post,
+    {"post", NULL, &neph_experiment_post,
      "what each stage between a frame and the display makes of error and flicker"},
 };
 enum { KIND_COUNT = sizeof(kinds) / sizeof(kinds[0]) };
@@ -69,7 +71,9 @@ enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
             char name[64];
             snprintf(name, sizeof(name), "neph study %s", kinds[i].name);
             argv[1] = name;
-            return kinds[i].run(argc - 1, argv + 1, diag);
+            return kinds[i].run
+                       ? kinds[i].run(argc - 1, argv + 1, diag)
+                       : neph_experiment_main(kinds[i].experiment, argc - 1, argv + 1, diag);
         }
     if (first[0] != '-' && !neph_engine_find(first))
         return refuse_kind(first, diag);

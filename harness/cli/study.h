@@ -13,6 +13,5 @@ neph_verb neph_cli_study_light;
 neph_verb neph_cli_study_sky;
 neph_verb neph_cli_study_fog;
 neph_verb neph_cli_study_screen;
-neph_verb neph_cli_study_post;
 
 #endif

@@ -145,7 +145,7 @@ static enum neph_status write_all(const struct request *request,
 {
     enum neph_status status = write_text(request, study, diag);
     if (!status && request->shared.json)
-        status = neph_cli_print_json(neph_flicker_study_json(study), diag);
+        status = neph_json_print(neph_flicker_study_json(study), diag);
     if (!status && request->csv)
         status = write_csv(request->csv, study, diag);
     if (!status)

@@ -81,7 +81,7 @@ static enum neph_status write_results(const struct request *request,
     if (!status && request->csv)
         status = write_csv(request->csv, study, diag);
     if (!status && request->shared.json)
-        status = neph_cli_print_json(neph_fog_study_json(study), diag);
+        status = neph_json_print(neph_fog_study_json(study), diag);
     else if (!status)
         fputs(text, stdout);
     free(text);

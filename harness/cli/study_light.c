@@ -258,12 +258,12 @@ static enum neph_status print_results(const struct request *request, const struc
 {
     char *text = NULL;
     if (request->shared.json && !request->markdown)
-        return neph_cli_print_json(make_json(request, found), diag);
+        return neph_json_print(make_json(request, found), diag);
     enum neph_status status = make_text(request, found, &text, diag);
     if (!status && request->markdown)
         status = neph_file_write(request->markdown, text, strlen(text), diag);
     if (!status && request->shared.json)
-        status = neph_cli_print_json(make_json(request, found), diag);
+        status = neph_json_print(make_json(request, found), diag);
     else if (!status)
         fputs(text, stdout);
     free(text);

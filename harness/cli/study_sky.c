@@ -93,7 +93,7 @@ static enum neph_status print_results(const struct request *request,
     if (!status && request->markdown)
         status = neph_file_write(request->markdown, text, strlen(text), diag);
     if (!status && request->shared.json)
-        status = neph_cli_print_json(neph_sky_study_json(study), diag);
+        status = neph_json_print(neph_sky_study_json(study), diag);
     else if (!status)
         fputs(text, stdout);
     free(text);

@@ -148,7 +148,7 @@ static enum neph_status run_study(const struct neph_cli_shared *shared, struct n
     if (!status)
         status = neph_outcome_check(outcome, reason, diag);
     if (!status && shared->json)
-        status = neph_cli_print_json(neph_study_json(&study), diag);
+        status = neph_json_print(neph_study_json(&study), diag);
     else if (!status)
         print_study(&study, shared);
     neph_shared_device_close(&device);

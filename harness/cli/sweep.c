@@ -194,7 +194,7 @@ static enum neph_status tell(const struct request *request, const struct neph_sw
     if (status || (request->csv && strcmp(request->csv, "-") == 0 && !request->shared.json))
         return status;
     if (request->shared.json)
-        return neph_cli_print_json(neph_sweep_json(sweep), diag);
+        return neph_json_print(neph_sweep_json(sweep), diag);
     neph_sweep_print(sweep, stdout);
     neph_sweep_print_equals(sweep, stdout);
     printf("%s/sweep/index.html\n", request->shared.output);
@@ -223,7 +223,7 @@ static enum neph_status judge_fronts(const struct request *request, const struct
     enum neph_status status = write_json(request->shared.output, "stability.json",
                                          json_incref(json), diag);
     if (!status && request->shared.json)
-        status = neph_cli_print_json(json_incref(json), diag);
+        status = neph_json_print(json_incref(json), diag);
     else if (!status)
         neph_stability_print(sweeps, request->seeds, cost, stdout);
     json_decref(json);

@@ -283,7 +283,7 @@ static enum neph_status tell(const struct request *request,
     const struct neph_counts *counts = &validation->counts;
     enum neph_status status = NEPH_OK;
     if (request->shared.json)
-        status = neph_cli_print_json(neph_validation_json(validation), diag);
+        status = neph_json_print(neph_validation_json(validation), diag);
     else if (physics)
         neph_physics_print(physics);
     else

@@ -59,7 +59,7 @@ static enum neph_status tell(const struct neph_failure_suite *suite, const char 
 {
     enum neph_status status = write_json(output, suite, diag);
     if (!status)
-        status = as_json ? neph_cli_print_json(neph_failure_json(suite), diag)
+        status = as_json ? neph_json_print(neph_failure_json(suite), diag)
                          : neph_failure_print(suite, stdout, diag);
     if (!status)
         fprintf(as_json ? stderr : stdout, "report: %s/index.html\n", page_folder);

@@ -211,7 +211,7 @@ static enum neph_status tell(const struct request *request, const struct neph_vi
 {
     const char *folder = request->shared.output;
     if (request->shared.json)
-        return neph_cli_print_json(json_pack("{s:o, s:i, s:i, s:i, s:i, s:I}", "page",
+        return neph_json_print(json_pack("{s:o, s:i, s:i, s:i, s:i, s:I}", "page",
                                              json_sprintf("%s/index.html", folder), "sets",
                                              view->set_count, "frames", made->frame_count,
                                              "width_px", made->width_px, "height_px",

@@ -5,11 +5,11 @@
 #include "base/interrupt.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
+#include "harness/experiment/pool.h"
 #include "harness/failure/expectations.h"
 #include "harness/failure/letter.h"
 #include "harness/failure/pieces.h"
 #include "harness/failure/plan.h"
-#include "harness/failure/share.h"
 #include "harness/failure/trial.h"
 
 #include <stdio.h>
@@ -60,7 +60,7 @@ static void expect_point(struct neph_failure_bench *bench, const struct neph_fai
     }
 }
 
-/* A share, too, expects the whole: the time left is that of all. */
+/* A worker, too, expects the whole: the time left is that of all. */
 static void expect(struct neph_failure_bench *bench)
 {
     const struct neph_failure_suite *suite = bench->suite;
@@ -104,11 +104,10 @@ static void show_end(struct work *work)
 
 /* Tell of a trial that is over, `before` and `frame_count` being as they were before it. Pictures
  * of a reference are told of once. */
-static enum neph_status tell(const struct neph_failure_bench *bench, const struct neph_share *share,
-                             const struct neph_failure_point *point,
-                             const struct neph_failure_piece *piece,
-                             const struct neph_progress *before, int frame_count,
-                             struct neph_diag *diag)
+static enum neph_status
+tell(const struct neph_failure_bench *bench, const struct neph_worker *worker,
+     const struct neph_failure_point *point, const struct neph_failure_piece *piece,
+     const struct neph_progress *before, int frame_count, struct neph_diag *diag)
 {
     const struct neph_progress *now = &bench->progress;
     const int reference = NEPH_FAILURE_KIND_REFERENCE;
@@ -127,7 +126,7 @@ static enum neph_status tell(const struct neph_failure_bench *bench, const struc
     char *text = neph_failure_letter_write(&letter, bench->suite);
     if (!text)
         return neph_fail_memory(diag);
-    neph_share_tell(share, text);
+    neph_worker_tell(worker, text);
     free(text);
     return NEPH_OK;
 }
@@ -163,7 +162,7 @@ static bool is_left(const struct neph_failure_suite *suite, const struct neph_fa
     return false;
 }
 
-static enum neph_status run_trial(struct work *work, const struct neph_share *share,
+static enum neph_status run_trial(struct work *work, const struct neph_worker *worker,
                                   const struct neph_failure_piece *piece,
                                   struct neph_failure_point *point, struct neph_diag *diag)
 {
@@ -173,8 +172,8 @@ static enum neph_status run_trial(struct work *work, const struct neph_share *sh
     const enum neph_status status = neph_failure_try(bench, point, piece->column, diag);
     if (status)
         return status;
-    return share->index > 0 ? tell(bench, share, point, piece, &before, frame_count, diag)
-                            : show(work, NEPH_FAILURE_RUNNING, diag);
+    return worker->index > 0 ? tell(bench, worker, point, piece, &before, frame_count, diag)
+                             : show(work, NEPH_FAILURE_RUNNING, diag);
 }
 
 static void close_point(struct neph_failure_point *point)
@@ -186,7 +185,7 @@ static void close_point(struct neph_failure_point *point)
 }
 
 /* `point` is that of the piece before, and then that of this one. */
-static enum neph_status run_piece(struct work *work, const struct neph_share *share,
+static enum neph_status run_piece(struct work *work, const struct neph_worker *worker,
                                   const struct neph_failure_piece *piece,
                                   struct neph_failure_point *point, struct neph_diag *diag)
 {
@@ -201,7 +200,7 @@ static enum neph_status run_piece(struct work *work, const struct neph_share *sh
         return NEPH_OK;
     if (!point->at)
         status = neph_scene_load_point(point->scene, row->point_index, &point->at, diag);
-    return status ? status : run_trial(work, share, piece, point, diag);
+    return status ? status : run_trial(work, worker, piece, point, diag);
 }
 
 /* Presets share an engine, which is asked once. */
@@ -232,21 +231,22 @@ static void prepare(struct work *work, bool quiet)
     work->is_prepared = true;
 }
 
-/* The pieces of a share, one after the other. */
-static enum neph_status run_share(struct neph_share *share, void *context, struct neph_diag *diag)
+/* The pieces of a worker, one after the other. */
+static enum neph_status run_pieces(struct neph_worker *worker, void *context,
+                                   struct neph_diag *diag)
 {
     struct work *work = context;
     struct neph_failure_point point = {.scene = NULL};
     struct neph_failure_pieces pieces;
-    prepare(work, work->bench.params->quiet || share->index > 0);
-    enum neph_status status = neph_failure_pieces_list(work->bench.suite, share->index > 0, &pieces,
-                                                       diag);
-    for (int next; !status && (next = neph_share_next(share)) < pieces.count;)
-        status = run_piece(work, share, &pieces.list[next], &point, diag);
+    prepare(work, work->bench.params->quiet || worker->index > 0);
+    enum neph_status status = neph_failure_pieces_list(work->bench.suite, worker->index > 0,
+                                                       &pieces, diag);
+    for (int next; !status && (next = neph_worker_next(worker)) < pieces.count;)
+        status = run_piece(work, worker, &pieces.list[next], &point, diag);
     close_point(&point);
     free(pieces.list);
     neph_progress_end(&work->bench.progress);
-    if (share->index > 0)
+    if (worker->index > 0)
         neph_shared_device_close(work->bench.params->device);
     return status;
 }
@@ -271,7 +271,7 @@ enum neph_status neph_failure_run(const struct neph_failure_params *params,
     if (!status)
         neph_shared_device_close(params->device); /* other processes open their own */
     if (!status)
-        status = neph_shares_run(params->jobs, run_share, hear, &work, diag);
+        status = neph_pool_run(params->jobs, run_pieces, hear, &work, diag);
     json_decref(work.bench.expectations);
     if (!status)
         status = neph_arena_check(&suite->arena, diag);

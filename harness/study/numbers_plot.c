@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/numbers_plot.h"
 
-#include "base/written.h"
 #include "harness/study/svg.h"
 
 #include <math.h>
@@ -158,9 +157,8 @@ static void draw_legend(const struct neph_numbers_plot *plot, int top, FILE *out
     }
 }
 
-static void draw(const void *what, FILE *out)
+void neph_numbers_plot(const struct neph_numbers_plot *plot, FILE *out)
 {
-    const struct neph_numbers_plot *plot = what;
     const int legend = GAP + LEGEND * ((plot->scene_count + 1) / 2);
     int height = legend, tops[PANELS];
     for (int p = 0; p < PANELS; p++) {
@@ -176,10 +174,4 @@ static void draw(const void *what, FILE *out)
     for (int p = 0; p < PANELS; p++)
         draw_panel(plot, p, tops[p], out);
     fprintf(out, "</svg>\n");
-}
-
-enum neph_status neph_numbers_plot(const struct neph_numbers_plot *plot, char **svg,
-                                   struct neph_diag *diag)
-{
-    return neph_written(draw, plot, svg, diag);
 }

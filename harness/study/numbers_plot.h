@@ -7,7 +7,9 @@
 #ifndef NEPH_HARNESS_STUDY_NUMBERS_PLOT_H
 #define NEPH_HARNESS_STUDY_NUMBERS_PLOT_H
 
-#include "harness/study/post_study.h"
+#include "harness/study/post_measure.h"
+
+#include <stdio.h>
 
 /* All borrowed. */
 struct neph_numbers_plot {
@@ -20,8 +22,7 @@ struct neph_numbers_plot {
     int stride;
 };
 
-/* As SVG, for the caller to free. Panels of light leave out rows that leave it as it is. */
-enum neph_status neph_numbers_plot(const struct neph_numbers_plot *plot, char **svg,
-                                   struct neph_diag *diag);
+/* As SVG. Panels of light leave out rows that leave it as it is. */
+void neph_numbers_plot(const struct neph_numbers_plot *plot, FILE *out);
 
 #endif

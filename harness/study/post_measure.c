@@ -2,7 +2,7 @@
  *
  * One chain of a post study: frames and reference through it, and the meter behind it.
  */
-#include "harness/study/post_study.h"
+#include "harness/study/post_measure.h"
 
 #include "metrics/extractors/extractors.h"
 #include "metrics/meter.h"

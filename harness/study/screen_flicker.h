@@ -7,7 +7,7 @@
 #define NEPH_HARNESS_STUDY_SCREEN_FLICKER_H
 
 #include "harness/run/job.h"
-#include "harness/study/post_study.h"
+#include "harness/study/post_measure.h"
 
 struct neph_vulkan;
 

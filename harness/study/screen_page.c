@@ -102,6 +102,11 @@ static const char *short_name(const char *model, const char *first)
     return strncmp(model, engine, name) == 0 ? model + name : model;
 }
 
+static void draw(const void *plot, FILE *out)
+{
+    neph_numbers_plot(plot, out);
+}
+
 static enum neph_status write_chart(const struct neph_screen_study *study, const char *folder,
                                     struct neph_diag *diag)
 {
@@ -124,7 +129,7 @@ static enum neph_status write_chart(const struct neph_screen_study *study, const
         .numbers = numbers[0],
         .stride = NEPH_LIGHT_MODELS_MAX,
     };
-    enum neph_status status = path ? neph_numbers_plot(&plot, &svg, diag) : neph_fail_memory(diag);
+    enum neph_status status = path ? neph_written(draw, &plot, &svg, diag) : neph_fail_memory(diag);
     if (!status)
         status = neph_file_write(path, svg, strlen(svg), diag);
     free(svg);

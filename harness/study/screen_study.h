@@ -15,7 +15,7 @@
 #include "harness/json.h"
 #include "harness/run/job.h"
 #include "harness/study/light_models.h"
-#include "harness/study/post_study.h"
+#include "harness/study/post_measure.h"
 #include "harness/study/screen_lost.h"
 
 #include <stdint.h>

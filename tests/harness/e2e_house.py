@@ -21,15 +21,17 @@ ROOMS = {
     "engines": set(),
     "compare": {"document"},
     "run": {"document", "engines", "compare"},
+    "experiment": {"document", "engines", "run"},
     "study": {"document", "engines", "compare", "run"},
     "physics": {"document", "engines", "compare", "run", "study"},
     "fly": {"engines", "compare", "run", "study"},
     "report": {"document", "engines", "compare", "run", "study", "physics"},
     "night": {"document", "engines", "compare", "run", "physics", "report"},
-    "failure": {"document", "engines", "compare", "run", "study", "report"},
+    "failure": {"document", "engines", "compare", "run", "experiment", "study", "report"},
     "sweep": {"document", "engines", "compare", "run", "study", "report"},
-    "cli": {"document", "engines", "compare", "run", "study", "physics", "failure", "fly",
-            "report", "sweep", "night"},
+    "experiments": {"document", "engines", "compare", "run", "experiment", "study"},
+    "cli": {"document", "engines", "compare", "run", "experiment", "experiments", "study",
+            "physics", "failure", "fly", "report", "sweep", "night"},
 }
 INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 
@@ -96,7 +98,7 @@ class House(unittest.TestCase):
         users = [path.relative_to(ROOT / "harness").as_posix()
                  for path in (ROOT / "harness").rglob("*.c")
                  if re.search(r"\bargp_parse\(", path.read_text())]
-        self.assertEqual(users, ["cli/options.c"])
+        self.assertEqual(users, ["options.c"])
 
     def test_no_shader_rounds_by_a_drivers_two_conversions(self):
         # A driver may leave both out: from_halves() of halves.glsl reads what was a half for a

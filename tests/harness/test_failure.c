@@ -8,12 +8,12 @@
 #include "base/files.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/experiment/pool.h"
 #include "harness/failure/expectations.h"
 #include "harness/failure/letter.h"
 #include "harness/failure/measures.h"
 #include "harness/failure/pieces.h"
 #include "harness/failure/plan.h"
-#include "harness/failure/share.h"
 #include "harness/failure/trial.h"
 #include "harness/run/job.h"
 #include "metrics/extractors/extractors.h"
@@ -538,22 +538,22 @@ struct heard {
 };
 
 /* The last piece ends its process before it can tell. */
-static enum neph_status note(struct neph_share *share, void *context, struct neph_diag *diag)
+static enum neph_status note(struct neph_worker *worker, void *context, struct neph_diag *diag)
 {
     struct heard *heard = context;
     int number;
     (void)diag;
-    while ((number = neph_share_next(share)) < PIECES) {
+    while ((number = neph_worker_next(worker)) < PIECES) {
         char text[40];
         FILE *file = fopen(heard->path, "a");
         assert_non_null(file);
         fprintf(file, "%d;", number); /* by one write, which does not interleave */
         fclose(file);
-        if (share->index > 0 && number == PIECES - 1)
+        if (worker->index > 0 && number == PIECES - 1)
             _exit(1);
         snprintf(text, sizeof(text), "%d", number);
-        neph_share_tell(share, text);
-        heard->whole += share->index == 0 && heard->times[number] == 0;
+        neph_worker_tell(worker, text);
+        heard->whole += worker->index == 0 && heard->times[number] == 0;
     }
     return NEPH_OK;
 }
@@ -583,7 +583,7 @@ static void test_all_shares_are_heard_and_the_whole_is_there_for_the_rest(void *
 {
     struct heard heard = {.whole = 0};
     scratch_path(state, heard.path, "notes");
-    assert_int_equal(neph_shares_run(3, note, hear, &heard, NULL), NEPH_OK);
+    assert_int_equal(neph_pool_run(3, note, hear, &heard, NULL), NEPH_OK);
     for (int number = 0; number < PIECES; number++)
         assert_int_equal(heard.times[number], number < PIECES - 1);
     assert_int_equal(heard.whole, 1);
@@ -594,7 +594,7 @@ static void test_one_job_has_nobody_to_tell(void **state)
 {
     struct heard heard = {.whole = 0};
     scratch_path(state, heard.path, "notes");
-    assert_int_equal(neph_shares_run(1, note, hear, &heard, NULL), NEPH_OK);
+    assert_int_equal(neph_pool_run(1, note, hear, &heard, NULL), NEPH_OK);
     assert_int_equal(heard.whole, PIECES);
     assert_int_equal(count_in(heard.path, ";"), PIECES);
 }
@@ -611,7 +611,7 @@ static void test_what_fails_here_ends_all(void **state)
     struct heard heard = {.whole = 0};
     struct neph_diag diag = {.line = 0};
     scratch_path(state, heard.path, "notes");
-    assert_int_equal(neph_shares_run(3, note, hear_nothing, &heard, &diag), NEPH_ERR_IO);
+    assert_int_equal(neph_pool_run(3, note, hear_nothing, &heard, &diag), NEPH_ERR_IO);
     assert_int_equal(heard.whole, 0);
 }
 

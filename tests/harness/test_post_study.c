@@ -6,7 +6,7 @@
 #include "tests/neph_test.h"
 
 #include "harness/engines/vulkan_device.h"
-#include "harness/study/post_study.h"
+#include "harness/study/post_measure.h"
 #include "harness/study/svg.h"
 
 enum { width = 24, height = 16, pixels = width * height, frames = 24, warm_up = 8 };

@@ -3,8 +3,8 @@
  * The command line of a verb as data: a table of options, each with the place in the verb's request
  * that its argument goes to, and how many operands there are.
  */
-#ifndef NEPH_HARNESS_CLI_OPTIONS_H
-#define NEPH_HARNESS_CLI_OPTIONS_H
+#ifndef NEPH_HARNESS_OPTIONS_H
+#define NEPH_HARNESS_OPTIONS_H
 
 #include "base/status.h"
 
@@ -12,11 +12,20 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { NEPH_CLI_WORDS_MAX = 1024 };
+enum { NEPH_CLI_WORDS_MAX = 1024, NEPH_CLI_LIST_MAX = 64 };
 
 struct neph_cli_words {
     int count;
     const char *list[NEPH_CLI_WORDS_MAX]; /* of argv */
+};
+
+/* Words of "A,B". */
+struct neph_cli_list {
+    const char *argument; /* NULL: not given */
+    int count;
+    const char *words[NEPH_CLI_LIST_MAX];
+    double numbers[NEPH_CLI_LIST_MAX]; /* of NEPH_CLI_NUMBERS */
+    char *text;                        /* that the words are in; owned */
 };
 
 struct neph_cli_size {
@@ -37,6 +46,9 @@ enum neph_cli_kind {
     NEPH_CLI_INTEGER, /* int; -1 */
     NEPH_CLI_REAL,    /* double; NaN. Any, when minimum and maximum are 0 */
     NEPH_CLI_SIZE,    /* struct neph_cli_size; 0 x 0 */
+    NEPH_CLI_LIST, /* struct neph_cli_list, of at most `maximum` words; empty. Its words are there
+                         after neph_cli_split_lists() */
+    NEPH_CLI_NUMBERS, /* the same, each word a finite number */
     NEPH_CLI_ALIAS,   /* another name of the row above */
     NEPH_CLI_KIND_COUNT,
 };
@@ -57,10 +69,10 @@ struct neph_cli_option {
 struct neph_cli_shared {
     const char *const *operands; /* of argv */
     int operand_count;
-    const char *engine, *output;
+    const char *engine, *output, *csv, *markdown;
     struct neph_cli_words settings;
     struct neph_cli_size size;
-    int time_limit_s;
+    int time_limit_s, jobs;
     bool json, quiet;
 };
 
@@ -87,9 +99,18 @@ struct neph_cli_syntax {
  * for a terminal (base/text.h). */
 void neph_cli_parse(const struct neph_cli_syntax *syntax, int argc, char **argv, void *request);
 
+/* Leave operand `index` only. False: there is none. */
+bool neph_cli_only_operand(struct neph_cli_shared *shared, int index);
+
 /* Whether a number is in the range that it has here: NEPH_ERR_USAGE. */
 enum neph_status neph_cli_check_range(const char *option, int value, int minimum, int maximum,
                                       struct neph_diag *diag);
+
+/* Split the lists of a request. NEPH_ERR_USAGE: a word is twice in a list, a list has more than its
+ * maximum, or a number is none. To be freed in any case. */
+enum neph_status neph_cli_split_lists(const struct neph_cli_syntax *syntax, void *request,
+                                      struct neph_diag *diag);
+void neph_cli_free_lists(const struct neph_cli_syntax *syntax, void *request);
 
 /* Words of "A,B" into `words`, which point into `text`. NEPH_ERR_USAGE: one is there twice, or
  * there are more than `most`; `what` names them. */

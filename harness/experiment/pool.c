@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/failure/share.h"
+#include "harness/experiment/pool.h"
 
 #include "base/interrupt.h"
+#include "harness/progress.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -21,30 +22,30 @@
 enum { HEAR_EVERY_MS = 1000 };
 
 /* In memory that all processes see. */
-struct neph_share_board {
+struct neph_pool_queue {
     atomic_int next;
 };
 
 /* The other processes. */
 struct crew {
-    struct neph_share_board *board;
+    struct neph_pool_queue *queue;
     int tell_fd, hear_fd; /* ends of a socket that keeps texts apart */
     pid_t *pids;
     int count;
-    char *text; /* NEPH_SHARE_TEXT_MAX bytes */
+    char *text; /* NEPH_POOL_TEXT_MAX bytes */
 };
 
-int neph_share_next(struct neph_share *share)
+int neph_worker_next(struct neph_worker *worker)
 {
-    return share->board ? atomic_fetch_add(&share->board->next, 1) : share->next++;
+    return worker->queue ? atomic_fetch_add(&worker->queue->next, 1) : worker->next++;
 }
 
-void neph_share_tell(const struct neph_share *share, const char *text)
+void neph_worker_tell(const struct neph_worker *worker, const char *text)
 {
     const size_t length = strlen(text);
-    if (!share->board || length >= NEPH_SHARE_TEXT_MAX)
+    if (!worker->queue || length >= NEPH_POOL_TEXT_MAX)
         return;
-    while (send(share->told_fd, text, length, MSG_NOSIGNAL) < 0 && errno == EINTR)
+    while (send(worker->told_fd, text, length, MSG_NOSIGNAL) < 0 && errno == EINTR)
         continue;
 }
 
@@ -54,12 +55,12 @@ static enum neph_status open_crew(int jobs, struct crew *crew, struct neph_diag 
 {
     int ends[2];
     *crew = (struct crew){.tell_fd = -1, .hear_fd = -1};
-    void *board = mmap(NULL, sizeof(struct neph_share_board), PROT_READ | PROT_WRITE,
-                       MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    crew->board = board == MAP_FAILED ? NULL : board;
+    void *memory = mmap(NULL, sizeof(struct neph_pool_queue), PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    crew->queue = memory == MAP_FAILED ? NULL : memory;
     crew->pids = calloc((size_t)jobs, sizeof(*crew->pids));
-    crew->text = malloc(NEPH_SHARE_TEXT_MAX);
-    if (!crew->board || !crew->pids || !crew->text)
+    crew->text = malloc(NEPH_POOL_TEXT_MAX);
+    if (!crew->queue || !crew->pids || !crew->text)
         return neph_fail_memory(diag);
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends))
         return neph_fail(diag, NEPH_ERR_IO, "processes cannot be heard: %s", strerror(errno));
@@ -78,27 +79,27 @@ static void close_end(int *fd)
 /* Results of all that have ended. */
 static void close_crew(struct crew *crew)
 {
-    if (crew->board)
-        munmap(crew->board, sizeof(*crew->board));
+    if (crew->queue)
+        munmap(crew->queue, sizeof(*crew->queue));
     free(crew->pids);
     free(crew->text);
 }
 
 /* In the new process: what is on the way to a file is its parent's to write. */
-static void live(struct neph_share *share, pid_t parent, neph_share_work *work, void *context)
+static void live(struct neph_worker *worker, pid_t parent, neph_pool_work *work, void *context)
 {
     struct neph_diag diag = {.line = 0};
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() == parent)
-        work(share, context, &diag);
+        work(worker, context, &diag);
     _exit(EXIT_SUCCESS);
 }
 
-static enum neph_status start(struct crew *crew, int index, int jobs, neph_share_work *work,
+static enum neph_status start(struct crew *crew, int index, int jobs, neph_pool_work *work,
                               void *context, struct neph_diag *diag)
 {
-    struct neph_share share = {
-        .index = index, .count = jobs, .board = crew->board, .told_fd = crew->tell_fd};
+    struct neph_worker worker = {
+        .index = index, .count = jobs, .queue = crew->queue, .told_fd = crew->tell_fd};
     const pid_t parent = getpid();
     fflush(NULL);
     const pid_t pid = fork();
@@ -106,7 +107,7 @@ static enum neph_status start(struct crew *crew, int index, int jobs, neph_share
         return neph_fail(diag, NEPH_ERR_IO, "no process could be started: %s", strerror(errno));
     if (pid == 0) {
         close(crew->hear_fd);
-        live(&share, parent, work, context);
+        live(&worker, parent, work, context);
     }
     crew->pids[crew->count++] = pid;
     return NEPH_OK;
@@ -118,11 +119,17 @@ static void stop_all(const struct crew *crew)
         kill(crew->pids[i], SIGTERM);
 }
 
-static void wait_for_all(const struct crew *crew)
+/* One that crashed is told: its job comes once more here, and may crash again. */
+static void wait_for_all(const struct crew *crew, bool are_stopped)
 {
-    for (int i = 0; i < crew->count; i++)
-        while (waitpid(crew->pids[i], NULL, 0) < 0 && errno == EINTR)
+    for (int i = 0; i < crew->count; i++) {
+        int how = 0;
+        while (waitpid(crew->pids[i], &how, 0) < 0 && errno == EINTR)
             continue;
+        if (!are_stopped && WIFSIGNALED(how))
+            neph_progress_warn("worker %d was ended by signal %d (%s)", i + 1, WTERMSIG(how),
+                               strsignal(WTERMSIG(how)));
+    }
 }
 
 /* ---- hearing --------------------------------------------------------------------------------- */
@@ -134,7 +141,7 @@ static const char *next_text(const struct crew *crew, bool *is_over)
     *is_over = false;
     if (poll(&told, 1, HEAR_EVERY_MS) <= 0) /* a signal ends it, too */
         return NULL;
-    const ssize_t length = recv(crew->hear_fd, crew->text, NEPH_SHARE_TEXT_MAX - 1, 0);
+    const ssize_t length = recv(crew->hear_fd, crew->text, NEPH_POOL_TEXT_MAX - 1, 0);
     *is_over = length == 0 || (length < 0 && errno != EINTR);
     if (length <= 0)
         return NULL;
@@ -143,7 +150,7 @@ static const char *next_text(const struct crew *crew, bool *is_over)
 }
 
 /* Until nobody is left who could tell. */
-static enum neph_status hear_all(const struct crew *crew, neph_share_hear *hear, void *context,
+static enum neph_status hear_all(const struct crew *crew, neph_pool_hear *hear, void *context,
                                  struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -157,7 +164,7 @@ static enum neph_status hear_all(const struct crew *crew, neph_share_hear *hear,
     return status;
 }
 
-static enum neph_status run_parts(int jobs, neph_share_work *work, neph_share_hear *hear,
+static enum neph_status run_parts(int jobs, neph_pool_work *work, neph_pool_hear *hear,
                                   void *context, struct neph_diag *diag)
 {
     struct crew crew;
@@ -172,15 +179,15 @@ static enum neph_status run_parts(int jobs, neph_share_work *work, neph_share_he
         stop_all(&crew);
     close_end(&crew.tell_fd);
     close_end(&crew.hear_fd); /* whoever waits to be heard need not */
-    wait_for_all(&crew);
+    wait_for_all(&crew, status != NEPH_OK);
     close_crew(&crew);
     return status;
 }
 
-enum neph_status neph_shares_run(int jobs, neph_share_work *work, neph_share_hear *hear,
-                                 void *context, struct neph_diag *diag)
+enum neph_status neph_pool_run(int jobs, neph_pool_work *work, neph_pool_hear *hear, void *context,
+                               struct neph_diag *diag)
 {
-    struct neph_share whole = {.count = jobs};
+    struct neph_worker whole = {.count = jobs};
     const enum neph_status status = jobs > 1 ? run_parts(jobs, work, hear, context, diag) : NEPH_OK;
     return status ? status : work(&whole, context, diag);
 }

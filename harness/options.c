@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/cli/options.h"
+#include "harness/options.h"
 
 #include "base/files.h"
 #include "base/image.h"
@@ -13,15 +13,21 @@
 #include <sys/types.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_CLI_KIND_COUNT == 10, "a new kind");
+_Static_assert(NEPH_CLI_KIND_COUNT == 12, "a new kind");
 
 enum { ROWS_MAX = 48, KEY_FIRST = 0x100 }; /* keys of options without a letter lie above those */
 
 static const struct neph_cli_option shared_options[] = {
+    {"csv", 0, "FILE", "Results as CSV", NEPH_CLI_FILE,
+     .at = offsetof(struct neph_cli_shared, csv)},
     {"engine", 'e', "NAME", "Engine; `neph engines` lists them", NEPH_CLI_WORD,
      .at = offsetof(struct neph_cli_shared, engine)},
+    {"jobs", 'j', "N", "Processes that render at the same time; results do not depend on it",
+     NEPH_CLI_INTEGER, .at = offsetof(struct neph_cli_shared, jobs), .minimum = 1, .maximum = 256},
     {"json", 0, NULL, "Results as JSON on stdout", NEPH_CLI_FLAG,
      .at = offsetof(struct neph_cli_shared, json)},
+    {"markdown", 0, "FILE", "The tables into a file, too", NEPH_CLI_FILE,
+     .at = offsetof(struct neph_cli_shared, markdown)},
     {"output", 'o', "DIR", "Folder to write to", NEPH_CLI_OUTPUT,
      .at = offsetof(struct neph_cli_shared, output)},
     {"quiet", 'q', NULL, "No progress", NEPH_CLI_FLAG,
@@ -147,11 +153,20 @@ static void take_size(const struct neph_cli_option *row, const char *argument, v
     *(struct neph_cli_size *)place = size;
 }
 
+static void take_list(const struct neph_cli_option *row, const char *argument, void *place,
+                      const struct argp_state *state)
+{
+    (void)row;
+    (void)state;
+    ((struct neph_cli_list *)place)->argument = argument;
+}
+
 static take_function *const take[] = {
     [NEPH_CLI_FLAG] = take_flag,   [NEPH_CLI_WORD] = take_word,
     [NEPH_CLI_FILE] = take_file,   [NEPH_CLI_OUTPUT] = take_output,
     [NEPH_CLI_WORDS] = take_words, [NEPH_CLI_INTEGER] = take_integer,
     [NEPH_CLI_REAL] = take_real,   [NEPH_CLI_SIZE] = take_size,
+    [NEPH_CLI_LIST] = take_list,   [NEPH_CLI_NUMBERS] = take_list,
 };
 
 /* ---- the table ------------------------------------------------------------------------------- */
@@ -301,6 +316,15 @@ void neph_cli_parse(const struct neph_cli_syntax *syntax, int argc, char **argv,
     run_argp(&argp, argc, argv, &parse);
 }
 
+bool neph_cli_only_operand(struct neph_cli_shared *shared, int index)
+{
+    if (index >= shared->operand_count)
+        return false;
+    shared->operands += index;
+    shared->operand_count = 1;
+    return true;
+}
+
 enum neph_status neph_cli_check_range(const char *option, int value, int minimum, int maximum,
                                       struct neph_diag *diag)
 {
@@ -323,4 +347,58 @@ enum neph_status neph_cli_split(char *text, const char *what, int most, const ch
         words[(*count)++] = word;
     }
     return NEPH_OK;
+}
+
+/* ---- lists ----------------------------------------------------------------------------------- */
+
+static bool is_list(const struct neph_cli_option *row)
+{
+    return row->kind == NEPH_CLI_LIST || row->kind == NEPH_CLI_NUMBERS;
+}
+
+static enum neph_status read_numbers(const char *name, struct neph_cli_list *list,
+                                     struct neph_diag *diag)
+{
+    for (int i = 0; i < list->count; i++) {
+        char *end;
+        list->numbers[i] = strtod(list->words[i], &end);
+        if (end == list->words[i] || *end || !isfinite(list->numbers[i]))
+            return neph_fail(diag, NEPH_ERR_USAGE, "--%s: '%s' is no number", name, list->words[i]);
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status split_list(const struct neph_cli_option *row, struct neph_cli_list *list,
+                                   struct neph_diag *diag)
+{
+    const int most = row->maximum > 0 ? (int)row->maximum : NEPH_CLI_LIST_MAX;
+    if (!list->argument)
+        return NEPH_OK;
+    list->text = strdup(list->argument);
+    enum neph_status status = list->text ? neph_cli_split(list->text, row->name, most, list->words,
+                                                          &list->count, diag)
+                                         : neph_fail_memory(diag);
+    if (!status && row->kind == NEPH_CLI_NUMBERS)
+        status = read_numbers(row->name, list, diag);
+    return status;
+}
+
+enum neph_status neph_cli_split_lists(const struct neph_cli_syntax *syntax, void *request,
+                                      struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (const struct neph_cli_option *row = syntax->options; row->name && !status; row++)
+        if (is_list(row))
+            status = split_list(row, (void *)((char *)request + row->at), diag);
+    return status;
+}
+
+void neph_cli_free_lists(const struct neph_cli_syntax *syntax, void *request)
+{
+    for (const struct neph_cli_option *row = syntax->options; row->name; row++)
+        if (is_list(row)) {
+            struct neph_cli_list *list = (void *)((char *)request + row->at);
+            free(list->text);
+            list->text = NULL;
+        }
 }

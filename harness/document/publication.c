@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/document/publication.h"
+
+#include "base/files.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { TEXT, CSV, CHART };
+_Static_assert(CHART + 1 == NEPH_PUBLICATION_STREAMS, "a new stream");
+
+static FILE **stream_of(struct neph_publication *publication, int form)
+{
+    return form == TEXT  ? &publication->text
+           : form == CSV ? &publication->csv
+                         : &publication->chart;
+}
+
+enum neph_status neph_publication_begin(const struct neph_publication_places *places,
+                                        struct neph_publication *publication,
+                                        struct neph_diag *diag)
+{
+    *publication = (struct neph_publication){.places = places};
+    const bool is_wanted[] = {!places->json || places->markdown, places->csv, places->chart};
+    for (int form = 0; form < NEPH_PUBLICATION_STREAMS; form++) {
+        if (!is_wanted[form])
+            continue;
+        FILE **stream = stream_of(publication, form);
+        *stream = open_memstream(&publication->kept[form].text, &publication->kept[form].size);
+        if (!*stream)
+            return neph_fail_memory(diag);
+    }
+    return NEPH_OK;
+}
+
+/* Whether all streams have what was written into them. */
+static bool close_streams(struct neph_publication *publication)
+{
+    bool is_whole = true;
+    for (int form = 0; form < NEPH_PUBLICATION_STREAMS; form++) {
+        FILE **stream = stream_of(publication, form);
+        if (*stream) {
+            is_whole = !ferror(*stream) && is_whole;
+            is_whole = fclose(*stream) == 0 && is_whole;
+        }
+        *stream = NULL;
+    }
+    return is_whole;
+}
+
+enum neph_status neph_publication_publish(struct neph_publication *publication,
+                                          struct neph_diag *diag)
+{
+    const struct neph_publication_places *places = publication->places;
+    const struct {
+        const char *path;
+        int form;
+    } files[] = {{places->markdown, TEXT}, {places->csv, CSV}, {places->chart, CHART}};
+    enum neph_status status = close_streams(publication) ? NEPH_OK : neph_fail_memory(diag);
+    for (size_t i = 0; i < sizeof(files) / sizeof(files[0]) && !status; i++)
+        if (files[i].path)
+            status = neph_file_write(files[i].path, publication->kept[files[i].form].text,
+                                     publication->kept[files[i].form].size, diag);
+    if (!status && places->json) {
+        status = neph_json_print(publication->json, diag);
+        publication->json = NULL;
+    } else if (!status) {
+        fputs(publication->kept[TEXT].text, stdout);
+    }
+    if (!status && publication->broken_count > 0)
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "%d %s", publication->broken_count,
+                           publication->broken_words);
+    return status;
+}
+
+void neph_publication_finish(struct neph_publication *publication)
+{
+    close_streams(publication);
+    for (int form = 0; form < NEPH_PUBLICATION_STREAMS; form++)
+        free(publication->kept[form].text);
+    json_decref(publication->json);
+    *publication = (struct neph_publication){.places = NULL};
+}

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/experiment/experiment.h"
+
+#include "base/clock.h"
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "harness/experiment/pool.h"
+#include "harness/progress.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A run between its store and its publication. `places` NULL: what it publishes is dropped. */
+static enum neph_status run_once(const struct neph_experiment *experiment, void *request,
+                                 const char *store_folder,
+                                 const struct neph_publication_places *places, bool quiet,
+                                 struct neph_diag *diag)
+{
+    static const struct neph_publication_places nowhere = {.json = true};
+    const struct neph_cli_shared *shared = request;
+    struct neph_shared_device device = {.open = NULL};
+    struct neph_experiment_run run = {.device = &device, .output = shared->output, .quiet = quiet};
+    struct neph_publication publication = {.places = NULL};
+    enum neph_status status = store_folder ? neph_store_open(store_folder, &run.store, diag)
+                                           : NEPH_OK;
+    if (!status)
+        status = neph_publication_begin(places ? places : &nowhere, &publication, diag);
+    if (!status)
+        status = experiment->run(request, &run, &publication, diag);
+    if (!status && places)
+        status = neph_publication_publish(&publication, diag);
+    neph_publication_finish(&publication);
+    neph_shared_device_close(&device);
+    neph_store_close(run.store);
+    return status;
+}
+
+/* ---- parts ----------------------------------------------------------------------------------- */
+
+struct parts {
+    const struct neph_experiment *experiment;
+    const void *request;
+    const char *store_folder;
+    struct neph_progress progress;
+};
+
+/* The request of a part; NULL: there are no more, or no memory. To free. */
+static void *part_of(const struct parts *parts, int index)
+{
+    void *request = malloc(parts->experiment->request_size);
+    if (!request)
+        return NULL;
+    memcpy(request, parts->request, parts->experiment->request_size);
+    if (parts->experiment->part(request, index))
+        return request;
+    free(request);
+    return NULL;
+}
+
+/* A part that fails fails again in the whole, where it is told. */
+static enum neph_status run_parts(struct neph_worker *worker, void *context, struct neph_diag *diag)
+{
+    const struct parts *parts = context;
+    if (worker->index == 0)
+        return NEPH_OK; /* the whole comes next */
+    for (int index; !neph_interrupted() && (index = neph_worker_next(worker)) >= 0;) {
+        char message[64];
+        const double start_s = neph_wall_s();
+        void *request = part_of(parts, index);
+        if (!request)
+            break;
+        run_once(parts->experiment, request, parts->store_folder, NULL, true, diag);
+        free(request);
+        snprintf(message, sizeof(message), "%d %.3f", index, neph_wall_s() - start_s);
+        neph_worker_tell(worker, message);
+    }
+    return NEPH_OK;
+}
+
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    struct parts *parts = context;
+    int index;
+    double seconds;
+    char name[32];
+    (void)diag;
+    if (!text || sscanf(text, "%d %lf", &index, &seconds) != 2)
+        return NEPH_OK;
+    snprintf(name, sizeof(name), "part %d", index + 1);
+    neph_progress_step(&parts->progress, name, "done", seconds);
+    return NEPH_OK;
+}
+
+static enum neph_status run_workers(const struct neph_experiment *experiment, const void *request,
+                                    const char *store_folder, struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = request;
+    struct parts parts = {.experiment = experiment,
+                          .request = request,
+                          .store_folder = store_folder,
+                          .progress = neph_progress_start(shared->quiet, 0)};
+    int count = 0;
+    for (void *part; (part = part_of(&parts, count)); count++)
+        free(part);
+    if (count < 2)
+        return NEPH_OK;
+    parts.progress.workers = shared->jobs < count ? shared->jobs : count;
+    neph_progress_expect(&parts.progress, 0, count, 0.0);
+    const enum neph_status status = neph_pool_run(parts.progress.workers, run_parts, hear, &parts,
+                                                  diag);
+    neph_progress_end(&parts.progress);
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static enum neph_status run_in(const struct neph_experiment *experiment, void *request,
+                               const char *store_folder, const char *chart, struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = request;
+    const struct neph_publication_places places = {
+        .markdown = shared->markdown, .csv = shared->csv, .chart = chart, .json = shared->json};
+    enum neph_status status = NEPH_OK;
+    if (shared->jobs > 1 && experiment->part)
+        status = run_workers(experiment, request, store_folder, diag);
+    return status ? status
+                  : run_once(experiment, request, store_folder, &places, shared->quiet, diag);
+}
+
+static enum neph_status run_with(const struct neph_experiment *experiment, void *request,
+                                 struct neph_diag *diag)
+{
+    const char *output = ((const struct neph_cli_shared *)request)->output;
+    if (!output)
+        return run_in(experiment, request, NULL, NULL, diag);
+    char *store = neph_path_join(output, "store");
+    char *chart = experiment->chart ? neph_path_join(output, experiment->chart) : NULL;
+    const bool has_paths = store && (chart || !experiment->chart);
+    const enum neph_status status = has_paths ? run_in(experiment, request, store, chart, diag)
+                                              : neph_fail_memory(diag);
+    free(chart);
+    free(store);
+    return status;
+}
+
+enum neph_status neph_experiment_main(const struct neph_experiment *experiment, int argc,
+                                      char **argv, struct neph_diag *diag)
+{
+    void *request = calloc(1, experiment->request_size);
+    if (!request)
+        return neph_fail_memory(diag);
+    neph_cli_parse(experiment->syntax, argc, argv, request);
+    enum neph_status status = neph_cli_split_lists(experiment->syntax, request, diag);
+    if (!status && experiment->prepare)
+        status = experiment->prepare(request, diag);
+    if (!status)
+        status = run_with(experiment, request, diag);
+    if (experiment->finish)
+        experiment->finish(request);
+    neph_cli_free_lists(experiment->syntax, request);
+    free(request);
+    return status;
+}

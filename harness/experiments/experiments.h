@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The experiments that come with neph, a file each.
+ */
+#ifndef NEPH_HARNESS_EXPERIMENTS_EXPERIMENTS_H
+#define NEPH_HARNESS_EXPERIMENTS_EXPERIMENTS_H
+
+#include "harness/experiment/experiment.h"
+
+extern const struct neph_experiment neph_experiment_post;
+
+#endif
