@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * A pool of worker processes. A job is an index; each worker takes the next one that no worker has
- * taken, and may send messages to the process that has started the pool. Results do not travel: they
- * lie in a store (run/store.h), from which that process takes them in the end; what no worker has
- * finished it does itself.
+ * A pool of worker processes. A job is an index; each worker takes the next one that is not taken,
+ * and may send messages to the process that started the pool. Results do not travel: they lie in a
+ * store (run/store.h), from which that process takes them in the end. What no worker has finished
+ * it does itself.
  */
 #ifndef NEPH_HARNESS_EXPERIMENT_POOL_H
 #define NEPH_HARNESS_EXPERIMENT_POOL_H
