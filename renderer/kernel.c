@@ -183,6 +183,10 @@ static void make(void *context)
     struct neph_vulkan *vulkan = kernel->vulkan;
     uint32_t *words = NULL;
     size_t size_bytes = 0;
+    if (atomic_load(&vulkan->is_ending)) {
+        kernel->status = neph_fail(&kernel->diag, NEPH_ERR_INTERRUPTED, "the device is closed");
+        return;
+    }
     kernel->status = get_words(kernel, &words, &size_bytes, &kernel->diag);
     if (kernel->status)
         return;
@@ -282,8 +286,10 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
     return NEPH_OK;
 }
 
+/* Kernels that are not begun are not made any more: Ctrl-C ends a cold start at once. */
 void neph_kernels_destroy(struct neph_vulkan *vulkan)
 {
+    atomic_store(&vulkan->is_ending, true);
     neph_workers_destroy(vulkan->makers);
     while (vulkan->kernels) {
         struct neph_kernel *kernel = vulkan->kernels;

@@ -36,6 +36,7 @@ struct neph_vulkan {
     struct neph_kernel_sets *sets;         /* owned; they grow where the device itself is const */
     struct neph_kernel *kernels;           /* owned; all that were ever asked for */
     struct neph_workers *makers;           /* owned; of the kernels */
+    atomic_bool is_ending;                 /* kernels in the queue need not be made */
     pthread_mutex_t pipeline_lock;         /* of a CPU's driver, while a pipeline is made */
     struct neph_vulkan_description description;
 
