@@ -556,11 +556,12 @@ enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
     status = neph_horizon_fill_base(params->seed, made->base, diag);
     if (!status)
         status = neph_horizon_fill_detail(params->seed, made->detail, diag);
+    if (!status)
+        status = neph_horizon_fill_weather(params->seed, made->weather, diag);
     if (status) {
         neph_horizon_destroy(made);
         return status;
     }
-    neph_horizon_fill_weather(params->seed, made->weather);
     fill_blocks(made);
     *horizon = made;
     return NEPH_OK;

@@ -68,6 +68,38 @@ static void test_noise_repeats(void **state)
     }
 }
 
+/* A row gives the bits of its points one by one: whether they share a cell or not, in any order, on
+ * both sides of 0, more of them than are worked on together. */
+static void test_a_row_of_noise_is_its_points(void **state)
+{
+    (void)state;
+    enum { POINTS = 150, TRIALS = 300, OCTAVES = 3 };
+    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        uint64_t random = seed + trial;
+        const struct neph_noise noise = {neph_test_random(&random), 2 + (int)(trial & 1),
+                                         1 + (int)(neph_test_random(&random) % 9)};
+        const double step = trial % 3 ? neph_test_uniform(&random, -0.3, 0.3) : 0.0;
+        double along[POINTS], perlin[POINTS], worley[POINTS];
+        along[0] = neph_test_uniform(&random, -9.0, 9.0);
+        for (int i = 1; i < POINTS; i++)
+            along[i] = trial % 3 ? along[i - 1] + step : neph_test_uniform(&random, -9.0, 9.0);
+        const struct neph_noise_row row = {
+            POINTS,
+            along,
+            {neph_test_uniform(&random, -9.0, 9.0), neph_test_uniform(&random, -9.0, 9.0)}};
+        neph_noise_perlin_row(&noise, OCTAVES, &row, perlin);
+        neph_noise_worley_row(&noise, &row, worley);
+        for (int i = 0; i < POINTS; i++) {
+            const double at[3] = {along[i], row.across[0], row.across[1]};
+            if (perlin[i] != neph_noise_perlin_sum(&noise, OCTAVES, at) ||
+                worley[i] != neph_noise_worley(&noise, at))
+                fail_msg("seed %llu: point %d of a row in %d dimensions, (%.17g, %.17g, %.17g)",
+                         (unsigned long long)(seed + trial), i, noise.dimensions, at[0], at[1],
+                         at[2]);
+        }
+    }
+}
+
 static void test_noise_stays_in_its_range(void **state)
 {
     (void)state;
@@ -706,6 +738,7 @@ int main(void)
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_noise_repeats),
+        cmocka_unit_test(test_a_row_of_noise_is_its_points),
         cmocka_unit_test(test_noise_stays_in_its_range),
         cmocka_unit_test(test_perlin_noise_is_smooth),
         cmocka_unit_test(test_worley_noise_is_a_distance),
