@@ -6,6 +6,7 @@
 #include "tests/scene_builders.h"
 
 #include "base/hash.h"
+#include "scenes/bake.h"
 #include "scenes/horizon.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
@@ -533,6 +534,43 @@ static void test_majorants_are_sound_and_worth_having(void **state)
     neph_majorants_destroy(m);
 }
 
+/* Each node has the density of the clouds, although blocks of nodes are left out where the bound is
+ * 0. No side of the grid is a whole number of blocks. */
+static void test_voxels_are_the_clouds(void **state)
+{
+    struct neph_horizon *h = *state;
+    h->params = make_cumulus();
+    const struct neph_medium medium = {.kind = NEPH_MEDIUM_HORIZON,
+                                       .bounds = {{-4e3, 0.0, -4e3}, {4e3, 2e3, 3e3}},
+                                       .extinction_color = {1, 1, 1},
+                                       .extinction_per_m = 0.05,
+                                       .horizon = h};
+    const struct neph_bounds box = neph_medium_support(&medium);
+    struct neph_bake bake;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_medium_sample(&medium, &box, 117, &bake, &diag), &diag);
+    const struct neph_grid *grid = bake.grid;
+    const int *size = grid->size;
+    int clear = 0, nodes = 0;
+    for (int k = 0; k < size[2]; k++)
+        for (int j = 0; j < size[1]; j++)
+            for (int i = 0; i < size[0]; i++, nodes++) {
+                const struct neph_vec3 p = {grid->origin_m.x + i * grid->spacing_m.x,
+                                            grid->origin_m.y + j * grid->spacing_m.y,
+                                            grid->origin_m.z + k * grid->spacing_m.z};
+                const double density = neph_medium_extinction_per_m(&medium, p) / 0.05;
+                if (grid->values[nodes] != (float)density)
+                    fail_msg("node (%d, %d, %d) is %g, the density %g", i, j, k,
+                             (double)grid->values[nodes], density);
+                clear += density <= 0.0;
+            }
+    print_message("voxels: %d x %d x %d, %d of %d clear\n", size[0], size[1], size[2], clear,
+                  nodes);
+    assert_true(size[0] % 4 && size[1] % 4 && size[2] % 4);
+    assert_true(clear > nodes / 2 && clear < nodes);
+    neph_bake_finish(&bake);
+}
+
 /* --- the line integral -------------------------------------------------------------------- */
 
 /* The midpoint rule; `*spread` is what half as many points give differently. */
@@ -750,6 +788,7 @@ int main(void)
         cmocka_unit_test(test_bound_is_never_beaten),
         cmocka_unit_test(test_bound_of_endless_boxes),
         cmocka_unit_test(test_majorants_are_sound_and_worth_having),
+        cmocka_unit_test(test_voxels_are_the_clouds),
         cmocka_unit_test(test_integral_against_brute_force),
         cmocka_unit_test(test_integral_is_additive_and_knows_no_direction),
         cmocka_unit_test(test_integral_of_rays_without_end),
