@@ -151,10 +151,13 @@ enum neph_status neph_grid_seal(struct neph_grid *grid, struct neph_diag *diag)
     const size_t count = node_count(grid);
     float maximum = 0.0f;
     for (size_t node = 0; node < count; node++) {
+        const float value = grid->values[node];
+        if (value >= 0.0f && value <= maximum) /* nearly all; nothing that is not a number */
+            continue;
         const enum neph_status status = check_value(grid, node, diag);
         if (status)
             return status;
-        maximum = fmaxf(maximum, grid->values[node]);
+        maximum = value;
     }
     const enum neph_status status = hash_grid(grid, grid->hash, diag);
     if (!status)

@@ -18,9 +18,22 @@ enum {
     WEATHER_BLOCKS = NEPH_HORIZON_WEATHER_SIDE / NEPH_HORIZON_BLOCK,
 };
 
+/* Not fmin and fmax, here and below: they are calls, and these are the innermost loops. */
+static float smaller(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+/* What is not a number becomes 0. */
 static double clamp01(double x)
 {
-    return fmin(1.0, fmax(0.0, x));
+    const double above_0 = x > 0.0 ? x : 0.0;
+    return above_0 < 1.0 ? above_0 : 1.0;
 }
 
 /* The weights of the octaves of noise, everywhere. */
@@ -37,7 +50,8 @@ struct weather {
 
 static double coverage_of(const struct neph_horizon_params *params, double low, double high)
 {
-    return params->coverage * fmax(low, 2.0 * high * clamp01(params->coverage - 0.5));
+    const double from_high = 2.0 * high * clamp01(params->coverage - 0.5);
+    return params->coverage * (low > from_high ? low : from_high);
 }
 
 /* Below a peak of 0 there is no room for a cloud: the limit of the falling side. */
@@ -102,9 +116,8 @@ struct pair {
 static struct pair pair_at(double repeats, int side)
 {
     const double at = (repeats - floor(repeats)) * side - 0.5;
-    const double first = floor(at);
-    const int texel = (int)first;
-    return (struct pair){{texel & (side - 1), (texel + 1) & (side - 1)}, at - first};
+    const int texel = at < 0.0 ? -1 : (int)at; /* floor(at) without a call; at is -0.5 at least */
+    return (struct pair){{texel & (side - 1), (texel + 1) & (side - 1)}, at - texel};
 }
 
 static double lerp(double a, double b, double t)
@@ -136,13 +149,12 @@ static void lookup_3d(const float *texels, int side, int channels, const double 
     for (int row = 0; row < 4; row++)
         rows[row] = texels +
                     (size_t)((z.texel[row >> 1] * side + y.texel[row & 1]) * side * channels);
-    for (int c = 0; c < channels; c++) {
-        double along_x[4];
-        for (int row = 0; row < 4; row++)
-            along_x[row] = lerp(rows[row][a + c], rows[row][b + c], x.between);
-        values[c] = lerp(lerp(along_x[0], along_x[1], y.between),
-                         lerp(along_x[2], along_x[3], y.between), z.between);
-    }
+    for (int c = 0; c < channels; c++)
+        values[c] = lerp(lerp(lerp(rows[0][a + c], rows[0][b + c], x.between),
+                              lerp(rows[1][a + c], rows[1][b + c], x.between), y.between),
+                         lerp(lerp(rows[2][a + c], rows[2][b + c], x.between),
+                              lerp(rows[3][a + c], rows[3][b + c], x.between), y.between),
+                         z.between);
 }
 
 static void noise_at(const struct neph_horizon *horizon, const float *texels, int side,
@@ -306,13 +318,13 @@ static struct weather weather_over(const struct neph_horizon *horizon,
                                         box->max_m.x - params->wind_m.x, per_m, WEATHER_BLOCKS);
     const struct blocks z = blocks_over(box->min_m.z - params->wind_m.z,
                                         box->max_m.z - params->wind_m.z, per_m, WEATHER_BLOCKS);
-    double most[4] = {0, 0, 0, 0};
+    float most[4] = {0, 0, 0, 0};
     for (int k = 0; k < z.count; k++)
         for (int i = 0; i < x.count; i++) {
             const int at = (z.first + k) % WEATHER_BLOCKS * WEATHER_BLOCKS +
                            (x.first + i) % WEATHER_BLOCKS;
             for (int c = 0; c < 4; c++)
-                most[c] = fmax(most[c], horizon->weather_blocks[4 * at + c]);
+                most[c] = larger(most[c], horizon->weather_blocks[4 * at + c]);
         }
     return (struct weather){most[0], most[1], most[2], most[3]};
 }
@@ -345,7 +357,7 @@ static double base_noise_over(const struct neph_horizon *horizon, const struct n
     for (int k = 0; k < along[2].count; k++)
         for (int j = 0; j < along[1].count; j++)
             for (int i = 0; i < along[0].count; i++)
-                most = fmaxf(most, horizon->base_blocks[block_at(along, BASE_BLOCKS, i, j, k)]);
+                most = larger(most, horizon->base_blocks[block_at(along, BASE_BLOCKS, i, j, k)]);
     return most;
 }
 
@@ -354,16 +366,16 @@ static struct range detail_noise_over(const struct neph_horizon *horizon,
 {
     struct blocks along[3];
     noise_blocks_over(&horizon->params, box, horizon->params.detail_repeats, DETAIL_BLOCKS, along);
-    struct range range = {1.0, 0.0};
+    float low = 1.0f, high = 0.0f;
     for (int k = 0; k < along[2].count; k++)
         for (int j = 0; j < along[1].count; j++)
             for (int i = 0; i < along[0].count; i++) {
                 const float *block =
                     &horizon->detail_blocks[2 * block_at(along, DETAIL_BLOCKS, i, j, k)];
-                range.low = fmin(range.low, block[0]);
-                range.high = fmax(range.high, block[1]);
+                low = smaller(low, block[0]);
+                high = larger(high, block[1]);
             }
-    return range;
+    return (struct range){low, high};
 }
 
 /* The least. It is linear in detail and in the height, but for the clamp, which is monotone: so it
@@ -450,8 +462,8 @@ static struct range noise_block(const float *texels, int side, int channels, con
                 const int y = (block[1] * NEPH_HORIZON_BLOCK + j) % side;
                 const int z = (block[2] * NEPH_HORIZON_BLOCK + k) % side;
                 const double value = noise(&texels[channels * ((z * side + y) * side + x)]);
-                range.low = fmin(range.low, value);
-                range.high = fmax(range.high, value);
+                range.low = value < range.low ? value : range.low;
+                range.high = value > range.high ? value : range.high;
             }
     return (struct range){nextafterf((float)range.low, -1.0f), nextafterf((float)range.high, 2.0f)};
 }
@@ -464,9 +476,9 @@ static void weather_block(const float *weather, const int block[2], float out[4]
     for (int k = 0; k <= BLOCK; k++)
         for (int i = 0; i <= BLOCK; i++)
             for (int c = 0; c < 4; c++)
-                out[c] = fmaxf(out[c], weather[4 * ((block[1] * BLOCK + k) % SIDE * SIDE +
-                                                    (block[0] * BLOCK + i) % SIDE) +
-                                               c]);
+                out[c] = larger(out[c], weather[4 * ((block[1] * BLOCK + k) % SIDE * SIDE +
+                                                     (block[0] * BLOCK + i) % SIDE) +
+                                                c]);
 }
 
 static void fill_blocks(struct neph_horizon *horizon)
@@ -556,11 +568,12 @@ enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
     status = neph_horizon_fill_base(params->seed, made->base, diag);
     if (!status)
         status = neph_horizon_fill_detail(params->seed, made->detail, diag);
+    if (!status)
+        status = neph_horizon_fill_weather(params->seed, made->weather, diag);
     if (status) {
         neph_horizon_destroy(made);
         return status;
     }
-    neph_horizon_fill_weather(params->seed, made->weather);
     fill_blocks(made);
     *horizon = made;
     return NEPH_OK;

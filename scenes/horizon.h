@@ -58,8 +58,8 @@ struct neph_horizon {
     float *weather_blocks; /* owned; [z][x][4]: the largest of each channel */
 };
 
-/* Generate the textures: deterministic in the seed, the same bits on every machine. Takes some
- * tenths of a second. NEPH_ERR_INPUT: a parameter outside its range. */
+/* Generate the textures: deterministic in the seed, the same bits on every machine. Takes less
+ * than a tenth of a second of processor time. NEPH_ERR_INPUT: a parameter outside its range. */
 enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
                                      struct neph_horizon **horizon, struct neph_diag *diag);
 

@@ -34,36 +34,49 @@ static struct neph_noise noise_of(uint64_t seed, uint64_t pattern, int dimension
     return (struct neph_noise){(seed << 8) + pattern, dimensions, period};
 }
 
-/* A point of a texture, 0..1 along each axis, in the cells of a pattern. */
-static void to_cells(const double point[3], int period, double cells[3])
+/* The places of a row of texels in their texture, 0..1 along each axis; ROW texels at most. */
+enum { ROW = NEPH_HORIZON_WEATHER_SIDE };
+struct texel_row {
+    int count;
+    double along[ROW];
+    double across[2];
+};
+
+static struct texel_row texel_row(int side, int j, int k)
 {
-    for (int axis = 0; axis < 3; axis++)
-        cells[axis] = point[axis] * period;
+    struct texel_row row = {.count = side, .across = {(j + 0.5) / side, (k + 0.5) / side}};
+    for (int i = 0; i < side; i++)
+        row.along[i] = (i + 0.5) / side;
+    return row;
 }
 
-static double perlin_sum_at(const struct neph_noise *noise, int octaves, const double point[3])
+/* The same row in cells of a pattern; `along` is its memory. */
+static struct neph_noise_row to_cells(const struct texel_row *row, int period, double along[ROW])
 {
-    double cells[3];
-    to_cells(point, noise->period, cells);
-    return neph_noise_perlin_sum(noise, octaves, cells);
+    for (int i = 0; i < row->count; i++)
+        along[i] = row->along[i] * period;
+    return (struct neph_noise_row){
+        row->count, along, {row->across[0] * period, row->across[1] * period}};
 }
 
-static double worley_at(const struct neph_noise *noise, const double point[3])
+static void perlin_row(const struct neph_noise *noise, int octaves, const struct texel_row *texels,
+                       double values[ROW])
 {
-    double cells[3];
-    to_cells(point, noise->period, cells);
-    return neph_noise_worley(noise, cells);
+    double along[ROW];
+    const struct neph_noise_row row = to_cells(texels, noise->period, along);
+    neph_noise_perlin_row(noise, octaves, &row, values);
 }
 
-/* Three octaves of Worley noise in octaves[0..2]; their sum with the weights of the shape. */
-static double worley_octaves_at(uint64_t seed, uint64_t pattern, int period, const double point[3],
-                                double octaves[3])
+/* Three octaves of Worley noise. */
+static void worley_rows(uint64_t seed, uint64_t pattern, int period, const struct texel_row *texels,
+                        double octaves[3][ROW])
 {
-    for (int i = 0; i < 3; i++) {
-        const struct neph_noise noise = noise_of(seed, pattern + (uint64_t)i, 3, period << i);
-        octaves[i] = worley_at(&noise, point);
+    for (int o = 0; o < 3; o++) {
+        double along[ROW];
+        const struct neph_noise noise = noise_of(seed, pattern + (uint64_t)o, 3, period << o);
+        const struct neph_noise_row row = to_cells(texels, noise.period, along);
+        neph_noise_worley_row(&noise, &row, octaves[o]);
     }
-    return 0.625 * octaves[0] + 0.25 * octaves[1] + 0.125 * octaves[2];
 }
 
 /* A texture, slice by slice. */
@@ -72,25 +85,29 @@ struct filling {
     float *texels;
 };
 
+static void fill_base_row(uint64_t seed, const struct texel_row *row, float *base)
+{
+    enum { PERIOD = 4, PERLIN_OCTAVES = 3 };
+    const struct neph_noise noise = noise_of(seed, PATTERN_BASE_PERLIN, 3, PERIOD);
+    double perlin[ROW], octaves[3][ROW];
+    perlin_row(&noise, PERLIN_OCTAVES, row, perlin);
+    worley_rows(seed, PATTERN_BASE_WORLEY, PERIOD, row, octaves);
+    for (int i = 0; i < row->count; i++, base += 4) {
+        const double worley = 0.625 * octaves[0][i] + 0.25 * octaves[1][i] + 0.125 * octaves[2][i];
+        base[0] = (float)neph_noise_perlin_worley(clamp01(0.5 + 0.5 * perlin[i]), worley);
+        for (int o = 0; o < 3; o++)
+            base[1 + o] = (float)octaves[o][i];
+    }
+}
+
 static void fill_base_slice(int k, void *context)
 {
-    enum { SIDE = NEPH_HORIZON_BASE_SIDE, PERIOD = 4, PERLIN_OCTAVES = 3 };
+    enum { SIDE = NEPH_HORIZON_BASE_SIDE };
     const struct filling *filling = context;
-    const uint64_t seed = filling->seed;
-    const struct neph_noise perlin = noise_of(seed, PATTERN_BASE_PERLIN, 3, PERIOD);
-    float *base = filling->texels + (size_t)k * SIDE * SIDE * 4;
-    for (int j = 0; j < SIDE; j++)
-        for (int i = 0; i < SIDE; i++, base += 4) {
-            const double point[3] = {(i + 0.5) / SIDE, (j + 0.5) / SIDE, (k + 0.5) / SIDE};
-            double octaves[3];
-            const double worley = worley_octaves_at(seed, PATTERN_BASE_WORLEY, PERIOD, point,
-                                                    octaves);
-            const double gradient = clamp01(0.5 +
-                                            0.5 * perlin_sum_at(&perlin, PERLIN_OCTAVES, point));
-            base[0] = (float)neph_noise_perlin_worley(gradient, worley);
-            for (int octave = 0; octave < 3; octave++)
-                base[1 + octave] = (float)octaves[octave];
-        }
+    for (int j = 0; j < SIDE; j++) {
+        const struct texel_row row = texel_row(SIDE, j, k);
+        fill_base_row(filling->seed, &row, filling->texels + (size_t)(k * SIDE + j) * SIDE * 4);
+    }
 }
 
 enum neph_status neph_horizon_fill_base(uint64_t seed, float *base, struct neph_diag *diag)
@@ -104,14 +121,14 @@ static void fill_detail_slice(int k, void *context)
     enum { SIDE = NEPH_HORIZON_DETAIL_SIDE, PERIOD = 2 };
     const struct filling *filling = context;
     float *detail = filling->texels + (size_t)k * SIDE * SIDE * 3;
-    for (int j = 0; j < SIDE; j++)
-        for (int i = 0; i < SIDE; i++, detail += 3) {
-            const double point[3] = {(i + 0.5) / SIDE, (j + 0.5) / SIDE, (k + 0.5) / SIDE};
-            double octaves[3];
-            worley_octaves_at(filling->seed, PATTERN_DETAIL_WORLEY, PERIOD, point, octaves);
-            for (int octave = 0; octave < 3; octave++)
-                detail[octave] = (float)octaves[octave];
-        }
+    for (int j = 0; j < SIDE; j++) {
+        const struct texel_row row = texel_row(SIDE, j, k);
+        double octaves[3][ROW];
+        worley_rows(filling->seed, PATTERN_DETAIL_WORLEY, PERIOD, &row, octaves);
+        for (int i = 0; i < SIDE; i++)
+            for (int o = 0; o < 3; o++)
+                *detail++ = (float)octaves[o][i];
+    }
 }
 
 enum neph_status neph_horizon_fill_detail(uint64_t seed, float *detail, struct neph_diag *diag)
@@ -122,11 +139,13 @@ enum neph_status neph_horizon_fill_detail(uint64_t seed, float *detail, struct n
 
 /* --- weather --------------------------------------------------------------------------------- */
 
-/* -1..1: where the air rises. */
-static double field_at(uint64_t seed, const double point[3])
+/* -1..1: where the air rises, at a point of the map, 0..1 along both axes. */
+static double field_at(uint64_t seed, const double point[2])
 {
-    const struct neph_noise noise = noise_of(seed, PATTERN_FIELD, 2, 5);
-    return perlin_sum_at(&noise, 3, point);
+    enum { PERIOD = 5 };
+    const struct neph_noise noise = noise_of(seed, PATTERN_FIELD, 2, PERIOD);
+    return neph_noise_perlin_sum(&noise, 3,
+                                 (const double[2]){point[0] * PERIOD, point[1] * PERIOD});
 }
 
 /* A hill of round plan, in cells; one cell of the plane has one. */
@@ -146,7 +165,7 @@ static void raise_lobes(uint64_t seed, struct lobe lobes[LOBES][LOBES])
             const int cell[2] = {x, y};
             const double middle[2] = {neph_noise_cell_random(&noise, cell, 0),
                                       neph_noise_cell_random(&noise, cell, 1)};
-            const double point[3] = {(x + middle[0]) / LOBES, (y + middle[1]) / LOBES, 0.0};
+            const double point[2] = {(x + middle[0]) / LOBES, (y + middle[1]) / LOBES};
             const double strength = clamp01(0.35 + 2.4 * field_at(seed, point));
             lobes[y][x] = (struct lobe){{middle[0], middle[1]},
                                         0.3 + 0.7 * strength,
@@ -155,10 +174,10 @@ static void raise_lobes(uint64_t seed, struct lobe lobes[LOBES][LOBES])
 }
 
 /* The highest hill at a place: the height of its lobe in the middle, 0 at the rim and beyond. */
-static double hill_at(struct lobe lobes[LOBES][LOBES], const double point[3])
+static double hill_at(struct lobe lobes[LOBES][LOBES], const double point[2])
 {
-    double at[3], highest = 0.0;
-    to_cells(point, LOBES, at);
+    double highest = 0.0;
+    const double at[2] = {point[0] * LOBES, point[1] * LOBES};
     const double low[2] = {floor(at[0]), floor(at[1])};
     for (int y = -1; y <= 1; y++)
         for (int x = -1; x <= 1; x++) {
@@ -174,39 +193,50 @@ static double hill_at(struct lobe lobes[LOBES][LOBES], const double point[3])
     return highest;
 }
 
-/* Outlines are not circles: the plane is bent a little. */
-static void bend(uint64_t seed, const double point[3], double bent[3])
+/* Outlines are not circles: the plane is bent a little. How far a row is moved along `axis`. */
+static void bend_row(uint64_t seed, int axis, const struct texel_row *row, double by[ROW])
 {
     const double reach = 0.012;
-    for (int axis = 0; axis < 2; axis++) {
-        const struct neph_noise noise = noise_of(seed, PATTERN_WARP + 8 * (uint64_t)axis, 2, 24);
-        bent[axis] = point[axis] + reach * perlin_sum_at(&noise, 2, point);
-    }
-    bent[2] = 0.0;
+    const struct neph_noise noise = noise_of(seed, PATTERN_WARP + 8 * (uint64_t)axis, 2, 24);
+    perlin_row(&noise, 2, row, by);
+    for (int i = 0; i < row->count; i++)
+        by[i] *= reach;
 }
 
-static void weather_texel(uint64_t seed, struct lobe lobes[LOBES][LOBES], const double point[3],
-                          float texel[4])
-{
-    const struct neph_noise high = noise_of(seed, PATTERN_HIGH, 2, 6);
-    const struct neph_noise density = noise_of(seed, PATTERN_DENSITY, 2, 8);
-    double bent[3];
-    bend(seed, point, bent);
-    const double field = field_at(seed, bent);
-    const double hill = hill_at(lobes, bent);
-    texel[0] = (float)(hill * (2.0 - hill));
-    texel[1] = (float)clamp01(0.5 + 0.6 * field + 0.6 * perlin_sum_at(&high, 3, point));
-    texel[2] = (float)clamp01((0.4 + 0.6 * hill) * (0.9 + 0.6 * field));
-    texel[3] = (float)clamp01(0.75 + 0.4 * perlin_sum_at(&density, 2, point));
-}
+struct weather_filling {
+    uint64_t seed;
+    float *weather;
+    struct lobe lobes[LOBES][LOBES];
+};
 
-void neph_horizon_fill_weather(uint64_t seed, float *weather)
+static void fill_weather_row(int k, void *context)
 {
     enum { SIDE = NEPH_HORIZON_WEATHER_SIDE };
-    struct lobe lobes[LOBES][LOBES];
-    raise_lobes(seed, lobes);
-    for (int k = 0; k < SIDE; k++)
-        for (int i = 0; i < SIDE; i++, weather += 4)
-            weather_texel(seed, lobes, (const double[3]){(i + 0.5) / SIDE, (k + 0.5) / SIDE, 0.0},
-                          weather);
+    struct weather_filling *filling = context;
+    const uint64_t seed = filling->seed;
+    const struct neph_noise high_noise = noise_of(seed, PATTERN_HIGH, 2, 6);
+    const struct neph_noise density_noise = noise_of(seed, PATTERN_DENSITY, 2, 8);
+    const struct texel_row row = texel_row(SIDE, k, 0);
+    double bent[2][ROW], high[ROW], density[ROW];
+    for (int axis = 0; axis < 2; axis++)
+        bend_row(seed, axis, &row, bent[axis]);
+    perlin_row(&high_noise, 3, &row, high);
+    perlin_row(&density_noise, 2, &row, density);
+    float *texel = filling->weather + (size_t)k * SIDE * 4;
+    for (int i = 0; i < SIDE; i++, texel += 4) {
+        const double point[2] = {row.along[i] + bent[0][i], row.across[0] + bent[1][i]};
+        const double field = field_at(seed, point);
+        const double hill = hill_at(filling->lobes, point);
+        texel[0] = (float)(hill * (2.0 - hill));
+        texel[1] = (float)clamp01(0.5 + 0.6 * field + 0.6 * high[i]);
+        texel[2] = (float)clamp01((0.4 + 0.6 * hill) * (0.9 + 0.6 * field));
+        texel[3] = (float)clamp01(0.75 + 0.4 * density[i]);
+    }
+}
+
+enum neph_status neph_horizon_fill_weather(uint64_t seed, float *weather, struct neph_diag *diag)
+{
+    struct weather_filling filling = {.seed = seed, .weather = weather};
+    raise_lobes(seed, filling.lobes);
+    return neph_parallel_rows(NEPH_HORIZON_WEATHER_SIDE, fill_weather_row, &filling, diag);
 }

@@ -16,6 +16,6 @@
 /* Fill arrays of the sizes and layouts of struct neph_horizon. NEPH_ERR_INTERRUPTED only. */
 enum neph_status neph_horizon_fill_base(uint64_t seed, float *base, struct neph_diag *diag);
 enum neph_status neph_horizon_fill_detail(uint64_t seed, float *detail, struct neph_diag *diag);
-void neph_horizon_fill_weather(uint64_t seed, float *weather);
+enum neph_status neph_horizon_fill_weather(uint64_t seed, float *weather, struct neph_diag *diag);
 
 #endif

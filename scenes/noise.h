@@ -20,6 +20,14 @@ struct neph_noise {
     int period;
 };
 
+/* Points that differ only in their first coordinate. A row costs a fraction of its points one by
+ * one, because neighbours in a cell share its hashes, and gives the same bits. */
+struct neph_noise_row {
+    int count;
+    const double *along; /* the first coordinates, in any order */
+    double across[2];    /* the other coordinates; [1] is not read in 2 dimensions */
+};
+
 /* -1.04..1.04, mean 0, 0 at the lattice points; twice differentiable. */
 double neph_noise_perlin(const struct neph_noise *noise, const double *at);
 
@@ -27,9 +35,17 @@ double neph_noise_perlin(const struct neph_noise *noise, const double *at);
  * before, divided by the sum of the heights. The period is that of the first. */
 double neph_noise_perlin_sum(const struct neph_noise *noise, int octaves, const double *at);
 
+/* neph_noise_perlin_sum() at each point of a row; `values` has room for as many. */
+void neph_noise_perlin_row(const struct neph_noise *noise, int octaves,
+                           const struct neph_noise_row *row, double *values);
+
 /* One random point per cell: 1 - distance to the nearest one [cells], at least 0. So 1 at the
  * points, with round hills about them. Exact in that no nearer point is overlooked. */
 double neph_noise_worley(const struct neph_noise *noise, const double *at);
+
+/* neph_noise_worley() at each point of a row; `values` has room for as many. */
+void neph_noise_worley_row(const struct neph_noise *noise, const struct neph_noise_row *row,
+                           double *values);
 
 /* A hash of a lattice cell, uniform in 0..1 (2^-32 apart), periodic; `stream` makes another one. */
 double neph_noise_cell_random(const struct neph_noise *noise, const int *cell, uint32_t stream);

@@ -6,6 +6,7 @@
 #include "tests/scene_builders.h"
 
 #include "base/hash.h"
+#include "scenes/bake.h"
 #include "scenes/horizon.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
@@ -65,6 +66,38 @@ static void test_noise_repeats(void **state)
                     neph_noise_perlin_sum(&noise, 3, moved));
         assert_true(neph_noise_cell_random(&noise, cell, 5) ==
                     neph_noise_cell_random(&noise, moved_cell, 5));
+    }
+}
+
+/* A row gives the bits of its points one by one: whether they share a cell or not, in any order, on
+ * both sides of 0, more of them than are worked on together. */
+static void test_a_row_of_noise_is_its_points(void **state)
+{
+    (void)state;
+    enum { POINTS = 150, TRIALS = 300, OCTAVES = 3 };
+    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        uint64_t random = seed + trial;
+        const struct neph_noise noise = {neph_test_random(&random), 2 + (int)(trial & 1),
+                                         1 + (int)(neph_test_random(&random) % 9)};
+        const double step = trial % 3 ? neph_test_uniform(&random, -0.3, 0.3) : 0.0;
+        double along[POINTS], perlin[POINTS], worley[POINTS];
+        along[0] = neph_test_uniform(&random, -9.0, 9.0);
+        for (int i = 1; i < POINTS; i++)
+            along[i] = trial % 3 ? along[i - 1] + step : neph_test_uniform(&random, -9.0, 9.0);
+        const struct neph_noise_row row = {
+            POINTS,
+            along,
+            {neph_test_uniform(&random, -9.0, 9.0), neph_test_uniform(&random, -9.0, 9.0)}};
+        neph_noise_perlin_row(&noise, OCTAVES, &row, perlin);
+        neph_noise_worley_row(&noise, &row, worley);
+        for (int i = 0; i < POINTS; i++) {
+            const double at[3] = {along[i], row.across[0], row.across[1]};
+            if (perlin[i] != neph_noise_perlin_sum(&noise, OCTAVES, at) ||
+                worley[i] != neph_noise_worley(&noise, at))
+                fail_msg("seed %llu: point %d of a row in %d dimensions, (%.17g, %.17g, %.17g)",
+                         (unsigned long long)(seed + trial), i, noise.dimensions, at[0], at[1],
+                         at[2]);
+        }
     }
 }
 
@@ -501,6 +534,43 @@ static void test_majorants_are_sound_and_worth_having(void **state)
     neph_majorants_destroy(m);
 }
 
+/* Each node has the density of the clouds, although blocks of nodes are left out where the bound is
+ * 0. No side of the grid is a whole number of blocks. */
+static void test_voxels_are_the_clouds(void **state)
+{
+    struct neph_horizon *h = *state;
+    h->params = make_cumulus();
+    const struct neph_medium medium = {.kind = NEPH_MEDIUM_HORIZON,
+                                       .bounds = {{-4e3, 0.0, -4e3}, {4e3, 2e3, 3e3}},
+                                       .extinction_color = {1, 1, 1},
+                                       .extinction_per_m = 0.05,
+                                       .horizon = h};
+    const struct neph_bounds box = neph_medium_support(&medium);
+    struct neph_bake bake;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_medium_sample(&medium, &box, 117, &bake, &diag), &diag);
+    const struct neph_grid *grid = bake.grid;
+    const int *size = grid->size;
+    int clear = 0, nodes = 0;
+    for (int k = 0; k < size[2]; k++)
+        for (int j = 0; j < size[1]; j++)
+            for (int i = 0; i < size[0]; i++, nodes++) {
+                const struct neph_vec3 p = {grid->origin_m.x + i * grid->spacing_m.x,
+                                            grid->origin_m.y + j * grid->spacing_m.y,
+                                            grid->origin_m.z + k * grid->spacing_m.z};
+                const double density = neph_medium_extinction_per_m(&medium, p) / 0.05;
+                if (grid->values[nodes] != (float)density)
+                    fail_msg("node (%d, %d, %d) is %g, the density %g", i, j, k,
+                             (double)grid->values[nodes], density);
+                clear += density <= 0.0;
+            }
+    print_message("voxels: %d x %d x %d, %d of %d clear\n", size[0], size[1], size[2], clear,
+                  nodes);
+    assert_true(size[0] % 4 && size[1] % 4 && size[2] % 4);
+    assert_true(clear > nodes / 2 && clear < nodes);
+    neph_bake_finish(&bake);
+}
+
 /* --- the line integral -------------------------------------------------------------------- */
 
 /* The midpoint rule; `*spread` is what half as many points give differently. */
@@ -706,6 +776,7 @@ int main(void)
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_noise_repeats),
+        cmocka_unit_test(test_a_row_of_noise_is_its_points),
         cmocka_unit_test(test_noise_stays_in_its_range),
         cmocka_unit_test(test_perlin_noise_is_smooth),
         cmocka_unit_test(test_worley_noise_is_a_distance),
@@ -717,6 +788,7 @@ int main(void)
         cmocka_unit_test(test_bound_is_never_beaten),
         cmocka_unit_test(test_bound_of_endless_boxes),
         cmocka_unit_test(test_majorants_are_sound_and_worth_having),
+        cmocka_unit_test(test_voxels_are_the_clouds),
         cmocka_unit_test(test_integral_against_brute_force),
         cmocka_unit_test(test_integral_is_additive_and_knows_no_direction),
         cmocka_unit_test(test_integral_of_rays_without_end),
