@@ -93,7 +93,6 @@ physics fast     | quick | validate --suite physics --check single_slab -e exact
                            march -e tracer --samples 16 --json -q
 physics          | full  | validate --suite physics --samples 16 --json
 stress           | quick | validate --suite failure --json -q
-stress full      | full  | validate --suite failure --tier full --json
 stress pages     | quick | validate --suite failure --only fog_none --pictures all --preset fixed
 study steps      | quick | study steps march height_fog_up --size 16x9
 study steps      | full  | study steps povray height_fog_up --size 16x9 --json
@@ -169,6 +168,14 @@ again light      | quick | first
 again sweep      | quick | first
 again ablation   | quick | first
 again pick       | quick | first
+again all        | full  | first
+again times      | full  | first
+again steps      | full  | first
+again sky        | full  | first
+again screen     | full  | first
+again post       | full  | first
+again scaling    | full  | first
+stress full      | full  | validate --suite failure --tier full --jobs 2 --json -q
 """
 
 # These cases begin with the folder that the BEFORE program left of another case: no frame may be
@@ -176,7 +183,10 @@ again pick       | quick | first
 STARTS_WITH = {
     "again night": "night", "again catalogue": "fog catalogue", "again physics": "physics fast",
     "again stress": "stress", "again flicker": "study flicker", "again light": "study light",
-    "again sweep": "sweep", "again ablation": "ablation", "again pick": "pick"}
+    "again sweep": "sweep", "again ablation": "ablation", "again pick": "pick",
+    "again all": "catalogue", "again times": "sweep with times", "again steps": "study steps",
+    "again sky": "study sky", "again screen": "study screen", "again post": "study post",
+    "again scaling": "scaling"}
 
 # Cases whose numbers depend on the speed of the machine: their numbers are replaced by '#'.
 FORM_ONLY = {
@@ -252,7 +262,7 @@ KEY_RULES = (
     ("*", "*accept-*.json", r"^night_blake2b$", HASH),
     ("*", "*", r"^jobs\.bytes$", "size of a file that holds measured times as text"),
     ("sweep*", "*", r"^load$", "load of the machine"),
-    ("again sweep", "*", r"^load$", "load of the machine"),
+    ("again *", "*", r"^load$", "load of the machine"),
     ("*", "*", r"(^|\.)host(\.\w+)?$", "machine"),
 )
 
