@@ -175,6 +175,8 @@ class SameMeasurements(unittest.TestCase):
         for case, source in same.STARTS_WITH.items():
             self.assertLess(list(cases).index(source), list(cases).index(case))
         self.assertLessEqual(set(same.FORM_ONLY), set(cases))
+        quick = same.all_commands(True, None)
+        self.assertEqual(quick, {case: cases[case] for case in quick})
         for rule in same.KEY_RULES + same.TEXT_RULES + same.PRESENCE_RULES + same.ROW_RULES:
             self.assertGreater(len(rule[-1]), 3)  # a reason
 

@@ -23,165 +23,166 @@ import time
 # ---- commands ------------------------------------------------------------------------------------
 
 # CASE | LIST | ARGUMENTS of neph. The commands of a case run in order, in a folder of the case;
-# its files are compared after the last one. LIST is `quick` (also in the full list) or `full`.
+# its files are compared after the last one. LIST is `quick` (also in the full list) or `full`, the
+# same in all lines of a case, so that a record of the full list serves both.
 # `first` is the first command of the case that STARTS_WITH names.
 # Sizes are the smallest at which the verb still gives all of its numbers.
 COMMANDS = """
-scenes           | quick | scenes
-scenes           | quick | scenes --json
-scenes           | quick | scenes two_layer_fog
-scenes           | quick | scenes fog_look_ridge
-scenes           | quick | scenes cloud_below --json
-scenes           | quick | scenes fence_pitch4 --variant sun_step
-scenes           | quick | scenes voxel_grid --variant sun_sine --frames 64
-scenes           | quick | scenes voxel_grid --variant camera_cut
-scenes           | quick | engines
-scenes           | quick | engines --json
-scenes           | quick | engines realtime
-scenes           | quick | metrics
-scenes           | quick | metrics --json
-scenes           | quick | metrics --masks
-scenes           | quick | metrics flip
-scenes           | quick | post --list
-scenes           | quick | ablate --list
-scenes           | quick | ablate --list --preset ue
-scenes           | quick | nightly --list
-scenes           | quick | nightly --list --tier full
-scenes           | quick | doctor
-scenes           | quick | doctor --json
-frames           | quick | render fence_pitch4 -e march --size 48x27 --stats --scene-layers -q -o \
-                           reference
-frames           | quick | render fence_pitch4 -e realtime -p seed --size 48x27 --frames 16 --json \
-                           --stats --scene-layers -q -o seed
-frames           | quick | render fence_pitch4 -e realtime -p ours --size 48x27 --frames 16 -o ours
-frames           | quick | render voxel_grid -e tracer -s samples=16 --seed 3 --size 48x27 \
-                           --checkpoint sums -o tracer
-frames           | quick | render voxel_grid -e exact --size 48x27 -o exact
-frames           | quick | render voxel_grid -e oracle -s samples=4 --size 16x9 --json -q -o oracle
-frames           | full  | render voxel_grid -e cycles -s samples=4 --noise --size 48x27 --json -o \
-                           cycles
-frames           | full  | render voxel_grid -e povray --size 48x27 --json -o povray
-frames           | full  | export fence_backlit -e povray -o fence_pov
-frames           | full  | export fence_backlit -e cycles -o fence_blend
-frames           | quick | compare exact tracer
-frames           | quick | compare exact tracer --json -m all --maps maps --csv errors.csv --rings
-frames           | quick | compare exact tracer --csv - --fail-above rel_rmse=0.0001
-frames           | quick | compare reference/fence_pitch4_march_0000.exr ours --versus seed --json
-frames           | quick | compare reference/fence_pitch4_march_0000.exr ours --versus seed
-frames           | quick | flicker --reference reference seed --csv flicker.csv --maps flicker_maps
-frames           | quick | flicker --reference reference seed --versus ours --json --rings
-frames           | quick | flicker --reference reference ours -m all --fps 30 --ppd 30
-frames           | quick | post seed -p unreal -s exposure_ev=1 --png -q -o shown
-frames           | full  | post ours -p unreal -s auto_exposure=on --json --stats -q -o adapted
-frames           | quick | view exact tracer -o page
-frames           | full  | view reference/fence_pitch4_march_0000.exr seed ours --by-position \
-                           --json -o pages
-frames           | quick | bake gaussian_blob --resolution 12 --json -o blob.df3
-frames           | quick | bake gaussian_blob --resolution 12 -o blob.vdb
-versus           | full  | render fence_pitch4 -e march --size 24x14 -q -o reference
-versus           | full  | render fence_pitch4 -e realtime -p seed --size 24x14 --frames 64 -q -o \
-                           seed
-versus           | full  | render fence_pitch4 -e realtime -p ours --size 24x14 --frames 64 -q -o \
-                           ours
-versus           | full  | compare reference seed --versus ours --json --csv a.csv
-versus           | full  | flicker --reference reference seed --versus ours --json --csv b.csv
-versus           | full  | flicker --reference reference seed --versus ours
-fog catalogue    | quick | validate height_fog_down voxel_grid -e exact -e tracer -e march -e \
-                           realtime --size 48x27 --json -q
-catalogue        | full  | validate --size 48x27 --json --budget 600
-physics fast     | quick | validate --suite physics --check single_slab -e exact -e oracle -e \
-                           march -e tracer --samples 16 --json -q
-physics          | full  | validate --suite physics --samples 16 --json
-stress           | quick | validate --suite failure --json -q
-stress pages     | quick | validate --suite failure --only fog_none --pictures all --preset fixed
-study steps      | quick | study steps march height_fog_up --size 16x9
-study steps      | full  | study steps povray height_fog_up --size 16x9 --json
-study flicker    | quick | study flicker fence_pitch4 --presets fixed,ours --seeds 1 --frames 16 \
-                           --size 32x18 --steps 3 --json --csv a.csv --markdown a.md -q
-study flicker    | full  | study flicker fence_pitch4 foliage --presets seed,ours --seeds 2 \
-                           --frames 16 --size 32x18 --steps 3
-study light      | quick | study light cloud_below --suns 50:180 --size 12x8 --noise 0.5 --samples \
-                           4 --steps 32 --json --csv a.csv --markdown a.md -q
-study light      | full  | study light cloud_below gaussian_blob --laws --fit fit.inc --size 12x8 \
-                           --noise 0.5 --samples 4 --steps 32
-study fog        | quick | study fog fog_look_evening --size 12x8 --directions 64 --json --csv \
-                           a.csv --markdown a.md
-study fog        | full  | study fog fog_look_ridge
-study sky        | quick | study sky --size 8x8 --truth oracle --samples 64 --suns 30 --altitudes \
-                           2 --models \
-                           sky+altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4 \
-                           --json --markdown a.md -q
-study sky        | full  | study sky --size 8x8 --samples 64 --suns 30,-30 --altitudes 2
-study screen     | quick | study screen surface_step --size 24x14 --samples 64 --models \
-                           screen+gi=off+warm_up=0+ssr_rays=1 --json --markdown a.md -q
-study screen     | full  | study screen surface_step surface_rough --size 24x14 --samples 64 \
-                           --frames 16
-study post       | quick | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4 \
-                           --chains grain --json --csv a.csv --markdown a.md -q
-study post       | full  | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4
-sweep            | quick | sweep voxel_grid --plan plan.yaml --untimed --json --csv a.csv -q
-sweep            | full  | sweep voxel_grid --plan plan.yaml --untimed --only march --seeds 2
-sweep            | full  | sweep voxel_grid --untimed --size 32x18 --only march,ours -o of_neph
-sweep with times | full  | sweep voxel_grid --plan plan.yaml --json
-ablation         | quick | ablate fence_backlit --only split --size 32x16 --steps 3 --frames 16 \
-                           --seeds 1 -q
-ablation         | full  | ablate fence_backlit foliage --size 32x16 --steps 3 --frames 16 --seeds \
-                           1 --json -q
-scaling          | full  | scaling voxel_grid --untimed --size 32x18 --json -q
-pick             | quick | pick height_fog_level --error 0.01 --size 64x36 --json -q
-pick             | full  | pick voxel_grid --error 0.25 --flicker 4 --size 32x18
-pick             | full  | pick fence_backlit foliage --presets seed,fixed,ours --frames 16 --size \
-                           32x18 --steps 3 --least flicker --half-life 8 -o presets
-benchmark        | quick | benchmark gaussian_blob --voxels 12 -e tracer,oracle --size 16x9 \
-                           --seconds 0.2 --json -q
-benchmark        | full  | benchmark gaussian_blob --voxels 12 -e tracer,oracle --size 16x9 \
-                           --seconds 0.2
-benchmark passes | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8 --json -q
-benchmark passes | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8
-conform          | quick | conform --scene height_fog_level -e march --size 32x18 -o a
-conform          | full  | conform --scene height_fog_level --scene voxel_grid --size 32x18 --json \
-                           -o b
-conform          | quick | conform a a
-conform          | full  | conform a b --json
-night            | quick | nightly --only fog_none --only height_fog_down --only sweep.voxel_grid \
-                           --size 32x18 --once
-night            | quick | baseline accept --who tester --why looked
-night            | quick | nightly --only fog_none --only height_fog_down --only sweep.voxel_grid \
-                           --size 32x18 --once --json
-night            | quick | nightly --only height_fog_down --size 32x18 --once -s march:steps=56
-night            | quick | baseline list
-night            | quick | store check
-night            | quick | store export
-night            | full  | store gc --limit 0 --spare-hours 0
-night            | full  | nightly --only blob_sky --only cirrus --only slab_above --size 32x18 \
-                           --json
-again night      | quick | store check
-again night      | quick | baseline list --json
-again night      | quick | nightly --only fog_none --only height_fog_down --only sweep.voxel_grid \
-                           --size 32x18 --once --json
-again night      | quick | store export
-again catalogue  | quick | first
-again physics    | quick | first
-again stress     | quick | first
-again flicker    | quick | first
-again light      | quick | first
-again sweep      | quick | first
-again ablation   | quick | first
-again pick       | quick | first
-again all        | full  | first
-again times      | full  | first
-again steps      | full  | first
-again sky        | full  | first
-again screen     | full  | first
-again post       | full  | first
-again scaling    | full  | first
-stress full      | full  | validate --suite failure --tier full --jobs 2 --json -q
+scenes            | quick | scenes
+scenes            | quick | scenes --json
+scenes            | quick | scenes two_layer_fog
+scenes            | quick | scenes fog_look_ridge
+scenes            | quick | scenes cloud_below --json
+scenes            | quick | scenes fence_pitch4 --variant sun_step
+scenes            | quick | scenes voxel_grid --variant sun_sine --frames 64
+scenes            | quick | scenes voxel_grid --variant camera_cut
+scenes            | quick | engines
+scenes            | quick | engines --json
+scenes            | quick | engines realtime
+scenes            | quick | metrics
+scenes            | quick | metrics --json
+scenes            | quick | metrics --masks
+scenes            | quick | metrics flip
+scenes            | quick | post --list
+scenes            | quick | ablate --list
+scenes            | quick | ablate --list --preset ue
+scenes            | quick | nightly --list
+scenes            | quick | nightly --list --tier full
+scenes            | quick | doctor
+scenes            | quick | doctor --json
+frames            | quick | render fence_pitch4 -e march --size 48x27 --stats --scene-layers -q -o \
+            reference
+frames            | quick | render fence_pitch4 -e realtime -p seed --size 48x27 --frames 16 \
+            --json --stats --scene-layers -q -o seed
+frames            | quick | render fence_pitch4 -e realtime -p ours --size 48x27 --frames 16 -o ours
+frames            | quick | render voxel_grid -e tracer -s samples=16 --seed 3 --size 48x27 \
+            --checkpoint sums -o tracer
+frames            | quick | render voxel_grid -e exact --size 48x27 -o exact
+frames            | quick | render voxel_grid -e oracle -s samples=4 --size 16x9 --json -q -o oracle
+frames            | quick | compare exact tracer
+frames            | quick | compare exact tracer --json -m all --maps maps --csv errors.csv --rings
+frames            | quick | compare exact tracer --csv - --fail-above rel_rmse=0.0001
+frames            | quick | compare reference/fence_pitch4_march_0000.exr ours --versus seed --json
+frames            | quick | compare reference/fence_pitch4_march_0000.exr ours --versus seed
+frames            | quick | flicker --reference reference seed --csv flicker.csv --maps flicker_maps
+frames            | quick | flicker --reference reference seed --versus ours --json --rings
+frames            | quick | flicker --reference reference ours -m all --fps 30 --ppd 30
+frames            | quick | post seed -p unreal -s exposure_ev=1 --png -q -o shown
+frames            | quick | view exact tracer -o page
+frames            | quick | bake gaussian_blob --resolution 12 --json -o blob.df3
+frames            | quick | bake gaussian_blob --resolution 12 -o blob.vdb
+frames more       | full  | render voxel_grid -e cycles -s samples=4 --noise --size 48x27 --json \
+            -o cycles
+frames more       | full  | render voxel_grid -e povray --size 48x27 --json -o povray
+frames more       | full  | export fence_backlit -e povray -o fence_pov
+frames more       | full  | export fence_backlit -e cycles -o fence_blend
+frames more       | full  | post ours -p unreal -s auto_exposure=on --json --stats -q -o adapted
+frames more       | full  | view reference/fence_pitch4_march_0000.exr seed ours --by-position \
+            --json -o pages
+versus            | full  | render fence_pitch4 -e march --size 24x14 -q -o reference
+versus            | full  | render fence_pitch4 -e realtime -p seed --size 24x14 --frames 64 -q -o \
+            seed
+versus            | full  | render fence_pitch4 -e realtime -p ours --size 24x14 --frames 64 -q -o \
+            ours
+versus            | full  | compare reference seed --versus ours --json --csv a.csv
+versus            | full  | flicker --reference reference seed --versus ours --json --csv b.csv
+versus            | full  | flicker --reference reference seed --versus ours
+fog catalogue     | quick | validate height_fog_down voxel_grid -e exact -e tracer -e march -e \
+            realtime --size 48x27 --json -q
+catalogue         | full  | validate --size 48x27 --json --budget 600
+physics fast      | quick | validate --suite physics --check single_slab -e exact -e oracle -e \
+            march -e tracer --samples 16 --json -q
+physics           | full  | validate --suite physics --samples 16 --json
+stress            | quick | validate --suite failure --json -q
+stress pages      | quick | validate --suite failure --only fog_none --pictures all --preset fixed
+study steps       | quick | study steps march height_fog_up --size 16x9
+study steps more  | full  | study steps povray height_fog_up --size 16x9 --json
+study flicker     | quick | study flicker fence_pitch4 --presets fixed,ours --seeds 1 --frames 16 \
+            --size 32x18 --steps 3 --json --csv a.csv --markdown a.md -q
+study flicker more | full  | study flicker fence_pitch4 foliage --presets seed,ours --seeds 2 \
+            --frames 16 --size 32x18 --steps 3
+study light       | quick | study light cloud_below --suns 50:180 --size 12x8 --noise 0.5 \
+            --samples 4 --steps 32 --json --csv a.csv --markdown a.md -q
+study light more  | full  | study light cloud_below gaussian_blob --laws --fit fit.inc --size 12x8 \
+            --noise 0.5 --samples 4 --steps 32
+study fog         | quick | study fog fog_look_evening --size 12x8 --directions 64 --json --csv \
+            a.csv --markdown a.md
+study fog more    | full  | study fog fog_look_ridge
+study sky         | quick | study sky --size 8x8 --truth oracle --samples 64 --suns 30 --altitudes \
+            2 --models sky+altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4 \
+            --json --markdown a.md -q
+study sky more    | full  | study sky --size 8x8 --samples 64 --suns 30,-30 --altitudes 2
+study screen      | quick | study screen surface_step --size 24x14 --samples 64 --models \
+            screen+gi=off+warm_up=0+ssr_rays=1 --json --markdown a.md -q
+study screen more | full  | study screen surface_step surface_rough --size 24x14 --samples 64 \
+            --frames 16
+study post        | quick | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4 \
+            --chains grain --json --csv a.csv --markdown a.md -q
+study post more   | full  | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4
+sweep             | quick | sweep voxel_grid --plan plan.yaml --untimed --json --csv a.csv -q
+sweep more        | full  | sweep voxel_grid --plan plan.yaml --untimed --only march --seeds 2
+sweep more        | full  | sweep voxel_grid --untimed --size 32x18 --only march,ours -o of_neph
+sweep with times  | full  | sweep voxel_grid --plan plan.yaml --json
+ablation          | quick | ablate fence_backlit --only split --size 32x16 --steps 3 --frames 16 \
+            --seeds 1 -q
+ablation more     | full  | ablate fence_backlit foliage --size 32x16 --steps 3 --frames 16 \
+            --seeds 1 --json -q
+scaling           | full  | scaling voxel_grid --untimed --size 32x18 --json -q
+pick              | quick | pick height_fog_level --error 0.01 --size 64x36 --json -q
+pick more         | full  | pick voxel_grid --error 0.25 --flicker 4 --size 32x18
+pick more         | full  | pick fence_backlit foliage --presets seed,fixed,ours --frames 16 \
+            --size 32x18 --steps 3 --least flicker --half-life 8 -o presets
+benchmark         | quick | benchmark gaussian_blob --voxels 12 -e tracer,oracle --size 16x9 \
+            --seconds 0.2 --json -q
+benchmark more    | full  | benchmark gaussian_blob --voxels 12 -e tracer,oracle --size 16x9 \
+            --seconds 0.2
+benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8 --json -q
+benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8
+conform           | quick | conform --scene height_fog_level -e march --size 32x18 -o a
+conform           | quick | conform a a
+conform more      | full  | conform --scene height_fog_level --scene voxel_grid --size 32x18 \
+            --json -o b
+conform more      | full  | conform a b --json
+night             | quick | nightly --only fog_none --only height_fog_down --only sweep.voxel_grid \
+            --size 32x18 --once
+night             | quick | baseline accept --who tester --why looked
+night             | quick | nightly --only fog_none --only height_fog_down --only sweep.voxel_grid \
+            --size 32x18 --once --json
+night             | quick | nightly --only height_fog_down --size 32x18 --once -s march:steps=56
+night             | quick | baseline list
+night             | quick | store check
+night             | quick | store export
+night more        | full  | nightly --only blob_sky --only cirrus --only slab_above --size 32x18 \
+            --json
+night more        | full  | store gc --limit 0 --spare-hours 0
+again night       | quick | store check
+again night       | quick | baseline list --json
+again night       | quick | nightly --only fog_none --only height_fog_down --only sweep.voxel_grid \
+            --size 32x18 --once --json
+again night       | quick | store export
+again catalogue   | quick | first
+again physics     | quick | first
+again stress      | quick | first
+again flicker     | quick | first
+again light       | quick | first
+again sweep       | quick | first
+again ablation    | quick | first
+again pick        | quick | first
+again all         | full  | first
+again times       | full  | first
+again steps       | quick | first
+again sky         | quick | first
+again screen      | quick | first
+again post        | quick | first
+again scaling     | full  | first
+stress full       | full  | validate --suite failure --tier full --jobs 2 --json -q
 """
 
-# These cases begin with the folder that the BEFORE program left of another case: no frame may be
-# rendered in them.
+# These cases begin with the folder that the BEFORE program left of another case: no frame of its
+# store may be rendered in them.
 STARTS_WITH = {
-    "again night": "night", "again catalogue": "fog catalogue", "again physics": "physics fast",
+    "frames more": "frames", "conform more": "conform", "again night": "night",
+    "again catalogue": "fog catalogue", "again physics": "physics fast",
     "again stress": "stress", "again flicker": "study flicker", "again light": "study light",
     "again sweep": "sweep", "again ablation": "ablation", "again pick": "pick",
     "again all": "catalogue", "again times": "sweep with times", "again steps": "study steps",
@@ -191,6 +192,7 @@ STARTS_WITH = {
 # Cases whose numbers depend on the speed of the machine: their numbers are replaced by '#'.
 FORM_ONLY = {
     "benchmark": "the machine's speed decides how many samples a rung has",
+    "benchmark more": "the machine's speed decides how many samples a rung has",
     "benchmark passes": "all numbers are times, or times divided by counts",
     "sweep with times": "what beats what depends on times"}
 
@@ -263,6 +265,8 @@ KEY_RULES = (
     ("*", "*", r"^jobs\.bytes$", "size of a file that holds measured times as text"),
     ("sweep*", "*", r"^load$", "load of the machine"),
     ("again *", "*", r"^load$", "load of the machine"),
+    ("benchmark*", "*", r"\.rmse_times\.found$",
+     "whether a rung is good enough depends on its samples"),
     ("*", "*", r"(^|\.)host(\.\w+)?$", "machine"),
 )
 
@@ -278,6 +282,7 @@ TEXT_RULES = (
     ("*night", "*summary.txt", SECONDS, "<time>", TIME),
     ("*night", "*junit.xml", r' time="[0-9.e-]+"', ' time="<time>"', TIME),
     ("*", "*.stdout", r"^(\w+_ms) .*", r"\1 <time>", TIME),
+    ("*steps*", "*.stdout", r"^( +\d+ .*%) +\d+\.\d\d\b", r"\1 <time>", TIME),
     ("*", "*", r"(\b(?:rendered|reused|cannot|missing|failed)(?: +\S+){3}) +[\d.]+  ",
      r"\1 <time> ", "seconds of an engine in the table of `neph validate`"),
 )
@@ -575,7 +580,7 @@ def install(program, folder):
 
 def all_commands(quick, only):
     """{case: [arguments]} in the order of the table."""
-    rows = [[field.strip() for field in line.split("|", 2)]
+    rows = [[field.strip() for field in re.sub(r" +", " ", line).split("|", 2)]
             for line in COMMANDS.strip().split("\n")]
     names = VERBS + [f"study {kind}" for kind in STUDIES]
     rows += [("help", "quick", words) for words in ["--help", "--version"] +
