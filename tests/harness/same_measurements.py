@@ -252,7 +252,7 @@ HASH = "hash of bytes that hold measured times; the bytes themselves are compare
 KEY_RULES = (
     ("*", "*", r"(^|\.)(created|started|ended|when|made|begun)_utc$", "date"),
     ("*", "*", r"(^|[._])(render|wall|cpu|gpu|takes|kernel|calibration|tracer)_s(_\w+)?$", TIME),
-    ("*", "*", r"(^|[._])(gpu|wall)_ms(_\w+)?$", TIME),
+    ("*", "*", r"(^|[._])(gpu|wall|median|low|high|least)_ms(_\w+)?$", TIME),
     ("*", "*.exr", r"^neph\.stats\.\w+_ms$", TIME),
     ("*", "*", r"(^|\.)(ms|CPU s( of the presets)?)$", TIME),
     ("*", "*", r"(^|\.)seconds(_low|_high)?$", TIME),
@@ -447,7 +447,7 @@ def read_exr(data, rules):
         if name == "dataWindow":
             window = struct.unpack("<4i", value)
         if name == "compression":
-            rows_per_chunk = {0: 1, 2: 1, 3: 16}[value[0]]
+            rows_per_chunk = {0: 1, 1: 1, 2: 1, 3: 16}[value[0]]
     chunks = -(-(window[3] - window[1] + 1) // rows_per_chunk)
     for offset in struct.unpack_from(f"<{chunks}Q", data, table):
         row, size = struct.unpack_from("<ii", data, offset)
