@@ -170,6 +170,13 @@ class SameMeasurements(unittest.TestCase):
         self.assertEqual(len(first), 4 + len(note) + 24)
         self.assertRaises(same.CannotCompare, same.with_same_build_id, b"no note")
 
+    def test_a_folder_of_the_user_is_left_alone(self):
+        mine = self.after / "pick" / "00.command.txt"
+        mine.unlink()
+        self.assertRaises(same.CannotCompare, same.run_case, "no_program", "pick", [], self.after,
+                          None)
+        self.assertTrue((self.after / "pick" / "files").is_dir())
+
     def test_the_table_is_whole(self):
         cases = same.all_commands(False, None)
         for case, source in same.STARTS_WITH.items():

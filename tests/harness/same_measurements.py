@@ -615,9 +615,12 @@ def make_older(folder):
 def run_case(program, case, commands, record, start):
     """Leave RECORD/CASE/files and what each command has said."""
     place = record / case.replace(" ", "_")
+    if place.exists() and not (place / "00.command.txt").is_file():
+        raise CannotCompare(f"'{place}' is no record of this script: name another folder")
     shutil.rmtree(place, ignore_errors=True)
     files = place / "files"
     place.mkdir(parents=True)
+    (place / "00.command.txt").touch()
     if start:
         shutil.copytree(start / "files", files, symlinks=True)
     files.mkdir(exist_ok=True)
