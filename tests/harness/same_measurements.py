@@ -297,10 +297,16 @@ ROW_RULES = (
 PRESENCE_RULES = (
     ("*", "*/blender.log", "another program's progress, with times"),
     ("*", "*/povray-*.log", "another program's messages, with times"),
+    ("*", "*.blend", "Blender leaves addresses of its memory in it; spec.json holds its input"),
     ("*", "*/.neph-lock", "lock"),
     ("*", "*/.lock", "lock"),
     ("study post", "*post.svg", "its last column is measured times; the others are in the JSON"),
     ("*", "*report/charts/*.svg", "drawn from measured times; the numbers are in data.json"),
+)
+
+# (file, why): files that are left out.
+LEFT_OUT_RULES = (
+    ("*/.cache/thumbnails/*", "Blender names it by a hash of the absolute path of its file"),
 )
 
 # ---- comparison ----------------------------------------------------------------------------------
@@ -526,8 +532,10 @@ def different_entries(before, after):
 
 
 def files_of(folder):
-    return {path.relative_to(folder).as_posix(): path for path in sorted(folder.rglob("*"))
-            if path.is_file() or path.is_symlink()}
+    found = {path.relative_to(folder).as_posix(): path for path in sorted(folder.rglob("*"))
+             if path.is_file() or path.is_symlink()}
+    return {name: path for name, path in found.items()
+            if not any(fnmatch.fnmatch(name, pattern) for pattern, _ in LEFT_OUT_RULES)}
 
 
 def compare_case(case, before, after):
@@ -749,6 +757,10 @@ def print_rules():
         print(f"text  {case} {file} {pattern}: {why}")
     for case, file, why in PRESENCE_RULES:
         print(f"file  {case} {file}: {why}")
+    for case, key, value, why in ROW_RULES:
+        print(f"row   {case} {key} {value}: {why}")
+    for file, why in LEFT_OUT_RULES:
+        print(f"none  * {file}: {why}")
     for case, why in FORM_ONLY.items():
         print(f"form  {case}: {why}")
 
