@@ -4,8 +4,10 @@
 #include "base/clock.h"
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "harness/engines/engines.h"
 #include "harness/experiment/pool.h"
 #include "harness/progress.h"
+#include "harness/run/seed.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -161,4 +163,34 @@ enum neph_status neph_experiment_main(const struct neph_experiment *experiment, 
     neph_cli_free_lists(experiment->syntax, request);
     free(request);
     return status;
+}
+
+/* ---- jobs ------------------------------------------------------------------------------------ */
+
+enum neph_status neph_experiment_job(const struct neph_experiment_run *run,
+                                     const struct neph_scene *scene,
+                                     const struct neph_experiment_frames *frames,
+                                     struct neph_engine_info *info, struct neph_job *job,
+                                     struct neph_diag *diag)
+{
+    char steps[32], why[512];
+    snprintf(steps, sizeof(steps), "steps=%d", frames->steps);
+    *job = (struct neph_job){.info = info,
+                             .shot = {.scene = scene,
+                                      .width_px = frames->size.width_px,
+                                      .height_px = frames->size.height_px,
+                                      .layers = NEPH_LAYERS_ALL,
+                                      .seed = neph_seed_of(scene, frames->seed),
+                                      .device = run->device}};
+    const enum neph_status status = neph_engine_words(frames->words, steps, &job->engine,
+                                                      &job->shot.settings, diag);
+    if (status)
+        return status;
+    neph_engine_probe(job->engine, run->device, info);
+    if (!info->available)
+        return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s: %s", job->engine->name, info->missing);
+    if (!job->engine->can_render(scene, &job->shot.settings, why, sizeof(why)))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: %s cannot: %s", scene->name,
+                         frames->words, why);
+    return NEPH_OK;
 }

@@ -10,6 +10,7 @@
 #include "harness/document/publication.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/options.h"
+#include "harness/run/job.h"
 #include "harness/run/store.h"
 
 /* What a run is lent. */
@@ -36,6 +37,22 @@ struct neph_experiment {
     /* Free what they made of the request; called in any case. NULL: nothing to do. */
     void (*finish)(void *request);
 };
+
+/* What the frames of a real-time method are rendered with. */
+struct neph_experiment_frames {
+    const char *words; /* "PRESET+KEY=VALUE+..." of realtime, or another engine's (engines.h) */
+    int steps;         /* of every view ray */
+    struct neph_cli_size size;
+    int seed; /* 1 .. */
+};
+
+/* The job of the first frame; `info` is for the job to borrow. NEPH_ERR_UNAVAILABLE;
+ * NEPH_ERR_UNSUPPORTED: the engine cannot render the scene; else as of neph_engine_words(). */
+enum neph_status neph_experiment_job(const struct neph_experiment_run *run,
+                                     const struct neph_scene *scene,
+                                     const struct neph_experiment_frames *frames,
+                                     struct neph_engine_info *info, struct neph_job *job,
+                                     struct neph_diag *diag);
 
 /* Parse the command line, prepare, open the store, run, publish. Errors as of these. With --jobs N
  * workers run the parts first and drop what these publish: their frames are in the store then, and

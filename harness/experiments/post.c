@@ -252,27 +252,6 @@ static enum neph_status look(const struct neph_take *take, const struct neph_tak
     return status;
 }
 
-static enum neph_status make_job(struct study *study, const struct neph_scene *scene,
-                                 struct neph_job *job, struct neph_diag *diag)
-{
-    const struct request *request = study->request;
-    char steps[32], why[512];
-    snprintf(steps, sizeof(steps), "steps=%d", request->steps);
-    *job = (struct neph_job){.info = &study->info,
-                             .shot = {.scene = scene,
-                                      .width_px = request->shared.size.width_px,
-                                      .height_px = request->shared.size.height_px,
-                                      .layers = NEPH_LAYERS_ALL,
-                                      .seed = neph_seed_of(scene, request->seed),
-                                      .device = study->run->device}};
-    enum neph_status status = neph_engine_words(request->preset, steps, &job->engine,
-                                                &job->shot.settings, diag);
-    if (!status && !job->engine->can_render(scene, &job->shot.settings, why, sizeof(why)))
-        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: %s cannot: %s", scene->name,
-                           request->preset, why);
-    return status;
-}
-
 static enum neph_status run_scene(struct study *study, const struct neph_scene *scene,
                                   struct neph_diag *diag)
 {
@@ -281,7 +260,11 @@ static enum neph_status run_scene(struct study *study, const struct neph_scene *
                              .reference = &reference,
                              .look = look,
                              .look_context = study};
-    enum neph_status status = make_job(study, scene, &take.job, diag);
+    const struct request *request = study->request;
+    const struct neph_experiment_frames frames = {request->preset, request->steps,
+                                                  request->shared.size, request->seed};
+    enum neph_status status = neph_experiment_job(study->run, scene, &frames, &study->info,
+                                                  &take.job, diag);
     study->progress.kind = KIND_REFERENCE;
     if (!status)
         status = neph_reference_make(&take.job, take.frame_count, study->run->store,
