@@ -28,6 +28,8 @@ static const struct {
      "what the controls of a fog's look give, take and break, each alone, against exact"},
     {"screen", neph_cli_study_screen, NULL,
      "how far occlusion, reflections and indirect light on a screen are from the truth, and why"},
+    {"convergence", NULL, &neph_experiment_convergence,
+     "after how many frames a preset of the real-time renderer is as good as it gets"},
     {"post", NULL, &neph_experiment_post,
      "what each stage between a frame and the display makes of error and flicker"},
 };

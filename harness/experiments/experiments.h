@@ -7,6 +7,7 @@
 
 #include "harness/experiment/experiment.h"
 
+extern const struct neph_experiment neph_experiment_convergence;
 extern const struct neph_experiment neph_experiment_post;
 
 #endif

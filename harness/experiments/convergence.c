@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph study convergence SCENE...`: after how many frames a preset of the real-time renderer is as
+ * near to its reference as it gets, from a cold start (a cut, a loaded level).
+ */
+#include "harness/experiments/experiments.h"
+
+#include "harness/data.h"
+#include "harness/document/table.h"
+#include "harness/study/take.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FRAMES_MAX = 1024 };
+
+struct request {
+    struct neph_cli_shared shared; /* operands: the scenes */
+    struct neph_cli_list presets;
+    int frames, steps, seed;
+};
+
+static const struct neph_cli_option options[] = {
+    {"presets", 0, "A,B", "Presets to compare; PRESET+KEY=VALUE changes one", NEPH_CLI_LIST,
+     .at = offsetof(struct request, presets), .otherwise = "seed,ue,ours", .maximum = 16},
+    {"frames", 0, "N", "Frames from the cold start", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, frames), .otherwise = "64", .minimum = 16,
+     .maximum = FRAMES_MAX},
+    {.name = "size", .otherwise = "96x54"},
+    {"steps", 0, "N", "Steps of every view ray, of the reference's too", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, steps), .otherwise = "32", .minimum = 1, .maximum = 4096},
+    {"seed", 0, "N", "Of the noise of frames", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, seed), .otherwise = "1", .minimum = 1, .maximum = 1 << 20},
+    {.name = "jobs", .otherwise = "1"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
+    {.name = "csv", .help = "A line for each scene and preset"},
+    {.name = "markdown", .help = "The table into a file, too"},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_operands operands = {
+    .shown = "SCENE...", .minimum = 1, .missing = "which scenes?"};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .doc =
+        "Render scenes from a cold start with presets of the real-time renderer, and say after how "
+        "many frames the error against the reference stays within a tenth of its final value.\v"
+        "The error is the relative RMSE of radiance against the march of the same frame, averaged "
+        "over 16 rays a pixel; the final error is the mean of the last quarter of the frames. What "
+        "is finished stays in DIR/store, and the same command goes on from there.\n\n"
+        "Examples:\n"
+        "  neph study convergence fence_sky cloud_gaps --size 192x108\n"
+        "  neph study convergence ridge_far --presets ours,ours+taa_jitter_length=8 --frames 128",
+};
+
+/* Errors that the table shows, as far as there are so many frames. */
+static const int shown_frames[] = {1, 2, 4, 8, 16, 32, 64};
+enum { SHOWN = sizeof(shown_frames) / sizeof(shown_frames[0]) };
+
+static const double settled_within = 0.1;
+
+/* Errors of all frames, from a reading's document. */
+static enum neph_status read_errors(const json_t *document, int count, double *errors,
+                                    struct neph_diag *diag)
+{
+    const json_t *list = json_object_get(document, "measurements"), *item;
+    size_t index;
+    for (int i = 0; i < count; i++)
+        errors[i] = NAN;
+    json_array_foreach((json_t *)list, index, item)
+    {
+        const json_int_t frame = json_integer_value(json_object_get(item, "frame"));
+        if (json_object_get(item, "frame") && frame < count &&
+            strcmp(neph_json_text(item, "metric"), "rel_rmse") == 0 &&
+            strcmp(neph_json_text(item, "quantity"), "radiance") == 0 &&
+            strcmp(neph_json_text(item, "mask"), "all") == 0)
+            errors[frame] = neph_json_real(item, "value");
+    }
+    for (int i = 0; i < count; i++)
+        if (isnan(errors[i]))
+            return neph_fail(diag, NEPH_ERR_INPUT, "frame %d has no error", i);
+    return NEPH_OK;
+}
+
+static void add_row(const struct request *request, const char *scene, const char *preset,
+                    const double *errors, struct neph_table *table)
+{
+    const int count = request->frames;
+    double final = 0.0;
+    int settled = count;
+    for (int i = count - count / 4; i < count; i++)
+        final += errors[i] / (count / 4);
+    while (settled > 0 && fabs(errors[settled - 1] - final) <= settled_within * final)
+        settled--;
+    neph_table_word(table, scene);
+    neph_table_word(table, preset);
+    neph_table_count(table, settled + 1);
+    if (settled == count)
+        neph_table_shown(table, "never");
+    neph_table_number(table, final);
+    for (int i = 0; i < SHOWN; i++)
+        neph_table_number(table, shown_frames[i] <= count ? errors[shown_frames[i] - 1] : NAN);
+}
+
+/* The errors of a preset's frames, from the store or rendered. */
+static enum neph_status measure(const struct neph_take *take, struct neph_store *store,
+                                double *errors, struct neph_diag *diag)
+{
+    char *folder = NULL;
+    json_t *record = NULL, *document = NULL;
+    enum neph_status status = neph_take_run(take, store, &folder, &record, diag);
+    if (!status)
+        status = neph_take_document(folder, take->readings[0].name, &document, diag);
+    if (!status)
+        status = read_errors(document, take->frame_count, errors, diag);
+    json_decref(document);
+    json_decref(record);
+    free(folder);
+    return status;
+}
+
+static enum neph_status run_preset(const struct request *request,
+                                   const struct neph_experiment_run *run,
+                                   const struct neph_scene *scene, const char *preset,
+                                   struct neph_table *table, struct neph_diag *diag)
+{
+    static const char *const extractors[] = {"error", NULL};
+    static const struct neph_reading reading = {.name = "error",
+                                                .against = NEPH_REFERENCE_AVERAGED,
+                                                .extractors = extractors,
+                                                .viewing = NEPH_VIEWING_DEFAULTS};
+    const struct neph_experiment_frames frames = {preset, request->steps, request->shared.size,
+                                                  request->seed};
+    double errors[FRAMES_MAX];
+    struct neph_engine_info info;
+    struct neph_reference reference = {.text = NULL};
+    struct neph_progress progress = neph_progress_start(run->quiet, 0);
+    struct neph_take take = {.frame_count = request->frames,
+                             .reference = &reference,
+                             .readings = &reading,
+                             .reading_count = 1,
+                             .plain = true,
+                             .frozen_is_fine = true};
+    enum neph_status status = neph_experiment_job(run, scene, &frames, &info, &take.job, diag);
+    if (!status)
+        status = neph_reference_make(&take.job, take.frame_count, run->store, &progress, &reference,
+                                     diag);
+    if (!status)
+        status = measure(&take, run->store, errors, diag);
+    if (!status)
+        add_row(request, scene->name, preset, errors, table);
+    neph_reference_finish(&reference);
+    neph_progress_end(&progress);
+    return status;
+}
+
+static void begin_table(struct neph_table *table)
+{
+    static const struct neph_column columns[] = {
+        {.key = "scene", .title = "scene"},
+        {.key = "preset", .title = "preset"},
+        {.key = "settled_frame", .title = "settled at frame", .format = "%g"},
+        {.key = "final_error", .title = "final error", .format = "%.4f"},
+    };
+    neph_table_columns(table, columns, 4);
+    for (int i = 0; i < SHOWN; i++) {
+        char key[32], title[32];
+        snprintf(key, sizeof(key), "error_%d", shown_frames[i]);
+        snprintf(title, sizeof(title), "after %d", shown_frames[i]);
+        neph_table_columns(table,
+                           &(struct neph_column){.key = key, .title = title, .format = "%.4f"}, 1);
+    }
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct request *request = request_;
+    struct neph_table table = {.cells = NULL};
+    enum neph_status status = NEPH_OK;
+    begin_table(&table);
+    for (int i = 0; i < request->shared.operand_count && !status; i++) {
+        struct neph_scene *scene = NULL;
+        status = neph_data_load_scene(request->shared.operands[i], &scene, diag);
+        for (int p = 0; p < request->presets.count && !status; p++)
+            status = run_preset(request, run, scene, request->presets.words[p], &table, diag);
+        neph_scene_destroy(scene);
+    }
+    if (!status)
+        status = neph_table_check(&table, diag);
+    if (publication->text)
+        neph_table_print(&table, publication->text);
+    if (publication->csv)
+        neph_table_print_csv(&table, "\r\n", publication->csv);
+    publication->json = json_pack("{s:s, s:i, s:o}", "format", "neph-convergence-study-1", "frames",
+                                  request->frames, "rows", neph_table_json(&table));
+    neph_table_finish(&table);
+    return status;
+}
+
+static bool part(void *request_, int index)
+{
+    struct request *request = request_;
+    return neph_cli_only_operand(&request->shared, index);
+}
+
+const struct neph_experiment neph_experiment_convergence = {
+    .syntax = &syntax, .request_size = sizeof(struct request), .part = part, .run = run};
