@@ -2,6 +2,7 @@
 #include "harness/sweep/output.h"
 
 #include "base/threads.h"
+#include "harness/document/table.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/look.h"
 #include "harness/sweep/equal.h"
@@ -213,42 +214,48 @@ json_t *neph_sweep_json(const struct neph_sweep *sweep)
 
 /* --- CSV ------------------------------------------------------------------------------------ */
 
-static void csv_number(double value, FILE *out)
+static void add_row(const struct neph_sweep_point *point, struct neph_table *table)
 {
-    if (isfinite(value))
-        fprintf(out, ",%.9g", value);
-    else
-        fputs(",", out);
+    const double costs[] = {point->time.median, point->time.low, point->time.high,
+                            point->evaluations};
+    neph_table_word(table, point->series->name);
+    neph_table_word(table, point->job.engine->name);
+    neph_table_word(table, point->label);
+    for (size_t i = 0; i < sizeof(costs) / sizeof(costs[0]); i++)
+        neph_table_number(table, costs[i]);
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
+        neph_table_number(table, point->numbers[n].value);
+        neph_table_number(table, point->numbers[n].low);
+        neph_table_number(table, point->numbers[n].high);
+    }
+    neph_table_word(table, point->missing[0] ? "missing" : "measured");
 }
 
-static void csv_point(const struct neph_sweep_point *point, FILE *out)
+static void add_column(const char *key, const char *end, struct neph_table *table)
 {
-    fprintf(out, "\"%s\",%s,%s", point->series->name, point->job.engine->name, point->label);
-    csv_number(point->time.median, out);
-    csv_number(point->time.low, out);
-    csv_number(point->time.high, out);
-    csv_number(point->evaluations, out);
-    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
-        csv_number(point->numbers[n].value, out);
-        csv_number(point->numbers[n].low, out);
-        csv_number(point->numbers[n].high, out);
-    }
-    fprintf(out, ",%s\n", point->missing[0] ? "missing" : "measured");
+    char name[64];
+    snprintf(name, sizeof(name), "%s%s", key, end);
+    neph_table_columns(table, &(struct neph_column){.key = name}, 1);
 }
 
-enum neph_status neph_sweep_csv(const struct neph_sweep *sweep, char **text, struct neph_diag *diag)
+void neph_sweep_print_csv(const struct neph_sweep *sweep, FILE *out)
 {
-    size_t size = 0;
-    FILE *out = open_memstream(text, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    fputs("series,engine,point,seconds,seconds_low,seconds_high,evaluations_per_pixel", out);
-    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
-        const char *name = neph_sweep_number_texts[n].name;
-        fprintf(out, ",%s,%s_low,%s_high", name, name, name);
-    }
-    fputs(",outcome\n", out);
+    static const char *const first[] = {"series",
+                                        "engine",
+                                        "point",
+                                        "seconds",
+                                        "seconds_low",
+                                        "seconds_high",
+                                        "evaluations_per_pixel"};
+    static const char *const ends[] = {"", "_low", "_high"};
+    struct neph_table table = {.cells = NULL};
+    for (size_t i = 0; i < sizeof(first) / sizeof(first[0]); i++)
+        add_column(first[i], "", &table);
+    for (int i = 0; i < 3 * NEPH_SWEEP_NUMBERS; i++)
+        add_column(neph_sweep_number_texts[i / 3].name, ends[i % 3], &table);
+    add_column("outcome", "", &table);
     for (int i = 0; i < sweep->point_count; i++)
-        csv_point(&sweep->points[i], out);
-    return fclose(out) == 0 ? NEPH_OK : neph_fail_memory(diag);
+        add_row(&sweep->points[i], &table);
+    neph_table_print_csv(&table, "\n", out);
+    neph_table_finish(&table);
 }

@@ -24,8 +24,7 @@ void neph_sweep_print(const struct neph_sweep *sweep, FILE *out);
 /* As in scripts/report/README.md; for the caller to json_decref, NULL when it could not be made. */
 json_t *neph_sweep_json(const struct neph_sweep *sweep);
 
-/* A line for each point; for the caller to free. */
-enum neph_status neph_sweep_csv(const struct neph_sweep *sweep, char **text,
-                                struct neph_diag *diag);
+/* A line for each point. */
+void neph_sweep_print_csv(const struct neph_sweep *sweep, FILE *out);
 
 #endif

@@ -19,7 +19,7 @@ struct neph_pick_params {
                               threshold; NaN: any */
     double time_s;         /* of a picture at full size; NaN: not asked, and not timed */
     int width_px, height_px;
-    uint64_t seed;
+    int seed, jobs;                    /* jobs: as neph_sweep_params.jobs */
     double time_limit_s;               /* per child process */
     struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;

@@ -3,7 +3,8 @@
 
 #include "base/exr.h"
 #include "harness/data.h"
-#include "harness/engines/frame_stats.h"
+#include "harness/engines/vulkan_device.h"
+#include "harness/experiment/pool.h"
 #include "harness/sweep/ladder.h"
 #include "harness/sweep/scaled.h"
 #include "harness/sweep/timing.h"
@@ -144,7 +145,7 @@ static enum neph_status make_job(struct work *work, int series, const struct nep
                                       .width_px = work->params->width_px,
                                       .height_px = work->params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .seed = work->params->seed,
+                                      .seed = (uint64_t)work->params->seed,
                                       .device = work->params->device}};
     enum neph_status status = neph_sweep_settings(&work->plan, of, 0, scattering,
                                                   &job->shot.settings, diag);
@@ -274,15 +275,37 @@ static enum neph_status count_pictures(struct work *work, struct neph_scaling_li
     return status;
 }
 
+/* In a worker: its points' frames are in the store then. In the process itself: all points. */
+static enum neph_status count_points(struct neph_worker *worker, void *context,
+                                     struct neph_diag *diag)
+{
+    struct work *work = context;
+    enum neph_status status = NEPH_OK;
+    for (int i; !status && (i = neph_worker_next(worker)) < work->point_count;) {
+        status = count_point(work, &work->points[i], diag);
+        if (worker->index == 0)
+            neph_progress_tick(&work->progress, "evaluations");
+    }
+    if (worker->index > 0)
+        neph_shared_device_close(work->params->device);
+    return status;
+}
+
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    (void)text;
+    (void)context;
+    (void)diag;
+    return NEPH_OK;
+}
+
 static enum neph_status count_all(struct work *work, struct neph_diag *diag)
 {
     struct neph_scaling *scaling = work->scaling;
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < work->point_count && !status; i++) {
-        work->progress.kind = KIND_POINT;
-        status = count_point(work, &work->points[i], diag);
-        neph_progress_tick(&work->progress, "evaluations");
-    }
+    work->progress.kind = KIND_POINT;
+    if (work->params->jobs > 1)
+        neph_shared_device_close(work->params->device); /* workers open their own */
+    enum neph_status status = neph_pool_run(work->params->jobs, count_points, hear, work, diag);
     for (int i = 0; i < scaling->line_count && !status; i++)
         if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
             work->progress.kind = KIND_PICTURES;
@@ -299,7 +322,7 @@ static enum neph_status time_all(struct work *work, struct neph_diag *diag)
                                      .progress = &work->progress,
                                      .times = work->params->times,
                                      .retimes = work->params->retimes,
-                                     .seed = work->params->seed};
+                                     .seed = (uint64_t)work->params->seed};
     work->progress.kind = KIND_ROUND;
     const enum neph_status status = neph_sweep_time(&bench, work->points, work->point_count, diag);
     neph_sweep_bench_finish(&bench);

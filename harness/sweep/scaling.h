@@ -16,7 +16,7 @@ struct neph_scaling_params {
     const char *scene;       /* a name of the catalogue, or a path */
     const char *preset;      /* of realtime, beside the march: "NAME" or "NAME+KEY=VALUE+..." */
     int width_px, height_px; /* the largest */
-    uint64_t seed;
+    int seed, jobs;          /* jobs: processes that render what is counted; 0: one */
     bool untimed, quiet;
     struct neph_times *times;          /* NULL when untimed */
     bool retimes;                      /* what was timed before is timed again */

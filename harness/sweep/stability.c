@@ -156,8 +156,8 @@ static void print_one(const struct verdict *verdict, void *context)
                 neph_stability_words[verdict->outcome]);
 }
 
-int neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost,
-                         FILE *out)
+void neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost,
+                          FILE *out)
 {
     struct print print = {out, count, {0}};
     fprintf(out, "%s: fronts of %d sweeps, each with a seed and a store of its own, by %s\n",
@@ -169,7 +169,6 @@ int neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_s
     if (print.counts[NEPH_STABILITY_ABSENT] > 0)
         fprintf(out, "; not measured in one of them: %d", print.counts[NEPH_STABILITY_ABSENT]);
     fprintf(out, "\n");
-    return print.counts[NEPH_STABILITY_MOVED];
 }
 
 struct list {

@@ -4,6 +4,8 @@
 #include "base/clock.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
+#include "harness/experiment/pool.h"
 #include "harness/sweep/equal.h"
 #include "harness/sweep/front.h"
 #include "harness/sweep/ladder.h"
@@ -57,14 +59,19 @@ static bool is_wanted(const struct neph_sweep_params *params, int series, int pl
     return wanted && (!params->wanted || params->wanted[series * NEPH_SWEEP_VALUES_MAX + place]);
 }
 
-static const struct neph_engine_info *info_of(const struct neph_sweep *sweep,
+/* Only engines of the plan are probed, once: some take a second to tell their version. */
+static const struct neph_engine_info *info_of(const struct neph_sweep_params *params,
+                                              const struct neph_sweep *sweep,
                                               const struct neph_engine *engine)
 {
     int count = 0, index = 0;
     const struct neph_engine *const *engines = neph_engines_and_guests(&count);
     while (engines[index] != engine)
         index++;
-    return &sweep->infos[index];
+    struct neph_engine_info *info = &sweep->infos[index];
+    if (!info->available && !info->missing[0])
+        neph_engine_probe(engine, params->device, info);
+    return info;
 }
 
 static enum neph_status have_scene(struct neph_sweep *sweep, enum neph_scattering scattering,
@@ -88,7 +95,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
     const struct neph_sweep_plan *plan = params->plan;
     const enum neph_scattering scattering = neph_sweep_scattering(series, sweep->scene);
     const struct neph_engine *engine = neph_sweep_engine(plan, series, scattering);
-    const struct neph_engine_info *info = info_of(sweep, engine);
+    const struct neph_engine_info *info = info_of(params, sweep, engine);
     *point = (struct neph_sweep_point){
         .series = series,
         .place = place,
@@ -98,7 +105,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
                          .width_px = plan->width_px,
                          .height_px = plan->height_px,
                          .layers = NEPH_LAYERS_ALL,
-                         .seed = params->seed,
+                         .seed = (uint64_t)params->seed,
                          .time_limit_s = params->time_limit_s,
                          .device = params->device}},
         .time = {NAN, NAN, NAN},
@@ -128,8 +135,11 @@ static enum neph_status fill_points(const struct neph_sweep_params *params,
 {
     const struct neph_sweep_plan *plan = params->plan;
     enum neph_status status = NEPH_OK;
+    int engine_count = 0;
+    neph_engines_and_guests(&engine_count);
+    sweep->infos = calloc((size_t)engine_count, sizeof(*sweep->infos));
     sweep->points = calloc(NEPH_SWEEP_POINTS_MAX, sizeof(*sweep->points));
-    if (!sweep->points)
+    if (!sweep->points || !sweep->infos)
         return neph_fail_memory(diag);
     for (int s = 0; s < plan->series_count; s++)
         for (int i = 0; i < neph_sweep_value_count(&plan->series[s]) && !status; i++)
@@ -139,51 +149,32 @@ static enum neph_status fill_points(const struct neph_sweep_params *params,
     return status;
 }
 
+static bool has_series(const struct neph_sweep_plan *plan, const char *name)
+{
+    for (int s = 0; s < plan->series_count; s++)
+        if (strcmp(plan->series[s].name, name) == 0)
+            return true;
+    return false;
+}
+
 /* Names that the plan has not got are told before anything is rendered. */
 static enum neph_status check_only(const struct neph_sweep_params *params, struct neph_diag *diag)
 {
     const struct neph_sweep_plan *plan = params->plan;
+    const char *const *name = params->only;
     char names[512] = "";
+    while (name && *name && has_series(plan, *name))
+        name++;
+    if (!name || !*name)
+        return NEPH_OK;
     for (int s = 0; s < plan->series_count; s++) {
         const size_t used = strlen(names);
         snprintf(names + used, sizeof(names) - used, "%s%s", s > 0 ? ", " : "",
                  plan->series[s].name);
     }
-    for (int i = 0; params->only && params->only[i]; i++) {
-        bool is_there = false;
-        for (int s = 0; s < plan->series_count; s++)
-            is_there |= strcmp(plan->series[s].name, params->only[i]) == 0;
-        if (!is_there) {
-            neph_fail(diag, NEPH_ERR_USAGE, "the plan has no series '%s'", params->only[i]);
-            neph_hint(diag, "its series are %s", names);
-            return NEPH_ERR_USAGE;
-        }
-    }
-    return NEPH_OK;
-}
-
-/* Those of the plan alone: some take a second to tell their version. */
-static enum neph_status probe_engines(const struct neph_sweep_params *params,
-                                      struct neph_sweep *sweep, struct neph_diag *diag)
-{
-    const struct neph_sweep_plan *plan = params->plan;
-    int count = 0;
-    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
-    sweep->infos = calloc((size_t)count, sizeof(*sweep->infos));
-    if (!sweep->infos)
-        return neph_fail_memory(diag);
-    for (int i = 0; i < count; i++) {
-        bool is_asked = false;
-        for (int s = 0; s < plan->series_count; s++)
-            for (int k = 0; k < neph_sweep_value_count(&plan->series[s]) && !is_asked; k++)
-                is_asked = is_wanted(params, s, k) &&
-                           neph_sweep_engine(
-                               plan, &plan->series[s],
-                               neph_sweep_scattering(&plan->series[s], sweep->scene)) == engines[i];
-        if (is_asked)
-            neph_engine_probe(engines[i], params->device, &sweep->infos[i]);
-    }
-    return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "the plan has no series '%s'", *name);
+    neph_hint(diag, "its series are %s", names);
+    return NEPH_ERR_USAGE;
 }
 
 /* --- measuring ------------------------------------------------------------------------------ */
@@ -215,18 +206,96 @@ static enum neph_status measure_point(struct neph_sweep_bench *bench,
     return status;
 }
 
-static enum neph_status measure_points(struct neph_sweep_bench *bench, struct neph_sweep *sweep,
+/* What all workers measure. */
+struct measuring {
+    struct neph_sweep_bench *bench;
+    struct neph_sweep_point **order; /* of points */
+    int count;
+    struct neph_shared_device *device;
+    struct neph_progress progress; /* of the workers */
+};
+
+/* The point behind those that share a reference with the point at `first`. */
+static int end_of_group(const struct measuring *all, int first)
+{
+    int end = first + 1;
+    while (end < all->count && strcmp(all->order[end]->label, all->order[first]->label) == 0)
+        end++;
+    return end;
+}
+
+/* A picture that is rendered whole may be timed by what it costs then: it is rendered alone. */
+static bool is_for_workers(const struct neph_sweep_point *point)
+{
+    return neph_sweep_is_sequence(point) || neph_flight_applies(point->job.engine);
+}
+
+/* A worker's points: their frames are in the store then, for the process that started it. */
+static enum neph_status measure_groups(struct neph_worker *worker, const struct measuring *all,
                                        struct neph_diag *diag)
 {
-    struct neph_sweep_point **order = calloc((size_t)sweep->point_count, sizeof(*order));
-    enum neph_status status = order ? NEPH_OK : neph_fail_memory(diag);
-    for (int i = 0; i < sweep->point_count && order; i++)
-        order[i] = &sweep->points[i];
+    enum neph_status status = NEPH_OK;
+    struct neph_progress quiet = neph_progress_start(true, 0);
+    all->bench->progress = &quiet;
+    int group = neph_worker_next(worker), first = 0;
+    for (int g = 0; first < all->count && !status; g++, first = end_of_group(all, first)) {
+        if (g < group)
+            continue;
+        for (int i = first; i < end_of_group(all, first) && !status; i++)
+            if (is_for_workers(all->order[i]))
+                status = measure_point(all->bench, all->order[i], diag);
+        neph_worker_tell(worker, all->order[first]->label);
+        group = neph_worker_next(worker);
+    }
+    neph_shared_device_close(all->device);
+    return status;
+}
+
+static enum neph_status measure_all(struct neph_worker *worker, void *context,
+                                    struct neph_diag *diag)
+{
+    const struct measuring *all = context;
+    enum neph_status status = NEPH_OK;
+    if (worker->index > 0)
+        return measure_groups(worker, all, diag);
+    for (int i = 0; i < all->count && !status; i++)
+        status = measure_point(all->bench, all->order[i], diag);
+    return status;
+}
+
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    struct measuring *all = context;
+    (void)diag;
+    if (text)
+        neph_progress_tick(&all->progress, text);
+    return NEPH_OK;
+}
+
+static enum neph_status measure_points(struct neph_sweep_bench *bench, struct neph_sweep *sweep,
+                                       const struct neph_sweep_params *params,
+                                       struct neph_diag *diag)
+{
+    struct measuring all = {.bench = bench,
+                            .order = calloc((size_t)sweep->point_count, sizeof(*all.order)),
+                            .count = sweep->point_count,
+                            .device = params->device,
+                            .progress = neph_progress_start(params->quiet, 0)};
+    enum neph_status status = all.order ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < all.count && !status; i++)
+        all.order[i] = &sweep->points[i];
     if (!status)
-        qsort(order, (size_t)sweep->point_count, sizeof(struct neph_sweep_point *), by_reference);
-    for (int i = 0; i < sweep->point_count && !status; i++)
-        status = measure_point(bench, order[i], diag);
-    free(order);
+        qsort(all.order, (size_t)all.count, sizeof(*all.order), by_reference);
+    int groups = 0;
+    for (int first = 0; first < all.count && !status; first = end_of_group(&all, first))
+        groups++;
+    neph_progress_expect(&all.progress, 0, groups, 0.0);
+    const int jobs = params->jobs < groups ? params->jobs : groups;
+    if (jobs > 1)
+        neph_shared_device_close(params->device); /* workers open their own */
+    if (!status)
+        status = neph_pool_run(jobs, measure_all, hear, &all, diag);
+    free(all.order);
     return status;
 }
 
@@ -285,7 +354,7 @@ static enum neph_status run_bench(const struct neph_sweep_params *params, struct
                                   struct neph_sweep_bench *bench, struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
-    enum neph_status status = measure_points(bench, sweep, diag);
+    enum neph_status status = measure_points(bench, sweep, params, diag);
     sweep->mask = bench->mask;
     bench->progress->kind = KIND_ROUND;
     if (!status && !params->untimed)
@@ -307,8 +376,6 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
     if (!status)
         status = choose_frames(sweep, diag);
     if (!status)
-        status = probe_engines(params, sweep, diag);
-    if (!status)
         status = fill_points(params, sweep, diag);
     if (!status)
         expect(&progress, sweep, params->untimed);
@@ -323,7 +390,7 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
                                      .mask = "all",
                                      .times = params->times,
                                      .retimes = params->retimes,
-                                     .seed = params->seed};
+                                     .seed = (uint64_t)params->seed};
     if (!status)
         status = run_bench(params, sweep, &bench, diag);
     neph_sweep_bench_finish(&bench);
