@@ -210,18 +210,21 @@ static enum neph_status measure_point(struct neph_sweep_bench *bench,
 struct measuring {
     struct neph_sweep_bench *bench;
     struct neph_sweep_point **order; /* of points */
-    int count;
+    int count, group_count;
     struct neph_shared_device *device;
     struct neph_progress progress; /* of the workers */
 };
 
-/* The point behind those that share a reference with the point at `first`. */
-static int end_of_group(const struct measuring *all, int first)
+/* Where the points of a group begin, which share a reference; `count`: there are no more groups. */
+static int start_of_group(const struct measuring *all, int group)
 {
-    int end = first + 1;
-    while (end < all->count && strcmp(all->order[end]->label, all->order[first]->label) == 0)
-        end++;
-    return end;
+    int start = 0;
+    for (int i = 1; i <= all->count && group > 0; i++)
+        if (i == all->count || strcmp(all->order[i]->label, all->order[i - 1]->label) != 0) {
+            start = i;
+            group--;
+        }
+    return start;
 }
 
 /* A picture that is rendered whole may be timed by what it costs then: it is rendered alone. */
@@ -237,15 +240,12 @@ static enum neph_status measure_groups(struct neph_worker *worker, const struct 
     enum neph_status status = NEPH_OK;
     struct neph_progress quiet = neph_progress_start(true, 0);
     all->bench->progress = &quiet;
-    int group = neph_worker_next(worker), first = 0;
-    for (int g = 0; first < all->count && !status; g++, first = end_of_group(all, first)) {
-        if (g < group)
-            continue;
-        for (int i = first; i < end_of_group(all, first) && !status; i++)
+    for (int group; !status && (group = neph_worker_next(worker)) < all->group_count;) {
+        const int start = start_of_group(all, group), end = start_of_group(all, group + 1);
+        for (int i = start; i < end && !status; i++)
             if (is_for_workers(all->order[i]))
                 status = measure_point(all->bench, all->order[i], diag);
-        neph_worker_tell(worker, all->order[first]->label);
-        group = neph_worker_next(worker);
+        neph_worker_tell(worker, all->order[start]->series->name);
     }
     neph_shared_device_close(all->device);
     return status;
@@ -284,17 +284,16 @@ static enum neph_status measure_points(struct neph_sweep_bench *bench, struct ne
     enum neph_status status = all.order ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; i < all.count && !status; i++)
         all.order[i] = &sweep->points[i];
-    if (!status)
+    if (!status) {
         qsort(all.order, (size_t)all.count, sizeof(*all.order), by_reference);
-    int groups = 0;
-    for (int first = 0; first < all.count && !status; first = end_of_group(&all, first))
-        groups++;
-    neph_progress_expect(&all.progress, 0, groups, 0.0);
-    const int jobs = params->jobs < groups ? params->jobs : groups;
-    if (jobs > 1)
-        neph_shared_device_close(params->device); /* workers open their own */
-    if (!status)
+        while (start_of_group(&all, all.group_count) < all.count)
+            all.group_count++;
+        neph_progress_expect(&all.progress, 0, all.group_count, 0.0);
+        const int jobs = params->jobs < all.group_count ? params->jobs : all.group_count;
+        if (jobs > 1)
+            neph_shared_device_close(params->device); /* workers open their own */
         status = neph_pool_run(jobs, measure_all, hear, &all, diag);
+    }
     free(all.order);
     return status;
 }
