@@ -77,7 +77,8 @@ enum neph_status neph_scaling_run(const struct neph_scaling_params *params,
 /* Exponents and verdicts from the points. */
 void neph_scaling_judge(struct neph_scaling *scaling);
 
-/* The JSON of an earlier run, {"format": "neph-scaling-1", ...}, docs/sweep.md; to json_decref. NEPH_ERR_INPUT: the file holds none. */
+/* The JSON of an earlier run, {"format": "neph-scaling-1", ...}, docs/sweep.md; to json_decref.
+ * NEPH_ERR_INPUT: the file holds none. */
 enum neph_status neph_scaling_load(const char *path, json_t **document, struct neph_diag *diag);
 
 #endif

@@ -78,6 +78,9 @@ class Scaling(unittest.TestCase):
         self.assertIn("none: height_fog_level has fog alone, which has no voxels", done.stdout)
         self.assertIn("engine exact marches no ray", done.stdout)
         self.assertNotIn("not as expected", done.stdout)
+        several = run("scaling", "height_fog_level", "--size", "32x18", "-o", self.out + "/other",
+                      "-q", "--untimed", "--jobs", "2")
+        self.assertEqual((several.returncode, several.stdout), (0, done.stdout), several.stderr)
 
     def test_what_is_refused(self):
         self.assertEqual(run("scaling").returncode, 64)

@@ -143,10 +143,16 @@ class Sweep(unittest.TestCase):
             "camera: {keys: [{frame: 0, position_m: [0, 2, 6], look_at_m: [-2, 1, 0]}, {frame: 31, "
             "position_m: [0, 2, 6], look_at_m: [1, 1, 0]}], vertical_fov_deg: 36}\n"
             "frames: {count: 32, rate_hz: 30}"))
-        done = run("sweep", str(scene), "--plan", str(self.plan), "-o", str(self.out / "out"),
-                   "-q", "--json", "--untimed", "--only", "march,ours")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        document = json.loads(done.stdout)
+        def sweep(jobs):
+            done = run("sweep", str(scene), "--plan", str(self.plan), "-o",
+                       str(self.out / f"out_{jobs}"), "-q", "--json", "--untimed", "--only",
+                       "march,ours", "--jobs", str(jobs))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(done.stdout)
+            found.pop("load")  # of the machine
+            return found
+        document = sweep(1)
+        self.assertEqual(sweep(2), document)
         self.assertEqual((document["frame"], document["frames"]), (31, 32))
         coarse, fine, ours = document["points"]
         self.assertLess(fine["error"]["value"], 0.5 * coarse["error"]["value"])
