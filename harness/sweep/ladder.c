@@ -105,14 +105,6 @@ static const char all_steps[] = "8 16 32 64";
 /* As the plan that comes with neph. */
 enum { FRAMES = 48, WARM_UP = 16, TRUTH_SAMPLES = 256, ROUNDS = 3 };
 
-bool neph_ladder_is_still(const struct neph_scene *scene)
-{
-    for (int frame = 1; frame < scene->frame_count; frame++)
-        if (!neph_scene_is_same_moment(scene, 0, frame))
-            return false;
-    return true;
-}
-
 static bool is_same_camera(const struct neph_scene *scene, int frame)
 {
     const struct neph_camera first = neph_scene_camera(scene, 0.0),
@@ -217,7 +209,7 @@ static enum neph_status add_rung(struct neph_sweep_plan *plan,
                                  const struct neph_scene *scene, struct neph_diag *diag)
 {
     const struct neph_sweep_series march = {.engine = light->march,
-                                            .flicker = !neph_ladder_is_still(scene)};
+                                            .flicker = !neph_scene_is_static(scene)};
     enum neph_status status = NEPH_OK;
     if (!pipeline->preset)
         return add(plan, pipeline->name, "", light, march, all_steps, diag);
@@ -252,7 +244,7 @@ static enum neph_status add_narrow(struct neph_sweep_plan *plan, const struct ne
         char why[256];
         const struct neph_sweep_series series = {.name = engine->name,
                                                  .engine = engine->name,
-                                                 .flicker = !neph_ladder_is_still(scene),
+                                                 .flicker = !neph_scene_is_static(scene),
                                                  .scattering = -1};
         if (engine->can_render(scene, &settings, why, sizeof(why)))
             status = neph_ladder_add(plan, &series, NULL, diag);

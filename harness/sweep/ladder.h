@@ -62,9 +62,6 @@ enum { NEPH_LADDER_HELD_SIZE = 256 };
 void neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
                       bool still, bool air, char held[NEPH_LADDER_HELD_SIZE]);
 
-/* Whether no picture of the scene differs from another. */
-bool neph_ladder_is_still(const struct neph_scene *scene);
-
 /* Whether all media have closed forms: homogeneous ones, and fogs. */
 bool neph_ladder_has_closed_form(const struct neph_scene *scene);
 

@@ -9,47 +9,62 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SWEEP_NUMBERS == 5, "a new kind");
+
+const struct neph_sweep_number_text neph_sweep_number_texts[NEPH_SWEEP_NUMBERS] = {
+    [NEPH_SWEEP_ERROR] = {"error", "relative RMSE of radiance against the truth", "rel_rmse"},
+    [NEPH_SWEEP_SHORTCUT] = {"shortcut", "relative RMSE of radiance against its own model",
+                             "rel_rmse"},
+    [NEPH_SWEEP_FLICKER] = {"flicker", "flicker seen, contrast over threshold", "seen_contrast"},
+    [NEPH_SWEEP_FOUR] = {"four", "four-frame flicker, 95th percentile, of white", "a4_p95"},
+    [NEPH_SWEEP_HALF_LIFE] = {"half_life", "half-life after a step of the sun [frames]",
+                              "half_life_p50"},
+};
+
+void neph_sweep_finish(struct neph_sweep *sweep)
+{
+    for (int i = 0; i < sweep->point_count; i++)
+        free(sweep->points[i].settings);
+    free(sweep->points);
+    free(sweep->infos);
+    for (int i = 0; i <= NEPH_SCATTERING_MULTIPLE; i++)
+        neph_scene_destroy(sweep->rescattered[i]);
+    neph_scene_destroy(sweep->scene);
+    *sweep = (struct neph_sweep){.plan = NULL};
+}
+
 /* --- words ---------------------------------------------------------------------------------- */
 
 char *neph_sweep_command(const struct neph_sweep *sweep, const struct neph_sweep_point *point)
 {
-    const struct neph_sweep_plan *plan = sweep->plan;
-    const struct neph_sweep_series *series = point->series;
+    const struct neph_shot *shot = &point->job.shot;
     const struct neph_engine *engine = point->job.engine;
-    char *text = NULL;
+    const char *words = point->series->preset; /* its changes follow as settings */
+    char preset[64] = "", *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return NULL;
-    const struct neph_settings plain = neph_settings_default(engine);
-    struct neph_settings from = plain;
     fprintf(out, "neph render %s -e %s --size %dx%d", sweep->scene->name, engine->name,
-            plan->width_px, plan->height_px);
-    if (series->preset) { /* its changes follow as settings */
-        const size_t length = strcspn(series->preset, "+");
-        char name[64];
-        snprintf(name, sizeof(name), "%.*s", (int)length, series->preset);
-        fprintf(out, " --preset %s", name);
-        if (neph_settings_preset(engine, name, &from, NULL))
-            from = plain;
+            sweep->plan->width_px, sweep->plan->height_px);
+    if (words) {
+        snprintf(preset, sizeof(preset), "%.*s", (int)strcspn(words, "+"), words);
+        fprintf(out, " --preset %s", preset);
     }
-    char *settings = neph_settings_text(engine, &point->job.shot.settings),
-         *before = neph_settings_text(engine, &from);
-    char *rest = settings, *rest_before = before;
-    for (char *word = NULL; settings && before && (word = strsep(&rest, " "));) {
-        const char *same = strsep(&rest_before, " ");
-        if (same && strcmp(word, same) != 0)
+    char *changes = neph_settings_changes(engine, &shot->settings, words ? preset : NULL);
+    char *rest = changes;
+    for (char *word; (word = strsep(&rest, " "));)
+        if (word[0])
             fprintf(out, " -s %s", word);
-    }
-    if (point->job.shot.scene != sweep->scene)
-        fprintf(out, " --scattering %s", neph_scattering_name(point->job.shot.scene->scattering));
+    free(changes);
+    if (shot->scene != sweep->scene)
+        fprintf(out, " --scattering %s", neph_scattering_name(shot->scene->scattering));
     if (engine->remembers)
         fprintf(out, " --frames %d", sweep->frame_count);
     else if (sweep->frame > 0)
         fprintf(out, " --frame %d", sweep->frame);
-    fprintf(out, " --seed %llu", (unsigned long long)point->job.shot.seed);
-    free(settings);
-    free(before);
+    fprintf(out, " --seed %llu", (unsigned long long)shot->seed);
     if (fclose(out) == 0)
         return text;
     free(text);

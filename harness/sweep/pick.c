@@ -9,6 +9,7 @@
 #include "harness/sweep/point.h"
 #include "harness/sweep/sweep.h"
 #include "renderer/sky/split.h"
+#include "scenes/motion.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -484,7 +485,7 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
     enum neph_status status = work.entries ? neph_data_load_scene(params->scene, &work.scene, diag)
                                            : neph_fail_memory(diag);
     if (!status) {
-        pick->is_still = neph_ladder_is_still(work.scene);
+        pick->is_still = neph_scene_is_static(work.scene);
         status = choose(&work, diag);
     }
     if (!status && pick->measured == 0)

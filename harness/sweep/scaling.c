@@ -291,21 +291,13 @@ static enum neph_status count_points(struct neph_worker *worker, void *context,
     return status;
 }
 
-static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
-{
-    (void)text;
-    (void)context;
-    (void)diag;
-    return NEPH_OK;
-}
-
 static enum neph_status count_all(struct work *work, struct neph_diag *diag)
 {
     struct neph_scaling *scaling = work->scaling;
     work->progress.kind = KIND_POINT;
     if (work->params->jobs > 1)
         neph_shared_device_close(work->params->device); /* workers open their own */
-    enum neph_status status = neph_pool_run(work->params->jobs, count_points, hear, work, diag);
+    enum neph_status status = neph_pool_run(work->params->jobs, count_points, NULL, work, diag);
     for (int i = 0; i < scaling->line_count && !status; i++)
         if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
             work->progress.kind = KIND_PICTURES;

@@ -8,8 +8,8 @@
 #include "harness/experiment/pool.h"
 #include "harness/sweep/equal.h"
 #include "harness/sweep/front.h"
-#include "harness/sweep/ladder.h"
 #include "harness/sweep/timing.h"
+#include "scenes/motion.h"
 #include "scenes/rescatter.h"
 
 #include <math.h>
@@ -31,7 +31,7 @@ static enum neph_status choose_frames(struct neph_sweep *sweep, struct neph_diag
     const int most = sweep->scene->frame_count / 4 * 4;
     sweep->frame_count = plan->frame_count;
     sweep->frame = 0;
-    if (neph_ladder_is_still(sweep->scene))
+    if (neph_scene_is_static(sweep->scene))
         return NEPH_OK;
     if (most < sweep->frame_count)
         sweep->frame_count = most;
