@@ -321,14 +321,6 @@ static enum neph_status find_fronts(struct neph_sweep *sweep, bool untimed, stru
 
 /* --- the whole ------------------------------------------------------------------------------ */
 
-static void expect(struct neph_progress *progress, const struct neph_sweep *sweep, bool untimed)
-{
-    neph_progress_expect(progress, KIND_TRUTH, 1, truth_typical_s);
-    neph_progress_expect(progress, KIND_POINT, sweep->point_count, point_typical_s);
-    if (!untimed)
-        neph_progress_expect(progress, KIND_ROUND, sweep->plan->round_count, round_typical_s);
-}
-
 static enum neph_status make_truth(const struct neph_sweep_params *params, struct neph_sweep *sweep,
                                    struct neph_store *store, struct neph_progress *progress,
                                    struct neph_sweep_truth *truth, struct neph_diag *diag)
@@ -376,8 +368,10 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
         status = choose_frames(sweep, diag);
     if (!status)
         status = fill_points(params, sweep, diag);
-    if (!status)
-        expect(&progress, sweep, params->untimed);
+    neph_progress_expect(&progress, KIND_TRUTH, 1, truth_typical_s);
+    neph_progress_expect(&progress, KIND_POINT, sweep->point_count, point_typical_s);
+    if (!params->untimed)
+        neph_progress_expect(&progress, KIND_ROUND, params->plan->round_count, round_typical_s);
     if (!status)
         status = make_truth(params, sweep, store, &progress, &truth, diag);
     struct neph_sweep_bench bench = {.plan = params->plan,

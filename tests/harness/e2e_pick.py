@@ -46,11 +46,9 @@ media:
 
 class Pick(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.out = self.folder.name
-
-    def tearDown(self):
-        self.folder.cleanup()
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = folder.name
 
     def pick(self, scene, *arguments):
         done = run("pick", scene, "--size", "64x36", "-o", self.out, "-q", "--json", *arguments)

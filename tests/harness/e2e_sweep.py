@@ -38,13 +38,11 @@ def run(*arguments, **more):
 
 class Sweep(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.out = pathlib.Path(self.folder.name)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = pathlib.Path(folder.name)
         self.plan = self.out / "plan.yaml"
         self.plan.write_text(PLAN)
-
-    def tearDown(self):
-        self.folder.cleanup()
 
     def sweep(self, *arguments):
         return run("sweep", "voxel_grid", "--plan", str(self.plan), "-o", str(self.out / "out"),
