@@ -8,7 +8,7 @@
 #include "harness/experiment/pool.h"
 #include "harness/sweep/equal.h"
 #include "harness/sweep/front.h"
-#include "harness/sweep/timing.h"
+#include "harness/sweep/point.h"
 #include "scenes/motion.h"
 #include "scenes/rescatter.h"
 
