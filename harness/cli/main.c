@@ -3,6 +3,7 @@
 
 #include "base/interrupt.h"
 #include "base/text.h"
+#include "harness/experiments/experiments.h"
 #include "harness/surroundings.h"
 
 #include <errno.h>
@@ -15,33 +16,45 @@
 
 static const struct {
     const char *name;
-    neph_verb *run;
+    neph_verb *run; /* or: */
+    const struct neph_experiment *experiment;
     const char *help;
 } verbs[] = {
-    {"validate", neph_cli_validate, "run scenes over all engines, gate the errors, write a report"},
-    {"study", neph_cli_study, "what takes longer: steps against their limit, flicker of presets"},
-    {"ablate", neph_cli_ablate, "what each part of the real-time renderer buys, and costs"},
-    {"render", neph_cli_render, "render a scene with one engine"},
-    {"fly", neph_cli_fly, "fly through a scene in a window: presets, errors, flicker, times"},
-    {"export", neph_cli_export, "leave a scene as files for Blender or POV-Ray"},
-    {"bake", neph_cli_bake, "a medium of a scene as a volume file, with what that costs"},
-    {"benchmark", neph_cli_benchmark, "how long engines take for the same noise"},
-    {"sweep", neph_cli_sweep, "speed against accuracy of engines and settings over a scene"},
-    {"scaling", neph_cli_scaling, "how cost grows with pixels, steps, voxels, density, pictures"},
-    {"pick", neph_cli_pick, "the cheapest configuration of a scene that is good enough"},
-    {"compare", neph_cli_compare,
+    {"validate", neph_cli_validate, NULL,
+     "run scenes over all engines, gate the errors, write a report"},
+    {"study", neph_cli_study, NULL,
+     "what takes longer: steps against their limit, flicker of presets"},
+    {"ablate", neph_cli_ablate, NULL, "what each part of the real-time renderer buys, and costs"},
+    {"render", neph_cli_render, NULL, "render a scene with one engine"},
+    {"fly", neph_cli_fly, NULL, "fly through a scene in a window: presets, errors, flicker, times"},
+    {"export", neph_cli_export, NULL, "leave a scene as files for Blender or POV-Ray"},
+    {"bake", neph_cli_bake, NULL, "a medium of a scene as a volume file, with what that costs"},
+    {"benchmark", neph_cli_benchmark, NULL, "how long engines take for the same noise"},
+    {"sweep", NULL, &neph_experiment_sweep,
+     "speed against accuracy of engines and settings over a scene"},
+    {"scaling", NULL, &neph_experiment_scaling,
+     "how cost grows with pixels, steps, voxels, density, pictures"},
+    {"pick", NULL, &neph_experiment_pick,
+     "the cheapest configuration of a scene that is good enough"},
+    {"compare", neph_cli_compare, NULL,
      "measure the error of frames of any renderer against a reference"},
-    {"flicker", neph_cli_flicker, "measure the flicker and the lag of a sequence of any renderer"},
-    {"view", neph_cli_view, "a page to look at frames of any renderer with, down to their values"},
-    {"post", neph_cli_post, "frames of any renderer through tone mapping and upscalers"},
-    {"conform", neph_cli_conform, "whether a device renders real sizes right, and as another does"},
-    {"metrics", neph_cli_metrics, "list what can be measured, with definitions and sources"},
-    {"nightly", neph_cli_nightly, "measure, compare with the accepted night, say what changed"},
-    {"baseline", neph_cli_baseline, "which nights the others are compared with, and who said so"},
-    {"store", neph_cli_store, "keep the store: is it whole, room in it, what it knows as JSON"},
-    {"scenes", neph_cli_scenes, "list the catalogue, or show and check one scene"},
-    {"engines", neph_cli_engines, "list the engines, or explain the settings of one"},
-    {"doctor", neph_cli_doctor, "what is installed, what is missing and how to get it"},
+    {"flicker", neph_cli_flicker, NULL,
+     "measure the flicker and the lag of a sequence of any renderer"},
+    {"view", neph_cli_view, NULL,
+     "a page to look at frames of any renderer with, down to their values"},
+    {"post", neph_cli_post, NULL, "frames of any renderer through tone mapping and upscalers"},
+    {"conform", neph_cli_conform, NULL,
+     "whether a device renders real sizes right, and as another does"},
+    {"metrics", neph_cli_metrics, NULL, "list what can be measured, with definitions and sources"},
+    {"nightly", neph_cli_nightly, NULL,
+     "measure, compare with the accepted night, say what changed"},
+    {"baseline", neph_cli_baseline, NULL,
+     "which nights the others are compared with, and who said so"},
+    {"store", neph_cli_store, NULL,
+     "keep the store: is it whole, room in it, what it knows as JSON"},
+    {"scenes", neph_cli_scenes, NULL, "list the catalogue, or show and check one scene"},
+    {"engines", neph_cli_engines, NULL, "list the engines, or explain the settings of one"},
+    {"doctor", neph_cli_doctor, NULL, "what is installed, what is missing and how to get it"},
 };
 enum { VERB_COUNT = sizeof(verbs) / sizeof(verbs[0]) };
 
@@ -99,7 +112,9 @@ static int run_verb(int index, int argc, char **argv)
     struct neph_diag diag = {.line = 0};
     snprintf(name, sizeof(name), "neph %s", verbs[index].name);
     argv[0] = name;
-    const enum neph_status status = verbs[index].run(argc, argv, &diag);
+    const enum neph_status status = verbs[index].run ? verbs[index].run(argc, argv, &diag)
+                                                     : neph_experiment_main(verbs[index].experiment,
+                                                                            argc, argv, &diag);
     if (status != NEPH_OK && diag.message[0])
         print_diag(verbs[index].name, status, &diag);
     return close_output(neph_status_exit_code(status));

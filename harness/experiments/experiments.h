@@ -8,6 +8,9 @@
 #include "harness/experiment/experiment.h"
 
 extern const struct neph_experiment neph_experiment_convergence;
+extern const struct neph_experiment neph_experiment_pick;
 extern const struct neph_experiment neph_experiment_post;
+extern const struct neph_experiment neph_experiment_scaling;
+extern const struct neph_experiment neph_experiment_sweep;
 
 #endif

@@ -64,11 +64,11 @@ struct climb {
 
 static enum neph_status climb_rung(const struct neph_job *job, int rung,
                                    const struct reference *reference, struct climb *climb,
-                                   struct neph_benchmark_rung *result, struct neph_diag *diag)
+                                   struct neph_rmse_rung *result, struct neph_diag *diag)
 {
     struct neph_noisy_frame frames[SEEDS] = {{.image = NULL}};
     enum neph_status status = NEPH_OK;
-    *result = (struct neph_benchmark_rung){.samples = climb->ladder.samples[rung]};
+    *result = (struct neph_rmse_rung){.samples = climb->ladder.samples[rung]};
     climb->least_s[rung] = INFINITY;
     for (int s = 0; s < SEEDS && !status; s++) {
         status = neph_noisy_render(job, result->samples, (uint64_t)(2 + rung * SEEDS + s),
@@ -113,28 +113,16 @@ static struct neph_benchmark_value exp_of(struct neph_benchmark_value v)
     return (struct neph_benchmark_value){exp(v.value), exp(v.low), exp(v.high)};
 }
 
-static double log_cost(const struct neph_benchmark_rung *rung)
+static double log_cost(const struct neph_rmse_rung *rung)
 {
     return log(fmax(rung->noise2 * rung->render_s, 1e-300));
 }
 
-static void find_rmse_times(const double rmses[NEPH_BENCHMARK_RMSES],
-                            struct neph_benchmark_engine *engine)
-{
-    struct neph_rmse_rung rungs[NEPH_BENCHMARK_RUNGS];
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
-        rungs[k] = (struct neph_rmse_rung){engine->rungs[k].render_s, engine->rungs[k].noise2,
-                                           engine->rungs[k].error2, engine->rungs[k].bias2};
-    engine->law = neph_rmse_law_of(rungs, NEPH_BENCHMARK_RUNGS);
-    for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
-        engine->rmse_times[i] = neph_rmse_time_to(rungs, NEPH_BENCHMARK_RUNGS, rmses[i]);
-}
-
 /* The start was timed when the machine may have been busy, and no render is shorter than its start
  * and the share of its samples. */
-static void leave_start_out(struct climb *climb, struct neph_benchmark_rung *rungs)
+static void leave_start_out(struct climb *climb, struct neph_rmse_rung *rungs)
 {
-    const struct neph_benchmark_rung *first = &rungs[0], *last = &rungs[NEPH_BENCHMARK_RUNGS - 1];
+    const struct neph_rmse_rung *first = &rungs[0], *last = &rungs[NEPH_BENCHMARK_RUNGS - 1];
     const double per_sample_s = fmax(1e-9, (last->render_s - first->render_s) /
                                                (last->samples - first->samples));
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
@@ -161,7 +149,10 @@ static void conclude(struct neph_benchmark *benchmark, struct climb *climbs)
         engine->cost_s = exp_of(mean_of(costs, NEPH_BENCHMARK_RUNGS, student_95));
         engine->times = exp_of(mean_of(times, NEPH_BENCHMARK_RUNGS, student_95));
         engine->bias = mean_of(climbs[e].means, NEPH_BENCHMARK_RUNGS * SEEDS, student_95_of_seeds);
-        find_rmse_times(benchmark->rmses, engine);
+        engine->law = neph_rmse_law_of(engine->rungs, NEPH_BENCHMARK_RUNGS);
+        for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
+            engine->rmse_times[i] = neph_rmse_time_to(engine->rungs, NEPH_BENCHMARK_RUNGS,
+                                                      benchmark->rmses[i]);
     }
 }
 
@@ -221,14 +212,6 @@ static enum neph_status prepare(struct neph_benchmark *benchmark, struct climb *
     return status ? status : render_reference(benchmark, samples, reference, diag);
 }
 
-/* A stated error, or 1 %, and three times that. */
-static void state_errors(struct neph_benchmark *benchmark)
-{
-    const double least = benchmark->aim.error > 0.0 ? benchmark->aim.error : 0.01;
-    benchmark->rmses[0] = 3.0 * least;
-    benchmark->rmses[1] = least;
-}
-
 enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet,
                                     struct neph_diag *diag)
 {
@@ -238,7 +221,8 @@ enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet
     for (int e = 0; e < benchmark->engine_count; e++)
         for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
             neph_progress_expect(&progress, kind_of(e, k), 1, 0.0);
-    state_errors(benchmark);
+    benchmark->rmses[1] = benchmark->aim.error > 0.0 ? benchmark->aim.error : 0.01;
+    benchmark->rmses[0] = 3.0 * benchmark->rmses[1];
     neph_progress_begin(&progress, "reference");
     enum neph_status status = prepare(benchmark, climbs, &reference, &progress, diag);
     if (!status) {
@@ -280,35 +264,30 @@ static json_t *rmse_times_json(const struct neph_benchmark_engine *engine)
     return times;
 }
 
-static json_t *law_json(const struct neph_rmse_law *law)
-{
-    const struct neph_benchmark_value bias2 = {law->bias2, law->bias2_low, law->bias2_high};
-    return json_pack("{s:o, s:o}", "slope", neph_json_number(law->slope), "bias2",
-                     value_json(bias2));
-}
-
 static json_t *engine_json(const struct neph_benchmark_engine *engine)
 {
     json_t *rungs = json_array();
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
-        const struct neph_benchmark_rung *rung = &engine->rungs[k];
+        const struct neph_rmse_rung *rung = &engine->rungs[k];
         neph_json_add(&rungs,
                       json_pack("{s:i, s:f, s:o, s:f, s:f, s:f}", "samples", rung->samples,
                                 "render_s", rung->render_s, "paths_per_s",
                                 neph_json_number(neph_benchmark_paths_per_s(engine, k)), "noise2",
                                 rung->noise2, "error2", rung->error2, "bias2", rung->bias2));
     }
+    const struct neph_rmse_law *law = &engine->law;
+    const struct neph_benchmark_value bias2 = {law->bias2, law->bias2_low, law->bias2_high};
     char *settings = neph_settings_text(engine->job.engine, &engine->job.shot.settings);
     char *changes = neph_settings_changes(engine->job.engine, &engine->job.shot.settings,
                                           engine->preset);
-    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:s?, s:s, s:f, s:o, s:o, s:o, s:o, s:o, s:o}",
-                             "engine", engine->job.engine->name, "version",
-                             engine->job.info->version, "device", engine->job.info->device,
-                             "settings", settings ? settings : "", "preset", engine->preset,
-                             "changes", changes ? changes : "", "start_s", engine->start_s, "rungs",
-                             rungs, "cost_s", value_json(engine->cost_s), "times",
-                             value_json(engine->times), "bias", value_json(engine->bias), "law",
-                             law_json(&engine->law), "rmse_times", rmse_times_json(engine));
+    json_t *json = json_pack(
+        "{s:s, s:s, s:s, s:s, s:s?, s:s, s:f, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:o}", "engine",
+        engine->job.engine->name, "version", engine->job.info->version, "device",
+        engine->job.info->device, "settings", settings ? settings : "", "preset", engine->preset,
+        "changes", changes ? changes : "", "start_s", engine->start_s, "rungs", rungs, "cost_s",
+        value_json(engine->cost_s), "times", value_json(engine->times), "bias",
+        value_json(engine->bias), "law", "slope", neph_json_number(law->slope), "bias2",
+        value_json(bias2), "rmse_times", rmse_times_json(engine));
     free(changes);
     free(settings);
     return json;

@@ -19,7 +19,7 @@ struct neph_pick_params {
                               threshold; NaN: any */
     double time_s;         /* of a picture at full size; NaN: not asked, and not timed */
     int width_px, height_px;
-    uint64_t seed;
+    int seed, jobs;                    /* jobs: as neph_sweep_params.jobs */
     double time_limit_s;               /* per child process */
     struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
@@ -62,12 +62,5 @@ struct neph_pick {
 /* Errors as of neph_sweep_run(). Where nothing is good enough that is no error here. */
 enum neph_status neph_pick_run(const struct neph_pick_params *params, struct neph_store *store,
                                struct neph_pick *pick, struct neph_diag *diag);
-
-void neph_pick_print(const struct neph_pick_params *params, const struct neph_pick *pick,
-                     FILE *out);
-
-/* The configuration of the choice (harness/run/configuration.h) with all that was found beside it;
- * for the caller to json_decref. */
-json_t *neph_pick_json(const struct neph_pick_params *params, const struct neph_pick *pick);
 
 #endif

@@ -3,10 +3,11 @@
 
 #include "base/exr.h"
 #include "harness/data.h"
-#include "harness/engines/frame_stats.h"
+#include "harness/engines/vulkan_device.h"
+#include "harness/experiment/pool.h"
 #include "harness/sweep/ladder.h"
+#include "harness/sweep/point.h"
 #include "harness/sweep/scaled.h"
-#include "harness/sweep/timing.h"
 #include "scenes/relit.h"
 
 #include <math.h>
@@ -144,7 +145,7 @@ static enum neph_status make_job(struct work *work, int series, const struct nep
                                       .width_px = work->params->width_px,
                                       .height_px = work->params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .seed = work->params->seed,
+                                      .seed = (uint64_t)work->params->seed,
                                       .device = work->params->device}};
     enum neph_status status = neph_sweep_settings(&work->plan, of, 0, scattering,
                                                   &job->shot.settings, diag);
@@ -274,15 +275,29 @@ static enum neph_status count_pictures(struct work *work, struct neph_scaling_li
     return status;
 }
 
+/* In a worker: its points' frames are in the store then. In the process itself: all points. */
+static enum neph_status count_points(struct neph_worker *worker, void *context,
+                                     struct neph_diag *diag)
+{
+    struct work *work = context;
+    enum neph_status status = NEPH_OK;
+    for (int i; !status && (i = neph_worker_next(worker)) < work->point_count;) {
+        status = count_point(work, &work->points[i], diag);
+        if (worker->index == 0)
+            neph_progress_tick(&work->progress, "evaluations");
+    }
+    if (worker->index > 0)
+        neph_shared_device_close(work->params->device);
+    return status;
+}
+
 static enum neph_status count_all(struct work *work, struct neph_diag *diag)
 {
     struct neph_scaling *scaling = work->scaling;
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < work->point_count && !status; i++) {
-        work->progress.kind = KIND_POINT;
-        status = count_point(work, &work->points[i], diag);
-        neph_progress_tick(&work->progress, "evaluations");
-    }
+    work->progress.kind = KIND_POINT;
+    if (work->params->jobs > 1)
+        neph_shared_device_close(work->params->device); /* workers open their own */
+    enum neph_status status = neph_pool_run(work->params->jobs, count_points, NULL, work, diag);
     for (int i = 0; i < scaling->line_count && !status; i++)
         if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
             work->progress.kind = KIND_PICTURES;
@@ -299,7 +314,7 @@ static enum neph_status time_all(struct work *work, struct neph_diag *diag)
                                      .progress = &work->progress,
                                      .times = work->params->times,
                                      .retimes = work->params->retimes,
-                                     .seed = work->params->seed};
+                                     .seed = (uint64_t)work->params->seed};
     work->progress.kind = KIND_ROUND;
     const enum neph_status status = neph_sweep_time(&bench, work->points, work->point_count, diag);
     neph_sweep_bench_finish(&bench);
@@ -342,16 +357,21 @@ static enum neph_status make_plan(struct work *work, struct neph_diag *diag)
 {
     const struct neph_scaling_params *params = work->params;
     struct neph_sweep_plan *plan = &work->plan;
+    const struct neph_sweep_series march = {.name = "march", .engine = "march", .scattering = -1};
+    const struct neph_sweep_series realtime = {.name = params->preset,
+                                               .engine = "realtime",
+                                               .preset = params->preset,
+                                               .flicker = true,
+                                               .scattering = -1};
     *plan = (struct neph_sweep_plan){.title = strdup("scaling"),
                                      .light = strdup("octaves"),
                                      .round_count = ROUNDS,
                                      .seed_count = 1};
     enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
-        status = neph_ladder_add(plan, "march", "march", NULL, NULL, NULL, -1, false, diag);
+        status = neph_ladder_add(plan, &march, NULL, diag);
     if (!status)
-        status = neph_ladder_add(plan, params->preset, "realtime", params->preset, NULL, NULL, -1,
-                                 true, diag);
+        status = neph_ladder_add(plan, &realtime, NULL, diag);
     for (int i = 0; i < plan->series_count && !status; i++) {
         struct neph_job job;
         struct neph_engine_info *info = &work->infos[i];
@@ -426,4 +446,18 @@ enum neph_status neph_scaling_run(const struct neph_scaling_params *params,
     neph_scene_destroy(work.scene);
     free(work.points);
     return status;
+}
+
+enum neph_status neph_scaling_load(const char *path, json_t **document, struct neph_diag *diag)
+{
+    json_error_t error;
+    json_t *loaded = json_load_file(path, 0, &error);
+    if (!loaded)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path, error.text);
+    if (strcmp(neph_json_text(loaded, "format"), "neph-scaling-1") != 0) {
+        json_decref(loaded);
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds no scaling", path);
+    }
+    *document = loaded;
+    return NEPH_OK;
 }

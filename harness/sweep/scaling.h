@@ -9,14 +9,49 @@
 
 #include "harness/json.h"
 #include "harness/run/store.h"
-#include "harness/sweep/exponent.h"
 #include "harness/sweep/times.h"
+
+/* --- exponents ------------------------------------------------------------------------------ */
+
+/* cost ~ x^value. NaN: fewer than three points with a logarithm, or all at one x. The interval is
+ * Student's, 95 %, of the scatter about the line: of what is counted it says how straight that is.
+ */
+struct neph_exponent {
+    double value, low, high;
+    int count; /* points in it */
+};
+
+/* The straight line through the logarithms of least squares. Points whose x or y is not above 0 are
+ * left out. */
+struct neph_exponent neph_exponent_fit(const double *x, const double *y, int count);
+
+/* Exponents that are as they should be; `low` may be -INFINITY. */
+struct neph_exponent_range {
+    double low, high;
+};
+
+/* Exponents that differ by less are called the same: a factor of 1.26 over a decade. */
+#define NEPH_EXPONENT_SAME 0.1
+
+enum neph_exponent_verdict {
+    NEPH_EXPONENT_NONE,     /* there is no exponent */
+    NEPH_EXPONENT_EXPECTED, /* the interval lies within the range, NEPH_EXPONENT_SAME wider */
+    NEPH_EXPONENT_OTHER,    /* it lies outside */
+    NEPH_EXPONENT_UNTOLD,   /* it is wider than that */
+    NEPH_EXPONENT_VERDICTS,
+};
+extern const char *const neph_exponent_verdict_words[NEPH_EXPONENT_VERDICTS];
+
+enum neph_exponent_verdict neph_exponent_judge(const struct neph_exponent *exponent,
+                                               struct neph_exponent_range range);
+
+/* --- the whole ------------------------------------------------------------------------------ */
 
 struct neph_scaling_params {
     const char *scene;       /* a name of the catalogue, or a path */
     const char *preset;      /* of realtime, beside the march: "NAME" or "NAME+KEY=VALUE+..." */
     int width_px, height_px; /* the largest */
-    uint64_t seed;
+    int seed, jobs;          /* jobs: processes that render what is counted; 0: one */
     bool untimed, quiet;
     struct neph_times *times;          /* NULL when untimed */
     bool retimes;                      /* what was timed before is timed again */
@@ -77,21 +112,8 @@ enum neph_status neph_scaling_run(const struct neph_scaling_params *params,
 /* Exponents and verdicts from the points. */
 void neph_scaling_judge(struct neph_scaling *scaling);
 
-void neph_scaling_print(const struct neph_scaling *scaling, FILE *out);
-
-/* {"format": "neph-scaling-1", ...}, docs/sweep.md; for the caller to json_decref. */
-json_t *neph_scaling_json(const struct neph_scaling *scaling);
-
-/* The JSON of an earlier run, to json_decref. NEPH_ERR_INPUT: the file holds none. */
+/* The JSON of an earlier run, {"format": "neph-scaling-1", ...}, docs/sweep.md; to json_decref.
+ * NEPH_ERR_INPUT: the file holds none. */
 enum neph_status neph_scaling_load(const char *path, json_t **document, struct neph_diag *diag);
-
-/* NEPH_ERR_INPUT: it is of another scene or size, so of other pictures. `path` is for words. */
-enum neph_status neph_scaling_check_against(const struct neph_scaling *scaling,
-                                            const json_t *document, const char *path,
-                                            struct neph_diag *diag);
-
-/* Times of the same pictures on another device: by what factor each is slower or faster. */
-void neph_scaling_print_against(const struct neph_scaling *scaling, const json_t *document,
-                                FILE *out);
 
 #endif

@@ -4,10 +4,12 @@
 #include "base/clock.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
+#include "harness/experiment/pool.h"
 #include "harness/sweep/equal.h"
 #include "harness/sweep/front.h"
-#include "harness/sweep/ladder.h"
-#include "harness/sweep/timing.h"
+#include "harness/sweep/point.h"
+#include "scenes/motion.h"
 #include "scenes/rescatter.h"
 
 #include <math.h>
@@ -29,7 +31,7 @@ static enum neph_status choose_frames(struct neph_sweep *sweep, struct neph_diag
     const int most = sweep->scene->frame_count / 4 * 4;
     sweep->frame_count = plan->frame_count;
     sweep->frame = 0;
-    if (neph_ladder_is_still(sweep->scene))
+    if (neph_scene_is_static(sweep->scene))
         return NEPH_OK;
     if (most < sweep->frame_count)
         sweep->frame_count = most;
@@ -57,14 +59,19 @@ static bool is_wanted(const struct neph_sweep_params *params, int series, int pl
     return wanted && (!params->wanted || params->wanted[series * NEPH_SWEEP_VALUES_MAX + place]);
 }
 
-static const struct neph_engine_info *info_of(const struct neph_sweep *sweep,
+/* Only engines of the plan are probed, once: some take a second to tell their version. */
+static const struct neph_engine_info *info_of(const struct neph_sweep_params *params,
+                                              const struct neph_sweep *sweep,
                                               const struct neph_engine *engine)
 {
     int count = 0, index = 0;
     const struct neph_engine *const *engines = neph_engines_and_guests(&count);
     while (engines[index] != engine)
         index++;
-    return &sweep->infos[index];
+    struct neph_engine_info *info = &sweep->infos[index];
+    if (!info->available && !info->missing[0])
+        neph_engine_probe(engine, params->device, info);
+    return info;
 }
 
 static enum neph_status have_scene(struct neph_sweep *sweep, enum neph_scattering scattering,
@@ -88,7 +95,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
     const struct neph_sweep_plan *plan = params->plan;
     const enum neph_scattering scattering = neph_sweep_scattering(series, sweep->scene);
     const struct neph_engine *engine = neph_sweep_engine(plan, series, scattering);
-    const struct neph_engine_info *info = info_of(sweep, engine);
+    const struct neph_engine_info *info = info_of(params, sweep, engine);
     *point = (struct neph_sweep_point){
         .series = series,
         .place = place,
@@ -98,7 +105,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
                          .width_px = plan->width_px,
                          .height_px = plan->height_px,
                          .layers = NEPH_LAYERS_ALL,
-                         .seed = params->seed,
+                         .seed = (uint64_t)params->seed,
                          .time_limit_s = params->time_limit_s,
                          .device = params->device}},
         .time = {NAN, NAN, NAN},
@@ -128,8 +135,11 @@ static enum neph_status fill_points(const struct neph_sweep_params *params,
 {
     const struct neph_sweep_plan *plan = params->plan;
     enum neph_status status = NEPH_OK;
+    int engine_count = 0;
+    neph_engines_and_guests(&engine_count);
+    sweep->infos = calloc((size_t)engine_count, sizeof(*sweep->infos));
     sweep->points = calloc(NEPH_SWEEP_POINTS_MAX, sizeof(*sweep->points));
-    if (!sweep->points)
+    if (!sweep->points || !sweep->infos)
         return neph_fail_memory(diag);
     for (int s = 0; s < plan->series_count; s++)
         for (int i = 0; i < neph_sweep_value_count(&plan->series[s]) && !status; i++)
@@ -139,51 +149,32 @@ static enum neph_status fill_points(const struct neph_sweep_params *params,
     return status;
 }
 
+static bool has_series(const struct neph_sweep_plan *plan, const char *name)
+{
+    for (int s = 0; s < plan->series_count; s++)
+        if (strcmp(plan->series[s].name, name) == 0)
+            return true;
+    return false;
+}
+
 /* Names that the plan has not got are told before anything is rendered. */
 static enum neph_status check_only(const struct neph_sweep_params *params, struct neph_diag *diag)
 {
     const struct neph_sweep_plan *plan = params->plan;
+    const char *const *name = params->only;
     char names[512] = "";
+    while (name && *name && has_series(plan, *name))
+        name++;
+    if (!name || !*name)
+        return NEPH_OK;
     for (int s = 0; s < plan->series_count; s++) {
         const size_t used = strlen(names);
         snprintf(names + used, sizeof(names) - used, "%s%s", s > 0 ? ", " : "",
                  plan->series[s].name);
     }
-    for (int i = 0; params->only && params->only[i]; i++) {
-        bool is_there = false;
-        for (int s = 0; s < plan->series_count; s++)
-            is_there |= strcmp(plan->series[s].name, params->only[i]) == 0;
-        if (!is_there) {
-            neph_fail(diag, NEPH_ERR_USAGE, "the plan has no series '%s'", params->only[i]);
-            neph_hint(diag, "its series are %s", names);
-            return NEPH_ERR_USAGE;
-        }
-    }
-    return NEPH_OK;
-}
-
-/* Those of the plan alone: some take a second to tell their version. */
-static enum neph_status probe_engines(const struct neph_sweep_params *params,
-                                      struct neph_sweep *sweep, struct neph_diag *diag)
-{
-    const struct neph_sweep_plan *plan = params->plan;
-    int count = 0;
-    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
-    sweep->infos = calloc((size_t)count, sizeof(*sweep->infos));
-    if (!sweep->infos)
-        return neph_fail_memory(diag);
-    for (int i = 0; i < count; i++) {
-        bool is_asked = false;
-        for (int s = 0; s < plan->series_count; s++)
-            for (int k = 0; k < neph_sweep_value_count(&plan->series[s]) && !is_asked; k++)
-                is_asked = is_wanted(params, s, k) &&
-                           neph_sweep_engine(
-                               plan, &plan->series[s],
-                               neph_sweep_scattering(&plan->series[s], sweep->scene)) == engines[i];
-        if (is_asked)
-            neph_engine_probe(engines[i], params->device, &sweep->infos[i]);
-    }
-    return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "the plan has no series '%s'", *name);
+    neph_hint(diag, "its series are %s", names);
+    return NEPH_ERR_USAGE;
 }
 
 /* --- measuring ------------------------------------------------------------------------------ */
@@ -215,15 +206,23 @@ static enum neph_status measure_point(struct neph_sweep_bench *bench,
     return status;
 }
 
-static enum neph_status measure_points(struct neph_sweep_bench *bench, struct neph_sweep *sweep,
-                                       struct neph_diag *diag)
+/* Points in the order in which they share references; to free. NULL: memory is short. */
+static struct neph_sweep_point **order_points(const struct neph_sweep *sweep)
 {
-    struct neph_sweep_point **order = calloc((size_t)sweep->point_count, sizeof(*order));
-    enum neph_status status = order ? NEPH_OK : neph_fail_memory(diag);
-    for (int i = 0; i < sweep->point_count && order; i++)
+    const size_t count = (size_t)sweep->point_count, size = sizeof(struct neph_sweep_point *);
+    struct neph_sweep_point **order = calloc(count, size);
+    for (size_t i = 0; i < count && order; i++)
         order[i] = &sweep->points[i];
-    if (!status)
-        qsort(order, (size_t)sweep->point_count, sizeof(struct neph_sweep_point *), by_reference);
+    if (order)
+        qsort(order, count, size, by_reference);
+    return order;
+}
+
+static enum neph_status measure_points(struct neph_sweep_bench *bench,
+                                       const struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    struct neph_sweep_point **order = order_points(sweep);
+    enum neph_status status = order ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; i < sweep->point_count && !status; i++)
         status = measure_point(bench, order[i], diag);
     free(order);
@@ -252,14 +251,6 @@ static enum neph_status find_fronts(struct neph_sweep *sweep, bool untimed, stru
 }
 
 /* --- the whole ------------------------------------------------------------------------------ */
-
-static void expect(struct neph_progress *progress, const struct neph_sweep *sweep, bool untimed)
-{
-    neph_progress_expect(progress, KIND_TRUTH, 1, truth_typical_s);
-    neph_progress_expect(progress, KIND_POINT, sweep->point_count, point_typical_s);
-    if (!untimed)
-        neph_progress_expect(progress, KIND_ROUND, sweep->plan->round_count, round_typical_s);
-}
 
 static enum neph_status make_truth(const struct neph_sweep_params *params, struct neph_sweep *sweep,
                                    struct neph_store *store, struct neph_progress *progress,
@@ -295,40 +286,135 @@ static enum neph_status run_bench(const struct neph_sweep_params *params, struct
     return status ? status : find_fronts(sweep, params->untimed, diag);
 }
 
-enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct neph_store *store,
-                                struct neph_sweep *sweep, struct neph_diag *diag)
+static enum neph_status prepare(const struct neph_sweep_params *params, struct neph_sweep *sweep,
+                                struct neph_diag *diag)
 {
-    struct neph_progress progress = neph_progress_start(params->quiet, 0);
-    struct neph_sweep_truth truth = {.image = NULL};
     *sweep = (struct neph_sweep){.plan = params->plan, .against = params->against};
     enum neph_status status = check_only(params, diag);
     if (!status)
         status = neph_data_load_scene(params->scene, &sweep->scene, diag);
     if (!status)
         status = choose_frames(sweep, diag);
-    if (!status)
-        status = probe_engines(params, sweep, diag);
-    if (!status)
-        status = fill_points(params, sweep, diag);
-    if (!status)
-        expect(&progress, sweep, params->untimed);
-    if (!status)
-        status = make_truth(params, sweep, store, &progress, &truth, diag);
-    struct neph_sweep_bench bench = {.plan = params->plan,
-                                     .truth = &truth,
-                                     .store = store,
-                                     .progress = &progress,
+    return status ? status : fill_points(params, sweep, diag);
+}
+
+/* What a sweep has, and those who help with it. */
+struct whole {
+    const struct neph_sweep_params *params;
+    struct neph_store *store;
+    struct neph_sweep *sweep;
+    struct neph_progress progress; /* of the workers */
+};
+
+static struct neph_sweep_bench bench_of(const struct whole *whole, const struct neph_sweep *sweep,
+                                        const struct neph_sweep_truth *truth,
+                                        struct neph_progress *progress)
+{
+    const struct neph_sweep_params *params = whole->params;
+    return (struct neph_sweep_bench){.plan = params->plan,
+                                     .truth = truth,
+                                     .store = whole->store,
+                                     .progress = progress,
                                      .frame_count = sweep->frame_count,
                                      .frame = sweep->frame,
                                      .mask = "all",
                                      .times = params->times,
                                      .retimes = params->retimes,
-                                     .seed = params->seed};
+                                     .seed = (uint64_t)params->seed};
+}
+
+static enum neph_status run_whole(const struct whole *whole, struct neph_diag *diag)
+{
+    const struct neph_sweep_params *params = whole->params;
+    struct neph_sweep *sweep = whole->sweep;
+    struct neph_progress progress = neph_progress_start(params->quiet, 0);
+    struct neph_sweep_truth truth = {.image = NULL};
+    enum neph_status status = prepare(params, sweep, diag);
+    neph_progress_expect(&progress, KIND_TRUTH, 1, truth_typical_s);
+    neph_progress_expect(&progress, KIND_POINT, sweep->point_count, point_typical_s);
+    if (!params->untimed)
+        neph_progress_expect(&progress, KIND_ROUND, params->plan->round_count, round_typical_s);
+    if (!status)
+        status = make_truth(params, sweep, whole->store, &progress, &truth, diag);
+    struct neph_sweep_bench bench = bench_of(whole, sweep, &truth, &progress);
     if (!status)
         status = run_bench(params, sweep, &bench, diag);
     neph_sweep_bench_finish(&bench);
     neph_sweep_truth_finish(&truth);
     neph_progress_end(&progress);
+    return status;
+}
+
+/* --- several processes ---------------------------------------------------------------------- */
+
+/* Where the points of a group begin, which share a reference; `count`: there are no more groups. */
+static int start_of_group(struct neph_sweep_point *const *order, int count, int group)
+{
+    int start = 0;
+    for (int i = 1; i <= count && group > 0; i++)
+        if (i == count || strcmp(order[i]->label, order[i - 1]->label) != 0) {
+            start = i;
+            group--;
+        }
+    return start;
+}
+
+/* A picture that is rendered whole may be timed by what it costs then: it is rendered alone. */
+static bool is_for_workers(const struct neph_sweep_point *point)
+{
+    return neph_sweep_is_sequence(point) || neph_flight_applies(point->job.engine);
+}
+
+/* The groups of a worker: their frames are in the store then, for the process that started it. No
+ * error is taken, as the truth is made by that process. */
+static enum neph_status run_groups(const struct whole *whole, struct neph_worker *worker,
+                                   struct neph_diag *diag)
+{
+    const struct neph_sweep_truth no_truth = {.image = NULL};
+    struct neph_progress progress = neph_progress_start(true, 0);
+    struct neph_sweep sweep;
+    enum neph_status status = prepare(whole->params, &sweep, diag);
+    struct neph_sweep_bench bench = bench_of(whole, &sweep, &no_truth, &progress);
+    struct neph_sweep_point **order = status ? NULL : order_points(&sweep);
+    for (int start = 0; order && !status && start < sweep.point_count;) {
+        const int group = neph_worker_next(worker);
+        const int end = start_of_group(order, sweep.point_count, group + 1);
+        start = start_of_group(order, sweep.point_count, group);
+        for (int i = start; i < end && !status; i++)
+            if (is_for_workers(order[i]))
+                status = measure_point(&bench, order[i], diag);
+        if (start < end)
+            neph_worker_tell(worker, order[start]->series->name);
+    }
+    free(order);
+    neph_sweep_bench_finish(&bench);
+    neph_sweep_finish(&sweep);
+    neph_shared_device_close(whole->params->device);
+    return status;
+}
+
+static enum neph_status run_part(struct neph_worker *worker, void *whole, struct neph_diag *diag)
+{
+    return worker->index > 0 ? run_groups(whole, worker, diag) : run_whole(whole, diag);
+}
+
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    struct whole *whole = context;
+    (void)diag;
+    if (text)
+        neph_progress_tick(&whole->progress, text);
+    return NEPH_OK;
+}
+
+enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct neph_store *store,
+                                struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    struct whole whole = {params, store, sweep, neph_progress_start(params->quiet, 0)};
+    *sweep = (struct neph_sweep){.plan = params->plan};
+    if (params->jobs > 1)
+        neph_shared_device_close(params->device); /* workers open their own */
+    const enum neph_status status = neph_pool_run(params->jobs, run_part, hear, &whole, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");
     return status;

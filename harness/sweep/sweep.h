@@ -20,7 +20,7 @@ struct neph_sweep_params {
     const char *const *only; /* names of series, NULL-terminated; NULL: all */
     const char *against; /* a series that others are held against; NULL: the first that can be */
     double time_limit_s; /* per child process */
-    uint64_t seed;
+    int seed, jobs;      /* jobs: processes that render sequences and pictures in flight; 0: one */
     struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
     bool untimed;             /* no times: evaluations are the cost */

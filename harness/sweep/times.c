@@ -29,6 +29,16 @@ enum neph_status neph_times_open(const char *path, struct neph_times *times, str
     return NEPH_ERR_INPUT;
 }
 
+enum neph_status neph_times_open_in(const char *folder, struct neph_times *times,
+                                    struct neph_diag *diag)
+{
+    char *path = neph_path_join(folder, "times.json");
+    const enum neph_status status = path ? neph_times_open(path, times, diag)
+                                         : neph_fail_memory(diag);
+    free(path);
+    return status;
+}
+
 void neph_times_close(struct neph_times *times)
 {
     json_decref(times->list);

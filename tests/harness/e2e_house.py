@@ -28,8 +28,9 @@ ROOMS = {
     "report": {"document", "engines", "compare", "run", "study", "physics"},
     "night": {"document", "engines", "compare", "run", "physics", "report"},
     "failure": {"document", "engines", "compare", "run", "experiment", "study", "report"},
-    "sweep": {"document", "engines", "compare", "run", "study", "report"},
-    "experiments": {"document", "engines", "compare", "run", "experiment", "study"},
+    "sweep": {"document", "engines", "compare", "run", "experiment", "study", "report"},
+    "experiments": {"document", "engines", "compare", "run", "experiment", "study", "report",
+                    "sweep"},
     "cli": {"document", "engines", "compare", "run", "experiment", "experiments", "study",
             "physics", "failure", "fly", "report", "sweep", "night"},
 }

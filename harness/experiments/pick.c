@@ -1,0 +1,427 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph pick SCENE`: the cheapest configuration that is good enough; and `neph pick --presets A,B
+ * [SCENE...]`: a preset out of several, over many scenes.
+ */
+#include "harness/experiments/experiments.h"
+
+#include "base/files.h"
+#include "harness/data.h"
+#include "harness/study/flicker_study_output.h"
+#include "harness/study/flicker_suites.h"
+#include "harness/sweep/choice.h"
+#include "harness/sweep/pick.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_CHOICE_NUMBERS == 6, "a new kind");
+_Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
+
+struct request {
+    struct neph_cli_shared shared; /* operands: a scene; with presets, scenes */
+    struct neph_choice choice;     /* its budget is that of a single scene, too */
+    struct neph_cli_list presets;
+    const char *suite, *least;
+    int seed, seeds, frames, steps;
+    char **suite_scenes; /* owned */
+    const char *const *scenes;
+    int scene_count;
+};
+
+#define BUDGET(number) offsetof(struct request, choice.budget[NEPH_CHOICE_##number])
+static const struct neph_cli_option options[] = {
+    {"error", 0, "E", "The most that the relative RMSE against the truth may be, such as 0.05",
+     NEPH_CLI_REAL, .at = BUDGET(ERROR), .minimum = 1e-6, .maximum = 1e6},
+    {"flicker", 0, "F", "The most that flicker may be seen, 1 being the eye's threshold",
+     NEPH_CLI_REAL, .at = BUDGET(FLICKER), .minimum = 1e-6, .maximum = 1e6},
+    {"ms", 0, "T", "The most that a picture may take on this device", NEPH_CLI_REAL,
+     .at = BUDGET(TIME), .minimum = 1e-6, .maximum = 1e9},
+    {.name = "size", .otherwise = "320x180"},
+    {"seed", 0, "N", "Of all that is random (default: 1); --presets have --seeds", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
+    {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out"},
+    {.name = "time-limit", .otherwise = "3600"},
+    {.name = "jobs",
+     .help = "Processes that render at the same time; no result but the ms of --presets depends on "
+             "it",
+     .otherwise = "1"},
+    {.name = "json"},
+    {.name = "quiet"},
+    {"presets", 0, "A,B,..",
+     "One of these presets over many scenes in place of a configuration of one; PRESET+KEY=VALUE "
+     "changes one, and command is a renderer of your own",
+     NEPH_CLI_LIST, .at = offsetof(struct request, presets), .maximum = NEPH_STUDY_PRESETS_MAX,
+     .group = 1},
+    {"suite", 0, "NAME", "With --presets: the scenes of a suite (default, without a SCENE: tuning)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, suite), .group = 1},
+    {"least", 0, "NUMBER",
+     "With --presets: what the choice has the least of, within what is given: flicker, half-life, "
+     "lag, error, evaluations or ms (default: evaluations)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, least), .group = 1},
+    {"half-life", 0, "N", "With --presets: the most frames to half of a step of the sun",
+     NEPH_CLI_REAL, .at = BUDGET(HALF_LIFE), .minimum = 1e-6, .maximum = 1e6, .group = 1},
+    {"lag", 0, "N", "With --presets: the most frames behind a sun that swings in 64", NEPH_CLI_REAL,
+     .at = BUDGET(LAG), .minimum = 1e-6, .maximum = 1e6, .group = 1},
+    {"evaluations", 0, "N", "With --presets: the most evaluations of density a pixel",
+     NEPH_CLI_REAL, .at = BUDGET(WORK), .minimum = 1e-6, .maximum = 1e9, .group = 1},
+    {"seeds", 0, "N", "With --presets: seeds of each scene (default: 1)", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, seeds), .minimum = 1, .maximum = NEPH_STUDY_SEEDS_MAX,
+     .group = 1},
+    {"frames", 0, "N",
+     "With --presets: frames that flicker is measured in, a multiple of 4 (default: 32)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, frames), .minimum = 16, .maximum = 4096,
+     .group = 1},
+    {"steps", 0, "N", "With --presets: steps of every ray (default: 8)", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, steps), .minimum = 1, .maximum = 65536, .group = 1},
+    {.name = NULL},
+};
+
+#undef BUDGET
+
+static const struct neph_cli_operands operands = {.shown = "SCENE|[SCENE...]"};
+
+static int given_or(int given, int otherwise)
+{
+    return given >= 0 ? given : otherwise;
+}
+
+/* Options of presets, given without any. */
+static const char *misplaced(const struct request *request)
+{
+    const double *budget = request->choice.budget;
+    return request->suite                          ? "--suite"
+           : request->least                        ? "--least"
+           : !isnan(budget[NEPH_CHOICE_HALF_LIFE]) ? "--half-life"
+           : !isnan(budget[NEPH_CHOICE_LAG])       ? "--lag"
+           : !isnan(budget[NEPH_CHOICE_WORK])      ? "--evaluations"
+           : request->seeds >= 0                   ? "--seeds"
+           : request->frames >= 0                  ? "--frames"
+           : request->steps >= 0                   ? "--steps"
+                                                   : NULL;
+}
+
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    const double *budget = request->choice.budget;
+    const int scenes = request->shared.operand_count;
+    if (request->presets.argument) {
+        if (request->seed >= 0)
+            argp_error(state, "--seed is of one scene; --presets have --seeds");
+        if (request->suite && scenes > 0)
+            argp_error(state, "a suite or scenes by name, not both");
+        if (request->suite && strcmp(request->suite, "test") == 0)
+            argp_error(state, "the suite test is for what is reported of a choice, not for making "
+                              "it: neph study flicker --suite test");
+        if (request->frames >= 0 && request->frames % 4 != 0)
+            argp_error(state, "%d frames are no multiple of 4", request->frames);
+        if (request->shared.jobs > 1 && (!isnan(budget[NEPH_CHOICE_TIME]) ||
+                                         (request->least && strcmp(request->least, "ms") == 0)))
+            argp_error(state, "--jobs: what frames take is measured one process at a time");
+        return;
+    }
+    if (misplaced(request))
+        argp_error(state, "%s is of a choice out of --presets", misplaced(request));
+    if (scenes == 0)
+        argp_error(state, "which scene? `neph scenes` lists the catalogue");
+    if (scenes > 1)
+        argp_error(state, "one scene, or --presets over several");
+    if (isnan(budget[NEPH_CHOICE_ERROR]) && isnan(budget[NEPH_CHOICE_FLICKER]))
+        argp_error(state, "give --error, --flicker, or both: what is good enough?");
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check,
+    .doc = "The cheapest configuration of a scene that is good enough, and what was left out; or "
+           "a preset out of several, over many scenes.\v"
+           "Closed forms come first, then the real-time pipeline and the march, with few steps and "
+           "more, with light scattered once and by all orders. All are looked at in small "
+           "pictures; what passes there with room to spare goes on to larger ones, the cheapest "
+           "first by density evaluations, and the first that passes at full size is the choice. "
+           "Errors are against engine exact, or the tracer. Where nothing moves, the parts that "
+           "only motion needs are left out. What each part that is left out would have bought is "
+           "measured, too.\n\nDIR/pick.json is what `neph render --config` takes. With --ms, times "
+           "are measured once and kept in DIR/times.json, so that the same command picks the same "
+           "again. Exit code 1: nothing is good enough; the best is shown.\n\n"
+           "With --presets, each is rendered as it is, with a step of the sun and with a sun that "
+           "swings, over all scenes; numbers are geometric means over scenes, errors and lags "
+           "those of the shortcut against the march of its own model. Out of those that no other "
+           "beats in all numbers at once, the choice is within what is given and has the least of "
+           "--least. docs/sweep.md has more.\n\n"
+           "Examples:\n"
+           "  neph pick height_fog_level --error 0.01\n"
+           "  neph pick cloud_below --error 0.3 --flicker 2 --size 160x90\n"
+           "  neph pick voxel_grid --error 0.25 --ms 50 -o out\n"
+           "  neph render voxel_grid --config out/pick.json --frames 48\n"
+           "  neph pick --suite tuning --presets ours,fixed,ours+taa_alpha=0.06 --half-life 2 "
+           "--least flicker --size 96x54",
+};
+
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
+{
+    struct request *request = request_;
+    enum neph_status status = NEPH_OK;
+    request->scenes = request->shared.operands;
+    request->scene_count = request->shared.operand_count;
+    if (!request->presets.argument)
+        return NEPH_OK;
+    const int least = request->least ? neph_choice_find(request->least) : NEPH_CHOICE_WORK;
+    if (least < 0)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--least '%s' is no number: flicker, half-life, lag, error, evaluations "
+                         "or ms",
+                         request->least);
+    request->choice.least = (enum neph_choice_number)least;
+    if (request->scene_count == 0) {
+        status = neph_flicker_suite_find(request->suite ? request->suite : "tuning",
+                                         &request->suite_scenes, &request->scene_count, diag);
+        request->scenes = (const char *const *)request->suite_scenes;
+    }
+    return status ? status : neph_data_check_scenes(request->scenes, request->scene_count, diag);
+}
+
+static void finish(void *request_)
+{
+    struct request *request = request_;
+    neph_data_free_names(request->suite_scenes);
+}
+
+/* A scene, of presets. */
+static bool part(void *request_, int index)
+{
+    struct request *request = request_;
+    if (!request->presets.argument || index >= request->scene_count)
+        return false;
+    request->scenes += index;
+    request->scene_count = 1;
+    return true;
+}
+
+/* ---- a configuration of a scene -------------------------------------------------------------- */
+
+static void print_numbers(const struct neph_pick_point *point, FILE *out)
+{
+    fprintf(out, "error %.3g, flicker %.3g, ", point->error, point->flicker);
+    if (point->is_closed)
+        fprintf(out, "no marched samples");
+    else if (isnan(point->evaluations))
+        fprintf(out, "evaluations not counted");
+    else
+        fprintf(out, "%.3g evaluations/px", point->evaluations);
+    if (!isnan(point->time.median))
+        fprintf(out, ", %.3g ms", 1e3 * point->time.median);
+}
+
+static void print_asked(const struct neph_pick_params *params, FILE *out)
+{
+    const char *comma = "";
+    const struct {
+        const char *what;
+        double most;
+    } asked[] = {
+        {"error", params->error}, {"flicker", params->flicker}, {"ms", 1e3 * params->time_s}};
+    for (size_t i = 0; i < sizeof(asked) / sizeof(asked[0]); i++)
+        if (!isnan(asked[i].most)) {
+            fprintf(out, "%s%s %.3g", comma, asked[i].what, asked[i].most);
+            comma = ", ";
+        }
+}
+
+static void print_variants(const struct neph_pick *pick, bool kept, const char *title, FILE *out)
+{
+    for (int i = 0; i < pick->left_out_count; i++) {
+        const struct neph_pick_left_out *left = &pick->left_out[i];
+        if (left->is_kept != kept)
+            continue;
+        if (title)
+            fprintf(out, "\n%s:\n", title);
+        title = NULL; /* once */
+        fprintf(out, "  %-34s ", left->what);
+        if (isnan(left->with.error))
+            fprintf(out, "cannot be rendered with this light");
+        else
+            print_numbers(&left->with, out);
+        fprintf(out, "%s%s%s\n", left->because ? " (" : "", left->because ? left->because : "",
+                left->because ? ")" : "");
+    }
+}
+
+static void print_pick(const struct neph_pick_params *params, const struct neph_pick *pick,
+                       FILE *out)
+{
+    fprintf(out, "asked: ");
+    print_asked(params, out);
+    fprintf(out, ", at %d x %d; truth: %s, noise %.2g\n", params->width_px, params->height_px,
+            pick->truth, pick->floor);
+    fprintf(out, pick->found ? "%s: " : "none is good enough; best is %s: ", pick->chosen.name);
+    print_numbers(&pick->chosen, out);
+    fprintf(out, "\n");
+    print_variants(pick, false, "left out, and what comes of it with each", out);
+    print_variants(pick, true, "kept, and what would come of it without", out);
+    fprintf(out, "\n%d configurations looked at, %d pictures or sequences of them measured; %s\n",
+            pick->looked_at, pick->measured, pick->device);
+    if (!isnan(params->error) && pick->floor > 0.5 * params->error)
+        fprintf(out, "the truth's noise is more than half of the error that was asked for: what "
+                     "is said of errors is not certain\n");
+}
+
+static json_t *point_json(const struct neph_pick_point *point)
+{
+    json_t *json = neph_configuration_json(&point->configuration);
+    neph_json_set(&json, "name", json_string(point->name));
+    neph_json_set(&json, "error", neph_json_number(point->error));
+    neph_json_set(&json, "flicker", neph_json_number(point->flicker));
+    neph_json_set(&json, "evaluations", neph_json_number(point->evaluations));
+    neph_json_set(&json, "seconds", neph_json_number(point->time.median));
+    return json;
+}
+
+static json_t *pick_json(const struct neph_pick_params *params, const struct neph_pick *pick)
+{
+    json_t *json = point_json(&pick->chosen), *left_out = json_array(), *kept = json_array();
+    for (int i = 0; i < pick->left_out_count; i++) {
+        const struct neph_pick_left_out *left = &pick->left_out[i];
+        neph_json_add(left->is_kept ? &kept : &left_out,
+                      json_pack("{s:s, s:s?, s:o}", "what", left->what, "because", left->because,
+                                left->is_kept ? "without" : "with", point_json(&left->with)));
+    }
+    neph_json_set(&json, "found", json_boolean(pick->found));
+    neph_json_set(&json, "scene", json_string(params->scene));
+    neph_json_set(&json, "asked",
+                  json_pack("{s:o, s:o, s:o}", "error", neph_json_number(params->error), "flicker",
+                            neph_json_number(params->flicker), "seconds",
+                            neph_json_number(params->time_s)));
+    neph_json_set(&json, "width_px", json_integer(params->width_px));
+    neph_json_set(&json, "height_px", json_integer(params->height_px));
+    neph_json_set(&json, "truth", json_string(pick->truth));
+    neph_json_set(&json, "truth_noise", neph_json_number(pick->floor));
+    neph_json_set(&json, "device", json_string(pick->device));
+    neph_json_set(&json, "left_out", left_out);
+    neph_json_set(&json, "kept", kept);
+    return json;
+}
+
+static enum neph_status pick_configuration(const struct request *request,
+                                           const struct neph_experiment_run *run,
+                                           struct neph_publication *publication,
+                                           struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    const double *budget = request->choice.budget;
+    struct neph_times times = {NULL};
+    const struct neph_pick_params params = {.scene = shared->operands[0],
+                                            .error = budget[NEPH_CHOICE_ERROR],
+                                            .flicker = budget[NEPH_CHOICE_FLICKER],
+                                            .time_s = 1e-3 * budget[NEPH_CHOICE_TIME],
+                                            .width_px = shared->size.width_px,
+                                            .height_px = shared->size.height_px,
+                                            .seed = given_or(request->seed, 1),
+                                            .jobs = shared->jobs,
+                                            .time_limit_s = shared->time_limit_s,
+                                            .device = run->device,
+                                            .quiet = shared->quiet || shared->json,
+                                            .times = &times};
+    struct neph_pick pick;
+    char *path = neph_path_join(run->output, "pick.json");
+    enum neph_status status = path ? neph_times_open_in(run->output, &times, diag)
+                                   : neph_fail_memory(diag);
+    if (!status)
+        status = neph_pick_run(&params, run->store, &pick, diag);
+    if (!status) {
+        publication->json = pick_json(&params, &pick);
+        if (publication->text) {
+            print_pick(&params, &pick, publication->text);
+            fprintf(publication->text, "neph render %s --config %s\n", params.scene, path);
+        }
+        if (!pick.found)
+            publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
+                                             "nothing is good enough for what was asked");
+    }
+    neph_times_close(&times);
+    free(path);
+    return status;
+}
+
+/* ---- a preset over scenes -------------------------------------------------------------------- */
+
+static enum neph_status judge(const struct neph_choice *choice, struct neph_diag *reason)
+{
+    if (choice->scene_counts[choice->least] == 0)
+        return neph_fail(reason, NEPH_ERR_GATE,
+                         "there is no scene in which all presets have a number of '%s'",
+                         neph_choice_measures[choice->least].name);
+    return choice->chosen >= 0 ? NEPH_OK
+                               : neph_fail(reason, NEPH_ERR_GATE,
+                                           "none of the presets is within what was asked for");
+}
+
+static enum neph_status publish(const struct neph_flicker_study *study,
+                                const struct neph_choice *choice,
+                                struct neph_publication *publication, struct neph_diag *diag)
+{
+    char *svg = NULL;
+    enum neph_status status = NEPH_OK;
+    if (publication->chart)
+        status = neph_flicker_study_plot(study, &svg, diag);
+    if (svg)
+        fputs(svg, publication->chart);
+    free(svg);
+    if (!status && publication->text)
+        status = neph_choice_print(choice, study, publication->text, diag);
+    publication->json = neph_choice_json(choice, study);
+    publication->broken_count = study->failed_count;
+    publication->broken_words = "takes broke; their scenes have no number";
+    publication->verdict = judge(choice, &publication->reason);
+    return status ? status : neph_json_check(publication->json, diag);
+}
+
+static enum neph_status pick_preset(struct request *request, const struct neph_experiment_run *run,
+                                    struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_flicker_study_params params = {
+        .presets = request->presets.words,
+        .preset_count = request->presets.count,
+        .scenes = request->scenes,
+        .scene_count = request->scene_count,
+        .seed_count = given_or(request->seeds, 1),
+        .frame_count = given_or(request->frames, 32),
+        .steps = given_or(request->steps, 8),
+        .width_px = shared->size.width_px,
+        .height_px = shared->size.height_px,
+        .takes = {[NEPH_STUDY_FLICKER] = true, [NEPH_STUDY_STEP] = true, [NEPH_STUDY_SINE] = true},
+        .brief = true,
+        .device = run->device,
+        .quiet = run->quiet || shared->json};
+    struct neph_flicker_study study = {.params = NULL};
+    enum neph_status status = neph_flicker_study_run(&params, run->store, &study, diag);
+    if (!status)
+        status = neph_choice_make(&study, &request->choice, diag);
+    if (!status)
+        status = publish(&study, &request->choice, publication, diag);
+    if (study.params)
+        neph_flicker_study_finish(&study);
+    return status;
+}
+
+static enum neph_status run(void *request, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    return ((struct request *)request)->presets.argument
+               ? pick_preset(request, run, publication, diag)
+               : pick_configuration(request, run, publication, diag);
+}
+
+const struct neph_experiment neph_experiment_pick = {.syntax = &syntax,
+                                                     .request_size = sizeof(struct request),
+                                                     .chart = "flicker_lag.svg",
+                                                     .document = "pick.json",
+                                                     .prepare = prepare,
+                                                     .part = part,
+                                                     .run = run,
+                                                     .finish = finish};

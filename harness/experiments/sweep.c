@@ -1,0 +1,386 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph sweep SCENE`: what engines and their settings cost over a scene, and what they are off by.
+ */
+#include "harness/experiments/experiments.h"
+
+#include "base/arena.h"
+#include "base/files.h"
+#include "base/threads.h"
+#include "harness/document/table.h"
+#include "harness/engines/look.h"
+#include "harness/progress.h"
+#include "harness/report/report_folder.h"
+#include "harness/sweep/output.h"
+#include "harness/sweep/stability.h"
+#include "harness/sweep/sweep.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SEEDS_MAX = 16 };
+
+struct request {
+    struct neph_cli_shared shared;
+    struct neph_sweep_params params; /* with its seed, the first of `seeds` */
+    const char *plan_name, *only;
+    int seeds; /* -1: one sweep */
+    struct neph_sweep_plan plan;
+    char *only_text; /* that the words of `only_words` are in */
+    const char *only_words[NEPH_SWEEP_SERIES_MAX + 1];
+};
+
+static const struct neph_cli_option options[] = {
+    {"plan", 0, "FILE",
+     "What is swept: a YAML file, or the name of one that comes with neph (scenes/studies)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, plan_name), .otherwise = "sweep"},
+    {"only", 0, "A,B", "These series of the plan alone", NEPH_CLI_WORD,
+     .at = offsetof(struct request, only)},
+    {"against", 0, "NAME",
+     "The series that others are held against at equal error and in equal time (default: the "
+     "first)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, params.against)},
+    {"untimed", 0, NULL, "No times: what a point costs is its evaluations of density",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, params.untimed)},
+    {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, params.retimes)},
+    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, params.seed), .otherwise = "1", .minimum = 1,
+     .maximum = 1000000},
+    {"seeds", 0, "N",
+     "So many sweeps with seeds from --seed on, each in a store of its own, DIR/seed_K: do the "
+     "fronts hold?",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, seeds), .minimum = 2, .maximum = SEEDS_MAX},
+    {.name = "size", .help = "Pixels, in place of the plan's"},
+    {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out"},
+    {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
+    {.name = "csv", .help = "A line for each point"},
+    {.name = "jobs", .otherwise = "1"},
+    {.name = "time-limit", .otherwise = "3600"},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    if (request->seeds > 0 && request->shared.csv)
+        argp_error(state, "--csv is of one sweep, not of --seeds");
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &neph_cli_one_scene,
+    .check = check,
+    .doc =
+        "Engines and their settings over one scene: what each costs, and what it is off by.\v"
+        "Errors are against the truth: engine exact where it has the scene, else the tracer, "
+        "whose noise is printed. What a shortcut is off by against the march of its own model, "
+        "its flicker and its half-life after a step of the sun stand beside that, and are never "
+        "mixed with it. Times are measured in rounds over all points, with nothing else going "
+        "on: keep the machine quiet. Frames are kept in DIR/store and not rendered twice, times in "
+        "DIR/times.json. "
+        "NEPH_VULKAN_DEVICE names the device.\n\n"
+        "Examples:\n"
+        "  neph sweep voxel_grid\n"
+        "  neph sweep cloud_below --only march,ours,tracer --size 192x108 --csv -\n"
+        "  neph sweep my_fog.yaml --plan my_sweep.yaml --json\n"
+        "  neph sweep voxel_grid --seeds 3 -o fronts    # exit code 1: a front has moved",
+};
+
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
+{
+    struct request *request = request_;
+    struct neph_cli_shared *shared = &request->shared;
+    struct neph_sweep_params *params = &request->params;
+    int count = 0;
+    bool is_there = !params->against;
+    enum neph_status status = neph_sweep_plan_load(request->plan_name, &request->plan, diag);
+    if (status)
+        return status;
+    for (int s = 0; s < request->plan.series_count; s++)
+        is_there |= params->against && strcmp(request->plan.series[s].name, params->against) == 0;
+    if (!is_there)
+        return neph_fail(diag, NEPH_ERR_USAGE, "--against: the plan has no series '%s'",
+                         params->against);
+    if (request->only && !(request->only_text = strdup(request->only)))
+        return neph_fail_memory(diag);
+    if (shared->size.width_px > 0) {
+        request->plan.width_px = shared->size.width_px;
+        request->plan.height_px = shared->size.height_px;
+    }
+    params->plan = &request->plan;
+    params->scene = shared->operands[0];
+    params->only = request->only ? request->only_words : NULL;
+    params->time_limit_s = shared->time_limit_s;
+    params->quiet = shared->quiet;
+    params->jobs = shared->jobs;
+    return neph_cli_split(request->only_text, "series", NEPH_SWEEP_SERIES_MAX, request->only_words,
+                          &count, diag);
+}
+
+/* ---- one sweep in a folder ------------------------------------------------------------------- */
+
+static enum neph_status write_files(const struct neph_report_folder *page, const char *json_path,
+                                    const struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    char told[512] = "";
+    enum neph_status status = neph_json_write(neph_sweep_json(sweep), json_path, diag);
+    if (!status)
+        status = neph_sweep_page_write(sweep, page, told, diag);
+    if (told[0])
+        neph_progress_warn("%s", told);
+    if (!status && neph_sweep_measured_count(sweep) == 0)
+        status = neph_fail(diag, NEPH_ERR_GATE, "no point could be measured");
+    return status;
+}
+
+/* `sweep` is to be finished in any case. */
+static enum neph_status run_in(const char *folder, const struct neph_sweep_params *asked,
+                               struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    struct neph_arena arena = {.last = NULL};
+    const char *slash = folder[strlen(folder) - 1] == '/' ? "" : "/";
+    const char *store_path = neph_arena_format(&arena, "%s%sstore", folder, slash),
+               *page_path = neph_arena_format(&arena, "%s%ssweep", folder, slash),
+               *json_path = neph_arena_format(&arena, "%s%ssweep.json", folder, slash);
+    struct neph_times times = {NULL};
+    struct neph_sweep_params params = *asked;
+    struct neph_store *store = NULL;
+    struct neph_report_folder *page = NULL; /* opened first: a folder of others is refused early */
+    enum neph_status status = neph_arena_check(&arena, diag);
+    params.times = &times;
+    if (!status)
+        status = neph_report_folder_open(page_path, &page, diag);
+    if (!status)
+        status = neph_store_open(store_path, &store, diag);
+    if (!status)
+        status = neph_times_open_in(folder, &times, diag);
+    if (!status)
+        status = neph_sweep_run(&params, store, sweep, diag);
+    if (!status)
+        status = write_files(page, json_path, sweep, diag);
+    neph_times_close(&times);
+    neph_store_close(store);
+    neph_report_folder_close(page);
+    neph_arena_finish(&arena);
+    return status;
+}
+
+/* ---- the table ------------------------------------------------------------------------------- */
+
+static const int column_width = 11;
+
+static void print_number(double value, double scale, bool on_front, FILE *out)
+{
+    char text[32] = "-";
+    if (isfinite(value))
+        snprintf(text, sizeof(text), "%.3g%s", scale * value, on_front ? "*" : " ");
+    fprintf(out, " %*s", column_width, text);
+}
+
+static void print_point(const struct neph_sweep_point *point, FILE *out)
+{
+    fprintf(out, "%-16s %-14s", point->series->name, point->label);
+    if (point->missing[0]) {
+        fprintf(out, "  not rendered: %s\n", point->missing);
+        return;
+    }
+    print_number(point->time.median, 1e3, false, out);
+    print_number(point->evaluations, 1.0, false, out);
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+        print_number(point->numbers[n].value, 1.0, point->on_front[n], out);
+    const char *look = neph_look_of_fog(point->job.engine, &point->job.shot.settings);
+    fprintf(out, "%s%s%s\n", point->at_floor ? "  error within twice the noise of the truth" : "",
+            look ? "  " : "", look ? look : "");
+}
+
+/* On one's front, by their cost: time where there is one, else work. */
+static int by_cost(const void *a_, const void *b_)
+{
+    const struct neph_sweep_point *a = *(const struct neph_sweep_point *const *)a_,
+                                  *b = *(const struct neph_sweep_point *const *)b_;
+    const enum neph_sweep_cost cost = isnan(a->time.median) || isnan(b->time.median)
+                                          ? NEPH_SWEEP_COST_WORK
+                                          : NEPH_SWEEP_COST_TIME;
+    const double of_a = neph_sweep_cost_of(a, cost), of_b = neph_sweep_cost_of(b, cost);
+    return (of_a > of_b) - (of_a < of_b);
+}
+
+/* "front of error: ours steps=8, fitted octaves steps=16, tracer samples=128" */
+static void print_front(const struct neph_sweep *sweep, enum neph_sweep_number number, FILE *out)
+{
+    const struct neph_sweep_point *points[NEPH_SWEEP_POINTS_MAX];
+    int count = 0;
+    for (int i = 0; i < sweep->point_count; i++)
+        if (sweep->points[i].on_front[number])
+            points[count++] = &sweep->points[i];
+    if (count == 0)
+        return;
+    qsort(points, (size_t)count, sizeof(struct neph_sweep_point *), by_cost);
+    fprintf(out, "front of %s, the cheapest first:", neph_sweep_number_texts[number].name);
+    for (int i = 0; i < count; i++)
+        fprintf(out, "%s %s%s%s", i > 0 ? "," : "", points[i]->series->name,
+                points[i]->label[0] ? " " : "", points[i]->label);
+    fprintf(out, "\n");
+}
+
+static void print_sweep(const struct neph_sweep *sweep, FILE *out)
+{
+    const struct neph_sweep_plan *plan = sweep->plan;
+    fprintf(out, "%s, %d x %d; %s\n", sweep->scene->name, plan->width_px, plan->height_px,
+            neph_sweep_device(sweep));
+    fprintf(out, "truth: %s, noise %.3g of the mean; errors over %s; flicker over %s\n\n",
+            sweep->truth, sweep->floor, sweep->clear_of, sweep->mask);
+    fprintf(out, "%-16s %-14s %*s %*s %*s %*s %*s %*s %*s\n", "series", "point", column_width, "ms",
+            column_width, "evals/px", column_width, "error ", column_width, "shortcut ",
+            column_width, "flicker ", column_width, "four ", column_width, "half-life ");
+    for (int i = 0; i < sweep->point_count; i++)
+        print_point(&sweep->points[i], out);
+    fprintf(out, "\n");
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+        print_front(sweep, (enum neph_sweep_number)n, out);
+    fprintf(out,
+            "\n*: on the front of its column: nothing cheaper is as good.\n"
+            "error: relative RMSE against the truth, the model's gap included; shortcut: "
+            "against the march of\nits own model; flicker: contrast seen over threshold; "
+            "four: what repeats every four frames, of\nwhite; half-life [frames] after a step "
+            "of the sun.\n%d of %d points measured",
+            neph_sweep_measured_count(sweep), sweep->point_count);
+    fprintf(out, "; truth %.0f s, the rest %.0f s", sweep->truth_s, sweep->measure_s);
+    if (sweep->load > 1.5 * neph_processor_count())
+        fprintf(out, "; the machine was busy (load %.1f): times are those of a busy machine",
+                sweep->load);
+    fprintf(out, "\n");
+}
+
+/* ---- CSV ------------------------------------------------------------------------------------- */
+
+static void add_row(const struct neph_sweep_point *point, struct neph_table *table)
+{
+    const double costs[] = {point->time.median, point->time.low, point->time.high,
+                            point->evaluations};
+    neph_table_word(table, point->series->name);
+    neph_table_word(table, point->job.engine->name);
+    neph_table_word(table, point->label);
+    for (size_t i = 0; i < sizeof(costs) / sizeof(costs[0]); i++)
+        neph_table_number(table, costs[i]);
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
+        neph_table_number(table, point->numbers[n].value);
+        neph_table_number(table, point->numbers[n].low);
+        neph_table_number(table, point->numbers[n].high);
+    }
+    neph_table_word(table, point->missing[0] ? "missing" : "measured");
+}
+
+static void add_column(const char *key, const char *end, struct neph_table *table)
+{
+    char name[64];
+    snprintf(name, sizeof(name), "%s%s", key, end);
+    neph_table_columns(table, &(struct neph_column){.key = name}, 1);
+}
+
+static void print_csv(const struct neph_sweep *sweep, FILE *out)
+{
+    static const char *const first[] = {"series",
+                                        "engine",
+                                        "point",
+                                        "seconds",
+                                        "seconds_low",
+                                        "seconds_high",
+                                        "evaluations_per_pixel"};
+    static const char *const ends[] = {"", "_low", "_high"};
+    struct neph_table table = {.cells = NULL};
+    for (size_t i = 0; i < sizeof(first) / sizeof(first[0]); i++)
+        add_column(first[i], "", &table);
+    for (int i = 0; i < 3 * NEPH_SWEEP_NUMBERS; i++)
+        add_column(neph_sweep_number_texts[i / 3].name, ends[i % 3], &table);
+    add_column("outcome", "", &table);
+    for (int i = 0; i < sweep->point_count; i++)
+        add_row(&sweep->points[i], &table);
+    neph_table_print_csv(&table, "\n", out);
+    neph_table_finish(&table);
+}
+
+/* ---- one, or several with other seeds -------------------------------------------------------- */
+
+static enum neph_status run_one(const struct request *request, struct neph_publication *publication,
+                                struct neph_diag *diag)
+{
+    struct neph_sweep sweep = {.plan = NULL};
+    const enum neph_status status = run_in(request->shared.output, &request->params, &sweep, diag);
+    if (!status) {
+        publication->json = neph_sweep_json(&sweep);
+        if (publication->csv)
+            print_csv(&sweep, publication->csv);
+        if (publication->text) {
+            print_sweep(&sweep, publication->text);
+            neph_sweep_print_equals(&sweep, publication->text);
+            fprintf(publication->text, "%s/sweep/index.html\n", request->shared.output);
+        }
+    }
+    neph_sweep_finish(&sweep);
+    return status;
+}
+
+static enum neph_status judge_fronts(const struct request *request, const struct neph_sweep *sweeps,
+                                     struct neph_publication *publication, struct neph_diag *diag)
+{
+    const enum neph_sweep_cost cost = request->params.untimed ? NEPH_SWEEP_COST_WORK
+                                                              : NEPH_SWEEP_COST_TIME;
+    char *path = neph_path_join(request->shared.output, "stability.json");
+    publication->json = neph_stability_json(sweeps, request->seeds, cost);
+    if (publication->text)
+        neph_stability_print(publication->json, publication->text);
+    const int moved = (int)json_integer_value(json_object_get(publication->json, "moved"));
+    if (moved > 0)
+        publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
+                                         "%d points left a front by more than their intervals",
+                                         moved);
+    const enum neph_status status =
+        path ? neph_json_write(json_incref(publication->json), path, diag) : neph_fail_memory(diag);
+    free(path);
+    return status;
+}
+
+static enum neph_status run_seeds(const struct request *request,
+                                  struct neph_publication *publication, struct neph_diag *diag)
+{
+    struct neph_sweep sweeps[SEEDS_MAX] = {{.plan = NULL}};
+    struct neph_sweep_params params = request->params;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < request->seeds && !status; i++, params.seed++) {
+        char *folder = neph_format("%s/seed_%d", request->shared.output, params.seed);
+        status = folder ? run_in(folder, &params, &sweeps[i], diag) : neph_fail_memory(diag);
+        free(folder);
+    }
+    if (!status)
+        status = judge_fronts(request, sweeps, publication, diag);
+    for (int i = 0; i < request->seeds; i++)
+        neph_sweep_finish(&sweeps[i]);
+    return status;
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    struct request *request = request_;
+    request->params.device = run->device;
+    return request->seeds > 0 ? run_seeds(request, publication, diag)
+                              : run_one(request, publication, diag);
+}
+
+static void finish(void *request_)
+{
+    struct request *request = request_;
+    neph_sweep_plan_finish(&request->plan);
+    free(request->only_text);
+}
+
+const struct neph_experiment neph_experiment_sweep = {.syntax = &syntax,
+                                                      .request_size = sizeof(struct request),
+                                                      .opens_stores = true,
+                                                      .prepare = prepare,
+                                                      .run = run,
+                                                      .finish = finish};
