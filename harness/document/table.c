@@ -8,14 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum cell_kind { WORD, NUMBER, COUNT, FLAG };
+enum cell_kind { WORD, NUMBER, COUNT, FLAG, VALUE };
 
 struct neph_table_cell {
     enum cell_kind kind;
     const char *word;  /* owned by the arena; NULL: none */
     const char *shown; /* the same; NULL: by the column's format */
     double number;
-    long count; /* or a flag */
+    long count;    /* or a flag */
+    json_t *value; /* owned */
 };
 
 /* ---- filling --------------------------------------------------------------------------------- */
@@ -46,6 +47,7 @@ static void add(struct neph_table *table, struct neph_table_cell cell)
         struct neph_table_cell *grown = realloc(table->cells, (size_t)room * sizeof(*grown));
         if (!grown) {
             table->arena.is_short = true;
+            json_decref(cell.value);
             return;
         }
         table->cells = grown;
@@ -76,6 +78,12 @@ void neph_table_count(struct neph_table *table, long value)
 void neph_table_flag(struct neph_table *table, bool value)
 {
     add(table, (struct neph_table_cell){.kind = FLAG, .count = value});
+}
+
+void neph_table_value(struct neph_table *table, json_t *value)
+{
+    table->arena.is_short |= !value;
+    add(table, (struct neph_table_cell){.kind = VALUE, .value = value});
 }
 
 void neph_table_shown(struct neph_table *table, const char *format, ...)
@@ -111,6 +119,8 @@ enum neph_status neph_table_check(const struct neph_table *table, struct neph_di
 
 void neph_table_finish(struct neph_table *table)
 {
+    for (int i = 0; i < table->cell_count; i++)
+        json_decref(table->cells[i].value);
     free(table->cells);
     neph_arena_finish(&table->arena);
     *table = (struct neph_table){.cells = NULL};
@@ -145,7 +155,7 @@ static void print_cell(const struct neph_column *column, const struct neph_table
 {
     if (cell->shown)
         print_word(cell->shown, out);
-    else if (cell->kind == WORD)
+    else if (cell->kind == WORD || cell->kind == VALUE)
         print_word(cell->word ? cell->word : "", out);
     else if (cell->kind == FLAG)
         print_word(cell->count ? "yes" : "no", out);
@@ -206,7 +216,7 @@ static void print_csv_cell(const struct neph_table_cell *cell, FILE *out)
         neph_csv_word(cell->word ? cell->word : "", out);
     else if (cell->kind == NUMBER)
         neph_csv_number(cell->number, out);
-    else
+    else if (cell->kind != VALUE)
         fprintf(out, "%ld", cell->count);
 }
 
@@ -239,6 +249,8 @@ static json_t *cell_json(const struct neph_table_cell *cell)
         return json_integer(cell->count);
     case FLAG:
         return json_boolean(cell->count);
+    case VALUE:
+        return json_incref(cell->value);
     }
     return NULL;
 }

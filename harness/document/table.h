@@ -55,6 +55,10 @@ void neph_table_number(struct neph_table *table, double value);
 void neph_table_count(struct neph_table *table, long value);
 void neph_table_flag(struct neph_table *table, bool value);
 
+/* Any JSON, which is taken over; NULL: memory was short. CSV has nothing of it, and people see what
+ * neph_table_shown() says. */
+void neph_table_value(struct neph_table *table, json_t *value);
+
 /* The text for people of the cell before, in place of its column's format. */
 void neph_table_shown(struct neph_table *table, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
