@@ -363,6 +363,14 @@ bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, d
     return memcmp(&a, &b, sizeof(a)) == 0 && are_solids_same(scene, frame_a, frame_b);
 }
 
+bool neph_scene_is_static(const struct neph_scene *scene, int first_frame, int frame_count)
+{
+    for (int frame = first_frame + 1; frame < first_frame + frame_count; frame++)
+        if (!neph_scene_is_same_moment(scene, first_frame, frame))
+            return false;
+    return true;
+}
+
 /* --- a scene that stands still --------------------------------------------------------------- */
 
 /* One block, so that it is freed at once; the scene comes first. */
