@@ -69,36 +69,33 @@ int neph_ablation_measure_count(void)
 
 /* ---- what is rendered ------------------------------------------------------------------------ */
 
-/* Index of the configuration; a new one if there is none yet. Negative: memory is short. */
+/* Index of the configuration; a new one if there is none yet. `label` is of the arena, or stays. */
 static int configure(struct neph_ablation *ablation, neph_ablation_set without, const char *label)
 {
-    int count = ablation->params.preset_count;
+    const int count = ablation->configuration_count;
     for (int i = 0; i < count; i++)
         if (ablation->without[i] == without)
             return i;
     ablation->without[count] = without;
-    ablation->words[count] = neph_ablation_words(ablation->preset, without);
-    ablation->labels[count] = strdup(label);
-    ablation->params.preset_count = count + 1;
-    return ablation->words[count] && ablation->labels[count] ? count : -1;
+    ablation->words[count] = neph_ablation_words(&ablation->arena, ablation->preset, without);
+    ablation->labels[count] = label;
+    return ablation->configuration_count++;
 }
 
-static enum neph_status compare(struct neph_ablation *ablation, int part,
-                                enum neph_ablation_place place, neph_ablation_set with,
-                                neph_ablation_set without, struct neph_diag *diag)
+static void compare(struct neph_ablation *ablation, int part, enum neph_ablation_place place,
+                    neph_ablation_set with, neph_ablation_set without)
 {
+    struct neph_arena *arena = &ablation->arena;
     const char *name = part < 0 ? "all" : neph_ablation_parts[part].name;
-    char label[64];
-    snprintf(label, sizeof(label), "%s alone", name);
-    const int first = configure(ablation, with, label);
-    snprintf(label, sizeof(label), place == NEPH_ABLATION_ALONE ? "what %s needs" : "without %s",
-             name);
-    const int second = first < 0 ? -1 : configure(ablation, without, label);
-    if (second < 0)
-        return neph_fail_memory(diag);
+    const int first = configure(ablation, with, neph_arena_format(arena, "%s alone", name));
+    const char *label = place == NEPH_ABLATION_ALONE
+                            ? neph_arena_format(arena, "what %s needs", name)
+                            : neph_arena_format(arena, "without %s", name);
     ablation->comparisons[ablation->comparison_count++] = (struct neph_ablation_comparison){
-        .part = part, .place = place, .with = first, .without = second};
-    return NEPH_OK;
+        .part = part,
+        .place = place,
+        .with = first,
+        .without = configure(ablation, without, label)};
 }
 
 /* What the plain pipeline lacks of what the preset has. */
@@ -111,16 +108,14 @@ static neph_ablation_set left_out_of_plain(const struct neph_ablation *ablation)
     return set;
 }
 
-static enum neph_status plan_part(struct neph_ablation *ablation, int part, struct neph_diag *diag)
+static void plan_part(struct neph_ablation *ablation, int part)
 {
     const neph_ablation_set own = (neph_ablation_set)1 << part;
     const neph_ablation_set plain = left_out_of_plain(ablation);
     const neph_ablation_set needed = neph_ablation_with_needs(part) & ~own;
-    enum neph_status status = compare(ablation, part, NEPH_ABLATION_IN_PRESET, 0, own, diag);
-    if (!status && !neph_ablation_parts[part].stays)
-        status = compare(ablation, part, NEPH_ABLATION_ALONE, plain & ~needed & ~own,
-                         plain & ~needed, diag);
-    return status;
+    compare(ablation, part, NEPH_ABLATION_IN_PRESET, 0, own);
+    if (!neph_ablation_parts[part].stays)
+        compare(ablation, part, NEPH_ABLATION_ALONE, plain & ~needed & ~own, plain & ~needed);
 }
 
 static enum neph_status refuse_part(const char *name, struct neph_diag *diag)
@@ -163,30 +158,23 @@ static enum neph_status choose(struct neph_ablation *ablation, const char *const
 }
 
 enum neph_status neph_ablation_plan(const char *preset, const char *const *only, int only_count,
-                                    const struct neph_flicker_study_params *params,
                                     struct neph_ablation *ablation, struct neph_diag *diag)
 {
     ablation->preset = preset;
-    ablation->params = *params;
-    ablation->params.presets = (const char *const *)ablation->words;
-    ablation->params.labels = (const char *const *)ablation->labels;
-    ablation->params.preset_count = 0;
-    ablation->study.params = &ablation->params;
     enum neph_status status = neph_ablation_parts_of(preset, &ablation->parts, diag);
     for (int i = 0; neph_ablation_parts[i].name && !status; i++)
-        status = neph_ablation_part_values(preset, i, &ablation->values[i], diag);
+        status = neph_ablation_part_values(&ablation->arena, preset, i, &ablation->values[i], diag);
     if (!status)
         status = choose(ablation, only, only_count, diag);
-    if (!status && (configure(ablation, 0, preset) < 0 ||
-                    configure(ablation, left_out_of_plain(ablation), "plain") < 0))
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = compare(ablation, -1, NEPH_ABLATION_IN_PRESET, 0, left_out_of_plain(ablation),
-                         diag);
-    for (int i = 0; neph_ablation_parts[i].name && !status; i++)
+    if (status)
+        return status;
+    configure(ablation, 0, preset);
+    configure(ablation, left_out_of_plain(ablation), "plain");
+    compare(ablation, -1, NEPH_ABLATION_IN_PRESET, 0, left_out_of_plain(ablation));
+    for (int i = 0; neph_ablation_parts[i].name; i++)
         if (ablation->asked >> i & 1)
-            status = plan_part(ablation, i, diag);
-    return status;
+            plan_part(ablation, i);
+    return neph_arena_check(&ablation->arena, diag);
 }
 
 /* ---- one change ------------------------------------------------------------------------------ */
@@ -204,14 +192,13 @@ static int metric_of(const struct neph_ablation_measure *measure)
 static double cost_decades(const struct neph_ablation *ablation, size_t cost, int scene, int preset)
 {
     double sum = 0.0;
-    for (int seed = 0; seed < ablation->params.seed_count; seed++) {
-        double value;
-        memcpy(&value,
-               (const char *)neph_study_cost_at(&ablation->study, scene, preset, seed) + cost,
-               sizeof(value));
+    for (int seed = 0; seed < ablation->study.params->seed_count; seed++) {
+        const struct neph_study_cost *costs = neph_study_cost_at(&ablation->study, scene, preset,
+                                                                 seed);
+        const double value = *(const double *)((const char *)costs + cost);
         sum += value > 0.0 ? log10(value) : NAN; /* what evaluates nothing has no ratio */
     }
-    return sum / ablation->params.seed_count;
+    return sum / ablation->study.params->seed_count;
 }
 
 static double difference(const struct neph_ablation *ablation,
@@ -349,15 +336,15 @@ static enum neph_status adjust(struct neph_ablation *ablation, struct neph_diag 
 bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure)
 {
     const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
-    return ablation->params
-        .takes[what->metric ? neph_study_metrics[metric_of(what)].take : NEPH_STUDY_FLICKER];
+    return ablation->study.params
+        ->takes[what->metric ? neph_study_metrics[metric_of(what)].take : NEPH_STUDY_FLICKER];
 }
 
 static void measure_comparison(struct neph_ablation *ablation,
                                struct neph_ablation_comparison *comparison, double *changes,
                                double *room)
 {
-    const int scene_count = ablation->params.scene_count;
+    const int scene_count = ablation->study.params->scene_count;
     for (int m = 0; neph_ablation_measures[m].name; m++, changes += scene_count) {
         for (int scene = 0; scene < scene_count; scene++)
             changes[scene] = difference(ablation, comparison, m, scene);
@@ -365,31 +352,11 @@ static void measure_comparison(struct neph_ablation *ablation,
     }
 }
 
-enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph_diag *diag)
-{
-    const size_t scene_count = (size_t)ablation->params.scene_count;
-    const size_t size = scene_count * (size_t)neph_ablation_measure_count();
-    const size_t count = (size_t)ablation->comparison_count;
-    free(ablation->differences);
-    ablation->differences = calloc(count * size + scene_count, sizeof(double));
-    if (!ablation->differences)
-        return neph_fail_memory(diag);
-    for (size_t c = 0; c < count; c++)
-        measure_comparison(ablation, &ablation->comparisons[c], ablation->differences + c * size,
-                           ablation->differences + count * size);
-    const enum neph_status status = adjust(ablation, diag);
-    for (size_t c = 0; c < count && !status; c++)
-        for (int m = 0; neph_ablation_measures[m].name; m++)
-            ablation->comparisons[c].effects[m].verdict = judge(
-                &ablation->comparisons[c].effects[m]);
-    return status;
-}
-
 /* One that can be rendered is enough. */
 static enum neph_status check_scenes(const struct neph_ablation *ablation, struct neph_diag *diag)
 {
     const struct neph_study_scene *scenes = ablation->study.scenes;
-    for (int i = 0; i < ablation->params.scene_count; i++)
+    for (int i = 0; i < ablation->study.params->scene_count; i++)
         if (!scenes[i].left_out)
             return NEPH_OK;
     neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: %s", scenes[0].name, scenes[0].left_out);
@@ -399,14 +366,27 @@ static enum neph_status check_scenes(const struct neph_ablation *ablation, struc
     return NEPH_ERR_UNSUPPORTED;
 }
 
-enum neph_status neph_ablation_run(struct neph_ablation *ablation, struct neph_store *store,
-                                   struct neph_diag *diag)
+enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph_diag *diag)
 {
-    enum neph_status status = neph_flicker_study_run(&ablation->params, store, &ablation->study,
-                                                     diag);
-    if (!status)
-        status = check_scenes(ablation, diag);
-    return status ? status : neph_ablation_judge(ablation, diag);
+    const size_t scene_count = (size_t)ablation->study.params->scene_count;
+    const size_t size = scene_count * (size_t)neph_ablation_measure_count();
+    const size_t count = (size_t)ablation->comparison_count;
+    enum neph_status status = check_scenes(ablation, diag);
+    if (status)
+        return status;
+    double *changes = neph_arena_zeroed(&ablation->arena, count * size + scene_count,
+                                        sizeof(*changes));
+    if (!changes)
+        return neph_fail_memory(diag);
+    for (size_t c = 0; c < count; c++)
+        measure_comparison(ablation, &ablation->comparisons[c], changes + c * size,
+                           changes + count * size);
+    status = adjust(ablation, diag);
+    for (size_t c = 0; c < count && !status; c++)
+        for (int m = 0; neph_ablation_measures[m].name; m++)
+            ablation->comparisons[c].effects[m].verdict = judge(
+                &ablation->comparisons[c].effects[m]);
+    return status;
 }
 
 const struct neph_ablation_comparison *neph_ablation_find(const struct neph_ablation *ablation,
@@ -418,16 +398,23 @@ const struct neph_ablation_comparison *neph_ablation_find(const struct neph_abla
     return NULL;
 }
 
+void neph_ablation_change(double decades, char text[NEPH_ABLATION_CHANGE_SIZE])
+{
+    const double ratio = pow(10.0, decades), percent = 100.0 * (ratio - 1.0);
+    if (decades == 0.0)
+        snprintf(text, NEPH_ABLATION_CHANGE_SIZE, "0 %%");
+    else if (ratio > 100.0 || ratio < 0.01) /* one of both is as good as nothing */
+        snprintf(text, NEPH_ABLATION_CHANGE_SIZE, ratio > 1.0 ? ">x100" : "<-99 %%");
+    else if (ratio >= 2.95)
+        snprintf(text, NEPH_ABLATION_CHANGE_SIZE, "x%.2g", ratio);
+    else
+        snprintf(text, NEPH_ABLATION_CHANGE_SIZE, fabs(percent) < 9.95 ? "%+.1f %%" : "%+.0f %%",
+                 percent);
+}
+
 void neph_ablation_finish(struct neph_ablation *ablation)
 {
-    if (ablation->study.params)
-        neph_flicker_study_finish(&ablation->study);
-    for (int i = 0; i < NEPH_STUDY_PRESETS_MAX; i++) {
-        free(ablation->words[i]);
-        free(ablation->labels[i]);
-    }
-    for (int i = 0; i < NEPH_ABLATION_PARTS_MAX; i++)
-        free(ablation->values[i]);
-    free(ablation->differences);
+    neph_flicker_study_finish(&ablation->study);
+    neph_arena_finish(&ablation->arena);
     *ablation = (struct neph_ablation){.preset = NULL};
 }

@@ -3,7 +3,7 @@
  * Tornado charts: a panel for each measure, the part that changes it most on top. They are read on
  * a telephone, too: letters are a 32nd of the width, and nothing is told by colour.
  */
-#include "harness/study/ablation_output.h"
+#include "harness/study/ablation.h"
 
 #include "harness/study/svg.h"
 
@@ -262,6 +262,7 @@ static double draw_panel(const struct neph_ablation *ablation, int measure, doub
 
 static double draw_legend(const struct neph_ablation *ablation, FILE *out)
 {
+    const struct neph_flicker_study_params *params = ablation->study.params;
     fprintf(out, "<text x=\"%d\" y=\"30\" font-size=\"20\" font-weight=\"bold\">What parts of ",
             MARGIN);
     neph_svg_print_escaped(ablation->preset, out);
@@ -278,9 +279,9 @@ static double draw_legend(const struct neph_ablation *ablation, FILE *out)
             "<text x=\"%d\" y=\"146\" font-size=\"13\">%dx%d, %d steps, %d frames, %d seed%s, %d "
             "scenes; ",
             MARGIN, BAR, MARGIN + 40, MARGIN, BAR, MARGIN + 40, MARGIN, MARGIN + 40, MARGIN,
-            ablation->judged_count, MARGIN, ablation->params.width_px, ablation->params.height_px,
-            ablation->params.steps, ablation->params.frame_count, ablation->params.seed_count,
-            ablation->params.seed_count == 1 ? "" : "s", ablation->params.scene_count);
+            ablation->judged_count, MARGIN, params->width_px, params->height_px, params->steps,
+            params->frame_count, params->seed_count, params->seed_count == 1 ? "" : "s",
+            params->scene_count);
     char device[sizeof(ablation->study.device)]; /* its driver is in the tables */
     snprintf(device, sizeof(device), "%.*s", (int)strcspn(ablation->study.device, "("),
              ablation->study.device);
@@ -306,39 +307,22 @@ static double draw(const struct neph_ablation *ablation, FILE *out)
     return y_px;
 }
 
-static enum neph_status frame(double height_px, const char *body, char **svg,
-                              struct neph_diag *diag)
-{
-    size_t size;
-    FILE *out = open_memstream(svg, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    fprintf(out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%.0f\" viewBox=\"0 0 "
-            "%d %.0f\" font-family=\"sans-serif\" font-size=\"16\">\n<rect width=\"100%%\" "
-            "height=\"100%%\" fill=\"#fff\"/>\n%s</svg>\n",
-            WIDTH, height_px, WIDTH, height_px, body);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (!cut && closed)
-        return NEPH_OK;
-    free(*svg);
-    *svg = NULL;
-    return neph_fail_memory(diag);
-}
-
-enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, char **svg,
+enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *out,
                                     struct neph_diag *diag)
 {
-    char *body = NULL;
+    char *panels = NULL;
     size_t size;
-    *svg = NULL;
-    FILE *out = open_memstream(&body, &size);
-    if (!out)
+    FILE *memory = open_memstream(&panels, &size);
+    if (!memory)
         return neph_fail_memory(diag);
-    const double height_px = draw(ablation, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    const enum neph_status status = !cut && closed ? frame(height_px, body, svg, diag)
-                                                   : neph_fail_memory(diag);
-    free(body);
-    return status;
+    const double height_px = draw(ablation, memory);
+    const bool is_cut = ferror(memory) != 0, is_closed = fclose(memory) == 0;
+    if (!is_cut && is_closed)
+        fprintf(out,
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%.0f\" "
+                "viewBox=\"0 0 %d %.0f\" font-family=\"sans-serif\" font-size=\"16\">\n"
+                "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n%s</svg>\n",
+                WIDTH, height_px, WIDTH, height_px, panels);
+    free(panels);
+    return !is_cut && is_closed ? NEPH_OK : neph_fail_memory(diag);
 }

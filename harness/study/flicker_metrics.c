@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/flicker_metrics.h"
 
-#include <stddef.h>
+#include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
@@ -67,6 +67,14 @@ const struct neph_study_metric neph_study_metrics[] = {
      "all", 1, .floor = 1e-2},
     {.title = NULL},
 };
+
+int neph_study_take_find(const char *name)
+{
+    int id = 0;
+    while (id < NEPH_STUDY_TAKES && strcmp(name, neph_study_takes[id].name) != 0)
+        id++;
+    return id;
+}
 
 int neph_study_metric_count(void)
 {

@@ -31,6 +31,9 @@ struct neph_study_take {
 };
 extern const struct neph_study_take neph_study_takes[NEPH_STUDY_TAKES];
 
+/* NEPH_STUDY_TAKES: there is none of that name. */
+int neph_study_take_find(const char *name);
+
 /* The displays at which rankings have to hold; the first is the one of all other numbers. */
 struct neph_study_display {
     double frame_rate_hz, pixels_per_degree;

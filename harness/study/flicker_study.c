@@ -33,19 +33,22 @@ struct work {
     struct neph_reference reference;     /* of the take at hand */
 };
 
+static int index_of(const struct neph_flicker_study_params *params, int scene, int preset, int seed)
+{
+    return (scene * params->preset_count + preset) * params->seed_count + seed;
+}
+
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed, int metric)
 {
-    const struct neph_flicker_study_params *params = study->params;
-    const int row = (scene * params->preset_count + preset) * params->seed_count + seed;
+    const int row = index_of(study->params, scene, preset, seed);
     return &study->cells[row * neph_study_metric_count() + metric];
 }
 
 struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed)
 {
-    const struct neph_flicker_study_params *params = study->params;
-    return &study->costs[(scene * params->preset_count + preset) * params->seed_count + seed];
+    return &study->costs[index_of(study->params, scene, preset, seed)];
 }
 
 /* ---- jobs ------------------------------------------------------------------------------------ */
@@ -138,8 +141,7 @@ static int readings_of(const struct neph_scene *scene, enum neph_study_take_id i
 
 static double number_of(const json_t *document, const char *metric, const char *mask)
 {
-    const json_t *value = json_object_get(neph_take_find(document, metric, mask), "value");
-    return json_is_number(value) ? json_number_value(value) : NAN;
+    return neph_json_real(neph_take_find(document, metric, mask), "value");
 }
 
 static void say_why(struct neph_study_cell *cell, const char *why)
@@ -213,21 +215,14 @@ static void mark_cells(struct work *work, int scene, enum neph_study_take_id id,
             say_why(neph_study_cell_at(work->study, scene, preset, seed, m), why);
 }
 
-/* A number of a record; NaN where there is none. */
-static double recorded(const json_t *record, const char *name)
-{
-    const json_t *number = json_object_get(record, name);
-    return json_is_number(number) ? json_number_value(number) : NAN;
-}
-
 static void read_cost(struct work *work, const json_t *record, int scene, int preset, int seed)
 {
-    const double pixels = recorded(record, "frames") * (double)work->params->width_px *
+    const double pixels = neph_json_real(record, "frames") * (double)work->params->width_px *
                           work->params->height_px;
     *neph_study_cost_at(work->study, scene, preset, seed) = (struct neph_study_cost){
-        .density_evaluations = recorded(record, "density_evaluations") / pixels,
-        .traffic_bytes = recorded(record, "traffic_bytes") / pixels,
-        .gpu_ms = recorded(record, "gpu_ms_median"),
+        .density_evaluations = neph_json_real(record, "density_evaluations") / pixels,
+        .traffic_bytes = neph_json_real(record, "traffic_bytes") / pixels,
+        .gpu_ms = neph_json_real(record, "gpu_ms_median"),
     };
 }
 
@@ -253,9 +248,9 @@ static enum neph_status have_reference(struct work *work, const struct neph_job 
         return status;
     row->picture_count += reference->picture_count;
     row->reference_s += reference->cost.cpu_s;
-    if (!row->reference && !(row->reference = strdup(reference->text)))
-        status = neph_fail_memory(diag);
-    return status;
+    if (!row->reference)
+        row->reference = neph_arena_text(&work->study->arena, reference->text);
+    return NEPH_OK;
 }
 
 static enum neph_status run_take(struct work *work, const struct neph_job *job, int scene,
@@ -373,25 +368,16 @@ static bool can_render(struct work *work, const struct neph_scene *scene, char *
     return true;
 }
 
-static bool moves(const struct neph_scene *scene)
-{
-    for (int frame = 1; frame < scene->frame_count; frame++)
-        if (!neph_scene_is_same_moment(scene, 0, frame))
-            return true;
-    return false;
-}
-
 /* Whole cycles of four; motion ends with the scene. */
-static enum neph_status describe(const struct work *work, const struct neph_scene *scene,
-                                 struct neph_study_scene *row, struct neph_diag *diag)
+static void describe(const struct work *work, const struct neph_scene *scene,
+                     struct neph_study_scene *row)
 {
     const int asked = work->params->frame_count;
-    row->moves = moves(scene);
+    row->moves = !neph_scene_is_static(scene, 0, scene->frame_count);
     row->frame_count = row->moves && scene->frame_count < asked ? scene->frame_count / 4 * 4
                                                                 : asked;
-    row->name = strdup(scene->name);
-    row->title = strdup(scene->title);
-    return row->name && row->title ? NEPH_OK : neph_fail_memory(diag);
+    row->name = neph_arena_text(&work->study->arena, scene->name);
+    row->title = neph_arena_text(&work->study->arena, scene->title);
 }
 
 static enum neph_status run_scene(struct work *work, int index, struct neph_diag *diag)
@@ -401,8 +387,8 @@ static enum neph_status run_scene(struct work *work, int index, struct neph_diag
     char why[512] = "";
     enum neph_status status = neph_data_load_scene(work->params->scenes[index], &scene, diag);
     const bool can = !status && can_render(work, scene, why, sizeof(why));
-    if (!status && !can && !(row->left_out = strdup(why)))
-        status = neph_fail_memory(diag);
+    if (!status && !can)
+        row->left_out = neph_arena_text(&work->study->arena, why);
     for (int id = 0; id < NEPH_STUDY_TAKES && can && !status; id++)
         if (work->params->takes[id])
             status = run_takes(work, scene, index, (enum neph_study_take_id)id, diag);
@@ -412,36 +398,50 @@ static enum neph_status run_scene(struct work *work, int index, struct neph_diag
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
+enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params *params,
+                                          struct neph_flicker_study *study, struct neph_diag *diag)
+{
+    const size_t rows = (size_t)index_of(params, params->scene_count, 0, 0);
+    const size_t cells = rows * (size_t)neph_study_metric_count();
+    *study = (struct neph_flicker_study){.params = params};
+    study->scenes = neph_arena_zeroed(&study->arena, (size_t)params->scene_count,
+                                      sizeof(*study->scenes));
+    study->cells = neph_arena_zeroed(&study->arena, cells, sizeof(*study->cells));
+    study->costs = neph_arena_zeroed(&study->arena, rows, sizeof(*study->costs));
+    return neph_arena_check(&study->arena, diag);
+}
+
+static enum neph_status describe_presets(struct work *work, struct neph_diag *diag)
+{
+    struct neph_flicker_study *study = work->study;
+    enum neph_status status = NEPH_OK;
+    for (int preset = 0; preset < work->params->preset_count && !status; preset++) {
+        struct neph_job job;
+        status = make_job(work, NULL, work->params->presets[preset], 0, &job, diag);
+        char *text = status ? NULL : neph_settings_text(job.engine, &job.shot.settings);
+        study->settings[preset] = neph_arena_text(&study->arena, text);
+        if (!status && !text)
+            status = neph_fail_memory(diag);
+        free(text);
+    }
+    return status;
+}
+
 static enum neph_status prepare(struct work *work, struct neph_diag *diag)
 {
-    const struct neph_flicker_study_params *params = work->params;
     struct neph_flicker_study *study = work->study;
-    const size_t rows = (size_t)params->scene_count * (size_t)params->preset_count *
-                        (size_t)params->seed_count;
-    const size_t cell_count = rows * (size_t)neph_study_metric_count();
-    study->scenes = calloc((size_t)params->scene_count, sizeof(*study->scenes));
-    study->cells = calloc(cell_count, sizeof(*study->cells));
-    study->costs = calloc(rows, sizeof(*study->costs));
-    if (!study->scenes || !study->cells || !study->costs)
-        return neph_fail_memory(diag);
-    for (size_t i = 0; i < rows; i++)
+    const enum neph_status status = neph_flicker_study_begin(work->params, study, diag);
+    const int rows = status ? 0 : index_of(work->params, work->params->scene_count, 0, 0);
+    for (int i = 0; i < rows; i++)
         study->costs[i] = (struct neph_study_cost){NAN, NAN, NAN};
-    for (size_t i = 0; i < cell_count; i++) {
+    for (int i = 0; i < rows * neph_study_metric_count(); i++) {
         study->cells[i] = (struct neph_study_cell){.value = NAN, .centre = NAN};
         for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
             study->cells[i].displays[d] = NAN;
         say_why(&study->cells[i], "not asked for");
     }
     snprintf(study->device, sizeof(study->device), "%s", work->info.device);
-    enum neph_status status = NEPH_OK;
-    for (int preset = 0; preset < params->preset_count && !status; preset++) {
-        struct neph_job job;
-        status = make_job(work, NULL, params->presets[preset], 0, &job, diag);
-        if (!status &&
-            !(study->settings[preset] = neph_settings_text(job.engine, &job.shot.settings)))
-            status = neph_fail_memory(diag);
-    }
-    return status;
+    return status ? status : describe_presets(work, diag);
 }
 
 /* One take of a scene: its reference, and a sequence for each preset and seed. */
@@ -478,7 +478,7 @@ static enum neph_status expect(struct work *work, struct neph_diag *diag)
         char why[512];
         status = neph_data_load_scene(work->params->scenes[i], &scene, diag);
         if (!status)
-            status = describe(work, scene, row, diag);
+            describe(work, scene, row);
         for (int id = 0; id < NEPH_STUDY_TAKES && !status; id++)
             if (work->params->takes[id] && can_render(work, scene, why, sizeof(why)))
                 status = expect_take(work, scene, (enum neph_study_take_id)id, row->frame_count,
@@ -496,7 +496,6 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
                         .study = study,
                         .store = store,
                         .progress = neph_progress_start(params->quiet, 0)};
-    *study = (struct neph_flicker_study){.params = params};
     neph_engine_probe(neph_engine_find("realtime"), params->device, &work.info);
     neph_engine_probe(neph_engine_find("command"), params->device, &work.guest);
     enum neph_status status = prepare(&work, diag);
@@ -504,6 +503,8 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
         status = expect(&work, diag);
     for (int scene = 0; scene < params->scene_count && !status; scene++)
         status = run_scene(&work, scene, diag);
+    if (!status)
+        status = neph_arena_check(&study->arena, diag);
     neph_progress_end(&work.progress);
     neph_reference_finish(&work.reference);
     if (status == NEPH_ERR_INTERRUPTED)
@@ -513,16 +514,6 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
 
 void neph_flicker_study_finish(struct neph_flicker_study *study)
 {
-    for (int i = 0; study->scenes && i < study->params->scene_count; i++) {
-        free(study->scenes[i].name);
-        free(study->scenes[i].title);
-        free(study->scenes[i].left_out);
-        free(study->scenes[i].reference);
-    }
-    for (int i = 0; i < NEPH_STUDY_PRESETS_MAX; i++)
-        free(study->settings[i]);
-    free(study->scenes);
-    free(study->cells);
-    free(study->costs);
+    neph_arena_finish(&study->arena);
     *study = (struct neph_flicker_study){.params = NULL};
 }

@@ -145,7 +145,7 @@ static enum neph_status keep(const struct neph_job *job, const struct neph_study
 /* ---- renewal --------------------------------------------------------------------------------- */
 
 /* `*word` says what became of it. */
-static enum neph_status make_anew(const struct neph_job *job, struct neph_store *store,
+static enum neph_status make_anew(const struct neph_job *job, struct neph_store *store, bool keeps,
                                   const char **word, struct neph_diag *diag)
 {
     struct neph_study made;
@@ -156,12 +156,12 @@ static enum neph_status make_anew(const struct neph_job *job, struct neph_store 
     if (status || outcome != NEPH_OUTCOME_RENDERED)
         return status;
     *word = "studied";
-    return keep(job, &made, diag);
+    return keeps ? keep(job, &made, diag) : NEPH_OK;
 }
 
 static enum neph_status renew(const struct neph_scene *scene, const struct neph_engine *engine,
-                              double time_limit_s, struct neph_store *store, const char **word,
-                              struct neph_diag *diag)
+                              double time_limit_s, struct neph_store *store, bool keeps,
+                              const char **word, struct neph_diag *diag)
 {
     struct neph_engine_info info;
     neph_engine_probe(engine, NULL, &info);
@@ -179,12 +179,13 @@ static enum neph_status renew(const struct neph_scene *scene, const struct neph_
     enum neph_status status = neph_studies_find(&job, &there, &is_there, diag);
     *word = "is there";
     if (!status && !is_there)
-        status = make_anew(&job, store, word, diag);
+        status = make_anew(&job, store, keeps, word, diag);
     return status;
 }
 
 static enum neph_status renew_scene(const char *name, double time_limit_s, struct neph_store *store,
-                                    struct neph_progress *progress, struct neph_diag *diag)
+                                    bool keeps, struct neph_progress *progress,
+                                    struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     int engine_count;
@@ -201,7 +202,7 @@ static enum neph_status renew_scene(const char *name, double time_limit_s, struc
         progress->kind = i;
         neph_progress_begin(progress, what);
         const double start_s = neph_wall_s();
-        status = renew(scene, engines[i], time_limit_s, store, &word, diag);
+        status = renew(scene, engines[i], time_limit_s, store, keeps, &word, diag);
         if (!status)
             neph_progress_step(progress, what, word, neph_wall_s() - start_s);
     }
@@ -210,7 +211,8 @@ static enum neph_status renew_scene(const char *name, double time_limit_s, struc
 }
 
 enum neph_status neph_studies_renew(const char *const *scenes, int scene_count, double time_limit_s,
-                                    struct neph_store *store, bool quiet, struct neph_diag *diag)
+                                    struct neph_store *store, bool keeps, bool quiet,
+                                    struct neph_diag *diag)
 {
     int engine_count;
     const struct neph_engine *const *engines = neph_engines(&engine_count);
@@ -220,7 +222,7 @@ enum neph_status neph_studies_renew(const char *const *scenes, int scene_count, 
             neph_progress_expect(&progress, i, scene_count, 0.0);
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < scene_count && !status; i++)
-        status = renew_scene(scenes[i], time_limit_s, store, &progress, diag);
+        status = renew_scene(scenes[i], time_limit_s, store, keeps, &progress, diag);
     neph_progress_end(&progress);
     return status;
 }
