@@ -99,6 +99,28 @@ void neph_table_shown(struct neph_table *table, const char *format, ...)
     table->cells[table->cell_count - 1].shown = neph_arena_text(&table->arena, shown);
 }
 
+void neph_table_row(struct neph_table *table, const char *kinds, ...)
+{
+    va_list cells;
+    va_start(cells, kinds);
+    for (; *kinds; kinds++) {
+        if (*kinds == 's')
+            neph_table_word(table, va_arg(cells, const char *));
+        else if (*kinds == 'f')
+            neph_table_number(table, va_arg(cells, double));
+        else if (*kinds == 'i')
+            neph_table_count(table, va_arg(cells, int));
+        else if (*kinds == 'b')
+            neph_table_flag(table, va_arg(cells, int));
+        else if (*kinds == 'o')
+            neph_table_value(table, va_arg(cells, json_t *));
+        const char *shown = *kinds == 't' ? va_arg(cells, const char *) : NULL;
+        if (shown)
+            neph_table_shown(table, "%s", shown);
+    }
+    va_end(cells);
+}
+
 void neph_table_fields(struct neph_table *table, const struct neph_field *fields, int count)
 {
     for (int i = 0; i < count; i++)

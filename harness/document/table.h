@@ -63,6 +63,10 @@ void neph_table_value(struct neph_table *table, json_t *value);
 void neph_table_shown(struct neph_table *table, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* Several cells, each a letter of `kinds` and an argument: s word, f number, i count (int), b flag,
+ * o JSON; t: the text for people of the cell before; NULL: as its column says. */
+void neph_table_row(struct neph_table *table, const char *kinds, ...);
+
 /* Columns of numbers that are members of a struct, and the cells of one such struct. */
 void neph_table_fields(struct neph_table *table, const struct neph_field *fields, int count);
 void neph_table_field_cells(struct neph_table *table, const struct neph_field *fields, int count,

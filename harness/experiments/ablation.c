@@ -356,32 +356,28 @@ static void begin_effects(struct neph_table *table)
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
 }
 
-static void show_change(const struct neph_ablation_effect *effect, struct neph_table *table)
+/* "-12 % [-20 %, -3.1 %]" */
+static const char *change_text(const struct neph_ablation_effect *effect, struct neph_arena *arena)
 {
     char mean[NEPH_ABLATION_CHANGE_SIZE], low[NEPH_ABLATION_CHANGE_SIZE],
         high[NEPH_ABLATION_CHANGE_SIZE];
     neph_ablation_change(effect->mean, mean);
     neph_ablation_change(effect->low, low);
     neph_ablation_change(effect->high, high);
-    if (isnan(effect->mean))
-        neph_table_shown(table, "-");
-    else if (effect->has_interval)
-        neph_table_shown(table, "%s [%s, %s]", mean, low, high);
-    else
-        neph_table_shown(table, "%s", mean);
+    return isnan(effect->mean)    ? "-"
+           : effect->has_interval ? neph_arena_format(arena, "%s [%s, %s]", mean, low, high)
+                                  : neph_arena_text(arena, mean);
 }
 
-static void show_scene(const struct neph_ablation *ablation,
-                       const struct neph_ablation_effect *effect, int scene,
-                       struct neph_table *table)
+static const char *scene_text(const struct neph_ablation *ablation,
+                              const struct neph_ablation_effect *effect, int scene,
+                              struct neph_arena *arena)
 {
     char change[NEPH_ABLATION_CHANGE_SIZE];
-    if (scene < 0) {
-        neph_table_shown(table, "-");
-        return;
-    }
+    if (scene < 0)
+        return "-";
     neph_ablation_change(effect->scenes[scene], change);
-    neph_table_shown(table, "%s %s", ablation->study.scenes[scene].name, change);
+    return neph_arena_format(arena, "%s %s", ablation->study.scenes[scene].name, change);
 }
 
 static json_t *scenes_json(const struct neph_ablation *ablation,
@@ -401,32 +397,23 @@ static void add_effect(const struct neph_ablation *ablation,
 {
     const struct neph_ablation_effect *effect = &of->effects[measure];
     const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
-    const bool is_alone = of->place == NEPH_ABLATION_ALONE;
-    neph_table_word(table, place_names[of->place]);
-    neph_table_word(table, what->name);
-    neph_table_word(table, what->title);
-    neph_table_word(table, is_alone ? "alone" : ablation->preset);
-    neph_table_number(table, effect->mean);
-    neph_table_value(table, effect->has_interval ? json_pack("[f,f]", effect->low, effect->high)
-                                                 : json_null());
-    show_change(effect, table);
-    neph_table_number(table, effect->p);
-    neph_table_number(table, effect->p_holm);
-    neph_table_count(table, effect->better);
-    neph_table_count(table, effect->worse);
-    neph_table_count(table, effect->alike);
-    neph_table_word(table, "-");
-    if (!isnan(effect->mean))
-        neph_table_shown(table, "%d, %d, %d", effect->better, effect->worse, effect->alike);
-    neph_table_word(table, neph_ablation_verdict_words[effect->verdict]);
-    if (isnan(effect->mean))
-        neph_table_shown(table, "-");
-    else if (what->is_time)
-        neph_table_shown(table, "%s", "");
-    neph_table_value(table, scenes_json(ablation, effect));
-    show_scene(ablation, effect, effect->best_scene, table);
-    neph_table_word(table, NULL);
-    show_scene(ablation, effect, effect->worst_scene, table);
+    struct neph_arena *arena = &table->arena;
+    const bool has_number = !isnan(effect->mean);
+    neph_table_row(
+        table, "ssssfotffiiiststots", place_names[of->place], what->name, what->title,
+        of->place == NEPH_ABLATION_ALONE ? "alone" : ablation->preset, effect->mean,
+        effect->has_interval ? json_pack("[f,f]", effect->low, effect->high) : json_null(),
+        change_text(effect, arena), effect->p, effect->p_holm, effect->better, effect->worse,
+        effect->alike, NULL,
+        has_number
+            ? neph_arena_format(arena, "%d, %d, %d", effect->better, effect->worse, effect->alike)
+            : "-",
+        neph_ablation_verdict_words[effect->verdict],
+        !has_number     ? "-"
+        : what->is_time ? ""
+                        : NULL,
+        scenes_json(ablation, effect), scene_text(ablation, effect, effect->best_scene, arena),
+        scene_text(ablation, effect, effect->worst_scene, arena));
 }
 
 /* Rows of a part in all places; part -1: all parts at once. */
@@ -478,26 +465,22 @@ static void add_number(const struct neph_ablation_comparison *of, int measure, c
     const bool has_interval = !scene && effect->has_interval;
     if (isnan(decades))
         return;
-    neph_table_word(table, of->part < 0 ? "all" : neph_ablation_parts[of->part].name);
-    neph_table_word(table, place_names[of->place]);
-    neph_table_word(table, neph_ablation_measures[measure].name);
-    neph_table_word(table, scene);
-    neph_table_number(table, decades);
-    neph_table_number(table, has_interval ? effect->low : NAN);
-    neph_table_number(table, has_interval ? effect->high : NAN);
-    neph_table_number(table, has_interval ? effect->p : NAN);
-    neph_table_number(table, has_interval ? effect->p_holm : NAN);
-    neph_table_word(table, scene ? NULL : neph_ablation_verdict_words[effect->verdict]);
+    neph_table_row(table, "ssssfffffs", of->part < 0 ? "all" : neph_ablation_parts[of->part].name,
+                   place_names[of->place], neph_ablation_measures[measure].name, scene, decades,
+                   has_interval ? effect->low : NAN, has_interval ? effect->high : NAN,
+                   has_interval ? effect->p : NAN, has_interval ? effect->p_holm : NAN,
+                   scene ? NULL : neph_ablation_verdict_words[effect->verdict]);
 }
 
 static void print_csv(const struct neph_ablation *ablation, FILE *out)
 {
-    static const char *const keys[] = {"part", "place", "measure", "scene",  "decades",
-                                       "low",  "high",  "p",       "p_holm", "verdict"};
+    static const struct neph_column columns[] = {
+        {.key = "part"},    {.key = "place"},  {.key = "measure"}, {.key = "scene"},
+        {.key = "decades"}, {.key = "low"},    {.key = "high"},    {.key = "p"},
+        {.key = "p_holm"},  {.key = "verdict"}};
     const struct neph_flicker_study *study = &ablation->study;
     struct neph_table table = {.cells = NULL};
-    for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); i++)
-        neph_table_columns(&table, &(struct neph_column){.key = keys[i]}, 1);
+    neph_table_columns(&table, columns, sizeof(columns) / sizeof(columns[0]));
     for (int c = 0; c < ablation->comparison_count; c++)
         for (int m = 0; neph_ablation_measures[m].name; m++) {
             const struct neph_ablation_comparison *of = &ablation->comparisons[c];

@@ -184,13 +184,6 @@ static void print_head(const struct neph_flicker_study *study, FILE *out)
             params->frame_count, longest_period(params->frame_count));
 }
 
-/* Show people an empty cell. */
-static void hide_if(bool is_hidden, struct neph_table *table)
-{
-    if (is_hidden)
-        neph_table_shown(table, "%s", "");
-}
-
 static void fill_scenes(const struct neph_flicker_study *study, struct neph_table *table)
 {
     static const struct neph_column columns[] = {
@@ -208,23 +201,15 @@ static void fill_scenes(const struct neph_flicker_study *study, struct neph_tabl
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
     for (int i = 0; i < study->params->scene_count; i++) {
         const struct neph_study_scene *scene = &study->scenes[i];
-        const char *const why = scene->left_out;
-        neph_table_word(table, scene->name);
-        neph_table_word(table, scene->title);
-        neph_table_flag(table, scene->moves);
-        neph_table_word(table, why ? "left out" : scene->moves ? "moves" : "at rest");
-        neph_table_count(table, scene->frame_count);
-        hide_if(why, table);
-        neph_table_word(table, why);
-        neph_table_word(table, scene->reference);
-        if (why)
-            neph_table_shown(table, "cannot: %s", why);
-        neph_table_count(table, scene->picture_count);
-        hide_if(why, table);
-        neph_table_number(table, scene->reference_s);
-        hide_if(why, table);
-        neph_table_number(table, scene->takes_s);
-        hide_if(why, table);
+        const char *why = scene->left_out, *empty = why ? "" : NULL;
+        neph_table_row(table, "ssbsitsstitftft", scene->name, scene->title, scene->moves,
+                       why            ? "left out"
+                       : scene->moves ? "moves"
+                                      : "at rest",
+                       scene->frame_count, empty, why, scene->reference,
+                       why ? neph_arena_format(&table->arena, "cannot: %s", why) : NULL,
+                       scene->picture_count, empty, scene->reference_s, empty, scene->takes_s,
+                       empty);
     }
 }
 
@@ -348,62 +333,48 @@ static void begin_pairs(struct neph_table *table)
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
 }
 
-/* The first's words, and of metrics of the eye at how many displays they are the same. */
-static enum neph_status add_verdict(const struct neph_flicker_study *study, int metric, int first,
-                                    int second, int verdict, struct neph_table *table,
-                                    struct neph_diag *diag)
+/* At how many displays the pair's verdict is that of the first; of metrics of the eye. */
+static enum neph_status count_agreeing(const struct neph_flicker_study *study, int metric,
+                                       int first, int second, int verdict, int *count,
+                                       struct neph_diag *diag)
 {
-    static const char *const words[] = {"better", "undecided", "worse"};
-    int agreeing = 0;
-    neph_table_word(table, words[verdict + 1]);
-    if (!neph_study_metrics[metric].of_the_eye)
-        return NEPH_OK;
-    for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
-        struct neph_study_pair pair;
-        const enum neph_status status = neph_study_pair(study, metric, display, first, second,
-                                                        &pair, diag);
-        if (status)
-            return status;
-        agreeing += neph_study_pair_verdict(&pair) == verdict;
+    enum neph_status status = NEPH_OK;
+    *count = 0;
+    for (int display = 0; display < NEPH_STUDY_DISPLAYS && !status; display++) {
+        struct neph_study_pair pair = {.scene_count = 0};
+        status = neph_study_pair(study, metric, display, first, second, &pair, diag);
+        *count += neph_study_pair_verdict(&pair) == verdict;
     }
-    if (agreeing == NEPH_STUDY_DISPLAYS)
-        neph_table_shown(table, "%s, at all %d displays", words[verdict + 1], NEPH_STUDY_DISPLAYS);
-    else
-        neph_table_shown(table, "%s, at %d of %d displays", words[verdict + 1], agreeing,
-                         NEPH_STUDY_DISPLAYS);
-    return NEPH_OK;
+    return status;
 }
 
 static enum neph_status add_pair(const struct neph_flicker_study *study, int metric, int display,
                                  int first, int second, struct neph_table *table,
                                  struct neph_diag *diag)
 {
-    struct neph_study_pair pair;
-    const enum neph_status status = neph_study_pair(study, metric, display, first, second, &pair,
-                                                    diag);
-    if (status)
-        return status;
-    neph_table_word(table, neph_study_metrics[metric].metric);
-    neph_table_word(table, neph_study_metrics[metric].mask);
-    neph_table_number(table, neph_study_displays[display].frame_rate_hz);
-    neph_table_number(table, neph_study_displays[display].pixels_per_degree);
-    neph_table_word(table, study->params->presets[first]);
-    neph_table_word(table, study->params->presets[second]);
-    neph_table_count(table, pair.scene_count);
-    neph_table_number(table, pair.mean);
-    neph_table_value(table,
-                     pair.has_interval ? json_pack("[f,f]", pair.low, pair.high) : json_null());
-    if (pair.has_interval)
-        neph_table_shown(table, "[%+.2f, %+.2f]", pair.low, pair.high);
-    else
-        neph_table_shown(table, "-");
-    neph_table_count(table, pair.better);
-    neph_table_count(table, pair.worse);
-    neph_table_count(table, pair.alike);
-    neph_table_word(table, NULL);
-    neph_table_shown(table, "%d, %d, %d", pair.better, pair.worse, pair.alike);
-    neph_table_number(table, pair.p_sign);
-    return add_verdict(study, metric, first, second, neph_study_pair_verdict(&pair), table, diag);
+    static const char *const words[] = {"better", "undecided", "worse"};
+    const struct neph_study_metric *of = &neph_study_metrics[metric];
+    struct neph_arena *arena = &table->arena;
+    struct neph_study_pair pair = {.scene_count = 0};
+    int agreeing = 0;
+    enum neph_status status = neph_study_pair(study, metric, display, first, second, &pair, diag);
+    const int verdict = neph_study_pair_verdict(&pair);
+    if (!status && of->of_the_eye)
+        status = count_agreeing(study, metric, first, second, verdict, &agreeing, diag);
+    neph_table_row(
+        table, "ssffssifotiiistfs", of->metric, of->mask,
+        neph_study_displays[display].frame_rate_hz, neph_study_displays[display].pixels_per_degree,
+        study->params->presets[first], study->params->presets[second], pair.scene_count, pair.mean,
+        pair.has_interval ? json_pack("[f,f]", pair.low, pair.high) : json_null(),
+        pair.has_interval ? neph_arena_format(arena, "[%+.2f, %+.2f]", pair.low, pair.high) : "-",
+        pair.better, pair.worse, pair.alike, NULL,
+        neph_arena_format(arena, "%d, %d, %d", pair.better, pair.worse, pair.alike), pair.p_sign,
+        !of->of_the_eye ? words[verdict + 1]
+        : agreeing == NEPH_STUDY_DISPLAYS
+            ? neph_arena_format(arena, "%s, at all %d displays", words[verdict + 1], agreeing)
+            : neph_arena_format(arena, "%s, at %d of %d displays", words[verdict + 1], agreeing,
+                                NEPH_STUDY_DISPLAYS));
+    return status;
 }
 
 /* Pairs of a metric at the first of the displays. */
@@ -522,17 +493,10 @@ static void add_result(const struct neph_flicker_study *study, int scene, int pr
     json_t *displays = json_array();
     for (int d = 0; d < NEPH_STUDY_DISPLAYS && neph_study_metrics[metric].of_the_eye; d++)
         neph_json_add(&displays, neph_json_number(cell->displays[d]));
-    neph_table_word(table, study->scenes[scene].name);
-    neph_table_word(table, study->params->presets[preset]);
-    neph_table_count(table, seed + 1);
-    neph_table_word(table, neph_study_metrics[metric].metric);
-    neph_table_word(table, neph_study_metrics[metric].mask);
-    neph_table_number(table, cell->value);
-    neph_table_number(table, cell->centre);
-    neph_table_flag(table, cell->is_bound);
-    neph_table_flag(table, cell->counts);
-    neph_table_word(table, cell->because);
-    neph_table_value(table, displays);
+    neph_table_row(table, "ssissffbbso", study->scenes[scene].name, study->params->presets[preset],
+                   seed + 1, neph_study_metrics[metric].metric, neph_study_metrics[metric].mask,
+                   cell->value, cell->centre, cell->is_bound, cell->counts, cell->because,
+                   displays);
     for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
         neph_table_number(table, cell->displays[d]);
 }

@@ -90,15 +90,6 @@ static int same_as(const struct neph_scene *scene, int first, int frame)
     return same;
 }
 
-/* Whether anything moves: 1, or as many as there are. */
-static int path_count(const struct neph_scene *scene, int first, int frame_count)
-{
-    for (int i = 1; i < frame_count; i++)
-        if (same_as(scene, first, first + i) != first)
-            return frame_count;
-    return 1;
-}
-
 int neph_reference_picture_count(const struct neph_scene *scene, int first, int frame_count)
 {
     int count = 0;
@@ -107,7 +98,7 @@ int neph_reference_picture_count(const struct neph_scene *scene, int first, int 
     return NEPH_REFERENCE_RAYS_COUNT * count;
 }
 
-static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
+void neph_cost_add(struct neph_cost *sum, const struct neph_cost *cost)
 {
     sum->render_s += cost->render_s;
     sum->wall_s += cost->wall_s;
@@ -147,7 +138,7 @@ static enum neph_status take_picture(struct neph_job *job, struct neph_store *st
     if (!status) {
         *path = result.frame_path;
         result.frame_path = NULL;
-        add_cost(&reference->cost, &result.cost);
+        neph_cost_add(&reference->cost, &result.cost);
         reference->picture_count++;
         neph_progress_tick(progress, what);
     }
@@ -212,7 +203,7 @@ enum neph_status neph_reference_make(const struct neph_job *test, int frame_coun
                                      struct neph_store *store, struct neph_progress *progress,
                                      struct neph_reference *reference, struct neph_diag *diag)
 {
-    const int count = path_count(test->shot.scene, test->shot.frame, frame_count);
+    const bool is_static = neph_scene_is_static(test->shot.scene, test->shot.frame, frame_count);
     struct neph_reference made = {.text = NULL};
     enum neph_status status = neph_reference_key(test, frame_count, made.key, diag);
     for (int rays = 0; rays < NEPH_REFERENCE_RAYS_COUNT && !status; rays++) {
@@ -220,7 +211,8 @@ enum neph_status neph_reference_make(const struct neph_job *test, int frame_coun
         struct neph_job job;
         status = neph_reference_job(test, (enum neph_reference_rays)rays, &info, &job, diag);
         if (!status)
-            status = make_frames(&job, count, store, progress, &made, &made.frames[rays], diag);
+            status = make_frames(&job, is_static ? 1 : frame_count, store, progress, &made,
+                                 &made.frames[rays], diag);
         if (!status && rays == NEPH_REFERENCE_AVERAGED)
             status = describe(&job, &made, diag);
     }

@@ -30,12 +30,8 @@ static void fill(struct neph_table *table)
     static const struct row rows[] = {{0.125, NAN}, {NAN, 0.25}};
     neph_table_columns(table, fixed, 5);
     neph_table_fields(table, numbers, 2);
-    neph_table_word(table, "fog, \"thin\"");
-    neph_table_count(table, 3);
-    neph_table_word(table, "left out");
-    neph_table_flag(table, true);
-    neph_table_value(table, json_pack("[f,f]", 1.5, 2.0));
-    neph_table_shown(table, "1.5 to 2");
+    neph_table_row(table, "sitsbot", "fog, \"thin\"", 3, NULL, "left out", true,
+                   json_pack("[f,f]", 1.5, 2.0), "1.5 to 2");
     neph_table_field_cells(table, numbers, 2, &rows[0]);
     neph_table_word(table, "cloud");
     neph_table_count(table, 0);
