@@ -363,10 +363,10 @@ bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, d
     return memcmp(&a, &b, sizeof(a)) == 0 && are_solids_same(scene, frame_a, frame_b);
 }
 
-bool neph_scene_is_static(const struct neph_scene *scene, int first_frame, int frame_count)
+bool neph_scene_is_static(const struct neph_scene *scene)
 {
-    for (int frame = first_frame + 1; frame < first_frame + frame_count; frame++)
-        if (!neph_scene_is_same_moment(scene, first_frame, frame))
+    for (int frame = 1; frame < scene->frame_count; frame++)
+        if (!neph_scene_is_same_moment(scene, 0, frame))
             return false;
     return true;
 }

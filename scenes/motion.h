@@ -59,8 +59,8 @@ bool neph_scene_moves(const struct neph_scene *scene);
  * moment. */
 bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, double frame_b);
 
-/* Whether `frame_count` frames from the first on show the same. */
-bool neph_scene_is_static(const struct neph_scene *scene, int first_frame, int frame_count);
+/* Whether all frames of the scene show the same. */
+bool neph_scene_is_static(const struct neph_scene *scene);
 
 /* The scene as it stands in one picture, for engines that know nothing of time: its sun, media and
  * solids where they are then, one camera key, no wind, pause or size. The hash is that of `scene`:

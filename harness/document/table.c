@@ -83,7 +83,7 @@ void neph_table_flag(struct neph_table *table, bool value)
 void neph_table_value(struct neph_table *table, json_t *value)
 {
     table->arena.is_short |= !value;
-    add(table, (struct neph_table_cell){.kind = VALUE, .value = value});
+    add(table, (struct neph_table_cell){.kind = VALUE, .value = value, .shown = ""});
 }
 
 void neph_table_shown(struct neph_table *table, const char *format, ...)
@@ -177,7 +177,7 @@ static void print_cell(const struct neph_column *column, const struct neph_table
 {
     if (cell->shown)
         print_word(cell->shown, out);
-    else if (cell->kind == WORD || cell->kind == VALUE)
+    else if (cell->kind == WORD)
         print_word(cell->word ? cell->word : "", out);
     else if (cell->kind == FLAG)
         print_word(cell->count ? "yes" : "no", out);

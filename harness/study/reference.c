@@ -90,6 +90,15 @@ static int same_as(const struct neph_scene *scene, int first, int frame)
     return same;
 }
 
+/* Whether anything moves: 1, or as many as there are. */
+static int path_count(const struct neph_scene *scene, int first, int frame_count)
+{
+    for (int i = 1; i < frame_count; i++)
+        if (!neph_scene_is_same_moment(scene, first, first + i))
+            return frame_count;
+    return 1;
+}
+
 int neph_reference_picture_count(const struct neph_scene *scene, int first, int frame_count)
 {
     int count = 0;
@@ -203,7 +212,7 @@ enum neph_status neph_reference_make(const struct neph_job *test, int frame_coun
                                      struct neph_store *store, struct neph_progress *progress,
                                      struct neph_reference *reference, struct neph_diag *diag)
 {
-    const bool is_static = neph_scene_is_static(test->shot.scene, test->shot.frame, frame_count);
+    const int count = path_count(test->shot.scene, test->shot.frame, frame_count);
     struct neph_reference made = {.text = NULL};
     enum neph_status status = neph_reference_key(test, frame_count, made.key, diag);
     for (int rays = 0; rays < NEPH_REFERENCE_RAYS_COUNT && !status; rays++) {
@@ -211,8 +220,7 @@ enum neph_status neph_reference_make(const struct neph_job *test, int frame_coun
         struct neph_job job;
         status = neph_reference_job(test, (enum neph_reference_rays)rays, &info, &job, diag);
         if (!status)
-            status = make_frames(&job, is_static ? 1 : frame_count, store, progress, &made,
-                                 &made.frames[rays], diag);
+            status = make_frames(&job, count, store, progress, &made, &made.frames[rays], diag);
         if (!status && rays == NEPH_REFERENCE_AVERAGED)
             status = describe(&job, &made, diag);
     }
