@@ -258,22 +258,17 @@ static void print_head(const struct neph_ablation *ablation, FILE *out)
 static void add_short(const struct neph_ablation_effect *effect, bool is_time,
                       struct neph_table *table)
 {
-    static const struct {
-        const char *word; /* in place of a number */
-        const char *mark, *end;
-    } forms[NEPH_ABLATION_VERDICTS] = {
-        [NEPH_ABLATION_NO_NUMBER] = {.word = "-"}, [NEPH_ABLATION_SAME] = {.word = "="},
-        [NEPH_ABLATION_NOTHING] = {.word = "~"},   [NEPH_ABLATION_BUYS] = {NULL, "**", "**"},
-        [NEPH_ABLATION_MAY_BUY] = {NULL, "", ""},  [NEPH_ABLATION_COSTS] = {NULL, "**", "**"},
-        [NEPH_ABLATION_MAY_COST] = {NULL, "", ""}, [NEPH_ABLATION_UNDECIDED] = {NULL, "(", ")"},
+    static const char *const forms[NEPH_ABLATION_VERDICTS] = {
+        [NEPH_ABLATION_NO_NUMBER] = "-", [NEPH_ABLATION_SAME] = "=",
+        [NEPH_ABLATION_NOTHING] = "~",   [NEPH_ABLATION_BUYS] = "**%s**",
+        [NEPH_ABLATION_MAY_BUY] = "%s",  [NEPH_ABLATION_COSTS] = "**%s**",
+        [NEPH_ABLATION_MAY_COST] = "%s", [NEPH_ABLATION_UNDECIDED] = "(%s)",
     };
-    const bool is_plain = is_time && !isnan(effect->mean);
-    const int form = is_plain ? NEPH_ABLATION_MAY_BUY : effect->verdict;
     char change[NEPH_ABLATION_CHANGE_SIZE];
     neph_ablation_change(effect->mean, change);
-    neph_table_word(table, forms[form].word);
-    if (!forms[form].word)
-        neph_table_shown(table, "%s%s%s", forms[form].mark, change, forms[form].end);
+    neph_table_word(table, NULL);
+    neph_table_shown(table, is_time && !isnan(effect->mean) ? "%s" : forms[effect->verdict],
+                     change);
 }
 
 static void add_row(const struct neph_ablation *ablation, const struct neph_ablation_comparison *of,

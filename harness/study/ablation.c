@@ -118,14 +118,12 @@ static void plan_part(struct neph_ablation *ablation, int part)
         compare(ablation, part, NEPH_ABLATION_ALONE, plain & ~needed & ~own, plain & ~needed);
 }
 
-static enum neph_status refuse_part(const char *name, struct neph_diag *diag)
+static enum neph_status refuse_part(struct neph_ablation *ablation, const char *name,
+                                    struct neph_diag *diag)
 {
-    char names[1024] = "";
-    for (int i = 0; neph_ablation_parts[i].name; i++) {
-        const size_t length = strlen(names);
-        snprintf(names + length, sizeof(names) - length, "%s%s", i ? ", " : "",
-                 neph_ablation_parts[i].name);
-    }
+    const char *names = neph_ablation_parts[0].name;
+    for (int i = 1; neph_ablation_parts[i].name; i++)
+        names = neph_arena_format(&ablation->arena, "%s, %s", names, neph_ablation_parts[i].name);
     neph_fail(diag, NEPH_ERR_USAGE, "there is no part '%s'", name);
     neph_hint(diag, "parts are %s", names);
     return NEPH_ERR_USAGE;
@@ -149,7 +147,7 @@ static enum neph_status choose(struct neph_ablation *ablation, const char *const
     for (int i = 0; i < only_count; i++) {
         const int part = neph_ablation_part_find(only[i]);
         if (part < 0)
-            return refuse_part(only[i], diag);
+            return refuse_part(ablation, only[i], diag);
         if ((ablation->parts >> part & 1) == 0)
             return refuse_absent(ablation, part, diag);
         ablation->asked |= (neph_ablation_set)1 << part;
@@ -301,36 +299,25 @@ static bool is_of_family(const struct neph_ablation_effect *effect, int measure)
            !neph_ablation_measures[measure].is_time;
 }
 
-/* Holm's p of the family, or how large it is: `p` NULL. In the order of comparisons. */
-static int walk_family(struct neph_ablation *ablation, double *p, const double *adjusted)
+/* Holm's p of the family. */
+static void adjust(struct neph_ablation *ablation)
 {
+    enum { MOST = (2 * NEPH_ABLATION_PARTS_MAX + 1) * NEPH_ABLATION_MEASURES_MAX };
+    struct neph_ablation_effect *family[MOST];
+    double p[MOST], adjusted[MOST];
     int count = 0;
     for (int c = 0; c < ablation->comparison_count; c++)
         for (int m = 0; neph_ablation_measures[m].name; m++) {
             struct neph_ablation_effect *effect = &ablation->comparisons[c].effects[m];
             if (!is_of_family(effect, m))
                 continue;
-            if (p)
-                p[count] = effect->p;
-            if (adjusted)
-                effect->p_holm = adjusted[count];
-            count++;
+            p[count] = effect->p;
+            family[count++] = effect;
         }
-    return count;
-}
-
-static enum neph_status adjust(struct neph_ablation *ablation, struct neph_diag *diag)
-{
-    const int count = walk_family(ablation, NULL, NULL);
-    double *p = calloc(2 * (size_t)count + 1, sizeof(*p));
-    if (!p)
-        return neph_fail_memory(diag);
-    walk_family(ablation, p, NULL);
-    neph_holm(p, count, p + count);
-    walk_family(ablation, NULL, p + count);
+    neph_holm(p, count, adjusted);
+    for (int i = 0; i < count; i++)
+        family[i]->p_holm = adjusted[i];
     ablation->judged_count = count;
-    free(p);
-    return NEPH_OK;
 }
 
 bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure)
@@ -371,7 +358,7 @@ enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph
     const size_t scene_count = (size_t)ablation->study.params->scene_count;
     const size_t size = scene_count * (size_t)neph_ablation_measure_count();
     const size_t count = (size_t)ablation->comparison_count;
-    enum neph_status status = check_scenes(ablation, diag);
+    const enum neph_status status = check_scenes(ablation, diag);
     if (status)
         return status;
     double *changes = neph_arena_zeroed(&ablation->arena, count * size + scene_count,
@@ -381,12 +368,12 @@ enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph
     for (size_t c = 0; c < count; c++)
         measure_comparison(ablation, &ablation->comparisons[c], changes + c * size,
                            changes + count * size);
-    status = adjust(ablation, diag);
-    for (size_t c = 0; c < count && !status; c++)
+    adjust(ablation);
+    for (size_t c = 0; c < count; c++)
         for (int m = 0; neph_ablation_measures[m].name; m++)
             ablation->comparisons[c].effects[m].verdict = judge(
                 &ablation->comparisons[c].effects[m]);
-    return status;
+    return NEPH_OK;
 }
 
 const struct neph_ablation_comparison *neph_ablation_find(const struct neph_ablation *ablation,
