@@ -214,6 +214,13 @@ void neph_table_print(const struct neph_table *table, FILE *out)
     }
 }
 
+void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena)
+{
+    neph_table_print(table, out);
+    arena->is_short |= table->arena.is_short;
+    neph_table_finish(table);
+}
+
 void neph_csv_word(const char *word, FILE *out)
 {
     if (!strpbrk(word, ",\"\r\n")) {

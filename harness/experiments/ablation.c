@@ -4,7 +4,6 @@
  */
 #include "harness/experiments/ablation.h"
 
-#include "base/written.h"
 #include "harness/document/table.h"
 #include "harness/experiments/experiments.h"
 #include "harness/experiments/flicker.h"
@@ -137,9 +136,10 @@ void neph_ablation_list(const struct neph_ablation *ablation, FILE *out)
 
 /* ---- sentences ------------------------------------------------------------------------------- */
 
-/* "; lowers flicker seen (-12 %), half-life (-3.1 %)": the measures with a verdict. How many. */
-static int print_verdict(const struct neph_ablation_comparison *of,
-                         enum neph_ablation_verdict verdict, const char *before, FILE *out)
+/* `text` and, of the measures with a verdict, "; lowers flicker seen (-12 %), half-life (-3.1 %)". */
+static const char *add_verdict(const struct neph_ablation_comparison *of,
+                               enum neph_ablation_verdict verdict, const char *text,
+                               struct neph_arena *arena)
 {
     static const char *const verbs[NEPH_ABLATION_VERDICTS] = {
         [NEPH_ABLATION_BUYS] = "lowers",
@@ -147,19 +147,17 @@ static int print_verdict(const struct neph_ablation_comparison *of,
         [NEPH_ABLATION_COSTS] = "raises",
         [NEPH_ABLATION_MAY_COST] = "may raise",
     };
-    int count = 0;
+    const char *before = text[0] ? "; " : "", *verb = verbs[verdict], *blank = " ";
     for (int m = 0; neph_ablation_measures[m].name; m++) {
         char change[NEPH_ABLATION_CHANGE_SIZE];
         if (of->effects[m].verdict != verdict || neph_ablation_measures[m].is_time)
             continue;
         neph_ablation_change(of->effects[m].mean, change);
-        if (count++ == 0)
-            fprintf(out, "%s%s ", before, verbs[verdict]);
-        else
-            fprintf(out, ", ");
-        fprintf(out, "%s (%s)", neph_ablation_measures[m].title, change);
+        text = neph_arena_format(arena, "%s%s%s%s%s (%s)", text, before, verb, blank,
+                                 neph_ablation_measures[m].title, change);
+        before = ", ", verb = blank = "";
     }
-    return count;
+    return text;
 }
 
 /* What a part does in a single scene is worth a word from a fifth on. */
@@ -176,23 +174,10 @@ static int worth_naming(const struct neph_ablation_comparison *of)
     return -1;
 }
 
-static void print_best_scene(const struct neph_ablation *ablation,
-                             const struct neph_ablation_comparison *of, const char *before,
-                             FILE *out)
-{
-    char change[NEPH_ABLATION_CHANGE_SIZE];
-    const int measure = worth_naming(of);
-    if (measure < 0)
-        return;
-    const struct neph_ablation_effect *effect = &of->effects[measure];
-    neph_ablation_change(effect->scenes[effect->best_scene], change);
-    fprintf(out, "%s %s (%s %s)", before, ablation->study.scenes[effect->best_scene].name,
-            neph_ablation_measures[measure].title, change);
-}
-
 /* What a part does in the preset, without an end. */
-static void print_sentence(const struct neph_ablation *ablation,
-                           const struct neph_ablation_comparison *in_preset, FILE *out)
+static const char *sentence(const struct neph_ablation *ablation,
+                            const struct neph_ablation_comparison *in_preset,
+                            struct neph_arena *arena)
 {
     static const enum neph_ablation_verdict order[] = {NEPH_ABLATION_BUYS, NEPH_ABLATION_MAY_BUY,
                                                        NEPH_ABLATION_COSTS, NEPH_ABLATION_MAY_COST};
@@ -210,12 +195,20 @@ static void print_sentence(const struct neph_ablation *ablation,
         [NEPH_ABLATION_UNMEASURED] = {"no scene has a number", ""},
     };
     const enum neph_ablation_advice advice = neph_ablation_advise(in_preset);
-    int count = 0;
+    const int best = worth_naming(in_preset);
+    const char *text = "";
     for (size_t i = 0; i < sizeof(order) / sizeof(order[0]); i++)
-        count += print_verdict(in_preset, order[i], count ? "; " : "", out);
+        text = add_verdict(in_preset, order[i], text, arena);
     if (words[advice].end)
-        fprintf(out, "%s%s", count ? "; " : "", words[advice].end);
-    print_best_scene(ablation, in_preset, words[advice].scene, out);
+        text = neph_arena_format(arena, "%s%s%s", text, text[0] ? "; " : "", words[advice].end);
+    if (best < 0)
+        return text;
+    char change[NEPH_ABLATION_CHANGE_SIZE];
+    const struct neph_ablation_effect *effect = &in_preset->effects[best];
+    neph_ablation_change(effect->scenes[effect->best_scene], change);
+    return neph_arena_format(arena, "%s%s %s (%s %s)", text, words[advice].scene,
+                             ablation->study.scenes[effect->best_scene].name,
+                             neph_ablation_measures[best].title, change);
 }
 
 /* ---- the head -------------------------------------------------------------------------------- */
@@ -281,7 +274,7 @@ static void add_row(const struct neph_ablation *ablation, const struct neph_abla
 }
 
 static void print_place(const struct neph_ablation *ablation, enum neph_ablation_place place,
-                        FILE *out)
+                        struct neph_arena *arena, FILE *out)
 {
     struct neph_table table = {.cells = NULL};
     neph_table_columns(&table, &(struct neph_column){.title = "part"}, 1);
@@ -299,21 +292,18 @@ static void print_place(const struct neph_ablation *ablation, enum neph_ablation
     if (place == NEPH_ABLATION_IN_PRESET)
         add_row(ablation, neph_ablation_find(ablation, -1, place), "all but those that stay",
                 &table);
-    neph_table_print(&table, out);
-    neph_table_finish(&table);
+    neph_table_end(&table, out, arena);
 }
 
-static void print_verdicts(const struct neph_ablation *ablation, FILE *out)
+static void print_verdicts(const struct neph_ablation *ablation, struct neph_arena *arena,
+                           FILE *out)
 {
     fprintf(out, "\n**Verdicts**\n\n");
     for (int i = 0; neph_ablation_parts[i].name; i++) {
         const struct neph_ablation_comparison *of = neph_ablation_find(ablation, i,
                                                                        NEPH_ABLATION_IN_PRESET);
-        if (!of)
-            continue;
-        fprintf(out, "- %s: ", neph_ablation_parts[i].name);
-        print_sentence(ablation, of, out);
-        fprintf(out, ".\n");
+        if (of)
+            fprintf(out, "- %s: %s.\n", neph_ablation_parts[i].name, sentence(ablation, of, arena));
     }
     int all = 0;
     fprintf(out, "- not in this preset:");
@@ -424,7 +414,8 @@ static void fill_effects(const struct neph_ablation *ablation, int part, struct 
     }
 }
 
-static void print_details(const struct neph_ablation *ablation, int part, FILE *out)
+static void print_details(const struct neph_ablation *ablation, int part, struct neph_arena *arena,
+                          FILE *out)
 {
     struct neph_table table = {.cells = NULL};
     fill_effects(ablation, part, &table);
@@ -433,21 +424,20 @@ static void print_details(const struct neph_ablation *ablation, int part, FILE *
             ablation->values[part]);
     print_off(neph_ablation_parts[part].off, out);
     fprintf(out, ".\n\n");
-    neph_table_print(&table, out);
-    neph_table_finish(&table);
+    neph_table_end(&table, out, arena);
 }
 
-static void print_text(const struct neph_ablation *ablation, FILE *out)
+static void print_text(const struct neph_ablation *ablation, struct neph_arena *arena, FILE *out)
 {
     print_head(ablation, out);
     fprintf(out, "\n**What each part does in %s**\n\n", ablation->preset);
-    print_place(ablation, NEPH_ABLATION_IN_PRESET, out);
+    print_place(ablation, NEPH_ABLATION_IN_PRESET, arena, out);
     fprintf(out, "\n**What each part does alone, in the plain pipeline**\n\n");
-    print_place(ablation, NEPH_ABLATION_ALONE, out);
-    print_verdicts(ablation, out);
+    print_place(ablation, NEPH_ABLATION_ALONE, arena, out);
+    print_verdicts(ablation, arena, out);
     for (int i = 0; neph_ablation_parts[i].name; i++)
         if (ablation->asked >> i & 1)
-            print_details(ablation, i, out);
+            print_details(ablation, i, arena, out);
 }
 
 /* ---- CSV ------------------------------------------------------------------------------------- */
@@ -467,7 +457,7 @@ static void add_number(const struct neph_ablation_comparison *of, int measure, c
                    scene ? NULL : neph_ablation_verdict_words[effect->verdict]);
 }
 
-static void print_csv(const struct neph_ablation *ablation, FILE *out)
+static void print_csv(const struct neph_ablation *ablation, struct neph_arena *arena, FILE *out)
 {
     static const struct neph_column columns[] = {
         {.key = "part"},    {.key = "place"},  {.key = "measure"}, {.key = "scene"},
@@ -484,6 +474,7 @@ static void print_csv(const struct neph_ablation *ablation, FILE *out)
                 add_number(of, m, study->scenes[scene].name, of->effects[m].scenes[scene], &table);
         }
     neph_table_print_csv(&table, "\r\n", out);
+    arena->is_short |= table.arena.is_short;
     neph_table_finish(&table);
 }
 
@@ -498,28 +489,7 @@ static json_t *effects_json(const struct neph_ablation *ablation, int part)
     return list;
 }
 
-struct sentence {
-    const struct neph_ablation *ablation;
-    const struct neph_ablation_comparison *of;
-};
-
-static void write_sentence(const void *sentence_, FILE *out)
-{
-    const struct sentence *sentence = sentence_;
-    print_sentence(sentence->ablation, sentence->of, out);
-}
-
-static json_t *sentence_json(const struct neph_ablation *ablation,
-                             const struct neph_ablation_comparison *of)
-{
-    char *text = NULL;
-    neph_written(write_sentence, &(struct sentence){ablation, of}, &text, NULL);
-    json_t *sentence = json_string(text);
-    free(text);
-    return sentence;
-}
-
-static json_t *part_json(const struct neph_ablation *ablation, int part)
+static json_t *part_json(const struct neph_ablation *ablation, int part, struct neph_arena *arena)
 {
     const struct neph_ablation_part *of = &neph_ablation_parts[part];
     const struct neph_ablation_comparison *in_preset = neph_ablation_find(ablation, part,
@@ -532,7 +502,7 @@ static json_t *part_json(const struct neph_ablation *ablation, int part)
         return json;
     neph_json_set(&json, "advice",
                   json_string(neph_ablation_advice_words[neph_ablation_advise(in_preset)]));
-    neph_json_set(&json, "verdict", sentence_json(ablation, in_preset));
+    neph_json_set(&json, "verdict", json_string(sentence(ablation, in_preset, arena)));
     neph_json_set(&json, "effects", effects_json(ablation, part));
     return json;
 }
@@ -560,12 +530,12 @@ static json_t *left_out_json(const struct neph_ablation *ablation)
     return scenes;
 }
 
-static json_t *ablation_json(const struct neph_ablation *ablation)
+static json_t *ablation_json(const struct neph_ablation *ablation, struct neph_arena *arena)
 {
     const struct neph_flicker_study_params *params = ablation->study.params;
     json_t *parts = json_array();
     for (int i = 0; neph_ablation_parts[i].name; i++)
-        neph_json_add(&parts, part_json(ablation, i));
+        neph_json_add(&parts, part_json(ablation, i, arena));
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:i, s:o, s:o, s:o, "
                      "s:o}",
                      "format", "neph-ablation-1", "version", NEPH_VERSION, "device",
@@ -582,25 +552,21 @@ static json_t *ablation_json(const struct neph_ablation *ablation)
 enum neph_status neph_ablation_publish(const struct neph_ablation *ablation,
                                        struct neph_publication *publication, struct neph_diag *diag)
 {
+    struct neph_arena arena = {.last = NULL};
     publication->broken_count = ablation->study.failed_count;
     publication->broken_words = "takes broke; their scenes have no number";
-    publication->json = ablation_json(ablation);
-    enum neph_status status = neph_json_check(publication->json, diag);
-    if (!status && publication->text)
-        print_text(ablation, publication->text);
-    if (!status && publication->csv)
-        print_csv(ablation, publication->csv);
+    publication->json = ablation_json(ablation, &arena);
+    if (publication->text)
+        print_text(ablation, &arena, publication->text);
+    if (publication->csv)
+        print_csv(ablation, &arena, publication->csv);
+    enum neph_status status = neph_arena_check(&arena, diag);
+    if (!status)
+        status = neph_json_check(publication->json, diag);
     if (!status && publication->chart)
         status = neph_ablation_plot(ablation, publication->chart, diag);
+    neph_arena_finish(&arena);
     return status;
-}
-
-/* What renders nothing needs neither scenes nor a store, and has no JSON. */
-static void list_only(struct neph_cli_shared *shared)
-{
-    shared->output = NULL;
-    shared->json = false;
-    shared->operand_count = 0;
 }
 
 static enum neph_status plan(struct request *request, struct neph_diag *diag)
@@ -623,8 +589,12 @@ enum { TAKES = NEPH_STUDY_STEP + 1 };
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
     struct request *request = request_;
-    if (request->list)
-        list_only(&request->flicker.shared);
+    struct neph_cli_shared *shared = &request->flicker.shared;
+    if (request->list) { /* needs neither scenes nor a store, and has no JSON */
+        shared->operand_count = 0;
+        shared->output = NULL;
+        shared->json = false;
+    }
     const enum neph_status status = neph_flicker_prepare(&request->flicker, TAKES, "tuning", diag);
     return status ? status : plan(request, diag);
 }

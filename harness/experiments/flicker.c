@@ -213,13 +213,13 @@ static void fill_scenes(const struct neph_flicker_study *study, struct neph_tabl
     }
 }
 
-static void print_scenes(const struct neph_flicker_study *study, FILE *out)
+static void print_scenes(const struct neph_flicker_study *study, struct neph_arena *arena,
+                         FILE *out)
 {
     struct neph_table table = {.cells = NULL};
     fill_scenes(study, &table);
     fprintf(out, "\n**Scenes and their references**\n\n");
-    neph_table_print(&table, out);
-    neph_table_finish(&table);
+    neph_table_end(&table, out, arena);
     for (int i = 0; i < study->params->scene_count; i++) {
         const struct neph_study_scene *scene = &study->scenes[i];
         if (!scene->left_out && scene->frame_count < study->params->frame_count)
@@ -288,7 +288,8 @@ static void print_reasons(const struct neph_flicker_study *study, int metric, FI
     fprintf(out, "\n");
 }
 
-static void print_metric(const struct neph_flicker_study *study, int metric, FILE *out)
+static void print_metric(const struct neph_flicker_study *study, int metric,
+                         struct neph_arena *arena, FILE *out)
 {
     const struct neph_flicker_study_params *params = study->params;
     struct neph_table table = {.cells = NULL};
@@ -304,8 +305,7 @@ static void print_metric(const struct neph_flicker_study *study, int metric, FIL
             add_means(study, metric, scene, preset, &table);
     }
     fprintf(out, "\n**%s**\n\n", neph_study_metrics[metric].title);
-    neph_table_print(&table, out);
-    neph_table_finish(&table);
+    neph_table_end(&table, out, arena);
     print_reasons(study, metric, out);
 }
 
@@ -333,79 +333,77 @@ static void begin_pairs(struct neph_table *table)
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
 }
 
-/* At how many displays the pair's verdict is that of the first; of metrics of the eye. */
-static enum neph_status count_agreeing(const struct neph_flicker_study *study, int metric,
-                                       int first, int second, int verdict, int *count,
-                                       struct neph_diag *diag)
+/* Without memory the table is short. */
+static struct neph_study_pair pair_of(const struct neph_flicker_study *study, int metric,
+                                      int display, int first, int second, struct neph_table *table)
 {
-    enum neph_status status = NEPH_OK;
-    *count = 0;
-    for (int display = 0; display < NEPH_STUDY_DISPLAYS && !status; display++) {
-        struct neph_study_pair pair = {.scene_count = 0};
-        status = neph_study_pair(study, metric, display, first, second, &pair, diag);
-        *count += neph_study_pair_verdict(&pair) == verdict;
-    }
-    return status;
+    struct neph_study_pair pair = {.scene_count = 0};
+    table->arena.is_short |= neph_study_pair(study, metric, display, first, second, &pair, NULL) !=
+                             NEPH_OK;
+    return pair;
 }
 
-static enum neph_status add_pair(const struct neph_flicker_study *study, int metric, int display,
-                                 int first, int second, struct neph_table *table,
-                                 struct neph_diag *diag)
+/* A verdict, and of metrics of the eye at how many displays it is the same. */
+static const char *verdict_text(const struct neph_flicker_study *study, int metric, int first,
+                                int second, int verdict, struct neph_table *table)
 {
     static const char *const words[] = {"better", "undecided", "worse"};
-    const struct neph_study_metric *of = &neph_study_metrics[metric];
-    struct neph_arena *arena = &table->arena;
-    struct neph_study_pair pair = {.scene_count = 0};
     int agreeing = 0;
-    enum neph_status status = neph_study_pair(study, metric, display, first, second, &pair, diag);
+    if (!neph_study_metrics[metric].of_the_eye)
+        return words[verdict + 1];
+    for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
+        const struct neph_study_pair pair = pair_of(study, metric, display, first, second, table);
+        agreeing += neph_study_pair_verdict(&pair) == verdict;
+    }
+    return agreeing == NEPH_STUDY_DISPLAYS
+               ? neph_arena_format(&table->arena, "%s, at all %d displays", words[verdict + 1],
+                                   agreeing)
+               : neph_arena_format(&table->arena, "%s, at %d of %d displays", words[verdict + 1],
+                                   agreeing, NEPH_STUDY_DISPLAYS);
+}
+
+static void add_pair(const struct neph_flicker_study *study, int metric, int display, int first,
+                     int second, struct neph_table *table)
+{
+    const struct neph_study_metric *of = &neph_study_metrics[metric];
+    const struct neph_study_display *at = &neph_study_displays[display];
+    const struct neph_study_pair pair = pair_of(study, metric, display, first, second, table);
     const int verdict = neph_study_pair_verdict(&pair);
-    if (!status && of->of_the_eye)
-        status = count_agreeing(study, metric, first, second, verdict, &agreeing, diag);
+    struct neph_arena *arena = &table->arena;
     neph_table_row(
-        table, "ssffssifotiiistfs", of->metric, of->mask,
-        neph_study_displays[display].frame_rate_hz, neph_study_displays[display].pixels_per_degree,
+        table, "ssffssifotiiistfs", of->metric, of->mask, at->frame_rate_hz, at->pixels_per_degree,
         study->params->presets[first], study->params->presets[second], pair.scene_count, pair.mean,
         pair.has_interval ? json_pack("[f,f]", pair.low, pair.high) : json_null(),
         pair.has_interval ? neph_arena_format(arena, "[%+.2f, %+.2f]", pair.low, pair.high) : "-",
         pair.better, pair.worse, pair.alike, NULL,
         neph_arena_format(arena, "%d, %d, %d", pair.better, pair.worse, pair.alike), pair.p_sign,
-        !of->of_the_eye ? words[verdict + 1]
-        : agreeing == NEPH_STUDY_DISPLAYS
-            ? neph_arena_format(arena, "%s, at all %d displays", words[verdict + 1], agreeing)
-            : neph_arena_format(arena, "%s, at %d of %d displays", words[verdict + 1], agreeing,
-                                NEPH_STUDY_DISPLAYS));
-    return status;
+        verdict_text(study, metric, first, second, verdict, table));
 }
 
-/* Pairs of a metric at the first of the displays. */
-static enum neph_status add_pairs(const struct neph_flicker_study *study, int metric,
-                                  int display_count, struct neph_table *table,
-                                  struct neph_diag *diag)
+/* Pairs of a metric at the first displays. */
+static void add_pairs(const struct neph_flicker_study *study, int metric, int display_count,
+                      struct neph_table *table)
 {
     const int preset_count = study->params->preset_count;
-    enum neph_status status = NEPH_OK;
     for (int display = 0; display < display_count; display++)
         for (int first = 0; first < preset_count; first++)
-            for (int second = first + 1; second < preset_count && !status; second++)
-                status = add_pair(study, metric, display, first, second, table, diag);
-    return status;
+            for (int second = first + 1; second < preset_count; second++)
+                add_pair(study, metric, display, first, second, table);
 }
 
-static enum neph_status print_pairs(const struct neph_flicker_study *study, int metric, FILE *out,
-                                    struct neph_diag *diag)
+static void print_pairs(const struct neph_flicker_study *study, int metric,
+                        struct neph_arena *arena, FILE *out)
 {
     struct neph_table table = {.cells = NULL};
     begin_pairs(&table);
-    const enum neph_status status = add_pairs(study, metric, 1, &table, diag);
+    add_pairs(study, metric, 1, &table);
     fprintf(out, "\nFirst over second in decades, below 0 the first is better; 95 %% intervals "
                  "over scenes.\n\n");
-    neph_table_print(&table, out);
-    neph_table_finish(&table);
-    return status;
+    neph_table_end(&table, out, arena);
 }
 
-static enum neph_status print_ranking(const struct neph_flicker_study *study, FILE *out,
-                                      struct neph_diag *diag)
+static void print_ranking(const struct neph_flicker_study *study, struct neph_arena *arena,
+                          FILE *out)
 {
     int first[NEPH_STUDY_PRESETS_MAX] = {0};
     int agreeing = 0;
@@ -415,9 +413,7 @@ static enum neph_status print_ranking(const struct neph_flicker_study *study, FI
             neph_study_metrics[neph_study_headline()].title);
     for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
         int order[NEPH_STUDY_PRESETS_MAX] = {0};
-        const enum neph_status status = neph_study_ranking(study, display, order, diag);
-        if (status)
-            return status;
+        arena->is_short |= neph_study_ranking(study, display, order, NULL) != NEPH_OK;
         if (display == 0)
             memcpy(first, order, sizeof(first));
         const bool is_same = memcmp(order, first, sizeof(first)) == 0;
@@ -433,31 +429,27 @@ static enum neph_status print_ranking(const struct neph_flicker_study *study, FI
     else
         fprintf(out, "\nThe order holds at %d of %d displays: it is no ranking.\n", agreeing,
                 NEPH_STUDY_DISPLAYS);
-    return NEPH_OK;
 }
 
-static enum neph_status print_text(const struct neph_flicker_study *study, FILE *out,
-                                   struct neph_diag *diag)
+static void print_text(const struct neph_flicker_study *study, struct neph_arena *arena, FILE *out)
 {
     const bool has_pairs = study->params->preset_count > 1;
-    enum neph_status status = NEPH_OK;
     print_head(study, out);
-    print_scenes(study, out);
+    print_scenes(study, arena, out);
     fprintf(out,
             "\nIn brackets: the same number against centre rays. *: takes no part in pairs and "
             "ranking, for the reason below its table. <: cannot be told from the rest of what "
             "changes, all of which stands for it as a bound; in a pair what lies below the bound "
             "is alike.\n");
-    for (int metric = 0; neph_study_metrics[metric].title && !status; metric++) {
+    for (int metric = 0; neph_study_metrics[metric].title; metric++) {
         if (!was_asked_for(study, metric))
             continue;
-        print_metric(study, metric, out);
+        print_metric(study, metric, arena, out);
         if (has_pairs)
-            status = print_pairs(study, metric, out, diag);
+            print_pairs(study, metric, arena, out);
     }
-    if (!status && has_pairs && was_asked_for(study, neph_study_headline()))
-        status = print_ranking(study, out, diag);
-    return status;
+    if (has_pairs && was_asked_for(study, neph_study_headline()))
+        print_ranking(study, arena, out);
 }
 
 /* ---- all numbers ----------------------------------------------------------------------------- */
@@ -539,14 +531,12 @@ static json_t *presets_json(const struct neph_flicker_study *study)
 static json_t *pairs_json(const struct neph_flicker_study *study)
 {
     struct neph_table table = {.cells = NULL};
-    enum neph_status status = NEPH_OK;
     begin_pairs(&table);
-    for (int metric = 0; neph_study_metrics[metric].title && !status; metric++)
+    for (int metric = 0; neph_study_metrics[metric].title; metric++)
         if (was_asked_for(study, metric))
-            status = add_pairs(study, metric,
-                               neph_study_metrics[metric].of_the_eye ? NEPH_STUDY_DISPLAYS : 1,
-                               &table, NULL);
-    json_t *list = status ? NULL : neph_table_json(&table);
+            add_pairs(study, metric,
+                      neph_study_metrics[metric].of_the_eye ? NEPH_STUDY_DISPLAYS : 1, &table);
+    json_t *list = neph_table_json(&table);
     neph_table_finish(&table);
     return list;
 }
@@ -572,11 +562,11 @@ enum neph_status neph_flicker_publish(const struct neph_flicker_study *study,
 {
     struct neph_table results = {.cells = NULL};
     fill_results(study, &results);
-    enum neph_status status = neph_table_check(&results, diag);
-    if (!status && publication->text)
-        status = print_text(study, publication->text, diag);
+    if (publication->text)
+        print_text(study, &results.arena, publication->text);
     if (publication->csv)
         neph_table_print_csv(&results, "\r\n", publication->csv);
+    enum neph_status status = neph_table_check(&results, diag);
     if (!status && publication->chart)
         status = neph_flicker_study_plot(study, publication->chart, diag);
     if (!status && publication->places->json) {

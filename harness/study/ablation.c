@@ -177,37 +177,16 @@ enum neph_status neph_ablation_plan(const char *preset, const char *const *only,
 
 /* ---- one change ------------------------------------------------------------------------------ */
 
-static int metric_of(const struct neph_ablation_measure *measure)
-{
-    int index = 0;
-    while (neph_study_metrics[index].title &&
-           (strcmp(neph_study_metrics[index].metric, measure->metric) != 0 ||
-            strcmp(neph_study_metrics[index].mask, measure->mask) != 0))
-        index++;
-    return index;
-}
-
-static double cost_decades(const struct neph_ablation *ablation, size_t cost, int scene, int preset)
-{
-    double sum = 0.0;
-    for (int seed = 0; seed < ablation->study.params->seed_count; seed++) {
-        const struct neph_study_cost *costs = neph_study_cost_at(&ablation->study, scene, preset,
-                                                                 seed);
-        const double value = *(const double *)((const char *)costs + cost);
-        sum += value > 0.0 ? log10(value) : NAN; /* what evaluates nothing has no ratio */
-    }
-    return sum / ablation->study.params->seed_count;
-}
-
 static double difference(const struct neph_ablation *ablation,
                          const struct neph_ablation_comparison *of, int measure, int scene)
 {
     const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
     if (what->metric)
-        return neph_study_difference(&ablation->study, metric_of(what), 0, of->with, of->without,
-                                     scene);
-    return cost_decades(ablation, what->cost, scene, of->with) -
-           cost_decades(ablation, what->cost, scene, of->without);
+        return neph_study_difference(&ablation->study,
+                                     neph_study_metric_find(what->metric, what->mask), 0, of->with,
+                                     of->without, scene);
+    return neph_study_cost_decades(&ablation->study, what->cost, scene, of->with) -
+           neph_study_cost_decades(&ablation->study, what->cost, scene, of->without);
 }
 
 static void count_scene(struct neph_ablation_effect *effect, int scene)
@@ -324,7 +303,9 @@ bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure
 {
     const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
     return ablation->study.params
-        ->takes[what->metric ? neph_study_metrics[metric_of(what)].take : NEPH_STUDY_FLICKER];
+        ->takes[what->metric
+                    ? neph_study_metrics[neph_study_metric_find(what->metric, what->mask)].take
+                    : NEPH_STUDY_FLICKER];
 }
 
 static void measure_comparison(struct neph_ablation *ablation,

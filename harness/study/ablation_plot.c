@@ -73,11 +73,6 @@ static void sort_parts(struct panel *panel)
     }
 }
 
-static double held(double value, double low, double high)
-{
-    return fmin(fmax(value, low), high);
-}
-
 /* All means, and of intervals what is not much longer than these. */
 static void fit_axis(struct panel *panel)
 {
@@ -100,7 +95,7 @@ static void fit_axis(struct panel *panel)
 
 static double at_px(const struct panel *panel, double decades)
 {
-    const double part = (held(decades, panel->low, panel->high) - panel->low) /
+    const double part = (fmin(fmax(decades, panel->low), panel->high) - panel->low) /
                         (panel->high - panel->low);
     return LEFT + part * (WIDTH - RIGHT - LEFT);
 }
@@ -152,23 +147,17 @@ static void draw_number(const struct panel *panel, double mean, double y_px, FIL
     fprintf(out, "</text>\n");
 }
 
-/* An end of an interval; one beyond the axis has none. */
-static void draw_end(const struct panel *panel, double decades, double y_px, FILE *out)
-{
-    if (decades > panel->low && decades < panel->high)
-        fprintf(out, "<path d=\"M%.1f %.1f v8\" stroke=\"#000\" stroke-width=\"2\"/>",
-                at_px(panel, decades), y_px + 0.5 * BAR - 4.0);
-}
-
+/* An end beyond the axis has no mark. */
 static void draw_interval(const struct panel *panel, const struct neph_ablation_effect *effect,
                           double y_px, FILE *out)
 {
-    if (!effect->has_interval)
-        return;
+    const double ends[] = {effect->low, effect->high};
     fprintf(out, "<path d=\"M%.1f %.1f H%.1f\" stroke=\"#000\" stroke-width=\"2\"/>",
             at_px(panel, effect->low), y_px + 0.5 * BAR, at_px(panel, effect->high));
-    draw_end(panel, effect->low, y_px, out);
-    draw_end(panel, effect->high, y_px, out);
+    for (int i = 0; i < 2; i++)
+        if (ends[i] > panel->low && ends[i] < panel->high)
+            fprintf(out, "<path d=\"M%.1f %.1f v8\" stroke=\"#000\" stroke-width=\"2\"/>",
+                    at_px(panel, ends[i]), y_px + 0.5 * BAR - 4.0);
 }
 
 static void draw_bar(const struct panel *panel, const struct neph_ablation_effect *effect,
@@ -182,22 +171,19 @@ static void draw_bar(const struct panel *panel, const struct neph_ablation_effec
             "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%d\" fill=\"%s\" "
             "stroke=\"#444\"/>",
             fmin(zero_px, end_px), y_px, fabs(end_px - zero_px), BAR, fills[place]);
-    draw_interval(panel, effect, y_px, out);
+    if (effect->has_interval)
+        draw_interval(panel, effect, y_px, out);
     fprintf(out, "\n");
     draw_number(panel, effect->mean, y_px, out);
-}
-
-static bool is_certain(const struct neph_ablation_effect *effect)
-{
-    return effect &&
-           (effect->verdict == NEPH_ABLATION_BUYS || effect->verdict == NEPH_ABLATION_COSTS);
 }
 
 static void draw_row(const struct panel *panel, int row, FILE *out)
 {
     const int part = panel->rows[row];
     const double y_px = panel->top_px + ROW * row;
-    const bool is_bold = is_certain(effect_of(panel, part, NEPH_ABLATION_IN_PRESET));
+    const struct neph_ablation_effect *effect = effect_of(panel, part, NEPH_ABLATION_IN_PRESET);
+    const bool is_bold = effect && (effect->verdict == NEPH_ABLATION_BUYS ||
+                                    effect->verdict == NEPH_ABLATION_COSTS);
     fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\"%s>", LEFT - 8, y_px + 23.0,
             is_bold ? " font-weight=\"bold\"" : "");
     neph_svg_print_escaped(neph_ablation_parts[part].name, out);
@@ -229,14 +215,14 @@ static double draw_words(const char *const *words, int count, double y_px, FILE 
 
 static double draw_quiet(const struct panel *panel, double y_px, FILE *out)
 {
-    const char *words[NEPH_ABLATION_PARTS_MAX + 5] = {"Less", "than", "5 %:"};
-    const char *clock_words[] = {"Not", "told", "from", "0:"};
-    int count = 3;
+    static const char *const heads[][5] = {{"Less", "than", "5 %:"}, {"Not", "told", "from", "0:"}};
+    const char *const *head = heads[neph_ablation_measures[panel->measure].is_time];
+    const char *words[NEPH_ABLATION_PARTS_MAX + 5];
+    int count = 0;
     if (panel->quiet_count == 0)
         return y_px;
-    if (neph_ablation_measures[panel->measure].is_time)
-        for (count = 0; count < 4; count++)
-            words[count] = clock_words[count];
+    while (*head)
+        words[count++] = *head++;
     for (int i = 0; i < panel->quiet_count; i++)
         words[count++] = neph_ablation_parts[panel->quiet[i]].name;
     return draw_words(words, count, y_px + LINE, out);
@@ -298,15 +284,6 @@ static bool has_numbers(const struct neph_ablation *ablation, int measure)
     return false;
 }
 
-static double draw(const struct neph_ablation *ablation, FILE *out)
-{
-    double y_px = draw_legend(ablation, out);
-    for (int m = 0; neph_ablation_measures[m].name; m++)
-        if (has_numbers(ablation, m))
-            y_px = draw_panel(ablation, m, y_px, out);
-    return y_px;
-}
-
 enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *out,
                                     struct neph_diag *diag)
 {
@@ -315,7 +292,10 @@ enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *
     FILE *memory = open_memstream(&panels, &size);
     if (!memory)
         return neph_fail_memory(diag);
-    const double height_px = draw(ablation, memory);
+    double height_px = draw_legend(ablation, memory);
+    for (int m = 0; neph_ablation_measures[m].name; m++)
+        if (has_numbers(ablation, m))
+            height_px = draw_panel(ablation, m, height_px, memory);
     const bool is_cut = ferror(memory) != 0, is_closed = fclose(memory) == 0;
     if (!is_cut && is_closed)
         fprintf(out,

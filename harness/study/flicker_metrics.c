@@ -84,6 +84,15 @@ int neph_study_metric_count(void)
     return count;
 }
 
+int neph_study_metric_find(const char *metric, const char *mask)
+{
+    int index = 0;
+    while (strcmp(neph_study_metrics[index].metric, metric) != 0 ||
+           strcmp(neph_study_metrics[index].mask, mask) != 0)
+        index++; /* tests hold all that look for one to finding it */
+    return index;
+}
+
 int neph_study_headline(void)
 {
     int index = 0;

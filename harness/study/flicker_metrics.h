@@ -64,6 +64,9 @@ extern const struct neph_study_metric neph_study_metrics[];
 enum { NEPH_STUDY_METRICS_MAX = 32 };
 int neph_study_metric_count(void);
 
+/* Index of a metric of this name and mask, which has to be there. */
+int neph_study_metric_find(const char *metric, const char *mask);
+
 /* Indices of the table: the first of the eye, which rankings go by, and the first of the step, the
  * lag that it stands beside. */
 int neph_study_headline(void);

@@ -302,11 +302,6 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job,
     return status;
 }
 
-static bool is_of_one_take(enum neph_status status)
-{
-    return status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE || status == NEPH_ERR_TIMEOUT;
-}
-
 /* What breaks is news of one take; what cannot be rendered and what ends the run goes on. */
 static enum neph_status try_take(struct work *work, const struct neph_scene *scene,
                                  const struct spot *spot, struct neph_diag *diag)
@@ -325,7 +320,7 @@ static enum neph_status try_take(struct work *work, const struct neph_scene *sce
     if (!status)
         status = run_take(work, &job, spot, &why);
     work->progress.kind = KIND_TAKE;
-    if (is_of_one_take(status)) {
+    if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE || status == NEPH_ERR_TIMEOUT) {
         work->study->failed_count++;
         neph_progress_warn("%s: %s", what, why.message);
         mark_cells(work, spot, why.message);

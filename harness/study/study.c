@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/study.h"
 
+#include "base/arena.h"
 #include "base/exr.h"
 #include "metrics/statistics.h"
 #include "scenes/media.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -33,15 +33,8 @@ struct pictures {
     size_t pixel_count;
     int seed_count;
     double *grey[NEPH_STUDY_LEVELS_MAX][2];
+    struct neph_arena arena; /* has them */
 };
-
-static void free_pictures(struct pictures *pictures)
-{
-    for (int i = 0; i < NEPH_STUDY_LEVELS_MAX; i++) {
-        free(pictures->grey[i][0]);
-        free(pictures->grey[i][1]);
-    }
-}
 
 static enum neph_status take_picture(const struct neph_image *frame, struct pictures *pictures,
                                      double **grey, struct neph_diag *diag)
@@ -50,7 +43,7 @@ static enum neph_status take_picture(const struct neph_image *frame, struct pict
     if (!neph_image_rgb(frame, NULL, planes))
         return neph_fail(diag, NEPH_ERR_ENGINE, "the frame of a study has no radiance");
     pictures->pixel_count = neph_image_pixel_count(frame);
-    *grey = malloc(pictures->pixel_count * sizeof(**grey));
+    *grey = neph_arena_zeroed(&pictures->arena, pictures->pixel_count, sizeof(**grey));
     if (!*grey)
         return neph_fail_memory(diag);
     for (size_t p = 0; p < pictures->pixel_count; p++)
@@ -236,7 +229,7 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
         *outcome = NEPH_OUTCOME_CANNOT;
         snprintf(reason, 1600, "the picture is black: there is nothing to be off from");
     }
-    free_pictures(&pictures);
+    neph_arena_finish(&pictures.arena);
     return status;
 }
 
