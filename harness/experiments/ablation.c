@@ -136,7 +136,8 @@ void neph_ablation_list(const struct neph_ablation *ablation, FILE *out)
 
 /* ---- sentences ------------------------------------------------------------------------------- */
 
-/* `text` and, of the measures with a verdict, "; lowers flicker seen (-12 %), half-life (-3.1 %)". */
+/* `text`, followed by the measures with a verdict: "; lowers flicker seen (-12 %), half-life (-3.1
+ * %)". */
 static const char *add_verdict(const struct neph_ablation_comparison *of,
                                enum neph_ablation_verdict verdict, const char *text,
                                struct neph_arena *arena)
