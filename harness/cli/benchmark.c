@@ -549,20 +549,14 @@ static void set_scratch(struct both *both, const char *path)
 }
 
 /* One document for each kind; both in one where there are both. */
-static json_t *measured_json(const struct both *both)
-{
-    if (both->frames.engine_count == 0)
-        return neph_benchmark_json(&both->noise);
-    json_t *frames = neph_benchmark_frames_json(&both->frames);
-    return both->noise.engine_count == 0
-               ? frames
-               : json_pack("{s:s, s:o, s:o}", "format", "neph-benchmark-both-1", "frames", frames,
-                           "noise", neph_benchmark_json(&both->noise));
-}
-
 static json_t *json_of(const struct both *both)
 {
-    json_t *json = measured_json(both);
+    const bool has_noise = both->noise.engine_count > 0, has_frames = both->frames.engine_count > 0;
+    json_t *noise = has_noise ? neph_benchmark_json(&both->noise) : NULL,
+           *json = has_frames ? neph_benchmark_frames_json(&both->frames) : noise;
+    if (has_noise && has_frames)
+        json = json_pack("{s:s, s:o, s:o}", "format", "neph-benchmark-both-1", "frames", json,
+                         "noise", noise);
     neph_json_set(&json, "cannot", left_out_json(both));
     return json;
 }

@@ -159,7 +159,8 @@ static enum neph_status hear_all(const struct crew *crew, neph_pool_hear *hear, 
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         const char *text = next_text(crew, &is_over);
-        status = hear(text, context, diag);
+        if (hear)
+            status = hear(text, context, diag);
     }
     return status;
 }

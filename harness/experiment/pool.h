@@ -36,8 +36,8 @@ typedef enum neph_status neph_pool_hear(const char *text, void *context, struct 
 
 /* With one worker, `work` in this process. With more, that many processes, whose messages are heard
  * here, and then `work` in this process, for what they have not done: its status is returned, and
- * an error of a worker is met again there. NEPH_ERR_INTERRUPTED. No device may be open and no
- * thread run before. Workers end with this process. */
+ * an error of a worker is met again there. `hear` NULL: messages are dropped. NEPH_ERR_INTERRUPTED.
+ * No device may be open and no thread run before. Workers end with this process. */
 enum neph_status neph_pool_run(int workers, neph_pool_work *work, neph_pool_hear *hear,
                                void *context, struct neph_diag *diag);
 

@@ -44,7 +44,10 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out"},
     {.name = "time-limit", .otherwise = "3600"},
-    {.name = "jobs", .otherwise = "1"},
+    {.name = "jobs",
+     .help = "Processes that render at the same time; no result but the ms of --presets depends on "
+             "it",
+     .otherwise = "1"},
     {.name = "json"},
     {.name = "quiet"},
     {"presets", 0, "A,B,..",
@@ -201,6 +204,108 @@ static bool part(void *request_, int index)
 
 /* ---- a configuration of a scene -------------------------------------------------------------- */
 
+static void print_numbers(const struct neph_pick_point *point, FILE *out)
+{
+    fprintf(out, "error %.3g, flicker %.3g, ", point->error, point->flicker);
+    if (point->is_closed)
+        fprintf(out, "no marched samples");
+    else if (isnan(point->evaluations))
+        fprintf(out, "evaluations not counted");
+    else
+        fprintf(out, "%.3g evaluations/px", point->evaluations);
+    if (!isnan(point->time.median))
+        fprintf(out, ", %.3g ms", 1e3 * point->time.median);
+}
+
+static void print_asked(const struct neph_pick_params *params, FILE *out)
+{
+    const char *comma = "";
+    const struct {
+        const char *what;
+        double most;
+    } asked[] = {
+        {"error", params->error}, {"flicker", params->flicker}, {"ms", 1e3 * params->time_s}};
+    for (size_t i = 0; i < sizeof(asked) / sizeof(asked[0]); i++)
+        if (!isnan(asked[i].most)) {
+            fprintf(out, "%s%s %.3g", comma, asked[i].what, asked[i].most);
+            comma = ", ";
+        }
+}
+
+static void print_variants(const struct neph_pick *pick, bool kept, const char *title, FILE *out)
+{
+    for (int i = 0; i < pick->left_out_count; i++) {
+        const struct neph_pick_left_out *left = &pick->left_out[i];
+        if (left->is_kept != kept)
+            continue;
+        if (title)
+            fprintf(out, "\n%s:\n", title);
+        title = NULL; /* once */
+        fprintf(out, "  %-34s ", left->what);
+        if (isnan(left->with.error))
+            fprintf(out, "cannot be rendered with this light");
+        else
+            print_numbers(&left->with, out);
+        fprintf(out, "%s%s%s\n", left->because ? " (" : "", left->because ? left->because : "",
+                left->because ? ")" : "");
+    }
+}
+
+static void print_pick(const struct neph_pick_params *params, const struct neph_pick *pick,
+                       FILE *out)
+{
+    fprintf(out, "asked: ");
+    print_asked(params, out);
+    fprintf(out, ", at %d x %d; truth: %s, noise %.2g\n", params->width_px, params->height_px,
+            pick->truth, pick->floor);
+    fprintf(out, pick->found ? "%s: " : "none is good enough; best is %s: ", pick->chosen.name);
+    print_numbers(&pick->chosen, out);
+    fprintf(out, "\n");
+    print_variants(pick, false, "left out, and what comes of it with each", out);
+    print_variants(pick, true, "kept, and what would come of it without", out);
+    fprintf(out, "\n%d configurations looked at, %d pictures or sequences of them measured; %s\n",
+            pick->looked_at, pick->measured, pick->device);
+    if (!isnan(params->error) && pick->floor > 0.5 * params->error)
+        fprintf(out, "the truth's noise is more than half of the error that was asked for: what "
+                     "is said of errors is not certain\n");
+}
+
+static json_t *point_json(const struct neph_pick_point *point)
+{
+    json_t *json = neph_configuration_json(&point->configuration);
+    neph_json_set(&json, "name", json_string(point->name));
+    neph_json_set(&json, "error", neph_json_number(point->error));
+    neph_json_set(&json, "flicker", neph_json_number(point->flicker));
+    neph_json_set(&json, "evaluations", neph_json_number(point->evaluations));
+    neph_json_set(&json, "seconds", neph_json_number(point->time.median));
+    return json;
+}
+
+static json_t *pick_json(const struct neph_pick_params *params, const struct neph_pick *pick)
+{
+    json_t *json = point_json(&pick->chosen), *left_out = json_array(), *kept = json_array();
+    for (int i = 0; i < pick->left_out_count; i++) {
+        const struct neph_pick_left_out *left = &pick->left_out[i];
+        neph_json_add(left->is_kept ? &kept : &left_out,
+                      json_pack("{s:s, s:s?, s:o}", "what", left->what, "because", left->because,
+                                left->is_kept ? "without" : "with", point_json(&left->with)));
+    }
+    neph_json_set(&json, "found", json_boolean(pick->found));
+    neph_json_set(&json, "scene", json_string(params->scene));
+    neph_json_set(&json, "asked",
+                  json_pack("{s:o, s:o, s:o}", "error", neph_json_number(params->error), "flicker",
+                            neph_json_number(params->flicker), "seconds",
+                            neph_json_number(params->time_s)));
+    neph_json_set(&json, "width_px", json_integer(params->width_px));
+    neph_json_set(&json, "height_px", json_integer(params->height_px));
+    neph_json_set(&json, "truth", json_string(pick->truth));
+    neph_json_set(&json, "truth_noise", neph_json_number(pick->floor));
+    neph_json_set(&json, "device", json_string(pick->device));
+    neph_json_set(&json, "left_out", left_out);
+    neph_json_set(&json, "kept", kept);
+    return json;
+}
+
 static enum neph_status pick_configuration(const struct request *request,
                                            const struct neph_experiment_run *run,
                                            struct neph_publication *publication,
@@ -228,9 +333,9 @@ static enum neph_status pick_configuration(const struct request *request,
     if (!status)
         status = neph_pick_run(&params, run->store, &pick, diag);
     if (!status) {
-        publication->json = neph_pick_json(&params, &pick);
+        publication->json = pick_json(&params, &pick);
         if (publication->text) {
-            neph_pick_print(&params, &pick, publication->text);
+            print_pick(&params, &pick, publication->text);
             fprintf(publication->text, "neph render %s --config %s\n", params.scene, path);
         }
         if (!pick.found)

@@ -6,6 +6,9 @@
 
 #include "harness/sweep/scaling.h"
 
+#include <math.h>
+#include <string.h>
+
 struct request {
     struct neph_cli_shared shared;
     struct neph_scaling_params params;
@@ -71,6 +74,176 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     return request->against ? neph_scaling_load(request->against, &request->there, diag) : NEPH_OK;
 }
 
+/* ---- the table ------------------------------------------------------------------------------- */
+
+static void print_number(double value, FILE *out)
+{
+    char text[32] = "-";
+    if (isfinite(value))
+        snprintf(text, sizeof(text), "%.4g", value);
+    fprintf(out, " %11s", text);
+}
+
+static void print_exponent(const char *what, const struct neph_exponent *exponent,
+                           struct neph_exponent_range range, enum neph_exponent_verdict verdict,
+                           FILE *out)
+{
+    if (verdict == NEPH_EXPONENT_NONE)
+        return;
+    fprintf(out, "  %s ~ x^%.3f [%.3f, %.3f], wanted ", what, exponent->value, exponent->low,
+            exponent->high);
+    if (range.low == range.high)
+        fprintf(out, "%.2g", range.low);
+    else
+        fprintf(out, "%.2g to %.2g", range.low, range.high);
+    fprintf(out, ": %s\n", neph_exponent_verdict_words[verdict]);
+}
+
+static void print_line(const struct neph_scaling *scaling, const struct neph_scaling_line *line,
+                       FILE *out)
+{
+    const struct neph_scaling_axis *axis = &neph_scaling_axes[line->axis];
+    fprintf(out, "\n%s: cost against %s\n", scaling->series[line->series], axis->title);
+    if (line->missing[0]) {
+        fprintf(out, "  none: %s\n", line->missing);
+        return;
+    }
+    fprintf(out, "  %11s %11s %11s\n", "x", "evaluations", "ms");
+    for (int i = 0; i < line->count; i++) {
+        fprintf(out, " ");
+        print_number(line->points[i].x, out);
+        print_number(line->points[i].evaluations, out);
+        print_number(1e3 * line->points[i].time.median, out);
+        fprintf(out, "\n");
+    }
+    print_exponent("evaluations", &line->work, axis->work, line->work_verdict, out);
+    print_exponent("ms", &line->time, axis->time, line->time_verdict, out);
+}
+
+static void print_lines(const struct neph_scaling *scaling, FILE *out)
+{
+    fprintf(out, "%s; %s\n", scaling->scene, scaling->device);
+    for (int i = 0; i < scaling->line_count; i++)
+        print_line(scaling, &scaling->lines[i], out);
+    fprintf(out, "\n");
+    for (int axis = 0; axis < NEPH_SCALING_AXES; axis++)
+        fprintf(out, "%s: %s.\n", neph_scaling_axes[axis].name, neph_scaling_axes[axis].reason);
+    if (scaling->has_closed_form)
+        fprintf(out, "All media have closed forms: engine exact marches no ray, and evaluates no "
+                     "density, whatever there is of them.\n");
+    fprintf(out,
+            "Intervals: 95 %%, Student's t, of the scatter about the line; \"as expected\": "
+            "within %.2g of what is wanted.\n",
+            NEPH_EXPONENT_SAME);
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+static json_t *exponent_json(const struct neph_exponent *exponent, struct neph_exponent_range range,
+                             enum neph_exponent_verdict verdict)
+{
+    return json_pack("{s:o, s:o, s:o, s:[f,f], s:s}", "exponent", neph_json_number(exponent->value),
+                     "low", neph_json_number(exponent->low), "high",
+                     neph_json_number(exponent->high), "wanted", range.low, range.high, "verdict",
+                     neph_exponent_verdict_words[verdict]);
+}
+
+static json_t *line_json(const struct neph_scaling *scaling, const struct neph_scaling_line *line)
+{
+    const struct neph_scaling_axis *axis = &neph_scaling_axes[line->axis];
+    json_t *points = json_array();
+    for (int i = 0; i < line->count; i++) {
+        const struct neph_scaling_point *point = &line->points[i];
+        neph_json_add(&points, json_pack("{s:f, s:o, s:o, s:o, s:o}", "x", point->x, "evaluations",
+                                         neph_json_number(point->evaluations), "seconds",
+                                         neph_json_number(point->time.median), "seconds_low",
+                                         neph_json_number(point->time.low), "seconds_high",
+                                         neph_json_number(point->time.high)));
+    }
+    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "series", scaling->series[line->series],
+                     "axis", axis->name, "points", points, "work",
+                     exponent_json(&line->work, axis->work, line->work_verdict), "time",
+                     exponent_json(&line->time, axis->time, line->time_verdict), "missing",
+                     line->missing[0] ? neph_json_cleaned(line->missing) : json_null());
+}
+
+static json_t *scaling_json(const struct neph_scaling *scaling)
+{
+    json_t *lines = json_array();
+    for (int i = 0; i < scaling->line_count; i++)
+        neph_json_add(&lines, line_json(scaling, &scaling->lines[i]));
+    return json_pack("{s:s, s:s, s:s, s:[i, i], s:s, s:b, s:o}", "format", "neph-scaling-1",
+                     "scene", scaling->scene, "scene_hash", scaling->scene_hash, "size_px",
+                     scaling->width_px, scaling->height_px, "device", scaling->device,
+                     "has_closed_form", scaling->has_closed_form, "lines", lines);
+}
+
+/* ---- another device -------------------------------------------------------------------------- */
+
+/* The seconds there of the same picture; NaN: it was not timed. */
+static double seconds_there(const json_t *document, const char *series, const char *axis, double x)
+{
+    const json_t *lines = json_object_get(document, "lines");
+    for (size_t i = 0; i < json_array_size(lines); i++) {
+        const json_t *line = json_array_get(lines, i);
+        const json_t *points = json_object_get(line, "points");
+        if (strcmp(neph_json_text(line, "series"), series) != 0 ||
+            strcmp(neph_json_text(line, "axis"), axis) != 0)
+            continue;
+        for (size_t k = 0; k < json_array_size(points); k++) {
+            const json_t *point = json_array_get(points, k);
+            const json_t *seconds = json_object_get(point, "seconds");
+            if (json_number_value(json_object_get(point, "x")) == x && json_is_number(seconds))
+                return json_number_value(seconds);
+        }
+    }
+    return NAN;
+}
+
+static void print_against(const struct neph_scaling *scaling, const json_t *document, FILE *out)
+{
+    fprintf(out, "\nhere: %s\nthere: %s\n%-16s %-9s %11s %11s %11s %11s\n", scaling->device,
+            neph_json_text(document, "device"), "series", "axis", "x", "ms here", "ms there",
+            "there/here");
+    for (int i = 0; i < scaling->line_count; i++)
+        for (int k = 0; k < scaling->lines[i].count; k++) {
+            const struct neph_scaling_line *line = &scaling->lines[i];
+            const struct neph_scaling_point *point = &line->points[k];
+            const char *series = scaling->series[line->series];
+            const char *axis = neph_scaling_axes[line->axis].name;
+            const double there_s = seconds_there(document, series, axis, point->x);
+            if (isnan(there_s) || isnan(point->time.median))
+                continue;
+            fprintf(out, "%-16s %-9s", series, axis);
+            print_number(point->x, out);
+            print_number(1e3 * point->time.median, out);
+            print_number(1e3 * there_s, out);
+            print_number(there_s / point->time.median, out);
+            fprintf(out, "\n");
+        }
+}
+
+static int side_of(const json_t *document, size_t side)
+{
+    return (int)json_integer_value(json_array_get(json_object_get(document, "size_px"), side));
+}
+
+static enum neph_status check_against(const struct neph_scaling *scaling, const json_t *document,
+                                      const char *path, struct neph_diag *diag)
+{
+    if (strcmp(neph_json_text(document, "scene"), scaling->scene) != 0 ||
+        strcmp(neph_json_text(document, "scene_hash"), scaling->scene_hash) != 0)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is of scene %s as it was, not of this %s",
+                         path, neph_json_text(document, "scene"), scaling->scene);
+    if (side_of(document, 0) != scaling->width_px || side_of(document, 1) != scaling->height_px)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is of %d x %d pixels, this run of %d x %d",
+                         path, side_of(document, 0), side_of(document, 1), scaling->width_px,
+                         scaling->height_px);
+    return NEPH_OK;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -83,15 +256,15 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     if (!status)
         status = neph_scaling_run(&request->params, run->store, &scaling, diag);
     if (!status && request->there)
-        status = neph_scaling_check_against(&scaling, request->there, request->against, diag);
+        status = check_against(&scaling, request->there, request->against, diag);
     neph_times_close(&times);
     if (status)
         return status;
-    publication->json = neph_scaling_json(&scaling);
+    publication->json = scaling_json(&scaling);
     if (publication->text)
-        neph_scaling_print(&scaling, publication->text);
+        print_lines(&scaling, publication->text);
     if (publication->text && request->there)
-        neph_scaling_print_against(&scaling, request->there, publication->text);
+        print_against(&scaling, request->there, publication->text);
     return NEPH_OK;
 }
 

@@ -221,14 +221,6 @@ static enum neph_status prepare(struct neph_benchmark *benchmark, struct climb *
     return status ? status : render_reference(benchmark, samples, reference, diag);
 }
 
-/* A stated error, or 1 %, and three times that. */
-static void state_errors(struct neph_benchmark *benchmark)
-{
-    const double least = benchmark->aim.error > 0.0 ? benchmark->aim.error : 0.01;
-    benchmark->rmses[0] = 3.0 * least;
-    benchmark->rmses[1] = least;
-}
-
 enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet,
                                     struct neph_diag *diag)
 {
@@ -238,7 +230,8 @@ enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet
     for (int e = 0; e < benchmark->engine_count; e++)
         for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
             neph_progress_expect(&progress, kind_of(e, k), 1, 0.0);
-    state_errors(benchmark);
+    benchmark->rmses[1] = benchmark->aim.error > 0.0 ? benchmark->aim.error : 0.01;
+    benchmark->rmses[0] = 3.0 * benchmark->rmses[1];
     neph_progress_begin(&progress, "reference");
     enum neph_status status = prepare(benchmark, climbs, &reference, &progress, diag);
     if (!status) {
@@ -280,13 +273,6 @@ static json_t *rmse_times_json(const struct neph_benchmark_engine *engine)
     return times;
 }
 
-static json_t *law_json(const struct neph_rmse_law *law)
-{
-    const struct neph_benchmark_value bias2 = {law->bias2, law->bias2_low, law->bias2_high};
-    return json_pack("{s:o, s:o}", "slope", neph_json_number(law->slope), "bias2",
-                     value_json(bias2));
-}
-
 static json_t *engine_json(const struct neph_benchmark_engine *engine)
 {
     json_t *rungs = json_array();
@@ -298,17 +284,19 @@ static json_t *engine_json(const struct neph_benchmark_engine *engine)
                                 neph_json_number(neph_benchmark_paths_per_s(engine, k)), "noise2",
                                 rung->noise2, "error2", rung->error2, "bias2", rung->bias2));
     }
+    const struct neph_rmse_law *law = &engine->law;
+    const struct neph_benchmark_value bias2 = {law->bias2, law->bias2_low, law->bias2_high};
     char *settings = neph_settings_text(engine->job.engine, &engine->job.shot.settings);
     char *changes = neph_settings_changes(engine->job.engine, &engine->job.shot.settings,
                                           engine->preset);
-    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:s?, s:s, s:f, s:o, s:o, s:o, s:o, s:o, s:o}",
-                             "engine", engine->job.engine->name, "version",
-                             engine->job.info->version, "device", engine->job.info->device,
-                             "settings", settings ? settings : "", "preset", engine->preset,
-                             "changes", changes ? changes : "", "start_s", engine->start_s, "rungs",
-                             rungs, "cost_s", value_json(engine->cost_s), "times",
-                             value_json(engine->times), "bias", value_json(engine->bias), "law",
-                             law_json(&engine->law), "rmse_times", rmse_times_json(engine));
+    json_t *json = json_pack(
+        "{s:s, s:s, s:s, s:s, s:s?, s:s, s:f, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:o}", "engine",
+        engine->job.engine->name, "version", engine->job.info->version, "device",
+        engine->job.info->device, "settings", settings ? settings : "", "preset", engine->preset,
+        "changes", changes ? changes : "", "start_s", engine->start_s, "rungs", rungs, "cost_s",
+        value_json(engine->cost_s), "times", value_json(engine->times), "bias",
+        value_json(engine->bias), "law", "slope", neph_json_number(law->slope), "bias2",
+        value_json(bias2), "rmse_times", rmse_times_json(engine));
     free(changes);
     free(settings);
     return json;

@@ -100,14 +100,6 @@ static void conclude(const struct neph_flown *flown, double *room,
         conclude_pass(flown, pass, room, engine);
 }
 
-static bool rests(const struct neph_scene *scene)
-{
-    for (int i = 1; i < scene->frame_count; i++)
-        if (!neph_scene_is_same_moment(scene, 0, i))
-            return false;
-    return true;
-}
-
 /* Before a scene that rests: until the engine knows it, where it ever does, but at most 10 s. */
 static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct neph_diag *diag)
 {
@@ -115,7 +107,7 @@ static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct
     struct neph_flight_cost costs[REST_FRAMES];
     double frame_s[REST_FRAMES];
     enum neph_status status = NEPH_OK;
-    if (!is_on(job, "gradient") || is_on(job, "steady") || !rests(job->shot.scene))
+    if (!is_on(job, "gradient") || is_on(job, "steady") || !neph_scene_is_static(job->shot.scene))
         return NEPH_OK;
     for (int sent = 0; sent < REST_FRAMES_MAX && neph_wall_s() - start_s < limit_s && !status;
          sent += REST_FRAMES) {

@@ -51,12 +51,6 @@ struct pilot {
     double noise;                      /* NaN: not known */
 };
 
-static void finish_pilot(struct pilot *pilot)
-{
-    neph_job_result_finish(&pilot->results[0]);
-    neph_job_result_finish(&pilot->results[1]);
-}
-
 /* A small picture of the fewest samples, by two seeds where the engine draws random numbers. */
 static enum neph_status run_pilot(const struct neph_job *job, double budget_s,
                                   struct neph_store *store, struct pilot *pilot,
@@ -133,7 +127,8 @@ enum neph_status neph_budget_run(struct neph_job *job, double budget_s, struct n
         status = run_pilot(job, budget_s, store, &pilot, diag);
         if (!status && pilot.results[0].frame_path)
             explain(&pilot, &asked, budget_s, result);
-        finish_pilot(&pilot);
+        neph_job_result_finish(&pilot.results[0]);
+        neph_job_result_finish(&pilot.results[1]);
     }
     if (!status && result->outcome == NEPH_OUTCOME_RENDERED)
         write_note(job, &asked, budget_s, result->note);

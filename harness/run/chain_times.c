@@ -51,14 +51,6 @@ static void add(const struct neph_post_stats *stats, int repeat, seconds_of_repe
     }
 }
 
-static void conclude(seconds_of_repeats *seconds, int count, struct neph_chain_times *times)
-{
-    times->count = count;
-    for (int s = 0; s < NEPH_POST_STAGES_MAX; s++)
-        times->stages[s] = time_of(seconds[s], count);
-    times->all = time_of(seconds[NEPH_POST_STAGES_MAX], count);
-}
-
 enum neph_status neph_chain_take(struct neph_vulkan *vulkan, const struct neph_post_params *params,
                                  const struct neph_image *frame, int repeats, double limit_s,
                                  struct neph_image **picture, struct neph_post_stats *stats,
@@ -84,7 +76,10 @@ enum neph_status neph_chain_take(struct neph_vulkan *vulkan, const struct neph_p
             add(stats, count++, seconds);
     }
     if (!status) {
-        conclude(seconds, count, times);
+        times->count = count;
+        for (int s = 0; s < NEPH_POST_STAGES_MAX; s++)
+            times->stages[s] = time_of(seconds[s], count);
+        times->all = time_of(seconds[NEPH_POST_STAGES_MAX], count);
         *picture = made;
         if (params->eye)
             *params->eye = eye;

@@ -401,12 +401,6 @@ static enum neph_status set_legend(json_t *spec, const struct mark *marks, int c
                          families_json(marks, count), diag);
 }
 
-static enum neph_status set_title(json_t *spec, const char *title, struct neph_diag *diag)
-{
-    json_t *encoding = json_object_get(layer_named(spec, "title"), "encoding");
-    return neph_json_put(json_object_get(encoding, "text"), "value", json_string(title), diag);
-}
-
 static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_sweep_chart *chart,
                              const struct neph_sweep_chart_size *size, const struct mark *marks,
                              int count, json_t *spec, struct neph_diag *diag)
@@ -417,6 +411,7 @@ static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_s
     const struct place place = {x, y, size};
     struct neph_label *labels = NULL;
     json_t *points = json_array(), *data = json_object_get(spec, "datasets");
+    json_t *title = json_object_get(layer_named(spec, "title"), "encoding");
     for (int i = 0; i < count; i++)
         neph_json_add(&points, mark_json(sweep, &marks[i], x, y));
     enum neph_status status = neph_json_put(data, "points", points, diag);
@@ -448,7 +443,8 @@ static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_s
     if (!status)
         status = set_axis(spec, "y", y, NULL, diag);
     if (!status)
-        status = set_title(spec, neph_sweep_number_texts[chart->y].title, diag);
+        status = neph_json_put(json_object_get(title, "text"), "value",
+                               json_string(neph_sweep_number_texts[chart->y].title), diag);
     free(labels);
     return status;
 }

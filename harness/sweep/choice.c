@@ -299,21 +299,16 @@ static json_t *candidate_json(const struct neph_choice *choice,
     return json;
 }
 
-static json_t *asked_json(const struct neph_choice *choice)
-{
-    json_t *json = json_pack("{s:s}", "least", neph_choice_measures[choice->least].name);
-    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
-        neph_json_set(&json, neph_choice_measures[n].name, neph_json_number(choice->budget[n]));
-    return json;
-}
-
 json_t *neph_choice_json(const struct neph_choice *choice, const struct neph_flicker_study *study)
 {
     const struct neph_flicker_study_params *params = study->params;
     struct neph_configuration configuration = {.rescatters = false};
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", params->steps);
-    json_t *candidates = json_array(), *scenes = json_array();
+    json_t *candidates = json_array(), *scenes = json_array(),
+           *asked = json_pack("{s:s}", "least", neph_choice_measures[choice->least].name);
+    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
+        neph_json_set(&asked, neph_choice_measures[n].name, neph_json_number(choice->budget[n]));
     for (int i = 0; i < choice->candidate_count; i++)
         neph_json_add(&candidates, candidate_json(choice, study, i));
     for (int i = 0; i < params->scene_count; i++)
@@ -324,7 +319,7 @@ json_t *neph_choice_json(const struct neph_choice *choice, const struct neph_fli
                        : NULL;
     neph_json_set(&json, "preset", json_string(params->presets[choice->nearest]));
     neph_json_set(&json, "found", json_boolean(choice->chosen >= 0));
-    neph_json_set(&json, "asked", asked_json(choice));
+    neph_json_set(&json, "asked", asked);
     neph_json_set(&json, "device", json_string(study->device));
     neph_json_set(&json, "scenes", scenes);
     neph_json_set(&json, "candidates", candidates);

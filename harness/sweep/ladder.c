@@ -105,14 +105,6 @@ static const char all_steps[] = "8 16 32 64";
 /* As the plan that comes with neph. */
 enum { FRAMES = 48, WARM_UP = 16, TRUTH_SAMPLES = 256, ROUNDS = 3 };
 
-bool neph_ladder_is_still(const struct neph_scene *scene)
-{
-    for (int frame = 1; frame < scene->frame_count; frame++)
-        if (!neph_scene_is_same_moment(scene, 0, frame))
-            return false;
-    return true;
-}
-
 static bool is_same_camera(const struct neph_scene *scene, int frame)
 {
     const struct neph_camera first = neph_scene_camera(scene, 0.0),
@@ -141,57 +133,65 @@ bool neph_ladder_has_closed_form(const struct neph_scene *scene)
     return true;
 }
 
-/* `*text` with one more setting, which is NULL from then on when memory is short. */
-static void append(char **text, const char *setting)
+static void append(const char *setting, char held[NEPH_LADDER_HELD_SIZE])
 {
-    char *longer = *text && setting ? neph_format("%s%s%s", *text, (*text)[0] ? " " : "", setting)
-                                    : NULL;
-    if (setting) {
-        free(*text);
-        *text = longer;
-    }
+    const size_t used = strlen(held);
+    if (setting)
+        snprintf(held + used, NEPH_LADDER_HELD_SIZE - used, "%s%s", used ? " " : "", setting);
 }
 
-char *neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
-                       bool still, bool air)
+void neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
+                      bool still, bool air, char held[NEPH_LADDER_HELD_SIZE])
 {
-    char *text = strdup("");
-    append(&text, light->settings);
+    held[0] = '\0';
+    append(light->settings, held);
     for (const struct neph_ladder_part *part = neph_ladder_motion_parts; still && part->name;
          part++)
-        append(&text, neph_ladder_moves(scene, part->needed_by) ? NULL : part->off);
+        append(neph_ladder_moves(scene, part->needed_by) ? NULL : part->off, held);
     for (const struct neph_ladder_air *part = neph_ladder_air_parts; air && part->name; part++)
-        append(&text, neph_ladder_takes(part, scene, light) ? part->on : NULL);
-    return text;
+        append(neph_ladder_takes(part, scene, light) ? part->on : NULL, held);
 }
 
-static char *copy(const char *text, bool *is_short)
+static const char *copy(const char *text, bool *is_short)
 {
     char *made = text ? strdup(text) : NULL;
     *is_short |= text && !made;
     return made;
 }
 
-enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name, const char *engine,
-                                 const char *preset, const char *held, const char *steps,
-                                 int scattering, bool flicker, struct neph_diag *diag)
+enum neph_status neph_ladder_add(struct neph_sweep_plan *plan,
+                                 const struct neph_sweep_series *series, const char *steps,
+                                 struct neph_diag *diag)
 {
     struct neph_sweep_series *longer = realloc(plan->series,
                                                (size_t)(plan->series_count + 1) * sizeof(*longer));
+    const bool is_told = series->held && series->held[0];
     bool is_short = false;
     if (!longer)
         return neph_fail_memory(diag);
     plan->series = longer;
     longer[plan->series_count++] = (struct neph_sweep_series){
-        .name = copy(name, &is_short),
-        .engine = copy(engine, &is_short),
-        .preset = copy(preset, &is_short),
-        .held = copy(held && held[0] ? held : NULL, &is_short),
+        .name = copy(series->name, &is_short),
+        .engine = copy(series->engine, &is_short),
+        .preset = copy(series->preset, &is_short),
+        .held = copy(is_told ? series->held : NULL, &is_short),
         .varied = copy(steps ? "steps" : NULL, &is_short),
         .values = copy(steps, &is_short),
-        .flicker = flicker,
-        .scattering = scattering};
+        .flicker = series->flicker,
+        .scattering = series->scattering};
     return is_short ? neph_fail_memory(diag) : NEPH_OK;
+}
+
+/* A light of a pipeline: "ours+air, octaves". */
+static enum neph_status add(struct neph_sweep_plan *plan, const char *pipeline, const char *air,
+                            const struct neph_ladder_light *light, struct neph_sweep_series series,
+                            const char *steps, struct neph_diag *diag)
+{
+    char name[64];
+    snprintf(name, sizeof(name), "%s%s, %s", pipeline, air, light->name);
+    series.name = name;
+    series.scattering = light->scattering;
+    return neph_ladder_add(plan, &series, steps, diag);
 }
 
 static bool takes_any(const struct neph_scene *scene, const struct neph_ladder_light *light)
@@ -202,73 +202,35 @@ static bool takes_any(const struct neph_scene *scene, const struct neph_ladder_l
     return any;
 }
 
-/* A light of one preset of realtime, with the parts of the air or without. */
-static enum neph_status add_realtime(struct neph_sweep_plan *plan,
-                                     const struct neph_ladder_pipeline *pipeline,
-                                     const struct neph_ladder_light *light,
-                                     const struct neph_scene *scene, bool air,
-                                     struct neph_diag *diag)
-{
-    char *name = neph_format("%s%s, %s", pipeline->name, air ? "+air" : "", light->name);
-    char *held = neph_ladder_held(scene, light, true, air);
-    const enum neph_status status = name && held
-                                        ? neph_ladder_add(plan, name, "realtime", pipeline->preset,
-                                                          held, all_steps, light->scattering, true,
-                                                          diag)
-                                        : neph_fail_memory(diag);
-    free(held);
-    free(name);
-    return status;
-}
-
-static enum neph_status add_march(struct neph_sweep_plan *plan, const char *pipeline,
-                                  const struct neph_ladder_light *light, bool is_still,
-                                  struct neph_diag *diag)
-{
-    char *name = neph_format("%s, %s", pipeline, light->name);
-    const enum neph_status status = name ? neph_ladder_add(plan, name, light->march, NULL, NULL,
-                                                           all_steps, light->scattering, !is_still,
-                                                           diag)
-                                         : neph_fail_memory(diag);
-    free(name);
-    return status;
-}
-
-/* A light of one pipeline. */
+/* A light of one pipeline; of realtime also with the parts of the air, where there are any. */
 static enum neph_status add_rung(struct neph_sweep_plan *plan,
                                  const struct neph_ladder_pipeline *pipeline,
                                  const struct neph_ladder_light *light,
                                  const struct neph_scene *scene, struct neph_diag *diag)
 {
+    const struct neph_sweep_series march = {.engine = light->march,
+                                            .flicker = !neph_scene_is_static(scene)};
+    enum neph_status status = NEPH_OK;
     if (!pipeline->preset)
-        return add_march(plan, pipeline->name, light, neph_ladder_is_still(scene), diag);
-    enum neph_status status = add_realtime(plan, pipeline, light, scene, false, diag);
-    if (!status && takes_any(scene, light))
-        status = add_realtime(plan, pipeline, light, scene, true, diag);
-    return status;
-}
-
-static enum neph_status add_closed_form(struct neph_sweep_plan *plan,
-                                        const struct neph_ladder_light *light,
-                                        struct neph_diag *diag)
-{
-    char *name = neph_format("closed form, %s", light->name);
-    const enum neph_status status = name ? neph_ladder_add(plan, name, "exact", NULL, NULL, NULL,
-                                                           light->scattering, false, diag)
-                                         : neph_fail_memory(diag);
-    free(name);
+        return add(plan, pipeline->name, "", light, march, all_steps, diag);
+    for (int air = 0; air <= takes_any(scene, light) && !status; air++) {
+        char held[NEPH_LADDER_HELD_SIZE];
+        neph_ladder_held(scene, light, true, air, held);
+        const struct neph_sweep_series series = {
+            .engine = "realtime", .preset = pipeline->preset, .held = held, .flicker = true};
+        status = add(plan, pipeline->name, air ? "+air" : "", light, series, all_steps, diag);
+    }
     return status;
 }
 
 /* The user's own renderer, where there is one. */
 static enum neph_status add_guest(struct neph_sweep_plan *plan, struct neph_diag *diag)
 {
-    const struct neph_engine *guest = neph_engine_find("command");
+    const struct neph_sweep_series series = {
+        .name = "yours", .engine = "command", .flicker = true, .scattering = -1};
     struct neph_engine_info info;
-    neph_engine_probe(guest, NULL, &info);
-    return info.available
-               ? neph_ladder_add(plan, "yours", guest->name, NULL, NULL, NULL, -1, true, diag)
-               : NEPH_OK;
+    neph_engine_probe(neph_engine_find(series.engine), NULL, &info);
+    return info.available ? neph_ladder_add(plan, &series, NULL, diag) : NEPH_OK;
 }
 
 /* Engines for one kind of scene, where it is of that kind. */
@@ -280,9 +242,12 @@ static enum neph_status add_narrow(struct neph_sweep_plan *plan, const struct ne
         const struct neph_engine *engine = neph_engine_find(neph_ladder_narrow[i]);
         const struct neph_settings settings = neph_settings_default(engine);
         char why[256];
+        const struct neph_sweep_series series = {.name = engine->name,
+                                                 .engine = engine->name,
+                                                 .flicker = !neph_scene_is_static(scene),
+                                                 .scattering = -1};
         if (engine->can_render(scene, &settings, why, sizeof(why)))
-            status = neph_ladder_add(plan, engine->name, engine->name, NULL, NULL, NULL, -1,
-                                     !neph_ladder_is_still(scene), diag);
+            status = neph_ladder_add(plan, &series, NULL, diag);
     }
     return status;
 }
@@ -306,7 +271,8 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
     for (; light->name && closed && !late && !status; light++)
         if (light->scattering <= (int)scene->scattering &&
             light->scattering != NEPH_SCATTERING_MULTIPLE)
-            status = add_closed_form(plan, light, diag);
+            status = add(plan, "closed form", "", light,
+                         (struct neph_sweep_series){.engine = "exact"}, NULL, diag);
     for (light = neph_ladder_lights; light->name; light++)
         for (const struct neph_ladder_pipeline *pipeline = neph_ladder_pipelines;
              pipeline->name && !status; pipeline++)

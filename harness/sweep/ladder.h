@@ -57,13 +57,10 @@ bool neph_ladder_takes(const struct neph_ladder_air *part, const struct neph_sce
                        const struct neph_ladder_light *light);
 
 /* What realtime is told of a light: its settings, those without the motion that the scene has not
- * (`still`), and those of the parts that it needs (`air`). For the caller to free; NULL when memory
- * is short. */
-char *neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
-                       bool still, bool air);
-
-/* Whether no picture of the scene differs from another. */
-bool neph_ladder_is_still(const struct neph_scene *scene);
+ * (`still`), and those of the parts that it needs (`air`). */
+enum { NEPH_LADDER_HELD_SIZE = 256 };
+void neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
+                      bool still, bool air, char held[NEPH_LADDER_HELD_SIZE]);
 
 /* Whether all media have closed forms: homogeneous ones, and fogs. */
 bool neph_ladder_has_closed_form(const struct neph_scene *scene);
@@ -77,9 +74,10 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
                                   int height_px, struct neph_sweep_plan *plan,
                                   struct neph_diag *diag);
 
-/* One more series of a plan; texts are copied, NULL is none. `scattering` as in the plan. */
-enum neph_status neph_ladder_add(struct neph_sweep_plan *plan, const char *name, const char *engine,
-                                 const char *preset, const char *held, const char *steps,
-                                 int scattering, bool flicker, struct neph_diag *diag);
+/* One more series of a plan; texts are copied. `steps`: what its setting of that name is in its
+ * points; NULL: it is one point. */
+enum neph_status neph_ladder_add(struct neph_sweep_plan *plan,
+                                 const struct neph_sweep_series *series, const char *steps,
+                                 struct neph_diag *diag);
 
 #endif

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * A sweep as a table for people, as JSON and as CSV.
+ * A sweep as JSON and as a page: its charts in two sizes, its points, and how to make each again.
+ * The page opens from disk without a network.
  */
 #ifndef NEPH_HARNESS_SWEEP_OUTPUT_H
 #define NEPH_HARNESS_SWEEP_OUTPUT_H
 
 #include "harness/json.h"
 #include "harness/sweep/results.h"
+
+struct neph_report_folder;
 
 /* The command line that renders a point by hand; for the caller to free, NULL when memory is
  * short. */
@@ -19,12 +22,13 @@ const char *neph_sweep_device(const struct neph_sweep *sweep);
 /* How many points were rendered. */
 int neph_sweep_measured_count(const struct neph_sweep *sweep);
 
-void neph_sweep_print(const struct neph_sweep *sweep, FILE *out);
-
 /* As in scripts/report/README.md; for the caller to json_decref, NULL when it could not be made. */
 json_t *neph_sweep_json(const struct neph_sweep *sweep);
 
-/* A line for each point. */
-void neph_sweep_print_csv(const struct neph_sweep *sweep, FILE *out);
+/* Put the page into an open folder (harness/report/report_folder.h). Without node the still charts
+ * are missing, and the page and `told`, a line for people or "", say so. */
+enum neph_status neph_sweep_page_write(const struct neph_sweep *sweep,
+                                       const struct neph_report_folder *folder, char told[512],
+                                       struct neph_diag *diag);
 
 #endif

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/sweep/page.h"
+#include "harness/sweep/output.h"
 
 #include "base/files.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
 #include "harness/report/vega.h"
 #include "harness/sweep/chart.h"
-#include "harness/sweep/output.h"
 
 #include <stdio.h>
 #include <stdlib.h>

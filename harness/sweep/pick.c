@@ -9,6 +9,7 @@
 #include "harness/sweep/point.h"
 #include "harness/sweep/sweep.h"
 #include "renderer/sky/split.h"
+#include "scenes/motion.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -223,106 +224,94 @@ static enum neph_status start(struct work *work, bool late, struct neph_diag *di
 
 /* --- what is left out ----------------------------------------------------------------------- */
 
-/* The choice with something more, as one series more. */
-static enum neph_status add_variant(struct work *work, const char *what, const char *because,
-                                    const char *engine, const char *preset, const char *held,
-                                    const char *steps, int scattering, struct neph_diag *diag)
+/* What variants of the choice begin from. */
+struct chosen {
+    struct neph_sweep_series series;
+    const struct neph_ladder_light *light; /* NULL: of an engine for one kind of scene */
+    const char *steps;
+    bool is_realtime, has_air;
+};
+
+/* The choice with something more, or without something that it has, as one series more. */
+static enum neph_status add_variant(struct work *work, const char *because, bool is_kept,
+                                    struct neph_sweep_series series, const char *steps,
+                                    struct neph_diag *diag)
 {
     struct neph_pick *pick = work->pick;
-    if (pick->left_out_count == NEPH_PICK_LEFT_OUT_MAX)
-        return NEPH_OK;
-    struct neph_pick_left_out *left = &pick->left_out[pick->left_out_count++];
-    snprintf(left->what, sizeof(left->what), "%s", what);
+    struct neph_pick_left_out *left = &pick->left_out[pick->left_out_count];
+    if (pick->left_out_count++ == NEPH_PICK_LEFT_OUT_MAX)
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "more than %d variants", pick->left_out_count);
+    snprintf(left->what, sizeof(left->what), "%s", series.name);
     left->because = because;
-    const bool is_sequence = strcmp(engine, "realtime") == 0 || !pick->is_still;
-    return neph_ladder_add(&work->plan, what, engine, preset, held, steps, scattering, is_sequence,
-                           diag);
+    left->is_kept = is_kept;
+    series.flicker = strcmp(series.engine, "realtime") == 0 || !pick->is_still;
+    return neph_ladder_add(&work->plan, &series, steps, diag);
 }
 
-/* What was added last is something that the choice has. */
-static void mark_kept(struct work *work)
+/* The same pipeline with another light. */
+static enum neph_status add_light(struct work *work, const struct chosen *chosen, const char *what,
+                                  const struct neph_ladder_light *light, bool is_kept,
+                                  struct neph_diag *diag)
 {
-    work->pick->left_out[work->pick->left_out_count - 1].is_kept = true;
-}
-
-static const struct neph_ladder_light *light_of(const struct neph_sweep_series *series)
-{
-    const char *name = strchr(series->name, ','); /* "ours, octaves" */
-    const struct neph_ladder_light *light = neph_ladder_lights;
-    while (light->name && strcmp(light->name, name + 2) != 0)
-        light++;
-    return light;
-}
-
-static bool has_air(const struct neph_sweep_series *chosen)
-{
-    return strncmp(strchr(chosen->name, ',') - strlen("+air"), "+air", strlen("+air")) == 0;
+    char held[NEPH_LADDER_HELD_SIZE];
+    neph_ladder_held(work->scene, light, true, chosen->is_realtime && chosen->has_air, held);
+    const struct neph_sweep_series series = {
+        .name = what,
+        .engine = chosen->is_realtime ? "realtime" : light->march,
+        .preset = chosen->is_realtime ? chosen->series.preset : NULL,
+        .held = chosen->is_realtime ? held : NULL,
+        .scattering = light->scattering};
+    return add_variant(work, NULL, is_kept, series, chosen->steps, diag);
 }
 
 /* Lights that have more than the choice's, at the same pipeline and steps. */
-static enum neph_status add_lights(struct work *work, const struct neph_sweep_series *chosen,
-                                   const char *steps, struct neph_diag *diag)
+static enum neph_status add_lights(struct work *work, const struct chosen *chosen,
+                                   struct neph_diag *diag)
 {
-    const bool is_realtime = strcmp(chosen->engine, "realtime") == 0;
     enum neph_status status = NEPH_OK;
-    for (const struct neph_ladder_light *light = light_of(chosen) + 1; light->name && !status;
-         light++) {
-        if (light->scattering > (int)work->scene->scattering || light->is_late)
-            continue;
-        char *held = neph_ladder_held(work->scene, light, true, has_air(chosen));
-        status = held
-                     ? add_variant(work, light->name, NULL, is_realtime ? "realtime" : light->march,
-                                   is_realtime ? chosen->preset : NULL, is_realtime ? held : NULL,
-                                   steps, light->scattering, diag)
-                     : neph_fail_memory(diag);
-        free(held);
-    }
+    for (const struct neph_ladder_light *light = chosen->light + 1; light->name && !status; light++)
+        if (light->scattering <= (int)work->scene->scattering && !light->is_late)
+            status = add_light(work, chosen, light->name, light, false, diag);
     return status;
 }
 
 static const struct neph_ladder_light *light_named(const char *name)
 {
     const struct neph_ladder_light *light = neph_ladder_lights;
-    while (strcmp(light->name, name) != 0)
+    while (light->name && strcmp(light->name, name) != 0)
         light++;
     return light;
 }
 
 /* What the choice has and could do without: orders of scattering, every pixel's ray. */
-static enum neph_status add_kept(struct work *work, const struct neph_sweep_series *chosen,
-                                 const char *steps, struct neph_diag *diag)
+static enum neph_status add_kept(struct work *work, const struct chosen *chosen,
+                                 struct neph_diag *diag)
 {
-    const bool is_realtime = strcmp(chosen->engine, "realtime") == 0;
-    const struct neph_ladder_light *light = light_of(chosen), *once = light_named("scattered once");
-    char *single = neph_ladder_held(work->scene, once, true, is_realtime && has_air(chosen));
-    char *held = neph_ladder_held(work->scene, light, true, false);
-    enum neph_status status = held && single ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && light->scattering > once->scattering) {
-        status = add_variant(work, "light scattered more than once", NULL,
-                             is_realtime ? "realtime" : once->march,
-                             is_realtime ? chosen->preset : NULL, is_realtime ? single : NULL,
-                             steps, once->scattering, diag);
-        mark_kept(work);
-    }
-    if (!status && !is_realtime) {
-        status = add_variant(work, "every pixel's ray in every frame", NULL, "realtime",
-                             neph_ladder_pipelines[0].preset, held, steps, chosen->scattering,
-                             diag);
-        mark_kept(work);
-    }
-    free(held);
-    free(single);
-    return status;
+    const struct neph_ladder_light *once = light_named("scattered once");
+    char held[NEPH_LADDER_HELD_SIZE];
+    enum neph_status status = NEPH_OK;
+    if (chosen->light->scattering > once->scattering)
+        status = add_light(work, chosen, "light scattered more than once", once, true, diag);
+    if (status || chosen->is_realtime)
+        return status;
+    neph_ladder_held(work->scene, chosen->light, true, false, held);
+    const struct neph_sweep_series series = {.name = "every pixel's ray in every frame",
+                                             .engine = "realtime",
+                                             .preset = neph_ladder_pipelines[0].preset,
+                                             .held = held,
+                                             .scattering = chosen->series.scattering};
+    return add_variant(work, NULL, true, series, chosen->steps, diag);
 }
 
-static enum neph_status add_steps(struct work *work, const struct neph_sweep_series *chosen,
-                                  const char *steps, struct neph_diag *diag)
+static enum neph_status add_steps(struct work *work, const struct chosen *chosen,
+                                  struct neph_diag *diag)
 {
+    struct neph_sweep_series series = chosen->series;
     char more[16], what[48];
-    snprintf(more, sizeof(more), "%d", 2 * atoi(steps));
+    snprintf(more, sizeof(more), "%d", 2 * atoi(chosen->steps));
     snprintf(what, sizeof(what), "more steps: %s", more);
-    return add_variant(work, what, NULL, chosen->engine, chosen->preset, chosen->held, more,
-                       chosen->scattering, diag);
+    series.name = what;
+    return add_variant(work, NULL, false, series, more, diag);
 }
 
 /* Why parts for motion are left out; NULL: all are there. */
@@ -346,62 +335,44 @@ static const char *air_of_march(const struct neph_scene *scene)
 }
 
 /* What a shortcut saves, and the parts of it for motion. */
-static enum neph_status add_pipeline(struct work *work, const struct neph_sweep_series *chosen,
-                                     const char *steps, struct neph_diag *diag)
+static enum neph_status add_pipeline(struct work *work, const struct chosen *chosen,
+                                     struct neph_diag *diag)
 {
-    const struct neph_ladder_light *light = light_of(chosen);
-    enum neph_status status = add_variant(work, "a ray for every pixel, every frame", NULL,
-                                          light->march, NULL, air_of_march(work->scene), steps,
-                                          chosen->scattering, diag);
+    const struct neph_sweep_series march = {.name = "a ray for every pixel, every frame",
+                                            .engine = chosen->light->march,
+                                            .held = air_of_march(work->scene),
+                                            .scattering = chosen->series.scattering};
     const char *at_rest = what_rests(work);
-    char *held = neph_ladder_held(work->scene, light, false, has_air(chosen));
-    if (!status && !held)
-        status = neph_fail_memory(diag);
+    struct neph_sweep_series moving = chosen->series;
+    char held[NEPH_LADDER_HELD_SIZE];
+    enum neph_status status = add_variant(work, NULL, false, march, chosen->steps, diag);
+    neph_ladder_held(work->scene, chosen->light, false, chosen->has_air, held);
+    moving.name = "parts that only motion needs";
+    moving.held = held;
     if (!status && at_rest)
-        status = add_variant(work, "parts that only motion needs", at_rest, "realtime",
-                             chosen->preset, held, steps, chosen->scattering, diag);
-    free(held);
+        status = add_variant(work, at_rest, false, moving, chosen->steps, diag);
     return status;
-}
-
-/* `settings` without one of them. */
-static char *settings_without(const char *settings, const char *one)
-{
-    const char *found = strstr(settings, one);
-    const size_t before = found ? (size_t)(found - settings) : strlen(settings);
-    return neph_format("%.*s%s", (int)before, settings, found ? found + strlen(one) : "");
 }
 
 /* A part of the air: what it buys where the choice has it, else what it would. A scene that does
  * not need it is asked, too. */
-static enum neph_status add_air(struct work *work, const struct neph_sweep_series *chosen,
-                                const struct neph_ladder_air *part, const char *steps,
-                                struct neph_diag *diag)
+static enum neph_status add_air(struct work *work, const struct chosen *chosen,
+                                const struct neph_ladder_air *part, struct neph_diag *diag)
 {
-    const struct neph_ladder_light *light = light_of(chosen);
-    const bool needed = part->is_needed(work->scene), is_there = strstr(chosen->held, part->on);
-    if (light->scattering == NEPH_SCATTERING_NONE ||
-        (needed && !is_there && !neph_ladder_takes(part, work->scene, light)))
+    struct neph_sweep_series series = chosen->series;
+    const char *own = series.held ? series.held : "", *found = strstr(own, part->on);
+    const bool needed = part->is_needed(work->scene);
+    const size_t before = found ? (size_t)(found - own) : strlen(own);
+    char held[NEPH_LADDER_HELD_SIZE];
+    if (chosen->light->scattering == NEPH_SCATTERING_NONE ||
+        (needed && !found && !neph_ladder_takes(part, work->scene, chosen->light)))
         return NEPH_OK;
-    char *held = is_there ? settings_without(chosen->held, part->on)
-                          : neph_format("%s %s", chosen->held, part->on);
-    const enum neph_status status =
-        held ? add_variant(work, part->name, needed ? NULL : part->absent, "realtime",
-                           chosen->preset, held, steps, chosen->scattering, diag)
-             : neph_fail_memory(diag);
-    if (!status && is_there)
-        mark_kept(work);
-    free(held);
-    return status;
-}
-
-/* Engine sky stands alone: no march has what it renders. */
-static enum neph_status add_march_beside(struct work *work, const char *engine, const char *steps,
-                                         struct neph_diag *diag)
-{
-    return strcmp(engine, "sky") == 0 ? NEPH_OK
-                                      : add_variant(work, "a ray march of 32 steps", NULL, "march",
-                                                    NULL, NULL, steps, -1, diag);
+    snprintf(held, sizeof(held), "%.*s%s%s", (int)before, own, found ? "" : " ",
+             found ? found + strlen(part->on) : part->on);
+    series.name = part->name;
+    series.held = held;
+    return add_variant(work, needed ? NULL : part->absent, found != NULL, series, chosen->steps,
+                       diag);
 }
 
 static bool is_by_itself(const char *engine)
@@ -412,30 +383,44 @@ static bool is_by_itself(const char *engine)
     return strcmp(engine, "command") == 0;
 }
 
-static enum neph_status add_variants(struct work *work, int chosen, struct neph_diag *diag)
+/* Beside an engine that has no ladder. */
+static enum neph_status add_march(struct work *work, const char *because, const char *engine,
+                                  const char *steps, int scattering, struct neph_diag *diag)
+{
+    const struct neph_sweep_series series = {
+        .name = "a ray march of 32 steps", .engine = engine, .scattering = scattering};
+    return add_variant(work, because, false, series, steps, diag);
+}
+
+static enum neph_status add_variants(struct work *work, int index, struct neph_diag *diag)
 {
     /* A copy: the list of series grows. */
-    const struct neph_sweep_series series = work->plan.series[chosen / NEPH_SWEEP_VALUES_MAX];
+    struct chosen chosen = {.series = work->plan.series[index / NEPH_SWEEP_VALUES_MAX]};
+    const char *engine = chosen.series.engine, *comma = strchr(chosen.series.name, ',');
     char label[NEPH_SWEEP_LABEL_SIZE];
-    neph_sweep_value(&series, chosen % NEPH_SWEEP_VALUES_MAX, label);
-    const char *steps = label[0] ? strchr(label, '=') + 1 : "32";
+    neph_sweep_value(&chosen.series, index % NEPH_SWEEP_VALUES_MAX, label);
+    chosen.steps = label[0] ? strchr(label, '=') + 1 : "32";
+    if (strcmp(engine, "sky") == 0) /* no march has what it renders */
+        return NEPH_OK;
+    if (is_by_itself(engine))
+        return add_march(work, NULL, "march", chosen.steps, -1, diag);
+    chosen.light = light_named(comma + 2); /* "ours+air, octaves" */
+    chosen.has_air = strncmp(comma - strlen("+air"), "+air", strlen("+air")) == 0;
+    chosen.is_realtime = strcmp(engine, "realtime") == 0;
+    if (strcmp(engine, "exact") == 0)
+        return add_march(work, "the closed form has no steps", chosen.light->march, chosen.steps,
+                         chosen.series.scattering, diag);
     enum neph_status status = NEPH_OK;
-    if (is_by_itself(series.engine))
-        return add_march_beside(work, series.engine, steps, diag);
-    if (strcmp(series.engine, "exact") == 0)
-        return add_variant(work, "a ray march of 32 steps", "the closed form has no steps",
-                           light_of(&series)->march, NULL, NULL, steps, series.scattering, diag);
-    const bool is_realtime = strcmp(series.engine, "realtime") == 0;
-    if (is_realtime)
-        status = add_pipeline(work, &series, steps, diag);
+    if (chosen.is_realtime)
+        status = add_pipeline(work, &chosen, diag);
     for (const struct neph_ladder_air *part = neph_ladder_air_parts;
-         is_realtime && part->name && !status; part++)
-        status = add_air(work, &series, part, steps, diag);
+         chosen.is_realtime && part->name && !status; part++)
+        status = add_air(work, &chosen, part, diag);
     if (!status)
-        status = add_kept(work, &series, steps, diag);
+        status = add_kept(work, &chosen, diag);
     if (!status)
-        status = add_steps(work, &series, steps, diag);
-    return status ? status : add_lights(work, &series, steps, diag);
+        status = add_steps(work, &chosen, diag);
+    return status ? status : add_lights(work, &chosen, diag);
 }
 
 static enum neph_status weigh_what_is_left_out(struct work *work, int chosen,
@@ -500,7 +485,7 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
     enum neph_status status = work.entries ? neph_data_load_scene(params->scene, &work.scene, diag)
                                            : neph_fail_memory(diag);
     if (!status) {
-        pick->is_still = neph_ladder_is_still(work.scene);
+        pick->is_still = neph_scene_is_static(work.scene);
         status = choose(&work, diag);
     }
     if (!status && pick->measured == 0)
@@ -509,107 +494,4 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
     neph_scene_destroy(work.scene);
     free(work.entries);
     return status;
-}
-
-/* --- output --------------------------------------------------------------------------------- */
-
-static void print_numbers(const struct neph_pick_point *point, FILE *out)
-{
-    fprintf(out, "error %.3g, flicker %.3g, ", point->error, point->flicker);
-    if (point->is_closed)
-        fprintf(out, "no marched samples");
-    else if (isnan(point->evaluations))
-        fprintf(out, "evaluations not counted");
-    else
-        fprintf(out, "%.3g evaluations/px", point->evaluations);
-    if (!isnan(point->time.median))
-        fprintf(out, ", %.3g ms", 1e3 * point->time.median);
-}
-
-static void print_asked(const struct neph_pick_params *params, FILE *out)
-{
-    const char *comma = "";
-    const struct {
-        const char *what;
-        double most;
-    } asked[] = {
-        {"error", params->error}, {"flicker", params->flicker}, {"ms", 1e3 * params->time_s}};
-    for (size_t i = 0; i < sizeof(asked) / sizeof(asked[0]); i++)
-        if (!isnan(asked[i].most)) {
-            fprintf(out, "%s%s %.3g", comma, asked[i].what, asked[i].most);
-            comma = ", ";
-        }
-}
-
-static void print_variants(const struct neph_pick *pick, bool kept, const char *title, FILE *out)
-{
-    for (int i = 0; i < pick->left_out_count; i++) {
-        const struct neph_pick_left_out *left = &pick->left_out[i];
-        if (left->is_kept != kept)
-            continue;
-        if (title)
-            fprintf(out, "\n%s:\n", title);
-        title = NULL; /* once */
-        fprintf(out, "  %-34s ", left->what);
-        if (isnan(left->with.error))
-            fprintf(out, "cannot be rendered with this light");
-        else
-            print_numbers(&left->with, out);
-        fprintf(out, "%s%s%s\n", left->because ? " (" : "", left->because ? left->because : "",
-                left->because ? ")" : "");
-    }
-}
-
-void neph_pick_print(const struct neph_pick_params *params, const struct neph_pick *pick, FILE *out)
-{
-    fprintf(out, "asked: ");
-    print_asked(params, out);
-    fprintf(out, ", at %d x %d; truth: %s, noise %.2g\n", params->width_px, params->height_px,
-            pick->truth, pick->floor);
-    fprintf(out, pick->found ? "%s: " : "none is good enough; best is %s: ", pick->chosen.name);
-    print_numbers(&pick->chosen, out);
-    fprintf(out, "\n");
-    print_variants(pick, false, "left out, and what comes of it with each", out);
-    print_variants(pick, true, "kept, and what would come of it without", out);
-    fprintf(out, "\n%d configurations looked at, %d pictures or sequences of them measured; %s\n",
-            pick->looked_at, pick->measured, pick->device);
-    if (!isnan(params->error) && pick->floor > 0.5 * params->error)
-        fprintf(out, "the truth's noise is more than half of the error that was asked for: what "
-                     "is said of errors is not certain\n");
-}
-
-static json_t *point_json(const struct neph_pick_point *point)
-{
-    json_t *json = neph_configuration_json(&point->configuration);
-    neph_json_set(&json, "name", json_string(point->name));
-    neph_json_set(&json, "error", neph_json_number(point->error));
-    neph_json_set(&json, "flicker", neph_json_number(point->flicker));
-    neph_json_set(&json, "evaluations", neph_json_number(point->evaluations));
-    neph_json_set(&json, "seconds", neph_json_number(point->time.median));
-    return json;
-}
-
-json_t *neph_pick_json(const struct neph_pick_params *params, const struct neph_pick *pick)
-{
-    json_t *json = point_json(&pick->chosen), *left_out = json_array(), *kept = json_array();
-    for (int i = 0; i < pick->left_out_count; i++) {
-        const struct neph_pick_left_out *left = &pick->left_out[i];
-        neph_json_add(left->is_kept ? &kept : &left_out,
-                      json_pack("{s:s, s:s?, s:o}", "what", left->what, "because", left->because,
-                                left->is_kept ? "without" : "with", point_json(&left->with)));
-    }
-    neph_json_set(&json, "found", json_boolean(pick->found));
-    neph_json_set(&json, "scene", json_string(params->scene));
-    neph_json_set(&json, "asked",
-                  json_pack("{s:o, s:o, s:o}", "error", neph_json_number(params->error), "flicker",
-                            neph_json_number(params->flicker), "seconds",
-                            neph_json_number(params->time_s)));
-    neph_json_set(&json, "width_px", json_integer(params->width_px));
-    neph_json_set(&json, "height_px", json_integer(params->height_px));
-    neph_json_set(&json, "truth", json_string(pick->truth));
-    neph_json_set(&json, "truth_noise", neph_json_number(pick->floor));
-    neph_json_set(&json, "device", json_string(pick->device));
-    neph_json_set(&json, "left_out", left_out);
-    neph_json_set(&json, "kept", kept);
-    return json;
 }

@@ -63,11 +63,4 @@ struct neph_pick {
 enum neph_status neph_pick_run(const struct neph_pick_params *params, struct neph_store *store,
                                struct neph_pick *pick, struct neph_diag *diag);
 
-void neph_pick_print(const struct neph_pick_params *params, const struct neph_pick *pick,
-                     FILE *out);
-
-/* The configuration of the choice (harness/run/configuration.h) with all that was found beside it;
- * for the caller to json_decref. */
-json_t *neph_pick_json(const struct neph_pick_params *params, const struct neph_pick *pick);
-
 #endif

@@ -23,14 +23,15 @@ enum {
 
 /* Texts are owned. */
 struct neph_sweep_series {
-    char *name;   /* in tables and legends, unique */
-    char *engine; /* one of neph_engines */
-    char *preset; /* "NAME" or "NAME+KEY=VALUE+..."; NULL: none */
-    char *held;   /* settings "KEY=VALUE KEY=VALUE" of all its points; NULL: none */
-    char *varied; /* the setting that changes; NULL: the series is one point */
-    char *values; /* what it is set to, parted by spaces, in the order of the line */
+    const char *name;   /* in tables and legends, unique */
+    const char *engine; /* one of neph_engines */
+    const char *preset; /* "NAME" or "NAME+KEY=VALUE+..."; NULL: none */
+    const char *held;   /* settings "KEY=VALUE KEY=VALUE" of all its points; NULL: none */
+    const char *varied; /* the setting that changes; NULL: the series is one point */
+    const char *values; /* what it is set to, parted by spaces, in the order of the line */
     bool flicker; /* rendered as a sequence, as what has a history is, and its flicker measured */
-    char *lag_at; /* values of `varied` at which that is done again with a step of the sun; NULL: at
+    const char
+        *lag_at; /* values of `varied` at which that is done again with a step of the sun; NULL: at
                      none */
     int scattering; /* the scene as if it had these orders of scattering: enum neph_scattering; -1:
                        those that it has */

@@ -146,10 +146,11 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
     return viewing;
 }
 
-/* What one seed's sequence has: numbers of the document, and the error of its last picture. */
+/* What one seed's sequence has: numbers of the document, and the error of its last picture, whose
+ * evaluations are the point's where `counts`. */
 static enum neph_status read_sequence(struct neph_sweep_bench *bench,
-                                      const struct neph_sweep_point *point,
-                                      const struct neph_take *take, const char *folder,
+                                      struct neph_sweep_point *point, const struct neph_take *take,
+                                      const char *folder, bool counts,
                                       struct neph_sweep_value numbers[NEPH_SWEEP_NUMBERS],
                                       struct neph_diag *diag)
 {
@@ -167,25 +168,11 @@ static enum neph_status read_sequence(struct neph_sweep_bench *bench,
             bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
         status = neph_sweep_truth_error(bench->truth, last, &numbers[NEPH_SWEEP_ERROR], diag);
     }
+    if (!status && counts)
+        status = neph_sweep_point_count(last, point, diag);
     json_decref(document);
     free(last);
     return status;
-}
-
-/* The evaluations are those of the first seed. */
-static enum neph_status count_sequence(const char *folder, struct neph_sweep_point *point,
-                                       struct neph_diag *diag)
-{
-    char *last = neph_path_join(folder, "frame.exr");
-    const enum neph_status status = last ? neph_sweep_point_count(last, point, diag)
-                                         : neph_fail_memory(diag);
-    free(last);
-    return status;
-}
-
-static int seed_count_of(const struct neph_sweep_bench *bench, const struct neph_sweep_point *point)
-{
-    return point->job.engine->stochastic ? bench->plan->seed_count : 1;
 }
 
 static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
@@ -205,7 +192,7 @@ static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
                              .reading_count = 1,
                              .frozen_is_fine = true};
     struct neph_sweep_value of_seeds[NEPH_SWEEP_SEEDS_MAX][NEPH_SWEEP_NUMBERS];
-    const int seed_count = seed_count_of(bench, point);
+    const int seed_count = point->job.engine->stochastic ? bench->plan->seed_count : 1;
     enum neph_status status = have_reference(bench, &point->job, bench->frame_count, &bench->still,
                                              diag);
     for (int i = 0; i < seed_count && !status; i++) {
@@ -215,9 +202,7 @@ static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
         memcpy(of_seeds[i], point->numbers, sizeof(of_seeds[i]));
         status = neph_take_run(&take, bench->store, &folder, &record, diag);
         if (!status)
-            status = read_sequence(bench, point, &take, folder, of_seeds[i], diag);
-        if (!status && i == 0)
-            status = count_sequence(folder, point, diag);
+            status = read_sequence(bench, point, &take, folder, i == 0, of_seeds[i], diag);
         json_decref(record);
         free(folder);
     }

@@ -291,21 +291,13 @@ static enum neph_status count_points(struct neph_worker *worker, void *context,
     return status;
 }
 
-static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
-{
-    (void)text;
-    (void)context;
-    (void)diag;
-    return NEPH_OK;
-}
-
 static enum neph_status count_all(struct work *work, struct neph_diag *diag)
 {
     struct neph_scaling *scaling = work->scaling;
     work->progress.kind = KIND_POINT;
     if (work->params->jobs > 1)
         neph_shared_device_close(work->params->device); /* workers open their own */
-    enum neph_status status = neph_pool_run(work->params->jobs, count_points, hear, work, diag);
+    enum neph_status status = neph_pool_run(work->params->jobs, count_points, NULL, work, diag);
     for (int i = 0; i < scaling->line_count && !status; i++)
         if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
             work->progress.kind = KIND_PICTURES;
@@ -365,16 +357,21 @@ static enum neph_status make_plan(struct work *work, struct neph_diag *diag)
 {
     const struct neph_scaling_params *params = work->params;
     struct neph_sweep_plan *plan = &work->plan;
+    const struct neph_sweep_series march = {.name = "march", .engine = "march", .scattering = -1};
+    const struct neph_sweep_series realtime = {.name = params->preset,
+                                               .engine = "realtime",
+                                               .preset = params->preset,
+                                               .flicker = true,
+                                               .scattering = -1};
     *plan = (struct neph_sweep_plan){.title = strdup("scaling"),
                                      .light = strdup("octaves"),
                                      .round_count = ROUNDS,
                                      .seed_count = 1};
     enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
-        status = neph_ladder_add(plan, "march", "march", NULL, NULL, NULL, -1, false, diag);
+        status = neph_ladder_add(plan, &march, NULL, diag);
     if (!status)
-        status = neph_ladder_add(plan, params->preset, "realtime", params->preset, NULL, NULL, -1,
-                                 true, diag);
+        status = neph_ladder_add(plan, &realtime, NULL, diag);
     for (int i = 0; i < plan->series_count && !status; i++) {
         struct neph_job job;
         struct neph_engine_info *info = &work->infos[i];
@@ -449,4 +446,18 @@ enum neph_status neph_scaling_run(const struct neph_scaling_params *params,
     neph_scene_destroy(work.scene);
     free(work.points);
     return status;
+}
+
+enum neph_status neph_scaling_load(const char *path, json_t **document, struct neph_diag *diag)
+{
+    json_error_t error;
+    json_t *loaded = json_load_file(path, 0, &error);
+    if (!loaded)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path, error.text);
+    if (strcmp(neph_json_text(loaded, "format"), "neph-scaling-1") != 0) {
+        json_decref(loaded);
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds no scaling", path);
+    }
+    *document = loaded;
+    return NEPH_OK;
 }

@@ -77,21 +77,8 @@ enum neph_status neph_scaling_run(const struct neph_scaling_params *params,
 /* Exponents and verdicts from the points. */
 void neph_scaling_judge(struct neph_scaling *scaling);
 
-void neph_scaling_print(const struct neph_scaling *scaling, FILE *out);
-
-/* {"format": "neph-scaling-1", ...}, docs/sweep.md; for the caller to json_decref. */
-json_t *neph_scaling_json(const struct neph_scaling *scaling);
-
-/* The JSON of an earlier run, to json_decref. NEPH_ERR_INPUT: the file holds none. */
+/* The JSON of an earlier run, {"format": "neph-scaling-1", ...}, docs/sweep.md; to json_decref.
+ * NEPH_ERR_INPUT: the file holds none. */
 enum neph_status neph_scaling_load(const char *path, json_t **document, struct neph_diag *diag);
-
-/* NEPH_ERR_INPUT: it is of another scene or size, so of other pictures. `path` is for words. */
-enum neph_status neph_scaling_check_against(const struct neph_scaling *scaling,
-                                            const json_t *document, const char *path,
-                                            struct neph_diag *diag);
-
-/* Times of the same pictures on another device: by what factor each is slower or faster. */
-void neph_scaling_print_against(const struct neph_scaling *scaling, const json_t *document,
-                                FILE *out);
 
 #endif

@@ -2,6 +2,7 @@
 #include "harness/sweep/stability.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_STABILITY_OUTCOMES == 5, "a new kind");
@@ -111,89 +112,56 @@ enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps
 
 /* --- all ------------------------------------------------------------------------------------ */
 
-/* A point and a number by which it is on a front somewhere. */
-struct verdict {
-    const struct neph_sweep_point *point;
-    enum neph_sweep_number number;
-    enum neph_stability_outcome outcome;
-    int on;
-    double off; /* at most, as a part */
-};
-typedef void seen(const struct verdict *verdict, void *context);
-
-static void walk(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost, seen *see,
-                 void *context)
+json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost)
 {
+    json_t *points = json_array();
+    int moved = 0;
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         for (int i = 0; i < sweeps[0].point_count; i++) {
             const enum neph_sweep_number number = (enum neph_sweep_number)n;
+            const struct neph_sweep_point *point = &sweeps[0].points[i];
             const int on = count_fronts(sweeps, count, i, number);
             if (on == 0)
                 continue;
-            const struct verdict verdict = {
-                .point = &sweeps[0].points[i],
-                .number = number,
-                .outcome = neph_stability_judge(sweeps, count, i, cost, number),
-                .on = on,
-                .off = neph_stability_off(sweeps, count, i, cost, number)};
-            see(&verdict, context);
+            const enum neph_stability_outcome outcome = neph_stability_judge(sweeps, count, i, cost,
+                                                                             number);
+            moved += outcome == NEPH_STABILITY_MOVED;
+            neph_json_add(&points, json_pack("{s:s, s:s, s:s, s:s, s:i, s:f}", "series",
+                                             point->series->name, "label", point->label, "number",
+                                             neph_sweep_number_texts[n].name, "outcome",
+                                             neph_stability_words[outcome], "on_fronts", on, "off",
+                                             neph_stability_off(sweeps, count, i, cost, number)));
         }
-}
-
-struct print {
-    FILE *out;
-    int count, counts[NEPH_STABILITY_OUTCOMES];
-};
-
-static void print_one(const struct verdict *verdict, void *context)
-{
-    struct print *print = context;
-    print->counts[verdict->outcome]++;
-    if (verdict->outcome != NEPH_STABILITY_ON)
-        fprintf(print->out, "%-10s %-16s %-14s on %d of %d, else off by %.2g %%: %s\n",
-                neph_sweep_number_texts[verdict->number].name, verdict->point->series->name,
-                verdict->point->label, verdict->on, print->count, 100.0 * verdict->off,
-                neph_stability_words[verdict->outcome]);
-}
-
-void neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost,
-                          FILE *out)
-{
-    struct print print = {out, count, {0}};
-    fprintf(out, "%s: fronts of %d sweeps, each with a seed and a store of its own, by %s\n",
-            sweeps[0].scene->name, count, cost == NEPH_SWEEP_COST_TIME ? "time" : "evaluations");
-    walk(sweeps, count, cost, print_one, &print);
-    fprintf(out, "on a front in all: %d; within each other's intervals: %d; moved: %d",
-            print.counts[NEPH_STABILITY_ON], print.counts[NEPH_STABILITY_WITHIN],
-            print.counts[NEPH_STABILITY_MOVED]);
-    if (print.counts[NEPH_STABILITY_ABSENT] > 0)
-        fprintf(out, "; not measured in one of them: %d", print.counts[NEPH_STABILITY_ABSENT]);
-    fprintf(out, "\n");
-}
-
-struct list {
-    json_t *points;
-    int moved;
-};
-
-static void list_one(const struct verdict *verdict, void *context)
-{
-    struct list *list = context;
-    list->moved += verdict->outcome == NEPH_STABILITY_MOVED;
-    neph_json_add(&list->points,
-                  json_pack("{s:s, s:s, s:s, s:s, s:i, s:f}", "series",
-                            verdict->point->series->name, "label", verdict->point->label, "number",
-                            neph_sweep_number_texts[verdict->number].name, "outcome",
-                            neph_stability_words[verdict->outcome], "on_fronts", verdict->on, "off",
-                            verdict->off));
-}
-
-json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost)
-{
-    struct list list = {json_array(), 0};
-    walk(sweeps, count, cost, list_one, &list);
     return json_pack("{s:s, s:s, s:i, s:s, s:i, s:o}", "format", "neph-stability-1", "scene",
                      sweeps[0].scene->name, "sweeps", count, "cost",
-                     cost == NEPH_SWEEP_COST_TIME ? "seconds" : "evaluations", "moved", list.moved,
-                     "points", list.points);
+                     cost == NEPH_SWEEP_COST_TIME ? "seconds" : "evaluations", "moved", moved,
+                     "points", points);
+}
+
+void neph_stability_print(const json_t *stability, FILE *out)
+{
+    const json_t *points = json_object_get(stability, "points"), *point;
+    const int count = (int)json_integer_value(json_object_get(stability, "sweeps"));
+    const bool is_timed = strcmp(neph_json_text(stability, "cost"), "seconds") == 0;
+    int counts[NEPH_STABILITY_OUTCOMES] = {0};
+    size_t index;
+    fprintf(out, "%s: fronts of %d sweeps, each with a seed and a store of its own, by %s\n",
+            neph_json_text(stability, "scene"), count, is_timed ? "time" : "evaluations");
+    json_array_foreach(points, index, point)
+    {
+        const char *outcome = neph_json_text(point, "outcome");
+        for (int i = 0; i < NEPH_STABILITY_OUTCOMES; i++)
+            counts[i] += strcmp(outcome, neph_stability_words[i]) == 0;
+        if (strcmp(outcome, neph_stability_words[NEPH_STABILITY_ON]) != 0)
+            fprintf(out, "%-10s %-16s %-14s on %d of %d, else off by %.2g %%: %s\n",
+                    neph_json_text(point, "number"), neph_json_text(point, "series"),
+                    neph_json_text(point, "label"),
+                    (int)json_integer_value(json_object_get(point, "on_fronts")), count,
+                    100.0 * neph_json_real(point, "off"), outcome);
+    }
+    fprintf(out, "on a front in all: %d; within each other's intervals: %d; moved: %d",
+            counts[NEPH_STABILITY_ON], counts[NEPH_STABILITY_WITHIN], counts[NEPH_STABILITY_MOVED]);
+    if (counts[NEPH_STABILITY_ABSENT] > 0)
+        fprintf(out, "; not measured in one of them: %d", counts[NEPH_STABILITY_ABSENT]);
+    fprintf(out, "\n");
 }

@@ -35,12 +35,11 @@ enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps
 double neph_stability_off(const struct neph_sweep *sweeps, int count, int point,
                           enum neph_sweep_cost cost, enum neph_sweep_number number);
 
-/* Points that are on some fronts, and how many there are of each sort. */
-void neph_stability_print(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost,
-                          FILE *out);
-
 /* {"format": "neph-stability-1", "sweeps", "cost", "moved", "points": [{"series", "label",
  * "number", "outcome", "on_fronts", "off"}, ...]}, of points on a front; for the caller. */
 json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum neph_sweep_cost cost);
+
+/* That for people: points that are on some fronts, and how many there are of each outcome. */
+void neph_stability_print(const json_t *stability, FILE *out);
 
 #endif

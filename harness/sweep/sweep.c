@@ -8,8 +8,8 @@
 #include "harness/experiment/pool.h"
 #include "harness/sweep/equal.h"
 #include "harness/sweep/front.h"
-#include "harness/sweep/ladder.h"
 #include "harness/sweep/timing.h"
+#include "scenes/motion.h"
 #include "scenes/rescatter.h"
 
 #include <math.h>
@@ -31,7 +31,7 @@ static enum neph_status choose_frames(struct neph_sweep *sweep, struct neph_diag
     const int most = sweep->scene->frame_count / 4 * 4;
     sweep->frame_count = plan->frame_count;
     sweep->frame = 0;
-    if (neph_ladder_is_still(sweep->scene))
+    if (neph_scene_is_static(sweep->scene))
         return NEPH_OK;
     if (most < sweep->frame_count)
         sweep->frame_count = most;
@@ -210,18 +210,21 @@ static enum neph_status measure_point(struct neph_sweep_bench *bench,
 struct measuring {
     struct neph_sweep_bench *bench;
     struct neph_sweep_point **order; /* of points */
-    int count;
+    int count, group_count;
     struct neph_shared_device *device;
     struct neph_progress progress; /* of the workers */
 };
 
-/* The point behind those that share a reference with the point at `first`. */
-static int end_of_group(const struct measuring *all, int first)
+/* Where the points of a group begin, which share a reference; `count`: there are no more groups. */
+static int start_of_group(const struct measuring *all, int group)
 {
-    int end = first + 1;
-    while (end < all->count && strcmp(all->order[end]->label, all->order[first]->label) == 0)
-        end++;
-    return end;
+    int start = 0;
+    for (int i = 1; i <= all->count && group > 0; i++)
+        if (i == all->count || strcmp(all->order[i]->label, all->order[i - 1]->label) != 0) {
+            start = i;
+            group--;
+        }
+    return start;
 }
 
 /* A picture that is rendered whole may be timed by what it costs then: it is rendered alone. */
@@ -237,15 +240,12 @@ static enum neph_status measure_groups(struct neph_worker *worker, const struct 
     enum neph_status status = NEPH_OK;
     struct neph_progress quiet = neph_progress_start(true, 0);
     all->bench->progress = &quiet;
-    int group = neph_worker_next(worker), first = 0;
-    for (int g = 0; first < all->count && !status; g++, first = end_of_group(all, first)) {
-        if (g < group)
-            continue;
-        for (int i = first; i < end_of_group(all, first) && !status; i++)
+    for (int group; !status && (group = neph_worker_next(worker)) < all->group_count;) {
+        const int start = start_of_group(all, group), end = start_of_group(all, group + 1);
+        for (int i = start; i < end && !status; i++)
             if (is_for_workers(all->order[i]))
                 status = measure_point(all->bench, all->order[i], diag);
-        neph_worker_tell(worker, all->order[first]->label);
-        group = neph_worker_next(worker);
+        neph_worker_tell(worker, all->order[start]->series->name);
     }
     neph_shared_device_close(all->device);
     return status;
@@ -284,17 +284,16 @@ static enum neph_status measure_points(struct neph_sweep_bench *bench, struct ne
     enum neph_status status = all.order ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; i < all.count && !status; i++)
         all.order[i] = &sweep->points[i];
-    if (!status)
+    if (!status) {
         qsort(all.order, (size_t)all.count, sizeof(*all.order), by_reference);
-    int groups = 0;
-    for (int first = 0; first < all.count && !status; first = end_of_group(&all, first))
-        groups++;
-    neph_progress_expect(&all.progress, 0, groups, 0.0);
-    const int jobs = params->jobs < groups ? params->jobs : groups;
-    if (jobs > 1)
-        neph_shared_device_close(params->device); /* workers open their own */
-    if (!status)
+        while (start_of_group(&all, all.group_count) < all.count)
+            all.group_count++;
+        neph_progress_expect(&all.progress, 0, all.group_count, 0.0);
+        const int jobs = params->jobs < all.group_count ? params->jobs : all.group_count;
+        if (jobs > 1)
+            neph_shared_device_close(params->device); /* workers open their own */
         status = neph_pool_run(jobs, measure_all, hear, &all, diag);
+    }
     free(all.order);
     return status;
 }
@@ -321,14 +320,6 @@ static enum neph_status find_fronts(struct neph_sweep *sweep, bool untimed, stru
 }
 
 /* --- the whole ------------------------------------------------------------------------------ */
-
-static void expect(struct neph_progress *progress, const struct neph_sweep *sweep, bool untimed)
-{
-    neph_progress_expect(progress, KIND_TRUTH, 1, truth_typical_s);
-    neph_progress_expect(progress, KIND_POINT, sweep->point_count, point_typical_s);
-    if (!untimed)
-        neph_progress_expect(progress, KIND_ROUND, sweep->plan->round_count, round_typical_s);
-}
 
 static enum neph_status make_truth(const struct neph_sweep_params *params, struct neph_sweep *sweep,
                                    struct neph_store *store, struct neph_progress *progress,
@@ -377,8 +368,10 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
         status = choose_frames(sweep, diag);
     if (!status)
         status = fill_points(params, sweep, diag);
-    if (!status)
-        expect(&progress, sweep, params->untimed);
+    neph_progress_expect(&progress, KIND_TRUTH, 1, truth_typical_s);
+    neph_progress_expect(&progress, KIND_POINT, sweep->point_count, point_typical_s);
+    if (!params->untimed)
+        neph_progress_expect(&progress, KIND_ROUND, params->plan->round_count, round_typical_s);
     if (!status)
         status = make_truth(params, sweep, store, &progress, &truth, diag);
     struct neph_sweep_bench bench = {.plan = params->plan,

@@ -19,7 +19,7 @@ struct neph_times {
 /* Read `path`, which need not be there. NEPH_ERR_INPUT: it is something else. */
 enum neph_status neph_times_open(const char *path, struct neph_times *times,
                                  struct neph_diag *diag);
-/* The same of FOLDER/times.json. */
+/* Open FOLDER/times.json as neph_times_open() does. */
 enum neph_status neph_times_open_in(const char *folder, struct neph_times *times,
                                     struct neph_diag *diag);
 void neph_times_close(struct neph_times *times);

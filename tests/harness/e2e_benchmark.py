@@ -37,13 +37,17 @@ def error_of_black(scene, size):
 
 
 class Benchmark(unittest.TestCase):
-    @night.of_the_night
-    def test_two_unbiased_tracers(self):
-        done, left = benchmark("gaussian_blob", "--voxels", "12", "-e", "oracle,tracer", "--size",
-                               "64x36", "--seconds", "0.05", "--json")
+    def measured(self, *arguments):
+        """What it says in JSON, on stderr, and what it leaves."""
+        done, left = benchmark(*arguments, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(left, [])
-        document = json.loads(done.stdout)
+        return json.loads(done.stdout), done.stderr
+
+    @night.of_the_night
+    def test_two_unbiased_tracers(self):
+        document, _ = self.measured("gaussian_blob", "--voxels", "12", "-e", "oracle,tracer",
+                                    "--size", "64x36", "--seconds", "0.05")
         self.assertEqual(document["format"], "neph-benchmark-1")
         oracle, tracer = document["engines"]
         self.assertEqual((oracle["engine"], tracer["engine"]), ("oracle", "tracer"))
@@ -103,10 +107,9 @@ class Benchmark(unittest.TestCase):
 
     def test_a_ladder_up_to_a_stated_error(self):
         """Both errors that are reported lie on it, whatever the machine's speed."""
-        done, _ = benchmark("gaussian_blob", "--voxels", "12", "-e", "oracle", "--size", "32x18",
-                            "--error", "0.01", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        engine, = json.loads(done.stdout)["engines"]
+        found, _ = self.measured("gaussian_blob", "--voxels", "12", "-e", "oracle", "--size",
+                                 "32x18", "--error", "0.01")
+        engine, = found["engines"]
         self.assertEqual([(t["rmse"], t["found"]) for t in engine["rmse_times"]],
                          [(0.03, "within"), (0.01, "within")])
         samples = [rung["samples"] for rung in engine["rungs"]]
@@ -120,10 +123,8 @@ class Benchmark(unittest.TestCase):
     def passes(self, scene, *settings):
         """Of fixed, by name: their milliseconds a picture."""
         words = [word for setting in settings for word in ("-s", f"realtime:{setting}")]
-        done, _ = benchmark(scene, "-e", "realtime", "--preset", "fixed", "--size", "32x18",
-                            "--frames", "8", "--json", *words)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        found = json.loads(done.stdout)
+        found, _ = self.measured(scene, "-e", "realtime", "--preset", "fixed", "--size", "32x18",
+                                 "--frames", "8", *words)
         engine, = found["engines"]
         self.check_arithmetic(engine, found["ceilings"])
         return {p["pass"]: 1e3 * p["gpu_s"]["median"] for p in engine["passes"]}
@@ -144,11 +145,10 @@ class Benchmark(unittest.TestCase):
 
     def test_a_scene_that_rests_is_timed_when_that_is_known(self):
         """However few pictures are timed; all are of one kind."""
-        done, _ = benchmark("gaussian_blob", "-e", "realtime", "-p", "ours", "--size", "32x18",
-                            "--frames", "3", "--no-ceilings", "--json", "--seconds", "1")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("--seconds has no effect", done.stderr)
-        engine, = json.loads(done.stdout)["engines"]
+        found, told = self.measured("gaussian_blob", "-e", "realtime", "-p", "ours", "--size",
+                                    "32x18", "--frames", "3", "--no-ceilings", "--seconds", "1")
+        self.assertIn("--seconds has no effect", told)
+        engine, = found["engines"]
         march, = [p for p in engine["passes"] if p["pass"] == "march"]
         self.assertEqual((march["ceiling"], march["share"]), (None, None))  # of a formula
         self.assertEqual((engine["preset"], engine["changes"], engine["steady_from"]),
@@ -156,11 +156,9 @@ class Benchmark(unittest.TestCase):
         self.assertNotIn("gradient", [p["pass"] for p in engine["passes"]])
 
     def test_who_cannot_does_not_stop_the_others(self):
-        done, _ = benchmark("slab_multiple_thin", "-e", "realtime,march,tracer", "--size",
-                            "8x5", "--seconds", "0.02", "--frames", "2", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("--frames has no effect", done.stderr)
-        found = json.loads(done.stdout)
+        found, told = self.measured("slab_multiple_thin", "-e", "realtime,march,tracer", "--size",
+                                    "8x5", "--seconds", "0.02", "--frames", "2")
+        self.assertIn("--frames has no effect", told)
         self.assertEqual([e["engine"] for e in found["engines"]], ["tracer"])
         self.assertEqual([(e["engine"], e["hint"]) for e in found["cannot"]],
                          [("realtime", "-s realtime:lighting=octaves"), ("march", "")])
@@ -175,13 +173,10 @@ class Benchmark(unittest.TestCase):
         self.assertNotIn("lamp peaks", self.passes("fence_backlit", "froxels=on"))
 
     def test_pictures_in_flight(self):
-        done, left = benchmark("voxel_grid", "-e", "march,realtime,tracer", "--size", "32x18",
-                               "--frames", "4", "--seconds", "0.02", "--preset", "fixed", "--json",
-                               "-s", "realtime:transmittance=marched", "-s",
-                               "realtime:grid_sampling=texture", "-s", "realtime:grid_format=r8")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(left, [])
-        document = json.loads(done.stdout)
+        document, _ = self.measured(
+            "voxel_grid", "-e", "march,realtime,tracer", "--size", "32x18", "--frames", "4",
+            "--seconds", "0.02", "--preset", "fixed", "-s", "realtime:transmittance=marched", "-s",
+            "realtime:grid_sampling=texture", "-s", "realtime:grid_format=r8")
         self.assertEqual(document["format"], "neph-benchmark-both-1")
         self.assertEqual(document["cannot"], [])
         tracer, = document["noise"]["engines"]
@@ -239,10 +234,8 @@ class Benchmark(unittest.TestCase):
     @night.of_the_night
     def test_a_screen_has_a_line_for_each_pass(self):
         """What it is off by is against its own defaults."""
-        done, _ = benchmark("surface_rough", "-e", "screen", "-p", "fast", "--size", "32x18",
-                            "--frames", "4", "--no-ceilings", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        found = json.loads(done.stdout)
+        found, _ = self.measured("surface_rough", "-e", "screen", "-p", "fast", "--size", "32x18",
+                                 "--frames", "4", "--no-ceilings")
         engine, = found["engines"]
         self.assertIsNone(found["ceilings"]["copy_bytes_per_s"])
         passes = {p["pass"]: p["gpu_s"] for p in engine["passes"]}
@@ -260,10 +253,8 @@ class Benchmark(unittest.TestCase):
         FXAA, upscale and sharpening are nine stages."""
         scene = SCENES.parent / "studies/display/walk_out.yaml"
         words = (str(scene), "-e", "march", "--size", "48x27", "--frames", "5", "--no-ceilings",
-                 "-s", "march:steps=4", "--json")
-        done, _ = benchmark(*words)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        found = json.loads(done.stdout)
+                 "-s", "march:steps=4")
+        found, _ = self.measured(*words)
         chain = found["engines"][0]["chain"]
         self.assertEqual(found["size_px"], [33, 19])
         self.assertEqual((chain["repeats"], len(chain["stages"])), (5, 9))
@@ -273,9 +264,9 @@ class Benchmark(unittest.TestCase):
                             times["high_ms"])
         self.assertLessEqual(sum(stage["least_ms"] for stage in chain["stages"]),
                              chain["all"]["least_ms"])
-        done, _ = benchmark(*words, "--chain", "off")
-        self.assertIsNone(json.loads(done.stdout)["engines"][0]["chain"])
-        self.assertEqual(json.loads(done.stdout)["size_px"], [48, 27])
+        found, _ = self.measured(*words, "--chain", "off")
+        self.assertIsNone(found["engines"][0]["chain"])
+        self.assertEqual(found["size_px"], [48, 27])
 
     @night.of_the_night
     def test_evaluations_of_several_passes_are_in_the_time_of_all(self):
@@ -286,10 +277,8 @@ class Benchmark(unittest.TestCase):
             text = (SCENES / "voxel_grid.yaml").read_text()
             scene.write_text(text.replace("name: voxel_grid", "name: grounded")
                              .replace("media:\n", ground, 1))
-            done, _ = benchmark(scene, "-e", "realtime", "--size", "32x18", "--frames", "1",
-                                "--preset", "fixed", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        found = json.loads(done.stdout)
+            found, _ = self.measured(scene, "-e", "realtime", "--size", "32x18", "--frames", "1",
+                                     "--preset", "fixed")
         march, scene = [[p for p in found["engines"][0]["passes"] if p["pass"] == name][0]
                         for name in ("march", "scene")]
         self.assertEqual((march["ceiling"], march["evaluations_with"]),

@@ -20,11 +20,9 @@ def run(*arguments):
 
 class Scaling(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.out = self.folder.name
-
-    def tearDown(self):
-        self.folder.cleanup()
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = folder.name
 
     @night.of_the_night
     def test_a_cloud(self):
@@ -55,8 +53,9 @@ class Scaling(unittest.TestCase):
             for point in line["points"]:
                 point["seconds"] *= 2.0
         there.write_text(json.dumps(other))
-        done = run("scaling", "voxel_grid", "--size", "32x18", "-o", self.out, "-q", "--against",
-                   str(there))
+        words = ("scaling", "voxel_grid", "--size", "32x18", "-o", self.out, "-q", "--against",
+                 str(there))
+        done = run(*words)
         self.assertEqual(done.returncode, 0, done.stderr)
         table = done.stdout.split("there/here\n")[1].splitlines()
         self.assertEqual(len(table), sum(len(line["points"]) for line in here["lines"]))
@@ -65,8 +64,7 @@ class Scaling(unittest.TestCase):
             self.assertAlmostEqual(float(row.split()[-1]), 2.0, places=2, msg=row)
         other["scene"] = "another"
         there.write_text(json.dumps(other))
-        done = run("scaling", "voxel_grid", "--size", "32x18", "-o", self.out, "-q", "--against",
-                   str(there))
+        done = run(*words)
         self.assertEqual(done.returncode, 65, done.stderr)
         self.assertIn("of scene another", done.stderr)
 
@@ -78,6 +76,9 @@ class Scaling(unittest.TestCase):
         self.assertIn("none: height_fog_level has fog alone, which has no voxels", done.stdout)
         self.assertIn("engine exact marches no ray", done.stdout)
         self.assertNotIn("not as expected", done.stdout)
+        several = run("scaling", "height_fog_level", "--size", "32x18", "-o", self.out + "/other",
+                      "-q", "--untimed", "--jobs", "2")
+        self.assertEqual((several.returncode, several.stdout), (0, done.stdout), several.stderr)
 
     def test_what_is_refused(self):
         self.assertEqual(run("scaling").returncode, 64)

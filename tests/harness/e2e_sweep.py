@@ -38,13 +38,11 @@ def run(*arguments, **more):
 
 class Sweep(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.out = pathlib.Path(self.folder.name)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = pathlib.Path(folder.name)
         self.plan = self.out / "plan.yaml"
         self.plan.write_text(PLAN)
-
-    def tearDown(self):
-        self.folder.cleanup()
 
     def sweep(self, *arguments):
         return run("sweep", "voxel_grid", "--plan", str(self.plan), "-o", str(self.out / "out"),
@@ -143,10 +141,16 @@ class Sweep(unittest.TestCase):
             "camera: {keys: [{frame: 0, position_m: [0, 2, 6], look_at_m: [-2, 1, 0]}, {frame: 31, "
             "position_m: [0, 2, 6], look_at_m: [1, 1, 0]}], vertical_fov_deg: 36}\n"
             "frames: {count: 32, rate_hz: 30}"))
-        done = run("sweep", str(scene), "--plan", str(self.plan), "-o", str(self.out / "out"),
-                   "-q", "--json", "--untimed", "--only", "march,ours")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        document = json.loads(done.stdout)
+        def sweep(jobs):
+            done = run("sweep", str(scene), "--plan", str(self.plan), "-o",
+                       str(self.out / f"out_{jobs}"), "-q", "--json", "--untimed", "--only",
+                       "march,ours", "--jobs", str(jobs))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(done.stdout)
+            found.pop("load")  # of the machine
+            return found
+        document = sweep(1)
+        self.assertEqual(sweep(2), document)
         self.assertEqual((document["frame"], document["frames"]), (31, 32))
         coarse, fine, ours = document["points"]
         self.assertLess(fine["error"]["value"], 0.5 * coarse["error"]["value"])

@@ -97,7 +97,6 @@ static void test_the_light_is_that_of_the_scene(void **state)
     neph_sweep_plan_finish(&plan);
 }
 
-/* Each with what the message must say. */
 /* `sky` of an engine's settings that meet a catalog's scene: 0 is off, -1 there is none. */
 static double sky_met(const char *scene_name, const char *engine_name, const char *word)
 {
@@ -129,6 +128,7 @@ static void test_air_comes_from_tables_where_it_must(void **state)
     assert_true(sky_met("sky_earth", "tracer", NULL) == -1.0);
 }
 
+/* Each with what the message must say. */
 static void test_bad_plans_are_refused(void **state)
 {
     (void)state;
@@ -319,34 +319,43 @@ static void test_names_keep_off_lines(void **state)
 enum { POINTS = 4 };
 
 /* Two series of two points; one that was not rendered, one whose flicker is 0. */
-static void make_sweep(struct neph_sweep_plan *plan, struct neph_scene *scene,
-                       struct neph_engine_info *info, struct neph_sweep_point points[POINTS],
-                       struct neph_sweep *sweep)
+struct made {
+    struct neph_sweep_plan plan;
+    struct neph_sweep_point points[POINTS];
+    struct neph_scene scene;
+    struct neph_engine_info info;
+    struct neph_sweep sweep;
+};
+
+static void make_sweep(struct made *made)
 {
     struct neph_diag diag = {.line = 0};
+    struct neph_sweep_point *points = made->points;
+    made->scene = (struct neph_scene){.name = "made"};
+    made->info = (struct neph_engine_info){.device = "a device", .version = "1"};
     neph_assert_ok(load(HEAD "- {name: one, engine: march, vary: steps, values: 4 8, order: 1}\n"
                              "- {name: two, engine: tracer, vary: samples, values: 4 8}\n",
-                        plan, &diag),
+                        &made->plan, &diag),
                    &diag);
-    *sweep = (struct neph_sweep){.plan = plan,
-                                 .scene = scene,
-                                 .points = points,
-                                 .point_count = POINTS,
-                                 .truth = "exact",
-                                 .mask = "all",
-                                 .clear_of = "all"};
+    made->sweep = (struct neph_sweep){.plan = &made->plan,
+                                      .scene = &made->scene,
+                                      .points = points,
+                                      .point_count = POINTS,
+                                      .truth = "exact",
+                                      .mask = "all",
+                                      .clear_of = "all"};
     for (int i = 0; i < POINTS; i++) {
         points[i] = (struct neph_sweep_point){
-            .series = &plan->series[i / 2],
+            .series = &made->plan.series[i / 2],
             .place = i % 2,
             .settings = "",
             .evaluations = NAN,
-            .job = {.engine = neph_engine_find(i < 2 ? "march" : "tracer"), .info = info},
+            .job = {.engine = neph_engine_find(i < 2 ? "march" : "tracer"), .info = &made->info},
             .time = {0.01 * (i + 1), 0.009 * (i + 1), 0.012 * (i + 1)}};
         for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
             points[i].numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
         points[i].numbers[NEPH_SWEEP_ERROR] = (struct neph_sweep_value){0.1 / (i + 1), NAN, NAN};
-        points[i].job.shot.scene = scene;
+        points[i].job.shot.scene = &made->scene;
         points[i].job.shot.settings = neph_settings_default(points[i].job.engine);
         neph_sweep_value(points[i].series, points[i].place, points[i].label);
     }
@@ -357,16 +366,12 @@ static void make_sweep(struct neph_sweep_plan *plan, struct neph_scene *scene,
 static void test_charts_hold_what_was_measured(void **state)
 {
     (void)state;
-    struct neph_sweep_plan plan;
-    struct neph_sweep_point points[POINTS];
-    struct neph_scene scene = {.name = "made"};
-    struct neph_engine_info info = {.device = "a device", .version = "1"};
-    struct neph_sweep sweep;
+    struct made made;
     struct neph_diag diag = {.line = 0};
-    make_sweep(&plan, &scene, &info, points, &sweep);
+    make_sweep(&made);
     json_t *spec = NULL;
-    neph_assert_ok(neph_sweep_chart_spec(&sweep, &neph_sweep_charts[0], &neph_sweep_chart_sizes[0],
-                                         &spec, &diag),
+    neph_assert_ok(neph_sweep_chart_spec(&made.sweep, &neph_sweep_charts[0],
+                                         &neph_sweep_chart_sizes[0], &spec, &diag),
                    &diag);
     const json_t *data = json_object_get(spec, "datasets");
     assert_int_equal(json_array_size(json_object_get(data, "points")), 3);
@@ -392,11 +397,22 @@ static void test_charts_hold_what_was_measured(void **state)
     for (const struct neph_sweep_chart *chart = neph_sweep_charts; chart->id; chart++)
         if (chart->y == NEPH_SWEEP_FLICKER) { /* its only point has no place on the axis */
             neph_assert_ok(
-                neph_sweep_chart_spec(&sweep, chart, &neph_sweep_chart_sizes[0], &spec, &diag),
+                neph_sweep_chart_spec(&made.sweep, chart, &neph_sweep_chart_sizes[0], &spec, &diag),
                 &diag);
             assert_null(spec);
         }
-    neph_sweep_plan_finish(&plan);
+    neph_sweep_plan_finish(&made.plan);
+}
+
+/* Series against one of them: how many, and the first. */
+static int hold(const struct made *made, int base, enum neph_sweep_cost cost,
+                struct neph_sweep_equal *first)
+{
+    struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
+    const int count = neph_sweep_equals(&made->sweep, &made->plan.series[base], cost,
+                                        NEPH_SWEEP_ERROR, list);
+    *first = list[0];
+    return count;
 }
 
 /* Half the error in twice the time, whatever the order of the points. */
@@ -409,66 +425,46 @@ static void test_equal_error_and_equal_time(void **state)
     assert_true(fabs(neph_sweep_between(time_s, error, 3, 16.0) - 0.0625) < 1e-12);
     assert_true(isnan(neph_sweep_between(time_s, error, 3, 17.0)));
     assert_true(isnan(neph_sweep_between(time_s, error, 3, 0.9)));
-    struct neph_sweep_plan plan;
-    struct neph_sweep_point points[POINTS];
-    struct neph_scene scene = {.name = "made"};
-    struct neph_engine_info info = {.device = "a device", .version = "1"};
-    struct neph_sweep sweep;
-    struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
-    make_sweep(&plan, &scene, &info, points, &sweep);
+    struct made made;
+    make_sweep(&made);
+    struct neph_sweep_point *points = made.points;
+    struct neph_sweep_equal held;
     points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05; /* that of the second point, in 0.03 s */
-    assert_int_equal(
-        neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
-        1);
-    assert_ptr_equal(list[0].series, &plan.series[1]);
-    assert_true(fabs(list[0].cost_ratio - 1.5) < 1e-12);
-    assert_true(isnan(list[0].number_ratio)); /* 0.03 s are beyond 0.02 s */
+    assert_int_equal(hold(&made, 0, NEPH_SWEEP_COST_TIME, &held), 1);
+    assert_ptr_equal(held.series, &made.plan.series[1]);
+    assert_true(fabs(held.cost_ratio - 1.5) < 1e-12);
+    assert_true(isnan(held.number_ratio)); /* 0.03 s are beyond 0.02 s */
     /* One point is held against what is as good, or costs as much; not against all else. */
-    assert_int_equal(
-        neph_sweep_equals(&sweep, &plan.series[1], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
-        1);
-    assert_true(fabs(list[0].cost_ratio - 2.0 / 3.0) < 1e-12 && isnan(list[0].number_ratio));
+    assert_int_equal(hold(&made, 1, NEPH_SWEEP_COST_TIME, &held), 1);
+    assert_true(fabs(held.cost_ratio - 2.0 / 3.0) < 1e-12 && isnan(held.number_ratio));
     points[2].numbers[NEPH_SWEEP_ERROR].value = 0.04;
-    assert_int_equal(
-        neph_sweep_equals(&sweep, &plan.series[1], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
-        0);
+    assert_int_equal(hold(&made, 1, NEPH_SWEEP_COST_TIME, &held), 0);
     /* A series is held by the best of its points of which something can be said. */
     points[1].time.median = 0.03;
-    assert_int_equal(
-        neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_TIME, NEPH_SWEEP_ERROR, list),
-        1);
-    assert_true(isnan(list[0].cost_ratio) && fabs(list[0].number_ratio - 0.8) < 1e-12);
+    assert_int_equal(hold(&made, 0, NEPH_SWEEP_COST_TIME, &held), 1);
+    assert_true(isnan(held.cost_ratio) && fabs(held.number_ratio - 0.8) < 1e-12);
     points[1].time.median = 0.02;
     points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05;
     /* Evaluations were not counted; once they are, they are another cost. */
-    assert_int_equal(
-        neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR, list),
-        0);
+    assert_int_equal(hold(&made, 0, NEPH_SWEEP_COST_WORK, &held), 0);
     for (int i = 0; i < POINTS; i++)
         points[i].evaluations = 10.0 * (i + 1);
     points[2].evaluations = 15.0;
-    assert_int_equal(
-        neph_sweep_equals(&sweep, &plan.series[0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR, list),
-        1);
-    assert_true(fabs(list[0].cost_ratio - 0.75) < 1e-12); /* 15 of 20 for the same error */
-    assert_true(fabs(list[0].number_ratio - 0.05 * 15.0) <
-                1e-12); /* which is 0.1 * 10 / 15 there */
-    json_t *json = neph_sweep_equals_json(&sweep);
+    assert_int_equal(hold(&made, 0, NEPH_SWEEP_COST_WORK, &held), 1);
+    assert_true(fabs(held.cost_ratio - 0.75) < 1e-12);          /* 15 of 20 for the same error */
+    assert_true(fabs(held.number_ratio - 0.05 * 15.0) < 1e-12); /* which is 0.1 * 10 / 15 there */
+    json_t *json = neph_sweep_equals_json(&made.sweep);
     assert_int_equal(json_array_size(json), 2); /* by time and by evaluations */
     json_decref(json);
-    neph_sweep_plan_finish(&plan);
+    neph_sweep_plan_finish(&made.plan);
 }
 
 static void test_json_has_every_point(void **state)
 {
     (void)state;
-    struct neph_sweep_plan plan;
-    struct neph_sweep_point points[POINTS];
-    struct neph_scene scene = {.name = "made"};
-    struct neph_engine_info info = {.device = "a device", .version = "1"};
-    struct neph_sweep sweep;
-    make_sweep(&plan, &scene, &info, points, &sweep);
-    json_t *json = neph_sweep_json(&sweep);
+    struct made made;
+    make_sweep(&made);
+    json_t *json = neph_sweep_json(&made.sweep);
     assert_non_null(json);
     assert_int_equal(json_integer_value(json_object_get(json, "measured")), 3);
     assert_int_equal(json_integer_value(json_object_get(json, "expected")), POINTS);
@@ -478,7 +474,7 @@ static void test_json_has_every_point(void **state)
     const char *command = neph_json_text(json_array_get(list, 0), "command");
     assert_string_equal(command, "neph render made -e march --size 32x18 --seed 0");
     json_decref(json);
-    neph_sweep_plan_finish(&plan);
+    neph_sweep_plan_finish(&made.plan);
 }
 
 int main(int count, char **arguments)
