@@ -29,7 +29,6 @@ neph_verb neph_cli_metrics;
 neph_verb neph_cli_conform;
 neph_verb neph_cli_validate;
 neph_verb neph_cli_study;
-neph_verb neph_cli_ablate;
 neph_verb neph_cli_nightly;
 neph_verb neph_cli_baseline;
 neph_verb neph_cli_store;

@@ -16,9 +16,9 @@ static const struct {
     const struct neph_experiment *experiment;
     const char *help;
 } kinds[] = {
-    {"steps", neph_cli_study_steps, NULL,
+    {"steps", NULL, &neph_experiment_steps,
      "how far an engine's steps are from their limit, and which are enough"},
-    {"flicker", neph_cli_study_flicker, NULL,
+    {"flicker", NULL, &neph_experiment_flicker,
      "which preset of the real-time renderer flickers and lags less, with intervals"},
     {"light", neph_cli_study_light, NULL,
      "how far lighting models are from all orders of scattering, and where"},
@@ -79,5 +79,5 @@ enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
         }
     if (first[0] != '-' && !neph_engine_find(first))
         return refuse_kind(first, diag);
-    return neph_cli_study_steps(argc, argv, diag);
+    return neph_experiment_main(&neph_experiment_steps, argc, argv, diag);
 }

@@ -7,8 +7,6 @@
 
 #include "harness/cli/cli.h"
 
-neph_verb neph_cli_study_steps;
-neph_verb neph_cli_study_flicker;
 neph_verb neph_cli_study_light;
 neph_verb neph_cli_study_sky;
 neph_verb neph_cli_study_fog;

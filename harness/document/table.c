@@ -8,14 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum cell_kind { WORD, NUMBER, COUNT, FLAG };
+enum cell_kind { WORD, NUMBER, COUNT, FLAG, VALUE };
 
 struct neph_table_cell {
     enum cell_kind kind;
     const char *word;  /* owned by the arena; NULL: none */
     const char *shown; /* the same; NULL: by the column's format */
     double number;
-    long count; /* or a flag */
+    long count;    /* or a flag */
+    json_t *value; /* owned */
 };
 
 /* ---- filling --------------------------------------------------------------------------------- */
@@ -46,6 +47,7 @@ static void add(struct neph_table *table, struct neph_table_cell cell)
         struct neph_table_cell *grown = realloc(table->cells, (size_t)room * sizeof(*grown));
         if (!grown) {
             table->arena.is_short = true;
+            json_decref(cell.value);
             return;
         }
         table->cells = grown;
@@ -78,6 +80,12 @@ void neph_table_flag(struct neph_table *table, bool value)
     add(table, (struct neph_table_cell){.kind = FLAG, .count = value});
 }
 
+void neph_table_value(struct neph_table *table, json_t *value)
+{
+    table->arena.is_short |= !value;
+    add(table, (struct neph_table_cell){.kind = VALUE, .value = value, .shown = ""});
+}
+
 void neph_table_shown(struct neph_table *table, const char *format, ...)
 {
     char shown[512];
@@ -89,6 +97,28 @@ void neph_table_shown(struct neph_table *table, const char *format, ...)
     va_end(arguments);
     neph_text_clean(shown, sizeof(shown));
     table->cells[table->cell_count - 1].shown = neph_arena_text(&table->arena, shown);
+}
+
+void neph_table_row(struct neph_table *table, const char *kinds, ...)
+{
+    va_list cells;
+    va_start(cells, kinds);
+    for (; *kinds; kinds++) {
+        if (*kinds == 's')
+            neph_table_word(table, va_arg(cells, const char *));
+        else if (*kinds == 'f')
+            neph_table_number(table, va_arg(cells, double));
+        else if (*kinds == 'i')
+            neph_table_count(table, va_arg(cells, int));
+        else if (*kinds == 'b')
+            neph_table_flag(table, va_arg(cells, int));
+        else if (*kinds == 'o')
+            neph_table_value(table, va_arg(cells, json_t *));
+        const char *shown = *kinds == 't' ? va_arg(cells, const char *) : NULL;
+        if (shown)
+            neph_table_shown(table, "%s", shown);
+    }
+    va_end(cells);
 }
 
 void neph_table_fields(struct neph_table *table, const struct neph_field *fields, int count)
@@ -111,6 +141,8 @@ enum neph_status neph_table_check(const struct neph_table *table, struct neph_di
 
 void neph_table_finish(struct neph_table *table)
 {
+    for (int i = 0; i < table->cell_count; i++)
+        json_decref(table->cells[i].value);
     free(table->cells);
     neph_arena_finish(&table->arena);
     *table = (struct neph_table){.cells = NULL};
@@ -182,6 +214,13 @@ void neph_table_print(const struct neph_table *table, FILE *out)
     }
 }
 
+void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena)
+{
+    neph_table_print(table, out);
+    arena->is_short |= table->arena.is_short;
+    neph_table_finish(table);
+}
+
 void neph_csv_word(const char *word, FILE *out)
 {
     if (!strpbrk(word, ",\"\r\n")) {
@@ -206,7 +245,7 @@ static void print_csv_cell(const struct neph_table_cell *cell, FILE *out)
         neph_csv_word(cell->word ? cell->word : "", out);
     else if (cell->kind == NUMBER)
         neph_csv_number(cell->number, out);
-    else
+    else if (cell->kind != VALUE)
         fprintf(out, "%ld", cell->count);
 }
 
@@ -239,6 +278,8 @@ static json_t *cell_json(const struct neph_table_cell *cell)
         return json_integer(cell->count);
     case FLAG:
         return json_boolean(cell->count);
+    case VALUE:
+        return json_incref(cell->value);
     }
     return NULL;
 }

@@ -55,9 +55,17 @@ void neph_table_number(struct neph_table *table, double value);
 void neph_table_count(struct neph_table *table, long value);
 void neph_table_flag(struct neph_table *table, bool value);
 
+/* Any JSON, which is taken over; NULL: memory was short. CSV has nothing of it, and people see what
+ * neph_table_shown() says. */
+void neph_table_value(struct neph_table *table, json_t *value);
+
 /* The text for people of the cell before, in place of its column's format. */
 void neph_table_shown(struct neph_table *table, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* Several cells, each a letter of `kinds` and an argument: s word, f number, i count (int), b flag,
+ * o JSON; t: the text for people of the cell before; NULL: as its column says. */
+void neph_table_row(struct neph_table *table, const char *kinds, ...);
 
 /* Columns of numbers that are members of a struct, and the cells of one such struct. */
 void neph_table_fields(struct neph_table *table, const struct neph_field *fields, int count);
@@ -71,6 +79,9 @@ void neph_table_finish(struct neph_table *table);
 
 /* Head, rule and rows: words on the left, numbers on the right. */
 void neph_table_print(const struct neph_table *table, FILE *out);
+
+/* Print a table and finish it; a failure of memory goes on in `arena`. */
+void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
 
 /* RFC 4180, numbers with nine digits. Lines end in `line_end`, "\r\n" or "\n"; words in quotes
  * where they need them. */

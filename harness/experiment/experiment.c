@@ -119,7 +119,7 @@ static enum neph_status run_workers(const struct neph_experiment *experiment, co
 
 /* The names of struct neph_experiment in OUTPUT; NULL: it has none. */
 struct paths {
-    const char *store, *chart, *document;
+    const char *store, *chart, *document, *csv;
 };
 
 static enum neph_status run_in(const struct neph_experiment *experiment, void *request,
@@ -127,13 +127,15 @@ static enum neph_status run_in(const struct neph_experiment *experiment, void *r
 {
     const struct neph_cli_shared *shared = request;
     const struct neph_publication_places places = {.markdown = shared->markdown,
-                                                   .csv = shared->csv,
+                                                   .csv = shared->csv ? shared->csv : paths->csv,
                                                    .chart = paths->chart,
                                                    .document = paths->document,
                                                    .json = shared->json};
     enum neph_status status = NEPH_OK;
     if (shared->jobs > 1 && experiment->part)
         status = run_workers(experiment, request, paths->store, diag);
+    if (status == NEPH_ERR_INTERRUPTED)
+        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
     return status ? status
                   : run_once(experiment, request, paths->store, &places, shared->quiet, diag);
 }
@@ -143,16 +145,16 @@ static enum neph_status run_with(const struct neph_experiment *experiment, void 
 {
     const char *output = ((const struct neph_cli_shared *)request)->output;
     const char *const names[] = {experiment->opens_stores ? NULL : "store", experiment->chart,
-                                 experiment->document};
-    const char *in[3] = {NULL};
+                                 experiment->document, experiment->csv};
+    const char *in[4] = {NULL};
     const char *slash = output && output[strlen(output) - 1] == '/' ? "" : "/";
     struct neph_arena arena = {.last = NULL};
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 4; i++)
         if (output && names[i])
             in[i] = neph_arena_format(&arena, "%s%s%s", output, slash, names[i]);
     enum neph_status status = neph_arena_check(&arena, diag);
     if (!status)
-        status = run_in(experiment, request, &(struct paths){in[0], in[1], in[2]}, diag);
+        status = run_in(experiment, request, &(struct paths){in[0], in[1], in[2], in[3]}, diag);
     neph_arena_finish(&arena);
     return status;
 }

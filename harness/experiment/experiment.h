@@ -27,6 +27,7 @@ struct neph_experiment {
     size_t request_size;  /* of the request, which begins with a struct neph_cli_shared */
     const char *chart;    /* the chart's name in OUTPUT; NULL: none */
     const char *document; /* the JSON's name there; NULL: it has none but on stdout */
+    const char *csv;      /* the name of the CSV there, without --csv; NULL: it has none */
     bool opens_stores;    /* the run opens its own, below OUTPUT */
     /* Read what options name, scenes for one, before anything is written. NULL: nothing to do. */
     enum neph_status (*prepare)(void *request, struct neph_diag *diag);

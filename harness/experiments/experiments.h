@@ -7,10 +7,13 @@
 
 #include "harness/experiment/experiment.h"
 
+extern const struct neph_experiment neph_experiment_ablation;
 extern const struct neph_experiment neph_experiment_convergence;
+extern const struct neph_experiment neph_experiment_flicker;
 extern const struct neph_experiment neph_experiment_pick;
 extern const struct neph_experiment neph_experiment_post;
 extern const struct neph_experiment neph_experiment_scaling;
+extern const struct neph_experiment neph_experiment_steps;
 extern const struct neph_experiment neph_experiment_sweep;
 
 #endif

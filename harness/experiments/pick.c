@@ -7,8 +7,8 @@
 
 #include "base/files.h"
 #include "harness/data.h"
-#include "harness/study/flicker_study_output.h"
-#include "harness/study/flicker_suites.h"
+#include "harness/study/flicker_plot.h"
+#include "harness/study/suites.h"
 #include "harness/sweep/choice.h"
 #include "harness/sweep/pick.h"
 
@@ -364,13 +364,9 @@ static enum neph_status publish(const struct neph_flicker_study *study,
                                 const struct neph_choice *choice,
                                 struct neph_publication *publication, struct neph_diag *diag)
 {
-    char *svg = NULL;
     enum neph_status status = NEPH_OK;
     if (publication->chart)
-        status = neph_flicker_study_plot(study, &svg, diag);
-    if (svg)
-        fputs(svg, publication->chart);
-    free(svg);
+        status = neph_flicker_study_plot(study, publication->chart, diag);
     if (!status && publication->text)
         status = neph_choice_print(choice, study, publication->text, diag);
     publication->json = neph_choice_json(choice, study);

@@ -69,36 +69,33 @@ int neph_ablation_measure_count(void)
 
 /* ---- what is rendered ------------------------------------------------------------------------ */
 
-/* Index of the configuration; a new one if there is none yet. Negative: memory is short. */
+/* Index of the configuration; a new one if there is none yet. `label` is of the arena, or stays. */
 static int configure(struct neph_ablation *ablation, neph_ablation_set without, const char *label)
 {
-    int count = ablation->params.preset_count;
+    const int count = ablation->configuration_count;
     for (int i = 0; i < count; i++)
         if (ablation->without[i] == without)
             return i;
     ablation->without[count] = without;
-    ablation->words[count] = neph_ablation_words(ablation->preset, without);
-    ablation->labels[count] = strdup(label);
-    ablation->params.preset_count = count + 1;
-    return ablation->words[count] && ablation->labels[count] ? count : -1;
+    ablation->words[count] = neph_ablation_words(&ablation->arena, ablation->preset, without);
+    ablation->labels[count] = label;
+    return ablation->configuration_count++;
 }
 
-static enum neph_status compare(struct neph_ablation *ablation, int part,
-                                enum neph_ablation_place place, neph_ablation_set with,
-                                neph_ablation_set without, struct neph_diag *diag)
+static void compare(struct neph_ablation *ablation, int part, enum neph_ablation_place place,
+                    neph_ablation_set with, neph_ablation_set without)
 {
+    struct neph_arena *arena = &ablation->arena;
     const char *name = part < 0 ? "all" : neph_ablation_parts[part].name;
-    char label[64];
-    snprintf(label, sizeof(label), "%s alone", name);
-    const int first = configure(ablation, with, label);
-    snprintf(label, sizeof(label), place == NEPH_ABLATION_ALONE ? "what %s needs" : "without %s",
-             name);
-    const int second = first < 0 ? -1 : configure(ablation, without, label);
-    if (second < 0)
-        return neph_fail_memory(diag);
+    const int first = configure(ablation, with, neph_arena_format(arena, "%s alone", name));
+    const char *label = place == NEPH_ABLATION_ALONE
+                            ? neph_arena_format(arena, "what %s needs", name)
+                            : neph_arena_format(arena, "without %s", name);
     ablation->comparisons[ablation->comparison_count++] = (struct neph_ablation_comparison){
-        .part = part, .place = place, .with = first, .without = second};
-    return NEPH_OK;
+        .part = part,
+        .place = place,
+        .with = first,
+        .without = configure(ablation, without, label)};
 }
 
 /* What the plain pipeline lacks of what the preset has. */
@@ -111,26 +108,22 @@ static neph_ablation_set left_out_of_plain(const struct neph_ablation *ablation)
     return set;
 }
 
-static enum neph_status plan_part(struct neph_ablation *ablation, int part, struct neph_diag *diag)
+static void plan_part(struct neph_ablation *ablation, int part)
 {
     const neph_ablation_set own = (neph_ablation_set)1 << part;
     const neph_ablation_set plain = left_out_of_plain(ablation);
     const neph_ablation_set needed = neph_ablation_with_needs(part) & ~own;
-    enum neph_status status = compare(ablation, part, NEPH_ABLATION_IN_PRESET, 0, own, diag);
-    if (!status && !neph_ablation_parts[part].stays)
-        status = compare(ablation, part, NEPH_ABLATION_ALONE, plain & ~needed & ~own,
-                         plain & ~needed, diag);
-    return status;
+    compare(ablation, part, NEPH_ABLATION_IN_PRESET, 0, own);
+    if (!neph_ablation_parts[part].stays)
+        compare(ablation, part, NEPH_ABLATION_ALONE, plain & ~needed & ~own, plain & ~needed);
 }
 
-static enum neph_status refuse_part(const char *name, struct neph_diag *diag)
+static enum neph_status refuse_part(struct neph_ablation *ablation, const char *name,
+                                    struct neph_diag *diag)
 {
-    char names[1024] = "";
-    for (int i = 0; neph_ablation_parts[i].name; i++) {
-        const size_t length = strlen(names);
-        snprintf(names + length, sizeof(names) - length, "%s%s", i ? ", " : "",
-                 neph_ablation_parts[i].name);
-    }
+    const char *names = neph_ablation_parts[0].name;
+    for (int i = 1; neph_ablation_parts[i].name; i++)
+        names = neph_arena_format(&ablation->arena, "%s, %s", names, neph_ablation_parts[i].name);
     neph_fail(diag, NEPH_ERR_USAGE, "there is no part '%s'", name);
     neph_hint(diag, "parts are %s", names);
     return NEPH_ERR_USAGE;
@@ -154,7 +147,7 @@ static enum neph_status choose(struct neph_ablation *ablation, const char *const
     for (int i = 0; i < only_count; i++) {
         const int part = neph_ablation_part_find(only[i]);
         if (part < 0)
-            return refuse_part(only[i], diag);
+            return refuse_part(ablation, only[i], diag);
         if ((ablation->parts >> part & 1) == 0)
             return refuse_absent(ablation, part, diag);
         ablation->asked |= (neph_ablation_set)1 << part;
@@ -163,66 +156,37 @@ static enum neph_status choose(struct neph_ablation *ablation, const char *const
 }
 
 enum neph_status neph_ablation_plan(const char *preset, const char *const *only, int only_count,
-                                    const struct neph_flicker_study_params *params,
                                     struct neph_ablation *ablation, struct neph_diag *diag)
 {
     ablation->preset = preset;
-    ablation->params = *params;
-    ablation->params.presets = (const char *const *)ablation->words;
-    ablation->params.labels = (const char *const *)ablation->labels;
-    ablation->params.preset_count = 0;
-    ablation->study.params = &ablation->params;
     enum neph_status status = neph_ablation_parts_of(preset, &ablation->parts, diag);
     for (int i = 0; neph_ablation_parts[i].name && !status; i++)
-        status = neph_ablation_part_values(preset, i, &ablation->values[i], diag);
+        status = neph_ablation_part_values(&ablation->arena, preset, i, &ablation->values[i], diag);
     if (!status)
         status = choose(ablation, only, only_count, diag);
-    if (!status && (configure(ablation, 0, preset) < 0 ||
-                    configure(ablation, left_out_of_plain(ablation), "plain") < 0))
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = compare(ablation, -1, NEPH_ABLATION_IN_PRESET, 0, left_out_of_plain(ablation),
-                         diag);
-    for (int i = 0; neph_ablation_parts[i].name && !status; i++)
+    if (status)
+        return status;
+    configure(ablation, 0, preset);
+    configure(ablation, left_out_of_plain(ablation), "plain");
+    compare(ablation, -1, NEPH_ABLATION_IN_PRESET, 0, left_out_of_plain(ablation));
+    for (int i = 0; neph_ablation_parts[i].name; i++)
         if (ablation->asked >> i & 1)
-            status = plan_part(ablation, i, diag);
-    return status;
+            plan_part(ablation, i);
+    return neph_arena_check(&ablation->arena, diag);
 }
 
 /* ---- one change ------------------------------------------------------------------------------ */
-
-static int metric_of(const struct neph_ablation_measure *measure)
-{
-    int index = 0;
-    while (neph_study_metrics[index].title &&
-           (strcmp(neph_study_metrics[index].metric, measure->metric) != 0 ||
-            strcmp(neph_study_metrics[index].mask, measure->mask) != 0))
-        index++;
-    return index;
-}
-
-static double cost_decades(const struct neph_ablation *ablation, size_t cost, int scene, int preset)
-{
-    double sum = 0.0;
-    for (int seed = 0; seed < ablation->params.seed_count; seed++) {
-        double value;
-        memcpy(&value,
-               (const char *)neph_study_cost_at(&ablation->study, scene, preset, seed) + cost,
-               sizeof(value));
-        sum += value > 0.0 ? log10(value) : NAN; /* what evaluates nothing has no ratio */
-    }
-    return sum / ablation->params.seed_count;
-}
 
 static double difference(const struct neph_ablation *ablation,
                          const struct neph_ablation_comparison *of, int measure, int scene)
 {
     const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
     if (what->metric)
-        return neph_study_difference(&ablation->study, metric_of(what), 0, of->with, of->without,
-                                     scene);
-    return cost_decades(ablation, what->cost, scene, of->with) -
-           cost_decades(ablation, what->cost, scene, of->without);
+        return neph_study_difference(&ablation->study,
+                                     neph_study_metric_find(what->metric, what->mask), 0, of->with,
+                                     of->without, scene);
+    return neph_study_cost_decades(&ablation->study, what->cost, scene, of->with) -
+           neph_study_cost_decades(&ablation->study, what->cost, scene, of->without);
 }
 
 static void count_scene(struct neph_ablation_effect *effect, int scene)
@@ -314,50 +278,41 @@ static bool is_of_family(const struct neph_ablation_effect *effect, int measure)
            !neph_ablation_measures[measure].is_time;
 }
 
-/* Holm's p of the family, or how large it is: `p` NULL. In the order of comparisons. */
-static int walk_family(struct neph_ablation *ablation, double *p, const double *adjusted)
+/* Holm's p of the family. */
+static void adjust(struct neph_ablation *ablation)
 {
+    enum { MOST = (2 * NEPH_ABLATION_PARTS_MAX + 1) * NEPH_ABLATION_MEASURES_MAX };
+    struct neph_ablation_effect *family[MOST];
+    double p[MOST], adjusted[MOST];
     int count = 0;
     for (int c = 0; c < ablation->comparison_count; c++)
         for (int m = 0; neph_ablation_measures[m].name; m++) {
             struct neph_ablation_effect *effect = &ablation->comparisons[c].effects[m];
             if (!is_of_family(effect, m))
                 continue;
-            if (p)
-                p[count] = effect->p;
-            if (adjusted)
-                effect->p_holm = adjusted[count];
-            count++;
+            p[count] = effect->p;
+            family[count++] = effect;
         }
-    return count;
-}
-
-static enum neph_status adjust(struct neph_ablation *ablation, struct neph_diag *diag)
-{
-    const int count = walk_family(ablation, NULL, NULL);
-    double *p = calloc(2 * (size_t)count + 1, sizeof(*p));
-    if (!p)
-        return neph_fail_memory(diag);
-    walk_family(ablation, p, NULL);
-    neph_holm(p, count, p + count);
-    walk_family(ablation, NULL, p + count);
+    neph_holm(p, count, adjusted);
+    for (int i = 0; i < count; i++)
+        family[i]->p_holm = adjusted[i];
     ablation->judged_count = count;
-    free(p);
-    return NEPH_OK;
 }
 
 bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure)
 {
     const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
-    return ablation->params
-        .takes[what->metric ? neph_study_metrics[metric_of(what)].take : NEPH_STUDY_FLICKER];
+    return ablation->study.params
+        ->takes[what->metric
+                    ? neph_study_metrics[neph_study_metric_find(what->metric, what->mask)].take
+                    : NEPH_STUDY_FLICKER];
 }
 
 static void measure_comparison(struct neph_ablation *ablation,
                                struct neph_ablation_comparison *comparison, double *changes,
                                double *room)
 {
-    const int scene_count = ablation->params.scene_count;
+    const int scene_count = ablation->study.params->scene_count;
     for (int m = 0; neph_ablation_measures[m].name; m++, changes += scene_count) {
         for (int scene = 0; scene < scene_count; scene++)
             changes[scene] = difference(ablation, comparison, m, scene);
@@ -365,31 +320,11 @@ static void measure_comparison(struct neph_ablation *ablation,
     }
 }
 
-enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph_diag *diag)
-{
-    const size_t scene_count = (size_t)ablation->params.scene_count;
-    const size_t size = scene_count * (size_t)neph_ablation_measure_count();
-    const size_t count = (size_t)ablation->comparison_count;
-    free(ablation->differences);
-    ablation->differences = calloc(count * size + scene_count, sizeof(double));
-    if (!ablation->differences)
-        return neph_fail_memory(diag);
-    for (size_t c = 0; c < count; c++)
-        measure_comparison(ablation, &ablation->comparisons[c], ablation->differences + c * size,
-                           ablation->differences + count * size);
-    const enum neph_status status = adjust(ablation, diag);
-    for (size_t c = 0; c < count && !status; c++)
-        for (int m = 0; neph_ablation_measures[m].name; m++)
-            ablation->comparisons[c].effects[m].verdict = judge(
-                &ablation->comparisons[c].effects[m]);
-    return status;
-}
-
 /* One that can be rendered is enough. */
 static enum neph_status check_scenes(const struct neph_ablation *ablation, struct neph_diag *diag)
 {
     const struct neph_study_scene *scenes = ablation->study.scenes;
-    for (int i = 0; i < ablation->params.scene_count; i++)
+    for (int i = 0; i < ablation->study.params->scene_count; i++)
         if (!scenes[i].left_out)
             return NEPH_OK;
     neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: %s", scenes[0].name, scenes[0].left_out);
@@ -399,14 +334,27 @@ static enum neph_status check_scenes(const struct neph_ablation *ablation, struc
     return NEPH_ERR_UNSUPPORTED;
 }
 
-enum neph_status neph_ablation_run(struct neph_ablation *ablation, struct neph_store *store,
-                                   struct neph_diag *diag)
+enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph_diag *diag)
 {
-    enum neph_status status = neph_flicker_study_run(&ablation->params, store, &ablation->study,
-                                                     diag);
-    if (!status)
-        status = check_scenes(ablation, diag);
-    return status ? status : neph_ablation_judge(ablation, diag);
+    const size_t scene_count = (size_t)ablation->study.params->scene_count;
+    const size_t size = scene_count * (size_t)neph_ablation_measure_count();
+    const size_t count = (size_t)ablation->comparison_count;
+    const enum neph_status status = check_scenes(ablation, diag);
+    if (status)
+        return status;
+    double *changes = neph_arena_zeroed(&ablation->arena, count * size + scene_count,
+                                        sizeof(*changes));
+    if (!changes)
+        return neph_fail_memory(diag);
+    for (size_t c = 0; c < count; c++)
+        measure_comparison(ablation, &ablation->comparisons[c], changes + c * size,
+                           changes + count * size);
+    adjust(ablation);
+    for (size_t c = 0; c < count; c++)
+        for (int m = 0; neph_ablation_measures[m].name; m++)
+            ablation->comparisons[c].effects[m].verdict = judge(
+                &ablation->comparisons[c].effects[m]);
+    return NEPH_OK;
 }
 
 const struct neph_ablation_comparison *neph_ablation_find(const struct neph_ablation *ablation,
@@ -418,16 +366,23 @@ const struct neph_ablation_comparison *neph_ablation_find(const struct neph_abla
     return NULL;
 }
 
+void neph_ablation_change(double decades, char text[NEPH_ABLATION_CHANGE_SIZE])
+{
+    const double ratio = pow(10.0, decades), percent = 100.0 * (ratio - 1.0);
+    if (decades == 0.0)
+        snprintf(text, NEPH_ABLATION_CHANGE_SIZE, "0 %%");
+    else if (ratio > 100.0 || ratio < 0.01) /* one of both is as good as nothing */
+        snprintf(text, NEPH_ABLATION_CHANGE_SIZE, ratio > 1.0 ? ">x100" : "<-99 %%");
+    else if (ratio >= 2.95)
+        snprintf(text, NEPH_ABLATION_CHANGE_SIZE, "x%.2g", ratio);
+    else
+        snprintf(text, NEPH_ABLATION_CHANGE_SIZE, fabs(percent) < 9.95 ? "%+.1f %%" : "%+.0f %%",
+                 percent);
+}
+
 void neph_ablation_finish(struct neph_ablation *ablation)
 {
-    if (ablation->study.params)
-        neph_flicker_study_finish(&ablation->study);
-    for (int i = 0; i < NEPH_STUDY_PRESETS_MAX; i++) {
-        free(ablation->words[i]);
-        free(ablation->labels[i]);
-    }
-    for (int i = 0; i < NEPH_ABLATION_PARTS_MAX; i++)
-        free(ablation->values[i]);
-    free(ablation->differences);
+    neph_flicker_study_finish(&ablation->study);
+    neph_arena_finish(&ablation->arena);
     *ablation = (struct neph_ablation){.preset = NULL};
 }

@@ -10,6 +10,8 @@
 #include "harness/study/ablation_parts.h"
 #include "harness/study/flicker_study.h"
 
+#include <stdio.h>
+
 /* What is looked at. Of all less is better. */
 struct neph_ablation_measure {
     const char *name;          /* of JSON, CSV and sentences */
@@ -54,7 +56,7 @@ extern const char *const neph_ablation_verdict_words[NEPH_ABLATION_VERDICTS];
 /* With the part over without it, in decades: below 0 it buys. Seeds of a scene are averaged, scenes
  * are what is counted. */
 struct neph_ablation_effect {
-    const double *scenes; /* of each scene of the study; NaN: none; borrowed from the ablation */
+    const double *scenes; /* of each scene of the study; NaN: none; of the ablation's arena */
     int scene_count;      /* that have a number */
     double mean;          /* NaN: none has */
     bool has_interval;
@@ -74,34 +76,29 @@ struct neph_ablation_comparison {
 };
 
 struct neph_ablation {
-    const char *preset;                    /* borrowed */
-    neph_ablation_set parts;               /* that the preset has */
-    neph_ablation_set asked;               /* of these, those that are looked at */
-    char *values[NEPH_ABLATION_PARTS_MAX]; /* neph_ablation_part_values() */
-    char *words[NEPH_STUDY_PRESETS_MAX], *labels[NEPH_STUDY_PRESETS_MAX]; /* owned */
-    neph_ablation_set without[NEPH_STUDY_PRESETS_MAX]; /* of each configuration */
-    struct neph_flicker_study_params params;           /* of the study */
-    struct neph_flicker_study study;
+    const char *preset;                          /* borrowed */
+    struct neph_arena arena;                     /* has all texts and differences */
+    neph_ablation_set parts;                     /* that the preset has */
+    neph_ablation_set asked;                     /* of these, those that are looked at */
+    const char *values[NEPH_ABLATION_PARTS_MAX]; /* neph_ablation_part_values() */
+    const char *words[NEPH_STUDY_PRESETS_MAX];   /* of each configuration */
+    const char *labels[NEPH_STUDY_PRESETS_MAX];  /* what progress calls it */
+    neph_ablation_set without[NEPH_STUDY_PRESETS_MAX];
+    int configuration_count;
     struct neph_ablation_comparison comparisons[2 * NEPH_ABLATION_PARTS_MAX + 1];
     int comparison_count;
-    int judged_count;    /* numbers that Holm's family has */
-    double *differences; /* owned; behind the effects' scenes */
+    struct neph_flicker_study study; /* of the configurations, once it has run */
+    int judged_count;                /* numbers that Holm's family has */
 };
 
 /* Which configurations an ablation has. `only`: names of parts, or none for all that the preset
- * has. `params` says everything but the presets. Start from {0}; for _finish in any case, and not
- * to be moved. NEPH_ERR_USAGE: there is no such part or preset, or the preset does not have the
- * part. */
+ * has. Start from {0}; for _finish in any case. NEPH_ERR_USAGE: there is no such part or preset, or
+ * the preset does not have the part. */
 enum neph_status neph_ablation_plan(const char *preset, const char *const *only, int only_count,
-                                    const struct neph_flicker_study_params *params,
                                     struct neph_ablation *ablation, struct neph_diag *diag);
 
-/* Render and measure what was planned, and judge it. Errors as of neph_flicker_study_run();
- * NEPH_ERR_UNSUPPORTED: none of the scenes can be rendered. */
-enum neph_status neph_ablation_run(struct neph_ablation *ablation, struct neph_store *store,
-                                   struct neph_diag *diag);
-
-/* Fill all effects from the numbers of the study. Errors: NEPH_ERR_MEMORY. */
+/* Fill all effects from the numbers of the study. NEPH_ERR_UNSUPPORTED: none of its scenes could be
+ * rendered; NEPH_ERR_MEMORY. */
 enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph_diag *diag);
 
 void neph_ablation_finish(struct neph_ablation *ablation);
@@ -126,5 +123,14 @@ enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_compar
 
 /* Whether the takes that were asked for have the measure. */
 bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure);
+
+/* A change of so many decades as people read it: "-12 %", "+0.4 %", "x16". */
+enum { NEPH_ABLATION_CHANGE_SIZE = 24 };
+void neph_ablation_change(double decades, char text[NEPH_ABLATION_CHANGE_SIZE]);
+
+/* Tornado charts, one below the other for each measure, in one SVG picture. Errors:
+ * NEPH_ERR_MEMORY. */
+enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *out,
+                                    struct neph_diag *diag);
 
 #endif

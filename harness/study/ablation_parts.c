@@ -5,12 +5,9 @@
  */
 #include "harness/study/ablation_parts.h"
 
-#include "base/files.h"
 #include "harness/engines/engines.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -203,14 +200,17 @@ static int options_of(const struct neph_ablation_part *part, int *indices, int m
 
 static enum neph_status has_setting(const char *preset, int part, bool *has, struct neph_diag *diag)
 {
+    struct neph_arena arena = {.last = NULL};
     struct neph_settings with, without;
     int option;
     options_of(&neph_ablation_parts[part], &option, 1);
-    char *words = neph_ablation_words(preset, (neph_ablation_set)1 << part);
-    enum neph_status status = words ? settings_of(preset, &with, diag) : neph_fail_memory(diag);
+    const char *words = neph_ablation_words(&arena, preset, (neph_ablation_set)1 << part);
+    enum neph_status status = neph_arena_check(&arena, diag);
+    if (!status)
+        status = settings_of(preset, &with, diag);
     if (!status)
         status = settings_of(words, &without, diag);
-    free(words);
+    neph_arena_finish(&arena);
     if (!status)
         *has = with.values[option] != without.values[option];
     return status;
@@ -234,43 +234,35 @@ enum neph_status neph_ablation_parts_of(const char *preset, neph_ablation_set *p
     return NEPH_OK;
 }
 
-char *neph_ablation_words(const char *preset, neph_ablation_set without)
+const char *neph_ablation_words(struct neph_arena *arena, const char *preset,
+                                neph_ablation_set without)
 {
-    char *words = strdup(preset);
-    for (int i = 0; words && neph_ablation_parts[i].name; i++) {
-        if ((without >> i & 1) == 0)
-            continue;
-        char *longer = neph_format("%s+%s", words, neph_ablation_parts[i].off);
-        free(words);
-        words = longer;
-    }
+    const char *words = neph_arena_text(arena, preset);
+    for (int i = 0; neph_ablation_parts[i].name; i++)
+        if (without >> i & 1)
+            words = neph_arena_format(arena, "%s+%s", words, neph_ablation_parts[i].off);
     return words;
 }
 
 enum { OPTIONS_MAX = 8 };
 
-static void print_value(const struct neph_option *option, double value, FILE *out)
-{
-    if (option->kind == NEPH_OPTION_CHOICE)
-        fprintf(out, "%s=%s", option->name, option->choices[(int)value]);
-    else
-        fprintf(out, "%s=%.15g", option->name, value);
-}
-
-enum neph_status neph_ablation_part_values(const char *preset, int part, char **text,
-                                           struct neph_diag *diag)
+enum neph_status neph_ablation_part_values(struct neph_arena *arena, const char *preset, int part,
+                                           const char **text, struct neph_diag *diag)
 {
     struct neph_settings settings;
     int options[OPTIONS_MAX];
-    size_t size;
     const int count = options_of(&neph_ablation_parts[part], options, OPTIONS_MAX);
     const enum neph_status status = settings_of(preset, &settings, diag);
-    FILE *out = status ? NULL : open_memstream(text, &size);
-    if (!out)
-        return status ? status : neph_fail_memory(diag);
-    for (int i = 0; i < count; i++) {
-        fputs(i ? " " : "", out);
-        print_value(&realtime()->options[options[i]], settings.values[options[i]], out);
+    const char *values = "";
+    for (int i = 0; i < count && !status; i++) {
+        const struct neph_option *option = &realtime()->options[options[i]];
+        const double value = settings.values[options[i]];
+        const char *blank = i > 0 ? " " : "";
+        values = option->kind == NEPH_OPTION_CHOICE
+                     ? neph_arena_format(arena, "%s%s%s=%s", values, blank, option->name,
+                                         option->choices[(int)value])
+                     : neph_arena_format(arena, "%s%s%s=%.15g", values, blank, option->name, value);
     }
-    return fclose(out) == 0 ? NEPH_OK : neph_fail_memory(diag);
+    *text = values;
+    return status ? status : neph_arena_check(arena, diag);
 }

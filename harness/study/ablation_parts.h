@@ -7,7 +7,7 @@
 #ifndef NEPH_HARNESS_STUDY_ABLATION_PARTS_H
 #define NEPH_HARNESS_STUDY_ABLATION_PARTS_H
 
-#include "base/status.h"
+#include "base/arena.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -49,12 +49,13 @@ neph_ablation_set neph_ablation_with_needs(int part);
 enum neph_status neph_ablation_parts_of(const char *preset, neph_ablation_set *parts,
                                         struct neph_diag *diag);
 
-/* The preset without some parts, in words; for the caller to free. NULL when memory is short. */
-char *neph_ablation_words(const char *preset, neph_ablation_set without);
+/* The preset without some parts, in words. */
+const char *neph_ablation_words(struct neph_arena *arena, const char *preset,
+                                neph_ablation_set without);
 
-/* "override=sequential": what a preset has for the settings of a part; for the caller to free.
- * Errors as above, and NEPH_ERR_MEMORY. */
-enum neph_status neph_ablation_part_values(const char *preset, int part, char **text,
-                                           struct neph_diag *diag);
+/* "override=sequential": what a preset has for the settings of a part. Errors as above, and
+ * NEPH_ERR_MEMORY. */
+enum neph_status neph_ablation_part_values(struct neph_arena *arena, const char *preset, int part,
+                                           const char **text, struct neph_diag *diag);
 
 #endif

@@ -3,7 +3,7 @@
  * Tornado charts: a panel for each measure, the part that changes it most on top. They are read on
  * a telephone, too: letters are a 32nd of the width, and nothing is told by colour.
  */
-#include "harness/study/ablation_output.h"
+#include "harness/study/ablation.h"
 
 #include "harness/study/svg.h"
 
@@ -73,11 +73,6 @@ static void sort_parts(struct panel *panel)
     }
 }
 
-static double held(double value, double low, double high)
-{
-    return fmin(fmax(value, low), high);
-}
-
 /* All means, and of intervals what is not much longer than these. */
 static void fit_axis(struct panel *panel)
 {
@@ -100,7 +95,7 @@ static void fit_axis(struct panel *panel)
 
 static double at_px(const struct panel *panel, double decades)
 {
-    const double part = (held(decades, panel->low, panel->high) - panel->low) /
+    const double part = (fmin(fmax(decades, panel->low), panel->high) - panel->low) /
                         (panel->high - panel->low);
     return LEFT + part * (WIDTH - RIGHT - LEFT);
 }
@@ -152,23 +147,17 @@ static void draw_number(const struct panel *panel, double mean, double y_px, FIL
     fprintf(out, "</text>\n");
 }
 
-/* An end of an interval; one beyond the axis has none. */
-static void draw_end(const struct panel *panel, double decades, double y_px, FILE *out)
-{
-    if (decades > panel->low && decades < panel->high)
-        fprintf(out, "<path d=\"M%.1f %.1f v8\" stroke=\"#000\" stroke-width=\"2\"/>",
-                at_px(panel, decades), y_px + 0.5 * BAR - 4.0);
-}
-
+/* An end beyond the axis has no mark. */
 static void draw_interval(const struct panel *panel, const struct neph_ablation_effect *effect,
                           double y_px, FILE *out)
 {
-    if (!effect->has_interval)
-        return;
+    const double ends[] = {effect->low, effect->high};
     fprintf(out, "<path d=\"M%.1f %.1f H%.1f\" stroke=\"#000\" stroke-width=\"2\"/>",
             at_px(panel, effect->low), y_px + 0.5 * BAR, at_px(panel, effect->high));
-    draw_end(panel, effect->low, y_px, out);
-    draw_end(panel, effect->high, y_px, out);
+    for (int i = 0; i < 2; i++)
+        if (ends[i] > panel->low && ends[i] < panel->high)
+            fprintf(out, "<path d=\"M%.1f %.1f v8\" stroke=\"#000\" stroke-width=\"2\"/>",
+                    at_px(panel, ends[i]), y_px + 0.5 * BAR - 4.0);
 }
 
 static void draw_bar(const struct panel *panel, const struct neph_ablation_effect *effect,
@@ -182,22 +171,19 @@ static void draw_bar(const struct panel *panel, const struct neph_ablation_effec
             "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%d\" fill=\"%s\" "
             "stroke=\"#444\"/>",
             fmin(zero_px, end_px), y_px, fabs(end_px - zero_px), BAR, fills[place]);
-    draw_interval(panel, effect, y_px, out);
+    if (effect->has_interval)
+        draw_interval(panel, effect, y_px, out);
     fprintf(out, "\n");
     draw_number(panel, effect->mean, y_px, out);
-}
-
-static bool is_certain(const struct neph_ablation_effect *effect)
-{
-    return effect &&
-           (effect->verdict == NEPH_ABLATION_BUYS || effect->verdict == NEPH_ABLATION_COSTS);
 }
 
 static void draw_row(const struct panel *panel, int row, FILE *out)
 {
     const int part = panel->rows[row];
     const double y_px = panel->top_px + ROW * row;
-    const bool is_bold = is_certain(effect_of(panel, part, NEPH_ABLATION_IN_PRESET));
+    const struct neph_ablation_effect *effect = effect_of(panel, part, NEPH_ABLATION_IN_PRESET);
+    const bool is_bold = effect && (effect->verdict == NEPH_ABLATION_BUYS ||
+                                    effect->verdict == NEPH_ABLATION_COSTS);
     fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\"%s>", LEFT - 8, y_px + 23.0,
             is_bold ? " font-weight=\"bold\"" : "");
     neph_svg_print_escaped(neph_ablation_parts[part].name, out);
@@ -229,14 +215,14 @@ static double draw_words(const char *const *words, int count, double y_px, FILE 
 
 static double draw_quiet(const struct panel *panel, double y_px, FILE *out)
 {
-    const char *words[NEPH_ABLATION_PARTS_MAX + 5] = {"Less", "than", "5 %:"};
-    const char *clock_words[] = {"Not", "told", "from", "0:"};
-    int count = 3;
+    static const char *const heads[][5] = {{"Less", "than", "5 %:"}, {"Not", "told", "from", "0:"}};
+    const char *const *head = heads[neph_ablation_measures[panel->measure].is_time];
+    const char *words[NEPH_ABLATION_PARTS_MAX + 5];
+    int count = 0;
     if (panel->quiet_count == 0)
         return y_px;
-    if (neph_ablation_measures[panel->measure].is_time)
-        for (count = 0; count < 4; count++)
-            words[count] = clock_words[count];
+    while (*head)
+        words[count++] = *head++;
     for (int i = 0; i < panel->quiet_count; i++)
         words[count++] = neph_ablation_parts[panel->quiet[i]].name;
     return draw_words(words, count, y_px + LINE, out);
@@ -262,6 +248,7 @@ static double draw_panel(const struct neph_ablation *ablation, int measure, doub
 
 static double draw_legend(const struct neph_ablation *ablation, FILE *out)
 {
+    const struct neph_flicker_study_params *params = ablation->study.params;
     fprintf(out, "<text x=\"%d\" y=\"30\" font-size=\"20\" font-weight=\"bold\">What parts of ",
             MARGIN);
     neph_svg_print_escaped(ablation->preset, out);
@@ -278,9 +265,9 @@ static double draw_legend(const struct neph_ablation *ablation, FILE *out)
             "<text x=\"%d\" y=\"146\" font-size=\"13\">%dx%d, %d steps, %d frames, %d seed%s, %d "
             "scenes; ",
             MARGIN, BAR, MARGIN + 40, MARGIN, BAR, MARGIN + 40, MARGIN, MARGIN + 40, MARGIN,
-            ablation->judged_count, MARGIN, ablation->params.width_px, ablation->params.height_px,
-            ablation->params.steps, ablation->params.frame_count, ablation->params.seed_count,
-            ablation->params.seed_count == 1 ? "" : "s", ablation->params.scene_count);
+            ablation->judged_count, MARGIN, params->width_px, params->height_px, params->steps,
+            params->frame_count, params->seed_count, params->seed_count == 1 ? "" : "s",
+            params->scene_count);
     char device[sizeof(ablation->study.device)]; /* its driver is in the tables */
     snprintf(device, sizeof(device), "%.*s", (int)strcspn(ablation->study.device, "("),
              ablation->study.device);
@@ -297,48 +284,25 @@ static bool has_numbers(const struct neph_ablation *ablation, int measure)
     return false;
 }
 
-static double draw(const struct neph_ablation *ablation, FILE *out)
-{
-    double y_px = draw_legend(ablation, out);
-    for (int m = 0; neph_ablation_measures[m].name; m++)
-        if (has_numbers(ablation, m))
-            y_px = draw_panel(ablation, m, y_px, out);
-    return y_px;
-}
-
-static enum neph_status frame(double height_px, const char *body, char **svg,
-                              struct neph_diag *diag)
-{
-    size_t size;
-    FILE *out = open_memstream(svg, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    fprintf(out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%.0f\" viewBox=\"0 0 "
-            "%d %.0f\" font-family=\"sans-serif\" font-size=\"16\">\n<rect width=\"100%%\" "
-            "height=\"100%%\" fill=\"#fff\"/>\n%s</svg>\n",
-            WIDTH, height_px, WIDTH, height_px, body);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (!cut && closed)
-        return NEPH_OK;
-    free(*svg);
-    *svg = NULL;
-    return neph_fail_memory(diag);
-}
-
-enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, char **svg,
+enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *out,
                                     struct neph_diag *diag)
 {
-    char *body = NULL;
+    char *panels = NULL;
     size_t size;
-    *svg = NULL;
-    FILE *out = open_memstream(&body, &size);
-    if (!out)
+    FILE *memory = open_memstream(&panels, &size);
+    if (!memory)
         return neph_fail_memory(diag);
-    const double height_px = draw(ablation, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    const enum neph_status status = !cut && closed ? frame(height_px, body, svg, diag)
-                                                   : neph_fail_memory(diag);
-    free(body);
-    return status;
+    double height_px = draw_legend(ablation, memory);
+    for (int m = 0; neph_ablation_measures[m].name; m++)
+        if (has_numbers(ablation, m))
+            height_px = draw_panel(ablation, m, height_px, memory);
+    const bool is_cut = ferror(memory) != 0, is_closed = fclose(memory) == 0;
+    if (!is_cut && is_closed)
+        fprintf(out,
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%.0f\" "
+                "viewBox=\"0 0 %d %.0f\" font-family=\"sans-serif\" font-size=\"16\">\n"
+                "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n%s</svg>\n",
+                WIDTH, height_px, WIDTH, height_px, panels);
+    free(panels);
+    return !is_cut && is_closed ? NEPH_OK : neph_fail_memory(diag);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/flicker_metrics.h"
 
-#include <stddef.h>
+#include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
@@ -68,12 +68,29 @@ const struct neph_study_metric neph_study_metrics[] = {
     {.title = NULL},
 };
 
+int neph_study_take_find(const char *name)
+{
+    int id = 0;
+    while (id < NEPH_STUDY_TAKES && strcmp(name, neph_study_takes[id].name) != 0)
+        id++;
+    return id;
+}
+
 int neph_study_metric_count(void)
 {
     int count = 0;
     while (neph_study_metrics[count].title)
         count++;
     return count;
+}
+
+int neph_study_metric_find(const char *metric, const char *mask)
+{
+    int index = 0;
+    while (strcmp(neph_study_metrics[index].metric, metric) != 0 ||
+           strcmp(neph_study_metrics[index].mask, mask) != 0)
+        index++; /* tests hold all that look for one to finding it */
+    return index;
 }
 
 int neph_study_headline(void)

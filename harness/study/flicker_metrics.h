@@ -31,6 +31,9 @@ struct neph_study_take {
 };
 extern const struct neph_study_take neph_study_takes[NEPH_STUDY_TAKES];
 
+/* NEPH_STUDY_TAKES: there is none of that name. */
+int neph_study_take_find(const char *name);
+
 /* The displays at which rankings have to hold; the first is the one of all other numbers. */
 struct neph_study_display {
     double frame_rate_hz, pixels_per_degree;
@@ -60,6 +63,9 @@ struct neph_study_metric {
 extern const struct neph_study_metric neph_study_metrics[];
 enum { NEPH_STUDY_METRICS_MAX = 32 };
 int neph_study_metric_count(void);
+
+/* Index of a metric of this name and mask, which has to be there. */
+int neph_study_metric_find(const char *metric, const char *mask);
 
 /* Indices of the table: the first of the eye, which rankings go by, and the first of the step, the
  * lag that it stands beside. */

@@ -45,6 +45,18 @@ static double decades(const struct neph_flicker_study *study, int metric, int di
                          floor_of(study, metric, scene, preset));
 }
 
+double neph_study_cost_decades(const struct neph_flicker_study *study, size_t cost, int scene,
+                               int preset)
+{
+    double sum = 0.0;
+    for (int seed = 0; seed < study->params->seed_count; seed++) {
+        const struct neph_study_cost *costs = neph_study_cost_at(study, scene, preset, seed);
+        const double value = *(const double *)((const char *)costs + cost);
+        sum += value > 0.0 ? log10(value) : NAN; /* what evaluates nothing has no ratio */
+    }
+    return sum / study->params->seed_count;
+}
+
 /* ---- pairs ----------------------------------------------------------------------------------- */
 
 double neph_study_difference(const struct neph_flicker_study *study, int metric, int display,

@@ -23,6 +23,11 @@ struct neph_study_pair {
 double neph_study_difference(const struct neph_flicker_study *study, int metric, int display,
                              int first, int second, int scene);
 
+/* log10 of a cost of a preset in a scene, mean over seeds; NaN where a seed has none. The offset
+ * `cost` is in struct neph_study_cost. */
+double neph_study_cost_decades(const struct neph_flicker_study *study, size_t cost, int scene,
+                               int preset);
+
 /* Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_study_pair(const struct neph_flicker_study *study, int metric, int display,
                                  int first, int second, struct neph_study_pair *pair,

@@ -24,6 +24,13 @@ enum { KIND_REFERENCE, KIND_TAKE }; /* of progress */
 /* Guesses before the first is over, on two cores. */
 static const double reference_typical_s = 10.0, take_typical_s = 30.0;
 
+/* A sequence of the study. */
+struct spot {
+    int scene;
+    enum neph_study_take_id take;
+    int preset, seed;
+};
+
 struct work {
     const struct neph_flicker_study_params *params;
     struct neph_flicker_study *study;
@@ -33,19 +40,22 @@ struct work {
     struct neph_reference reference;     /* of the take at hand */
 };
 
+static int index_of(const struct neph_flicker_study_params *params, int scene, int preset, int seed)
+{
+    return (scene * params->preset_count + preset) * params->seed_count + seed;
+}
+
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed, int metric)
 {
-    const struct neph_flicker_study_params *params = study->params;
-    const int row = (scene * params->preset_count + preset) * params->seed_count + seed;
+    const int row = index_of(study->params, scene, preset, seed);
     return &study->cells[row * neph_study_metric_count() + metric];
 }
 
 struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed)
 {
-    const struct neph_flicker_study_params *params = study->params;
-    return &study->costs[(scene * params->preset_count + preset) * params->seed_count + seed];
+    return &study->costs[index_of(study->params, scene, preset, seed)];
 }
 
 /* ---- jobs ------------------------------------------------------------------------------------ */
@@ -138,8 +148,7 @@ static int readings_of(const struct neph_scene *scene, enum neph_study_take_id i
 
 static double number_of(const json_t *document, const char *metric, const char *mask)
 {
-    const json_t *value = json_object_get(neph_take_find(document, metric, mask), "value");
-    return json_is_number(value) ? json_number_value(value) : NAN;
+    return neph_json_real(neph_take_find(document, metric, mask), "value");
 }
 
 static void say_why(struct neph_study_cell *cell, const char *why)
@@ -175,21 +184,26 @@ static void judge(const struct neph_study_metric *metric, const json_t *document
         say_why(cell, "");
 }
 
-static enum neph_status read_cells(struct work *work, const char *folder, int scene,
-                                   enum neph_study_take_id id, int preset, int seed,
-                                   struct neph_diag *diag)
+static struct neph_study_cell *cell_at(const struct work *work, const struct spot *spot, int metric)
+{
+    return neph_study_cell_at(work->study, spot->scene, spot->preset, spot->seed, metric);
+}
+
+static enum neph_status read_cells(const struct work *work, const char *folder,
+                                   const struct spot *spot, struct neph_diag *diag)
 {
     json_t *documents[NEPH_STUDY_DISPLAYS] = {NULL}, *centre = NULL;
     const bool brief = work->params->brief;
-    const int display_count = id == NEPH_STUDY_FLICKER && !brief ? NEPH_STUDY_DISPLAYS : 1;
+    const bool is_flicker = spot->take == NEPH_STUDY_FLICKER;
+    const int display_count = is_flicker && !brief ? NEPH_STUDY_DISPLAYS : 1;
     enum neph_status status = brief ? NEPH_OK
                                     : neph_take_document(folder, centre_name, &centre, diag);
     for (int d = 0; d < display_count && !status; d++)
         status = neph_take_document(folder, display_names[d], &documents[d], diag);
     for (int m = 0; neph_study_metrics[m].title && !status; m++) {
         const struct neph_study_metric *metric = &neph_study_metrics[m];
-        struct neph_study_cell *cell = neph_study_cell_at(work->study, scene, preset, seed, m);
-        if (metric->take != id)
+        struct neph_study_cell *cell = cell_at(work, spot, m);
+        if (metric->take != spot->take)
             continue;
         cell->value = number_of(documents[0], metric->metric, metric->mask);
         cell->centre = number_of(centre, metric->metric, metric->mask);
@@ -205,29 +219,22 @@ static enum neph_status read_cells(struct work *work, const char *folder, int sc
 }
 
 /* One reason for all metrics of a take. */
-static void mark_cells(struct work *work, int scene, enum neph_study_take_id id, int preset,
-                       int seed, const char *why)
+static void mark_cells(const struct work *work, const struct spot *spot, const char *why)
 {
     for (int m = 0; neph_study_metrics[m].title; m++)
-        if (neph_study_metrics[m].take == id)
-            say_why(neph_study_cell_at(work->study, scene, preset, seed, m), why);
+        if (neph_study_metrics[m].take == spot->take)
+            say_why(cell_at(work, spot, m), why);
 }
 
-/* A number of a record; NaN where there is none. */
-static double recorded(const json_t *record, const char *name)
+static void read_cost(const struct work *work, const json_t *record, const struct spot *spot)
 {
-    const json_t *number = json_object_get(record, name);
-    return json_is_number(number) ? json_number_value(number) : NAN;
-}
-
-static void read_cost(struct work *work, const json_t *record, int scene, int preset, int seed)
-{
-    const double pixels = recorded(record, "frames") * (double)work->params->width_px *
+    const double pixels = neph_json_real(record, "frames") * (double)work->params->width_px *
                           work->params->height_px;
-    *neph_study_cost_at(work->study, scene, preset, seed) = (struct neph_study_cost){
-        .density_evaluations = recorded(record, "density_evaluations") / pixels,
-        .traffic_bytes = recorded(record, "traffic_bytes") / pixels,
-        .gpu_ms = recorded(record, "gpu_ms_median"),
+    *neph_study_cost_at(work->study, spot->scene, spot->preset,
+                        spot->seed) = (struct neph_study_cost){
+        .density_evaluations = neph_json_real(record, "density_evaluations") / pixels,
+        .traffic_bytes = neph_json_real(record, "traffic_bytes") / pixels,
+        .gpu_ms = neph_json_real(record, "gpu_ms_median"),
     };
 }
 
@@ -253,72 +260,70 @@ static enum neph_status have_reference(struct work *work, const struct neph_job 
         return status;
     row->picture_count += reference->picture_count;
     row->reference_s += reference->cost.cpu_s;
-    if (!row->reference && !(row->reference = strdup(reference->text)))
-        status = neph_fail_memory(diag);
-    return status;
+    if (!row->reference)
+        row->reference = neph_arena_text(&work->study->arena, reference->text);
+    return NEPH_OK;
 }
 
-static enum neph_status run_take(struct work *work, const struct neph_job *job, int scene,
-                                 enum neph_study_take_id id, int preset, int seed,
-                                 struct neph_diag *diag)
+static int frames_of(const struct neph_study_scene *row, enum neph_study_take_id id)
 {
-    struct neph_study_scene *row = &work->study->scenes[scene];
-    const int own = neph_study_takes[id].frame_count, count = own ? own : row->frame_count;
+    return neph_study_takes[id].frame_count ? neph_study_takes[id].frame_count : row->frame_count;
+}
+
+static enum neph_status run_take(struct work *work, const struct neph_job *job,
+                                 const struct spot *spot, struct neph_diag *diag)
+{
+    struct neph_study_scene *row = &work->study->scenes[spot->scene];
     struct neph_reading readings[READINGS_MAX];
     struct neph_meter_number kept[KEPT_MAX];
     char *folder = NULL;
     json_t *record = NULL;
-    enum neph_status status = have_reference(work, job, count, row, diag);
+    struct neph_take take = {.job = *job,
+                             .frame_count = frames_of(row, spot->take),
+                             .reference = &work->reference,
+                             .readings = readings,
+                             .plain = true, /* scenes are what is counted */
+                             .frozen_is_fine = true};
+    enum neph_status status = have_reference(work, job, take.frame_count, row, diag);
     if (status)
         return status;
-    list_kept(id, kept);
-    const struct neph_take take = {
-        .job = *job,
-        .frame_count = count,
-        .reference = &work->reference,
-        .readings = readings,
-        .reading_count = readings_of(job->shot.scene, id, work->params->brief, kept, readings),
-        .plain = true, /* scenes are what is counted */
-        .frozen_is_fine = true};
+    list_kept(spot->take, kept);
+    take.reading_count = readings_of(job->shot.scene, spot->take, work->params->brief, kept,
+                                     readings);
     status = neph_take_run(&take, work->store, &folder, &record, diag);
     if (!status)
-        status = read_cells(work, folder, scene, id, preset, seed, diag);
+        status = read_cells(work, folder, spot, diag);
     if (!status)
         row->takes_s += json_number_value(json_object_get(record, "cpu_s"));
-    if (!status && id == NEPH_STUDY_FLICKER)
-        read_cost(work, record, scene, preset, seed);
+    if (!status && spot->take == NEPH_STUDY_FLICKER)
+        read_cost(work, record, spot);
     json_decref(record);
     free(folder);
     return status;
 }
 
-static bool is_of_one_take(enum neph_status status)
-{
-    return status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE || status == NEPH_ERR_TIMEOUT;
-}
-
 /* What breaks is news of one take; what cannot be rendered and what ends the run goes on. */
-static enum neph_status try_take(struct work *work, const struct neph_scene *scene, int index,
-                                 enum neph_study_take_id id, int preset, int seed,
-                                 struct neph_diag *diag)
+static enum neph_status try_take(struct work *work, const struct neph_scene *scene,
+                                 const struct spot *spot, struct neph_diag *diag)
 {
     struct neph_job job;
     struct neph_diag why = {.line = 0};
     char what[256];
     const struct neph_flicker_study_params *params = work->params;
-    snprintf(what, sizeof(what), "%s, %s, %s%s, seed %d", work->study->scenes[index].name,
-             neph_study_takes[id].name, params->labels ? "" : "preset ",
-             (params->labels ? params->labels : params->presets)[preset], seed + 1);
+    snprintf(what, sizeof(what), "%s, %s, %s%s, seed %d", work->study->scenes[spot->scene].name,
+             neph_study_takes[spot->take].name, params->labels ? "" : "preset ",
+             (params->labels ? params->labels : params->presets)[spot->preset], spot->seed + 1);
     neph_progress_begin(&work->progress, what);
-    enum neph_status status = make_job(work, scene, params->presets[preset], seed, &job, &why);
+    enum neph_status status = make_job(work, scene, params->presets[spot->preset], spot->seed, &job,
+                                       &why);
     const double start_s = neph_wall_s();
     if (!status)
-        status = run_take(work, &job, index, id, preset, seed, &why);
+        status = run_take(work, &job, spot, &why);
     work->progress.kind = KIND_TAKE;
-    if (is_of_one_take(status)) {
+    if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE || status == NEPH_ERR_TIMEOUT) {
         work->study->failed_count++;
         neph_progress_warn("%s: %s", what, why.message);
-        mark_cells(work, index, id, preset, seed, why.message);
+        mark_cells(work, spot, why.message);
         status = NEPH_OK;
     }
     if (status && diag)
@@ -330,33 +335,36 @@ static enum neph_status try_take(struct work *work, const struct neph_scene *sce
 
 /* ---- one scene ------------------------------------------------------------------------------- */
 
-/* `*made` is NULL when the scene itself is the take. */
-static enum neph_status make_variant(const struct neph_scene *scene, enum neph_study_take_id id,
-                                     struct neph_scene **made, struct neph_diag *diag)
+/* A take of a scene by all presets and seeds, which is rendered, or only counted for progress. */
+static enum neph_status walk_take(struct work *work, const struct neph_scene *scene, int index,
+                                  enum neph_study_take_id id, bool is_counted,
+                                  struct neph_diag *diag)
 {
     const struct neph_study_take *take = &neph_study_takes[id];
-    const struct neph_variant variant = {take->variant, NEPH_STUDY_EVENT_FRAME, take->frame_count};
-    return take->variant == NEPH_VARIANT_KIND_COUNT
-               ? NEPH_OK
-               : neph_scene_variant(scene, &variant, made, diag);
-}
-
-static enum neph_status run_takes(struct work *work, const struct neph_scene *scene, int index,
-                                  enum neph_study_take_id id, struct neph_diag *diag)
-{
-    const struct neph_flicker_study_params *params = work->params;
-    const enum neph_variant_kind kind = neph_study_takes[id].variant;
-    const char *obstacle = kind == NEPH_VARIANT_KIND_COUNT ? NULL
-                                                           : neph_variant_obstacle(scene, kind);
+    const bool is_scene = take->variant == NEPH_VARIANT_KIND_COUNT;
+    const struct neph_variant change = {take->variant, NEPH_STUDY_EVENT_FRAME, take->frame_count};
+    const char *obstacle = is_scene ? NULL : neph_variant_obstacle(scene, take->variant);
+    const int seed_count = work->params->seed_count,
+              count = work->params->preset_count * seed_count;
     struct neph_scene *variant = NULL;
-    enum neph_status status = obstacle ? NEPH_OK : make_variant(scene, id, &variant, diag);
-    for (int preset = 0; preset < params->preset_count && !status; preset++)
-        for (int seed = 0; seed < params->seed_count && !status; seed++) {
-            if (obstacle)
-                mark_cells(work, index, id, preset, seed, obstacle);
-            else
-                status = try_take(work, variant ? variant : scene, index, id, preset, seed, diag);
-        }
+    enum neph_status status = NEPH_OK;
+    if (!is_scene && !obstacle)
+        status = neph_scene_variant(scene, &change, &variant, diag);
+    const struct neph_scene *shown = variant ? variant : scene;
+    if (is_counted && !obstacle && !status) {
+        const int frame_count = frames_of(&work->study->scenes[index], id);
+        neph_progress_expect(&work->progress, KIND_REFERENCE,
+                             neph_reference_picture_count(shown, 0, frame_count),
+                             reference_typical_s);
+        neph_progress_expect(&work->progress, KIND_TAKE, count, take_typical_s);
+    }
+    for (int i = 0; i < count && !is_counted && !status; i++) {
+        const struct spot spot = {index, id, i / seed_count, i % seed_count};
+        if (obstacle)
+            mark_cells(work, &spot, obstacle);
+        else
+            status = try_take(work, shown, &spot, diag);
+    }
     neph_scene_destroy(variant);
     return status;
 }
@@ -373,119 +381,84 @@ static bool can_render(struct work *work, const struct neph_scene *scene, char *
     return true;
 }
 
-static bool moves(const struct neph_scene *scene)
-{
-    for (int frame = 1; frame < scene->frame_count; frame++)
-        if (!neph_scene_is_same_moment(scene, 0, frame))
-            return true;
-    return false;
-}
-
 /* Whole cycles of four; motion ends with the scene. */
-static enum neph_status describe(const struct work *work, const struct neph_scene *scene,
-                                 struct neph_study_scene *row, struct neph_diag *diag)
+static void describe(const struct work *work, const struct neph_scene *scene,
+                     struct neph_study_scene *row)
 {
     const int asked = work->params->frame_count;
-    row->moves = moves(scene);
+    row->moves = !neph_scene_is_static(scene);
     row->frame_count = row->moves && scene->frame_count < asked ? scene->frame_count / 4 * 4
                                                                 : asked;
-    row->name = strdup(scene->name);
-    row->title = strdup(scene->title);
-    return row->name && row->title ? NEPH_OK : neph_fail_memory(diag);
+    row->name = neph_arena_text(&work->study->arena, scene->name);
+    row->title = neph_arena_text(&work->study->arena, scene->title);
 }
 
-static enum neph_status run_scene(struct work *work, int index, struct neph_diag *diag)
+/* All takes of a scene that every preset can render. */
+static enum neph_status walk_scene(struct work *work, int index, bool is_counted,
+                                   struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     struct neph_study_scene *row = &work->study->scenes[index];
     char why[512] = "";
     enum neph_status status = neph_data_load_scene(work->params->scenes[index], &scene, diag);
+    if (!status && is_counted)
+        describe(work, scene, row);
     const bool can = !status && can_render(work, scene, why, sizeof(why));
-    if (!status && !can && !(row->left_out = strdup(why)))
-        status = neph_fail_memory(diag);
+    if (!status && !can)
+        row->left_out = neph_arena_text(&work->study->arena, why);
     for (int id = 0; id < NEPH_STUDY_TAKES && can && !status; id++)
         if (work->params->takes[id])
-            status = run_takes(work, scene, index, (enum neph_study_take_id)id, diag);
+            status = walk_take(work, scene, index, (enum neph_study_take_id)id, is_counted, diag);
     neph_scene_destroy(scene);
     return status;
 }
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
+enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params *params,
+                                          struct neph_flicker_study *study, struct neph_diag *diag)
+{
+    const size_t rows = (size_t)index_of(params, params->scene_count, 0, 0);
+    const size_t cells = rows * (size_t)neph_study_metric_count();
+    *study = (struct neph_flicker_study){.params = params};
+    study->scenes = neph_arena_zeroed(&study->arena, (size_t)params->scene_count,
+                                      sizeof(*study->scenes));
+    study->cells = neph_arena_zeroed(&study->arena, cells, sizeof(*study->cells));
+    study->costs = neph_arena_zeroed(&study->arena, rows, sizeof(*study->costs));
+    return neph_arena_check(&study->arena, diag);
+}
+
+static enum neph_status describe_presets(struct work *work, struct neph_diag *diag)
+{
+    struct neph_flicker_study *study = work->study;
+    enum neph_status status = NEPH_OK;
+    for (int preset = 0; preset < work->params->preset_count && !status; preset++) {
+        struct neph_job job;
+        status = make_job(work, NULL, work->params->presets[preset], 0, &job, diag);
+        char *text = status ? NULL : neph_settings_text(job.engine, &job.shot.settings);
+        study->settings[preset] = neph_arena_text(&study->arena, text);
+        if (!status && !text)
+            status = neph_fail_memory(diag);
+        free(text);
+    }
+    return status;
+}
+
 static enum neph_status prepare(struct work *work, struct neph_diag *diag)
 {
-    const struct neph_flicker_study_params *params = work->params;
     struct neph_flicker_study *study = work->study;
-    const size_t rows = (size_t)params->scene_count * (size_t)params->preset_count *
-                        (size_t)params->seed_count;
-    const size_t cell_count = rows * (size_t)neph_study_metric_count();
-    study->scenes = calloc((size_t)params->scene_count, sizeof(*study->scenes));
-    study->cells = calloc(cell_count, sizeof(*study->cells));
-    study->costs = calloc(rows, sizeof(*study->costs));
-    if (!study->scenes || !study->cells || !study->costs)
-        return neph_fail_memory(diag);
-    for (size_t i = 0; i < rows; i++)
+    const enum neph_status status = neph_flicker_study_begin(work->params, study, diag);
+    const int rows = status ? 0 : index_of(work->params, work->params->scene_count, 0, 0);
+    for (int i = 0; i < rows; i++)
         study->costs[i] = (struct neph_study_cost){NAN, NAN, NAN};
-    for (size_t i = 0; i < cell_count; i++) {
+    for (int i = 0; i < rows * neph_study_metric_count(); i++) {
         study->cells[i] = (struct neph_study_cell){.value = NAN, .centre = NAN};
         for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
             study->cells[i].displays[d] = NAN;
         say_why(&study->cells[i], "not asked for");
     }
     snprintf(study->device, sizeof(study->device), "%s", work->info.device);
-    enum neph_status status = NEPH_OK;
-    for (int preset = 0; preset < params->preset_count && !status; preset++) {
-        struct neph_job job;
-        status = make_job(work, NULL, params->presets[preset], 0, &job, diag);
-        if (!status &&
-            !(study->settings[preset] = neph_settings_text(job.engine, &job.shot.settings)))
-            status = neph_fail_memory(diag);
-    }
-    return status;
-}
-
-/* One take of a scene: its reference, and a sequence for each preset and seed. */
-static enum neph_status expect_take(struct work *work, const struct neph_scene *scene,
-                                    enum neph_study_take_id id, int frame_count,
-                                    struct neph_diag *diag)
-{
-    const struct neph_flicker_study_params *params = work->params;
-    const enum neph_variant_kind kind = neph_study_takes[id].variant;
-    struct neph_scene *variant = NULL;
-    if (kind != NEPH_VARIANT_KIND_COUNT && neph_variant_obstacle(scene, kind))
-        return NEPH_OK;
-    const enum neph_status status = make_variant(scene, id, &variant, diag);
-    if (status)
-        return status;
-    const int own = neph_study_takes[id].frame_count;
-    neph_progress_expect(
-        &work->progress, KIND_REFERENCE,
-        neph_reference_picture_count(variant ? variant : scene, 0, own ? own : frame_count),
-        reference_typical_s);
-    neph_progress_expect(&work->progress, KIND_TAKE, params->preset_count * params->seed_count,
-                         take_typical_s);
-    neph_scene_destroy(variant);
-    return NEPH_OK;
-}
-
-/* Every scene is loaded once before the first is rendered: a wrong name is told at once. */
-static enum neph_status expect(struct work *work, struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < work->params->scene_count && !status; i++) {
-        struct neph_study_scene *row = &work->study->scenes[i];
-        struct neph_scene *scene = NULL;
-        char why[512];
-        status = neph_data_load_scene(work->params->scenes[i], &scene, diag);
-        if (!status)
-            status = describe(work, scene, row, diag);
-        for (int id = 0; id < NEPH_STUDY_TAKES && !status; id++)
-            if (work->params->takes[id] && can_render(work, scene, why, sizeof(why)))
-                status = expect_take(work, scene, (enum neph_study_take_id)id, row->frame_count,
-                                     diag);
-        neph_scene_destroy(scene);
-    }
-    return status;
+    return status ? status : describe_presets(work, diag);
 }
 
 enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *params,
@@ -496,14 +469,14 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
                         .study = study,
                         .store = store,
                         .progress = neph_progress_start(params->quiet, 0)};
-    *study = (struct neph_flicker_study){.params = params};
     neph_engine_probe(neph_engine_find("realtime"), params->device, &work.info);
     neph_engine_probe(neph_engine_find("command"), params->device, &work.guest);
     enum neph_status status = prepare(&work, diag);
+    /* every scene is loaded once before the first is rendered: a wrong name is told at once */
+    for (int i = 0; i < 2 * params->scene_count && !status; i++)
+        status = walk_scene(&work, i % params->scene_count, i < params->scene_count, diag);
     if (!status)
-        status = expect(&work, diag);
-    for (int scene = 0; scene < params->scene_count && !status; scene++)
-        status = run_scene(&work, scene, diag);
+        status = neph_arena_check(&study->arena, diag);
     neph_progress_end(&work.progress);
     neph_reference_finish(&work.reference);
     if (status == NEPH_ERR_INTERRUPTED)
@@ -513,16 +486,6 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
 
 void neph_flicker_study_finish(struct neph_flicker_study *study)
 {
-    for (int i = 0; study->scenes && i < study->params->scene_count; i++) {
-        free(study->scenes[i].name);
-        free(study->scenes[i].title);
-        free(study->scenes[i].left_out);
-        free(study->scenes[i].reference);
-    }
-    for (int i = 0; i < NEPH_STUDY_PRESETS_MAX; i++)
-        free(study->settings[i]);
-    free(study->scenes);
-    free(study->cells);
-    free(study->costs);
+    neph_arena_finish(&study->arena);
     *study = (struct neph_flicker_study){.params = NULL};
 }

@@ -7,6 +7,7 @@
 #ifndef NEPH_HARNESS_STUDY_FLICKER_STUDY_H
 #define NEPH_HARNESS_STUDY_FLICKER_STUDY_H
 
+#include "base/arena.h"
 #include "harness/run/job.h"
 #include "harness/study/flicker_metrics.h"
 
@@ -50,23 +51,24 @@ struct neph_study_cost {
 };
 
 struct neph_study_scene {
-    char *name, *title; /* owned */
+    const char *name, *title;
     bool moves;
     int frame_count;             /* of the flicker's take */
-    char *left_out;              /* why nothing was measured; NULL when it was; owned */
-    char *reference;             /* "march, 16 rays a pixel, 32 steps"; owned */
+    const char *left_out;        /* why nothing was measured; NULL when it was */
+    const char *reference;       /* "march, 16 rays a pixel, 32 steps" */
     int picture_count;           /* of all its references */
     double reference_s, takes_s; /* processor time of these, and of the presets' frames */
 };
 
 struct neph_flicker_study {
     const struct neph_flicker_study_params *params; /* borrowed */
+    struct neph_arena arena;                        /* has all that the study points to */
     char device[128];
-    char *settings[NEPH_STUDY_PRESETS_MAX]; /* of each preset; owned */
-    struct neph_study_scene *scenes;        /* owned */
-    struct neph_study_cell *cells;          /* owned; by neph_study_cell_at() */
-    struct neph_study_cost *costs;          /* owned; by neph_study_cost_at() */
-    int failed_count;                       /* takes that broke */
+    const char *settings[NEPH_STUDY_PRESETS_MAX]; /* of each preset */
+    struct neph_study_scene *scenes;
+    struct neph_study_cell *cells; /* by neph_study_cell_at() */
+    struct neph_study_cost *costs; /* by neph_study_cost_at() */
+    int failed_count;              /* takes that broke */
 };
 
 /* Run it. What an engine cannot render leaves its scene out; what breaks is counted, and its cells
@@ -74,6 +76,10 @@ struct neph_flicker_study {
 enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *params,
                                         struct neph_store *store, struct neph_flicker_study *study,
                                         struct neph_diag *diag);
+
+/* Room for the scenes, cells and costs of the params, all zero. Errors: NEPH_ERR_MEMORY. */
+enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params *params,
+                                          struct neph_flicker_study *study, struct neph_diag *diag);
 void neph_flicker_study_finish(struct neph_flicker_study *study);
 
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,

@@ -94,7 +94,7 @@ static int same_as(const struct neph_scene *scene, int first, int frame)
 static int path_count(const struct neph_scene *scene, int first, int frame_count)
 {
     for (int i = 1; i < frame_count; i++)
-        if (same_as(scene, first, first + i) != first)
+        if (!neph_scene_is_same_moment(scene, first, first + i))
             return frame_count;
     return 1;
 }
@@ -107,7 +107,7 @@ int neph_reference_picture_count(const struct neph_scene *scene, int first, int 
     return NEPH_REFERENCE_RAYS_COUNT * count;
 }
 
-static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
+void neph_cost_add(struct neph_cost *sum, const struct neph_cost *cost)
 {
     sum->render_s += cost->render_s;
     sum->wall_s += cost->wall_s;
@@ -147,7 +147,7 @@ static enum neph_status take_picture(struct neph_job *job, struct neph_store *st
     if (!status) {
         *path = result.frame_path;
         result.frame_path = NULL;
-        add_cost(&reference->cost, &result.cost);
+        neph_cost_add(&reference->cost, &result.cost);
         reference->picture_count++;
         neph_progress_tick(progress, what);
     }

@@ -59,4 +59,7 @@ enum neph_status neph_reference_make(const struct neph_job *test, int frame_coun
 
 void neph_reference_finish(struct neph_reference *reference);
 
+/* Add the cost of a frame: times, and the larger memory. */
+void neph_cost_add(struct neph_cost *sum, const struct neph_cost *cost);
+
 #endif

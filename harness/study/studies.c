@@ -144,23 +144,16 @@ static enum neph_status keep(const struct neph_job *job, const struct neph_study
 
 /* ---- renewal --------------------------------------------------------------------------------- */
 
-/* `*word` says what became of it. */
-static enum neph_status make_anew(const struct neph_job *job, struct neph_store *store,
-                                  const char **word, struct neph_diag *diag)
-{
-    struct neph_study made;
-    enum neph_outcome outcome;
-    char reason[1600];
-    const enum neph_status status = neph_studies_make(job, store, &made, &outcome, reason, diag);
-    *word = neph_outcome_name(outcome);
-    if (status || outcome != NEPH_OUTCOME_RENDERED)
-        return status;
-    *word = "studied";
-    return keep(job, &made, diag);
-}
+struct work {
+    double time_limit_s;
+    struct neph_store *store;
+    bool keeps;
+    struct neph_progress progress;
+};
 
-static enum neph_status renew(const struct neph_scene *scene, const struct neph_engine *engine,
-                              double time_limit_s, struct neph_store *store, const char **word,
+/* `*word` says what became of it. */
+static enum neph_status renew(const struct work *work, const struct neph_scene *scene,
+                              const struct neph_engine *engine, const char **word,
                               struct neph_diag *diag)
 {
     struct neph_engine_info info;
@@ -170,21 +163,30 @@ static enum neph_status renew(const struct neph_scene *scene, const struct neph_
                                  .shot = {.scene = scene,
                                           .settings = neph_settings_default(engine),
                                           .seed = 1,
-                                          .time_limit_s = time_limit_s}};
-    struct neph_study there;
+                                          .time_limit_s = work->time_limit_s}};
+    struct neph_study study;
     bool is_there = false;
+    enum neph_outcome outcome;
+    char reason[1600];
     *word = "needs none";
     if (!neph_study_applies(engine, scene))
         return NEPH_OK;
-    enum neph_status status = neph_studies_find(&job, &there, &is_there, diag);
+    enum neph_status status = neph_studies_find(&job, &study, &is_there, diag);
     *word = "is there";
-    if (!status && !is_there)
-        status = make_anew(&job, store, word, diag);
-    return status;
+    if (status || is_there)
+        return status;
+    status = neph_studies_make(&job, work->store, &study, &outcome, reason, diag);
+    *word = outcome == NEPH_OUTCOME_RENDERED ? "studied" : neph_outcome_name(outcome);
+    return !status && outcome == NEPH_OUTCOME_RENDERED && work->keeps ? keep(&job, &study, diag)
+                                                                      : status;
 }
 
-static enum neph_status renew_scene(const char *name, double time_limit_s, struct neph_store *store,
-                                    struct neph_progress *progress, struct neph_diag *diag)
+static bool is_studied(const struct neph_engine *engine)
+{
+    return engine->rung == NEPH_RUNG_WITNESS && engine->step.option;
+}
+
+static enum neph_status renew_scene(struct work *work, const char *name, struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     int engine_count;
@@ -193,34 +195,38 @@ static enum neph_status renew_scene(const char *name, double time_limit_s, struc
     if (status == NEPH_ERR_NOT_FOUND)
         return NEPH_OK;
     for (int i = 0; i < engine_count && !status; i++) {
-        if (engines[i]->rung != NEPH_RUNG_WITNESS || !engines[i]->step.option)
+        if (!is_studied(engines[i]))
             continue;
         char what[256];
         const char *word = "";
         snprintf(what, sizeof(what), "%s of %s", engines[i]->name, scene->name);
-        progress->kind = i;
-        neph_progress_begin(progress, what);
+        work->progress.kind = i;
+        neph_progress_begin(&work->progress, what);
         const double start_s = neph_wall_s();
-        status = renew(scene, engines[i], time_limit_s, store, &word, diag);
+        status = renew(work, scene, engines[i], &word, diag);
         if (!status)
-            neph_progress_step(progress, what, word, neph_wall_s() - start_s);
+            neph_progress_step(&work->progress, what, word, neph_wall_s() - start_s);
     }
     neph_scene_destroy(scene);
     return status;
 }
 
 enum neph_status neph_studies_renew(const char *const *scenes, int scene_count, double time_limit_s,
-                                    struct neph_store *store, bool quiet, struct neph_diag *diag)
+                                    struct neph_store *store, bool keeps, bool quiet,
+                                    struct neph_diag *diag)
 {
     int engine_count;
     const struct neph_engine *const *engines = neph_engines(&engine_count);
-    struct neph_progress progress = neph_progress_start(quiet, 0);
+    struct work work = {.time_limit_s = time_limit_s,
+                        .store = store,
+                        .keeps = keeps,
+                        .progress = neph_progress_start(quiet, 0)};
     for (int i = 0; i < engine_count; i++)
-        if (engines[i]->rung == NEPH_RUNG_WITNESS && engines[i]->step.option)
-            neph_progress_expect(&progress, i, scene_count, 0.0);
+        if (is_studied(engines[i]))
+            neph_progress_expect(&work.progress, i, scene_count, 0.0);
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < scene_count && !status; i++)
-        status = renew_scene(scenes[i], time_limit_s, store, &progress, diag);
-    neph_progress_end(&progress);
+        status = renew_scene(&work, scenes[i], diag);
+    neph_progress_end(&work.progress);
     return status;
 }

@@ -26,8 +26,10 @@ enum neph_status neph_studies_make(const struct neph_job *job, struct neph_store
 /* Study the scenes (names of the catalogue, or paths) with every witness that marches in steps, and
  * keep what comes of it. What is there for just this scene, engine, version and driver is left
  * alone. A scene whose data is not here, or that an engine cannot render, is passed over. With
- * NEPH_ERR_INTERRUPTED what is finished is kept. */
+ * NEPH_ERR_INTERRUPTED what is finished is kept. Not `keeps`: only the store has what comes of it,
+ * so that processes may do that at the same time. */
 enum neph_status neph_studies_renew(const char *const *scenes, int scene_count, double time_limit_s,
-                                    struct neph_store *store, bool quiet, struct neph_diag *diag);
+                                    struct neph_store *store, bool keeps, bool quiet,
+                                    struct neph_diag *diag);
 
 #endif

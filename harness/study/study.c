@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/study.h"
 
+#include "base/arena.h"
 #include "base/exr.h"
 #include "metrics/statistics.h"
 #include "scenes/media.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -23,12 +23,9 @@ bool neph_study_applies(const struct neph_engine *engine, const struct neph_scen
     return false;
 }
 
-static int option_index(const struct neph_engine *engine, const char *name)
+static int option_index(const struct neph_engine *engine)
 {
-    for (int i = 0; engine->options[i].name; i++)
-        if (strcmp(engine->options[i].name, name) == 0)
-            return i;
-    return -1; /* a test holds every engine to naming an option of its own */
+    return neph_option_find(engine->options, engine->step.option); /* a test holds it to be there */
 }
 
 /* Pictures of all levels, channels averaged, by seed; seed 1 is missing where nothing is random. */
@@ -36,15 +33,8 @@ struct pictures {
     size_t pixel_count;
     int seed_count;
     double *grey[NEPH_STUDY_LEVELS_MAX][2];
+    struct neph_arena arena; /* has them */
 };
-
-static void free_pictures(struct pictures *pictures)
-{
-    for (int i = 0; i < NEPH_STUDY_LEVELS_MAX; i++) {
-        free(pictures->grey[i][0]);
-        free(pictures->grey[i][1]);
-    }
-}
 
 static enum neph_status take_picture(const struct neph_image *frame, struct pictures *pictures,
                                      double **grey, struct neph_diag *diag)
@@ -53,7 +43,7 @@ static enum neph_status take_picture(const struct neph_image *frame, struct pict
     if (!neph_image_rgb(frame, NULL, planes))
         return neph_fail(diag, NEPH_ERR_ENGINE, "the frame of a study has no radiance");
     pictures->pixel_count = neph_image_pixel_count(frame);
-    *grey = malloc(pictures->pixel_count * sizeof(**grey));
+    *grey = neph_arena_zeroed(&pictures->arena, pictures->pixel_count, sizeof(**grey));
     if (!*grey)
         return neph_fail_memory(diag);
     for (size_t p = 0; p < pictures->pixel_count; p++)
@@ -95,29 +85,36 @@ static double blend_mean(const struct pictures *pictures, const struct blend *bl
     return neph_sum_value(&sum) / (seeds * count);
 }
 
-static enum neph_status render_level(const struct neph_job *job, struct neph_store *store,
-                                     int index, struct pictures *pictures,
-                                     struct neph_study_level *level, enum neph_outcome *outcome,
-                                     char reason[1600], struct neph_diag *diag)
+bool neph_study_job(const struct neph_job *job, int index, struct neph_job *made)
 {
-    struct neph_job placed = *job;
-    enum neph_status status = NEPH_OK;
-    *outcome = NEPH_OUTCOME_RENDERED;
-    for (int s = 0; s < pictures->seed_count && !status && *outcome == NEPH_OUTCOME_RENDERED; s++) {
-        struct neph_job_result result;
-        struct neph_image *frame = NULL;
-        placed.shot.seed = job->shot.seed + (uint64_t)s;
-        status = neph_job_run(&placed, store, &result, diag);
-        *outcome = result.outcome;
-        level->wall_s += result.cost.wall_s;
-        memcpy(reason, result.reason, sizeof(result.reason));
-        if (!status && result.frame_path)
-            status = neph_exr_read(result.frame_path, &frame, diag);
-        if (!status && frame)
-            status = take_picture(frame, pictures, &pictures->grey[index][s], diag);
-        neph_image_destroy(frame);
-        neph_job_result_finish(&result);
-    }
+    const struct neph_engine_step *step = &job->engine->step;
+    const int seed_count = job->engine->stochastic ? 2 : 1, level = index / seed_count;
+    *made = *job;
+    if (level >= step->level_count || level >= NEPH_STUDY_LEVELS_MAX)
+        return false;
+    made->shot.settings.values[option_index(job->engine)] = step->coarsest *
+                                                            pow(step->refine, level);
+    made->shot.seed = job->shot.seed + (uint64_t)(index % seed_count);
+    return true;
+}
+
+static enum neph_status render(const struct neph_job *job, struct neph_store *store,
+                               struct pictures *pictures, double **grey,
+                               struct neph_study_level *level, enum neph_outcome *outcome,
+                               char reason[1600], struct neph_diag *diag)
+{
+    struct neph_job_result result;
+    struct neph_image *frame = NULL;
+    enum neph_status status = neph_job_run(job, store, &result, diag);
+    *outcome = result.outcome;
+    level->wall_s += result.cost.wall_s;
+    memcpy(reason, result.reason, sizeof(result.reason));
+    if (!status && result.frame_path)
+        status = neph_exr_read(result.frame_path, &frame, diag);
+    if (!status && frame)
+        status = take_picture(frame, pictures, grey, diag);
+    neph_image_destroy(frame);
+    neph_job_result_finish(&result);
     return status;
 }
 
@@ -211,20 +208,20 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
                                 char reason[1600], struct neph_diag *diag)
 {
     const struct neph_engine_step *step = &job->engine->step;
-    const int index = option_index(job->engine, step->option);
-    struct neph_job placed = *job;
+    struct neph_job placed;
     struct pictures pictures = {.seed_count = job->engine->stochastic ? 2 : 1};
     enum neph_status status = NEPH_OK;
     *outcome = NEPH_OUTCOME_RENDERED;
     *study = (struct neph_study){
         .option = step->option, .order = step->order, .tolerance = NEPH_STUDY_TOLERANCE};
-    for (int i = 0; i < step->level_count && i < NEPH_STUDY_LEVELS_MAX && !status &&
-                    *outcome == NEPH_OUTCOME_RENDERED;
+    for (int i = 0; !status && *outcome == NEPH_OUTCOME_RENDERED && neph_study_job(job, i, &placed);
          i++) {
-        struct neph_study_level *level = &study->levels[study->level_count++];
-        level->setting = step->coarsest * pow(step->refine, i);
-        placed.shot.settings.values[index] = level->setting;
-        status = render_level(&placed, store, i, &pictures, level, outcome, reason, diag);
+        const int index = i / pictures.seed_count;
+        struct neph_study_level *level = &study->levels[index];
+        study->level_count = index + 1;
+        level->setting = placed.shot.settings.values[option_index(job->engine)];
+        status = render(&placed, store, &pictures, &pictures.grey[index][i % pictures.seed_count],
+                        level, outcome, reason, diag);
     }
     if (!status && *outcome == NEPH_OUTCOME_RENDERED)
         extrapolate(&pictures, study, fmax(step->refine, 1.0 / step->refine));
@@ -232,14 +229,14 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
         *outcome = NEPH_OUTCOME_CANNOT;
         snprintf(reason, 1600, "the picture is black: there is nothing to be off from");
     }
-    free_pictures(&pictures);
+    neph_arena_finish(&pictures.arena);
     return status;
 }
 
 void neph_study_apply(const struct neph_study *study, const struct neph_engine *engine,
                       struct neph_settings *settings)
 {
-    settings->values[option_index(engine, study->option)] = study->levels[study->chosen].setting;
+    settings->values[option_index(engine)] = study->levels[study->chosen].setting;
 }
 
 /* ---- as JSON --------------------------------------------------------------------------------- */
@@ -309,7 +306,7 @@ static bool is_taken(const char *name, const struct neph_study *study,
 {
     if (!study->option || strcmp(name, study->option) != 0)
         return false;
-    const struct neph_option *option = &engine->options[option_index(engine, study->option)];
+    const struct neph_option *option = &engine->options[option_index(engine)];
     const double setting = study->levels[study->chosen].setting;
     return setting >= option->minimum && setting <= option->maximum;
 }

@@ -56,6 +56,9 @@ struct neph_study {
  * is not homogeneous. */
 bool neph_study_applies(const struct neph_engine *engine, const struct neph_scene *scene);
 
+/* The index-th job of such a study, from 0 on: a level with a seed. False: there are no more. */
+bool neph_study_job(const struct neph_job *job, int index, struct neph_job *made);
+
 /* Run the levels of `job`'s engine on its scene at its size (frames go through the store).
  * `*outcome` and `reason` say what became of it when a frame could not be had or is black, so that
  * there is nothing to be off from (NEPH_OUTCOME_CANNOT); `study` is valid only with

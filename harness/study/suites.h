@@ -19,4 +19,10 @@ enum neph_status neph_suite_find(const char *file, const char *format, const cha
  * caller frees it; NULL without memory. */
 char *neph_suite_scene(const json_t *entry);
 
+/* Names of the scenes of a suite of flicker studies: "tuning", which presets were chosen by,
+ * "test", which they were not, and others. What is said of a preset is said of "test". The list and
+ * its words are for the caller (neph_data_free_names). Errors as above. */
+enum neph_status neph_flicker_suite_find(const char *name, char ***scenes, int *count,
+                                         struct neph_diag *diag);
+
 #endif

@@ -4,6 +4,7 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/png.h"
+#include "base/written.h"
 #include "harness/compare/comparison.h"
 #include "harness/engines/frame_stats.h"
 #include "metrics/display.h"
@@ -79,38 +80,21 @@ static void keep_radiance(struct neph_image *frame)
     }
 }
 
-static void add_cost(struct neph_cost *sum, const struct neph_cost *cost)
-{
-    sum->render_s += cost->render_s;
-    sum->wall_s += cost->wall_s;
-    sum->cpu_s += cost->cpu_s;
-}
-
-static double stat_of(const json_t *stats, const char *name)
-{
-    const json_t *number = json_object_get(stats, name);
-    return number ? json_number_value(number) : NAN;
-}
-
 static void add_counts(struct frames *frames, int number, const struct neph_image *frame)
 {
     json_t *stats = neph_frame_stats(frame);
     for (int i = 0; i < COUNTED; i++)
-        frames->counted[i] += stat_of(stats, counted_names[i]);
-    frames->gpu_ms[number] = stat_of(stats, "gpu_ms");
+        frames->counted[i] += neph_json_real(stats, counted_names[i]);
+    frames->gpu_ms[number] = neph_json_real(stats, "gpu_ms");
     json_decref(stats);
-}
-
-static size_t image_bytes(const struct neph_image *image)
-{
-    return neph_image_pixel_count(image) * (size_t)image->channel_count * sizeof(float);
 }
 
 /* Take a frame over into memory, or into a file when there is no room. */
 static enum neph_status keep_frame(struct frames *frames, int number, struct neph_image *frame,
                                    struct neph_diag *diag)
 {
-    const size_t size_bytes = image_bytes(frame);
+    const size_t size_bytes = neph_image_pixel_count(frame) * (size_t)frame->channel_count *
+                              sizeof(float);
     if (frames->size_bytes + size_bytes <= frames_limit_bytes) {
         frames->images[number] = frame;
         frames->size_bytes += size_bytes;
@@ -136,7 +120,7 @@ static enum neph_status render_frame(const struct neph_take *take, const struct 
     if (take->counts_bad)
         frames->bad_values += neph_job_count_bad(frame);
     keep_radiance(frame);
-    add_cost(total, &cost);
+    neph_cost_add(total, &cost);
     add_counts(frames, number, frame);
     if (number == take->frame_count - 1)
         status = neph_exr_write(frames->files.paths[number], frame, diag);
@@ -290,88 +274,73 @@ static enum neph_status read_off(const struct neph_take *take, int first, int co
     return status;
 }
 
-static int lesser(int a, int b)
-{
-    return a < b ? a : b;
-}
-
-static int readings_at_once(const struct neph_take *take)
+static enum neph_status read_all(const struct neph_take *take, const char *folder,
+                                 const struct frames *frames, struct neph_diag *diag)
 {
     const struct neph_shot *shot = &take->job.shot;
     const size_t kept_bytes = KEPT_BYTES_MAX * (size_t)shot->width_px * (size_t)shot->height_px *
                               (size_t)take->frame_count;
-    const size_t count = kept_limit_bytes / kept_bytes;
-    return count < 1 ? 1 : lesser((int)count, NEPH_COMPARISONS_MAX);
-}
-
-static enum neph_status read_all(const struct neph_take *take, const char *folder,
-                                 const struct frames *frames, struct neph_diag *diag)
-{
-    const int at_once = readings_at_once(take);
+    const int at_once = (int)fmin(fmax((double)(kept_limit_bytes / kept_bytes), 1.0),
+                                  NEPH_COMPARISONS_MAX);
     enum neph_status status = NEPH_OK;
-    for (int first = 0; first < take->reading_count && !status; first += at_once)
-        status = read_off(take, first, lesser(at_once, take->reading_count - first), folder, frames,
-                          diag);
+    for (int first = 0; first < take->reading_count && !status; first += at_once) {
+        const int left = take->reading_count - first;
+        status = read_off(take, first, left < at_once ? left : at_once, folder, frames, diag);
+    }
     return status;
 }
 
 /* ---- the store ------------------------------------------------------------------------------- */
 
 /* All that a document depends on, but for the frames. */
-static char *reading_text(const struct neph_reading *reading)
+static void write_reading(const struct neph_reading *reading, FILE *out)
 {
     const struct neph_viewing *viewing = &reading->viewing;
-    char *text = neph_format("%s against %d at %g Hz %g ppd %g EV %g cd/m2:", reading->name,
-                             (int)reading->against, viewing->frame_rate_hz,
-                             viewing->pixels_per_degree, viewing->exposure_ev,
-                             viewing->white_cd_per_m2);
-    if (text && reading->warm_up_frames > 0) {
-        char *longer = neph_format("%s after %d", text, reading->warm_up_frames);
-        free(text);
-        text = longer;
-    }
     const char *const *const lists[] = {reading->extractors, reading->settings};
+    fprintf(out, "%s against %d at %g Hz %g ppd %g EV %g cd/m2:", reading->name,
+            (int)reading->against, viewing->frame_rate_hz, viewing->pixels_per_degree,
+            viewing->exposure_ev, viewing->white_cd_per_m2);
+    if (reading->warm_up_frames > 0)
+        fprintf(out, " after %d", reading->warm_up_frames);
     for (size_t l = 0; l < sizeof(lists) / sizeof(lists[0]); l++)
-        for (int i = 0; text && lists[l] && lists[l][i]; i++) {
-            char *longer = neph_format("%s %s", text, lists[l][i]);
-            free(text);
-            text = longer;
-        }
-    for (const struct neph_meter_number *kept = reading->kept; text && kept && kept->metric;
-         kept++) {
-        char *longer = neph_format("%s %s@%s", text, kept->metric, kept->mask);
-        free(text);
-        text = longer;
-    }
-    return text;
+        for (int i = 0; lists[l] && lists[l][i]; i++)
+            fprintf(out, " %s", lists[l][i]);
+    for (const struct neph_meter_number *kept = reading->kept; kept && kept->metric; kept++)
+        fprintf(out, " %s@%s", kept->metric, kept->mask);
+    fputc('\n', out);
+}
+
+struct entry {
+    const struct neph_take *take;
+    char first[NEPH_HASH_HEX_SIZE]; /* the key of the first frame */
+};
+
+static void write_entry(const void *entry_, FILE *out)
+{
+    const struct entry *entry = entry_;
+    const struct neph_take *take = entry->take;
+    fprintf(out,
+            "neph-take-1\nfirst %s\nframes %d\nreference %s\nmeasured %d\nmasks %d plain %d\n"
+            "pictures %d %s\n%s",
+            entry->first, take->frame_count, take->reference->key, MEASURED_REVISION,
+            take->all_masks, take->plain, take->with_pictures, take->map_file ? take->map_file : "",
+            take->counts_bad ? "bad values counted\n" : "");
+    if (take->frame_step > 1)
+        fprintf(out, "every %d\n", take->frame_step);
+    for (int i = 0; i < take->reading_count; i++)
+        write_reading(&take->readings[i], out);
 }
 
 enum neph_status neph_take_key(const struct neph_take *take, char key[NEPH_HASH_HEX_SIZE],
                                struct neph_diag *diag)
 {
-    char first[NEPH_HASH_HEX_SIZE];
-    enum neph_status status = neph_job_key(&take->job, first, diag);
-    if (status)
-        return status;
-    char *text = neph_format("neph-take-1\nfirst %s\nframes %d\nreference %s\nmeasured %d\nmasks "
-                             "%d plain %d\npictures %d %s\n%s",
-                             first, take->frame_count, take->reference->key, MEASURED_REVISION,
-                             take->all_masks, take->plain, take->with_pictures,
-                             take->map_file ? take->map_file : "",
-                             take->counts_bad ? "bad values counted\n" : "");
-    if (text && take->frame_step > 1) {
-        char *longer = neph_format("%severy %d\n", text, take->frame_step);
-        free(text);
-        text = longer;
-    }
-    for (int i = 0; i < take->reading_count && text; i++) {
-        char *reading = reading_text(&take->readings[i]);
-        char *longer = reading ? neph_format("%s%s\n", text, reading) : NULL;
-        free(reading);
-        free(text);
-        text = longer;
-    }
-    status = text ? neph_hash(text, strlen(text), key, diag) : neph_fail_memory(diag);
+    struct entry entry = {.take = take};
+    char *text = NULL;
+    enum neph_status status = neph_job_key(&take->job, entry.first, diag);
+    if (!status)
+        status = neph_written(write_entry, &entry, &text, diag);
+    if (!status)
+        status = neph_hash(text, strlen(text), key, diag);
     free(text);
     return status;
 }
@@ -439,8 +408,9 @@ static enum neph_status show(const struct neph_take *take, const char *folder,
     return take->look ? take->look(take, &seen, take->look_context, diag) : NEPH_OK;
 }
 
-static enum neph_status make_entry(const struct neph_take *take, struct neph_store *store,
-                                   const char *key, struct neph_diag *diag)
+/* Render, measure, show, and keep it in the store. `key` NULL: only render and show it. */
+static enum neph_status make(const struct neph_take *take, struct neph_store *store,
+                             const char *key, struct neph_diag *diag)
 {
     struct neph_scratch *scratch = NULL;
     char *kept = NULL;
@@ -453,17 +423,17 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
     status = prepare_frames(take, folder, &frames, diag);
     if (!status)
         status = render_frames(take, folder, &frames, &cost, diag);
-    if (!status && frames.bad_values == 0)
+    if (!status && key && frames.bad_values == 0)
         status = read_all(take, folder, &frames, diag);
     if (!status)
         status = show(take, folder, &frames, diag);
-    json_t *record = status ? NULL : record_of(take, &cost, &frames);
+    json_t *record = status || !key ? NULL : record_of(take, &cost, &frames);
     finish_frames(take, &frames);
-    if (!status)
+    if (!status && key)
         status = neph_json_check(record, diag);
-    if (!status)
+    if (!status && key)
         status = neph_store_publish(store, key, scratch, record, diag);
-    else
+    else if (key)
         neph_store_abandon(store, key, scratch, &kept);
     if (status)
         neph_move_paths(diag, folder, kept);
@@ -476,23 +446,7 @@ static enum neph_status make_entry(const struct neph_take *take, struct neph_sto
 enum neph_status neph_take_see(const struct neph_take *take, struct neph_store *store,
                                struct neph_diag *diag)
 {
-    struct neph_scratch *scratch = NULL;
-    struct neph_cost cost = {0};
-    struct frames frames = {.images = NULL};
-    enum neph_status status = neph_store_begin(store, &scratch, diag);
-    if (status)
-        return status;
-    const char *folder = neph_scratch_path(scratch);
-    status = prepare_frames(take, folder, &frames, diag);
-    if (!status)
-        status = render_frames(take, folder, &frames, &cost, diag);
-    if (!status)
-        status = show(take, folder, &frames, diag);
-    if (status)
-        neph_move_paths(diag, folder, NULL);
-    finish_frames(take, &frames);
-    neph_scratch_destroy(scratch);
-    return status;
+    return make(take, store, NULL, diag);
 }
 
 enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
@@ -501,7 +455,7 @@ enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *
     char key[NEPH_HASH_HEX_SIZE], *last_frame = NULL;
     enum neph_status status = neph_take_key(take, key, diag);
     if (!status && !neph_store_find(store, key, &last_frame, record)) {
-        status = make_entry(take, store, key, diag);
+        status = make(take, store, key, diag);
         if (!status && !neph_store_find(store, key, &last_frame, record))
             status = neph_fail(diag, NEPH_ERR_IO,
                                "the sequence %s is not readable after publishing", key);

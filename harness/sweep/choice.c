@@ -39,33 +39,10 @@ int neph_choice_find(const char *name)
 
 /* --- levels --------------------------------------------------------------------------------- */
 
-static int metric_of(const struct neph_choice_measure *measure)
-{
-    int index = 0;
-    while (strcmp(neph_study_metrics[index].metric, measure->metric) != 0 ||
-           strcmp(neph_study_metrics[index].mask, measure->mask) != 0)
-        index++; /* a test holds every measure to being there */
-    return index;
-}
-
-/* log10 of a cost, mean over seeds; NaN where a seed has none. */
-static double cost_decades(const struct neph_flicker_study *study, size_t offset, int scene,
-                           int preset)
-{
-    double sum = 0.0;
-    for (int seed = 0; seed < study->params->seed_count; seed++) {
-        double value;
-        memcpy(&value, (const char *)neph_study_cost_at(study, scene, preset, seed) + offset,
-               sizeof(value));
-        sum += value > 0.0 ? log10(value) : NAN;
-    }
-    return sum / study->params->seed_count;
-}
-
 static bool all_have_cost(const struct neph_flicker_study *study, size_t offset, int scene)
 {
     for (int preset = 0; preset < study->params->preset_count; preset++)
-        if (isnan(cost_decades(study, offset, scene, preset)))
+        if (isnan(neph_study_cost_decades(study, offset, scene, preset)))
             return false;
     return true;
 }
@@ -81,7 +58,7 @@ static void level_costs(const struct neph_flicker_study *study, int number,
             continue;
         count++;
         for (int preset = 0; preset < choice->candidate_count; preset++)
-            sums[preset] += cost_decades(study, offset, scene, preset);
+            sums[preset] += neph_study_cost_decades(study, offset, scene, preset);
     }
     choice->scene_counts[number] = count;
     for (int preset = 0; preset < choice->candidate_count; preset++)
@@ -92,9 +69,10 @@ static void level_costs(const struct neph_flicker_study *study, int number,
 static enum neph_status level_metric(const struct neph_flicker_study *study, int number,
                                      struct neph_choice *choice, struct neph_diag *diag)
 {
+    const struct neph_choice_measure *measure = &neph_choice_measures[number];
     struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX];
     const enum neph_status status = neph_study_levels(
-        study, metric_of(&neph_choice_measures[number]), 0, levels, diag);
+        study, neph_study_metric_find(measure->metric, measure->mask), 0, levels, diag);
     if (status)
         return status;
     choice->scene_counts[number] = levels[0].scene_count;
@@ -279,9 +257,10 @@ static enum neph_status print_pairs(const struct neph_choice *choice,
             continue;
         fprintf(out, "\nover %s, with 95 %% intervals over scenes:\n", study->params->presets[i]);
         for (int n = 0; n < NEPH_CHOICE_WORK && !status; n++) {
+            const struct neph_choice_measure *of = &neph_choice_measures[n];
             struct neph_study_pair pair;
-            status = neph_study_pair(study, metric_of(&neph_choice_measures[n]), 0, choice->nearest,
-                                     i, &pair, diag);
+            status = neph_study_pair(study, neph_study_metric_find(of->metric, of->mask), 0,
+                                     choice->nearest, i, &pair, diag);
             if (!status)
                 print_pair(neph_choice_measures[n].name, &pair, out);
         }

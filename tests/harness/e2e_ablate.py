@@ -43,15 +43,15 @@ class Ablate(unittest.TestCase):
         for path, text in zip(self.scenes, (REST, BACKLIT)):
             path.write_text(text)
 
-    def run_neph(self, verb, *arguments):
+    def run_neph(self, verb, *arguments, out="out"):
         return subprocess.run([NEPH, *verb.split(), *map(str, arguments), "-o",
-                               str(self.folder / "out")],
+                               str(self.folder / out)],
                               capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
 
-    def ablate(self, *arguments):
-        done = self.run_neph("ablate", *arguments, "--only", "split", *SIZE)
+    def ablate(self, *arguments, out="out"):
+        done = self.run_neph("ablate", *arguments, "--only", "split", *SIZE, out=out)
         self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout, json.loads((self.folder / "out" / "ablation.json").read_text())
+        return done.stdout, json.loads((self.folder / out / "ablation.json").read_text())
 
     def stored(self):
         entries = (self.folder / "out" / "store" / "frames").iterdir()
@@ -62,6 +62,13 @@ class Ablate(unittest.TestCase):
         part, = (p for p in found["parts"] if p["part"] == part)
         effect, = (e for e in part["effects"] if (e["place"], e["measure"]) == (place, measure))
         return effect
+
+    @staticmethod
+    def without_times(found):
+        """Milliseconds are of a clock, and no part of what is judged together."""
+        for effects in [found["all"], *(part.get("effects", []) for part in found["parts"])]:
+            effects[:] = [effect for effect in effects if effect["measure"] != "gpu_ms"]
+        return found
 
     def test_the_split_saves_15_rays_of_16_and_is_the_pair_of_the_study(self):
         arguments = (*self.scenes, "--takes", "flicker")
@@ -83,6 +90,8 @@ class Ablate(unittest.TestCase):
         entries = self.stored()
         again, _ = self.ablate(*arguments)
         self.assertEqual((again, self.stored()), (text, entries))
+        _, by_two = self.ablate(*arguments, "--jobs", "2", out="by_two")
+        self.assertEqual(self.without_times(by_two), self.without_times(found))
         study = self.run_neph("study flicker", self.scenes[0], "--presets", "ours,ours+split=none",
                               "--takes", "flicker", *SIZE, "--json")
         for measure, metric, mask in (("error", "rel_rmse", "all"),

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph study flicker` as a user runs it, in small pictures: references, reuse, refusals,
-Ctrl-C."""
+"""`neph study flicker` and `neph study steps` as a user runs them, in small pictures: references,
+reuse, refusals, Ctrl-C, several processes."""
 import csv
 import json
 import os
@@ -34,6 +34,13 @@ media:
 MOVES = REST.replace("rest", "moves").replace("background",
                                               "wind: {velocity_m_per_s: [9, 0, 0]}\nbackground")
 MULTIPLE = REST.replace("rest", "multiple").replace("scattering: single", "scattering: multiple")
+
+
+def without_times(document):
+    if isinstance(document, dict):
+        return {key: without_times(value) for key, value in document.items()
+                if not key.endswith(("cpu_s", "wall_s"))}
+    return list(map(without_times, document)) if isinstance(document, list) else document
 
 
 class Study(unittest.TestCase):
@@ -127,6 +134,20 @@ class Study(unittest.TestCase):
         self.assertIn("taa=off", again["presets"][1]["settings"])
         self.assertEqual(len(again["results"]), len(rows))
         self.assertEqual({path: path.stat().st_mtime_ns for path in store.iterdir()}, entries)
+        by_two = self.study(*arguments, "-o", self.folder / "by_two", "--jobs", "2")
+        self.assertEqual(without_times(by_two), without_times(again))
+
+    def test_steps_do_not_depend_on_how_many_processes_render_them(self):
+        found = []
+        for jobs in "12":
+            done = subprocess.run([NEPH, "study", "steps", "march", self.rest, "--size", "8x4",
+                                   "--json", "--jobs", jobs, "-o", self.folder / jobs],
+                                  capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("part 5: done" in done.stderr, jobs == "2", done.stderr)
+            found.append(without_times(json.loads(done.stdout)))
+        self.assertEqual(found[0], found[1])
+        self.assertEqual(len(found[0]["levels"]), 5)
 
     def test_wrong_words(self):
         for code, words, arguments in (

@@ -3,10 +3,11 @@
  * Ablation without a renderer: the table of parts holds for the presets, and what is said of a part
  * is the arithmetic of made-up numbers.
  */
-#include "tests/neph_test.h"
+#include "tests/harness/published.h"
 
+#include "base/written.h"
 #include "harness/engines/engines.h"
-#include "harness/study/ablation_output.h"
+#include "harness/experiments/ablation.h"
 #include "metrics/significance.h"
 
 /* ---- parts ----------------------------------------------------------------------------------- */
@@ -38,10 +39,9 @@ static struct neph_settings settings_of(const char *words)
 
 static struct neph_settings settings_without(const char *preset, neph_ablation_set without)
 {
-    char *words = neph_ablation_words(preset, without);
-    assert_non_null(words);
-    const struct neph_settings settings = settings_of(words);
-    free(words);
+    struct neph_arena arena = {.last = NULL};
+    const struct neph_settings settings = settings_of(neph_ablation_words(&arena, preset, without));
+    neph_arena_finish(&arena);
     return settings;
 }
 
@@ -140,9 +140,10 @@ static void test_the_plain_pipeline_has_no_part(void **state)
     for (int i = 0; neph_ablation_parts[i].name; i++)
         if (neph_ablation_parts[i].stays)
             stays |= (neph_ablation_set)1 << i;
-    char *plain = neph_ablation_words("ours", every_part() & ~stays);
+    struct neph_arena arena = {.last = NULL};
+    const char *plain = neph_ablation_words(&arena, "ours", every_part() & ~stays);
     assert_true(parts_of(plain) == bit("split")); /* the box of the anti-aliasing needs it */
-    free(plain);
+    neph_arena_finish(&arena);
 }
 
 static bool is_exception(const char *option)
@@ -184,22 +185,11 @@ static void test_no_setting_of_ours_is_forgotten(void **state)
 
 enum { SCENES = 4, SEEDS = 2 };
 
-static const struct neph_flicker_study_params asked = {
-    .scene_count = SCENES,
-    .seed_count = SEEDS,
-    .frame_count = 32,
-    .steps = 8,
-    .width_px = 16,
-    .height_px = 9,
-    .takes = {true, true},
-    .brief = true,
-};
-
 static void plan(struct neph_ablation *ablation, const char *const *only, int count)
 {
     struct neph_diag diag = {.line = 0};
     *ablation = (struct neph_ablation){.preset = NULL};
-    neph_assert_ok(neph_ablation_plan("ours", only, count, &asked, ablation, &diag), &diag);
+    neph_assert_ok(neph_ablation_plan("ours", only, count, ablation, &diag), &diag);
 }
 
 /* The preset, the plain pipeline and each part in both places; that with what a part needs is there
@@ -210,7 +200,7 @@ static void test_a_plan_has_each_configuration_once(void **state)
     static const char *const only[] = {"history", "box", "split"};
     struct neph_ablation ablation;
     plan(&ablation, only, 3);
-    assert_int_equal(ablation.params.preset_count, 2 + 2 + 2 + 1);
+    assert_int_equal(ablation.configuration_count, 2 + 2 + 2 + 1);
     assert_int_equal(ablation.comparison_count, 1 + 2 + 2 + 1);
     assert_string_equal(ablation.words[0], "ours");
     const struct neph_ablation_comparison *history, *box, *split;
@@ -237,13 +227,11 @@ static void test_a_part_that_is_not_there_is_refused(void **state)
     static const char *const unknown[] = {"overide"}, *const absent[] = {"upscale_dither"};
     struct neph_ablation ablation = {.preset = NULL};
     struct neph_diag diag = {.line = 0};
-    assert_int_equal(neph_ablation_plan("ours", unknown, 1, &asked, &ablation, &diag),
-                     NEPH_ERR_USAGE);
+    assert_int_equal(neph_ablation_plan("ours", unknown, 1, &ablation, &diag), NEPH_ERR_USAGE);
     assert_non_null(strstr(diag.message, "overide"));
     assert_non_null(strstr(diag.hint, "override"));
     neph_ablation_finish(&ablation);
-    assert_int_equal(neph_ablation_plan("ours", absent, 1, &asked, &ablation, &diag),
-                     NEPH_ERR_USAGE);
+    assert_int_equal(neph_ablation_plan("ours", absent, 1, &ablation, &diag), NEPH_ERR_USAGE);
     assert_non_null(strstr(diag.message, "upscale_dither=none"));
     neph_ablation_finish(&ablation);
 }
@@ -255,22 +243,27 @@ static void test_a_part_that_is_not_there_is_refused(void **state)
 static void make_study(struct neph_ablation *ablation)
 {
     static const char *const names[SCENES] = {"one", "two", "three", "four"};
+    static struct neph_flicker_study_params params;
     struct neph_flicker_study *study = &ablation->study;
-    const int rows = SCENES * SEEDS * ablation->params.preset_count;
-    const int cells = rows * neph_study_metric_count();
+    params = (struct neph_flicker_study_params){.presets = ablation->words,
+                                                .preset_count = ablation->configuration_count,
+                                                .scene_count = SCENES,
+                                                .seed_count = SEEDS,
+                                                .frame_count = 32,
+                                                .steps = 8,
+                                                .width_px = 16,
+                                                .height_px = 9,
+                                                .takes = {true, true},
+                                                .brief = true};
+    neph_assert_ok(neph_flicker_study_begin(&params, study, NULL), NULL);
     snprintf(study->device, sizeof(study->device), "nowhere");
-    study->scenes = calloc(SCENES, sizeof(*study->scenes));
-    study->cells = calloc((size_t)cells, sizeof(*study->cells));
-    study->costs = calloc((size_t)rows, sizeof(*study->costs));
-    assert_true(study->scenes && study->cells && study->costs);
+    const int rows = SCENES * SEEDS * params.preset_count;
     for (int s = 0; s < SCENES; s++)
-        study->scenes[s].name = strdup(names[s]);
+        study->scenes[s].name = names[s];
     for (int i = 0; i < rows; i++)
         study->costs[i] = (struct neph_study_cost){2.0, 3.0, NAN};
-    for (int i = 0; i < cells; i++) {
-        study->cells[i] = (struct neph_study_cell){.value = 1.0, .counts = true};
-        study->cells[i].displays[0] = 1.0;
-    }
+    for (int i = 0; i < rows * neph_study_metric_count(); i++)
+        study->cells[i] = (struct neph_study_cell){.value = 1.0, .displays = {1.0}, .counts = true};
 }
 
 enum { ERROR, FLICKER, EDGE_FLICKER, FOUR_FRAME, HALF_LIFE, EVALUATIONS, TRAFFIC, GPU_MS };
@@ -313,7 +306,9 @@ static void test_measures_are_metrics_of_a_flicker_study(void **state)
     for (int m = 0; neph_ablation_measures[m].metric; m++)
         assert_non_null(cell_of(&ablation, 0, 0, 0, m));
     assert_true(neph_ablation_has_measure(&ablation, HALF_LIFE));
-    ablation.params.takes[NEPH_STUDY_STEP] = false;
+    struct neph_flicker_study_params params = *ablation.study.params;
+    params.takes[NEPH_STUDY_STEP] = false;
+    ablation.study.params = &params;
     assert_false(neph_ablation_has_measure(&ablation, HALF_LIFE));
     assert_true(neph_ablation_has_measure(&ablation, TRAFFIC));
     neph_ablation_finish(&ablation);
@@ -450,48 +445,45 @@ static void test_changes_in_words(void **state)
 
 /* ---- output ---------------------------------------------------------------------------------- */
 
-static int count_of(const char *text, const char *part)
+static void list_parts(const void *ablation, FILE *out)
 {
-    int count = 0;
-    for (text = strstr(text, part); text; text = strstr(text + 1, part))
-        count++;
-    return count;
+    neph_ablation_list(ablation, out);
 }
 
 static void test_output_holds_every_number(void **state)
 {
     (void)state;
     struct neph_ablation ablation;
-    char *text = NULL, *csv = NULL, *svg = NULL, *list = NULL;
+    struct neph_publication publication;
+    char *list = NULL;
     const struct neph_ablation_comparison *of = planned(&ablation);
     for (int s = 0; s < SCENES; s++)
         set(&ablation, s, of->without, ERROR, s == 1 ? 2.0 : 1.9);
     for (int s = 0; s < SCENES; s++)
         set(&ablation, s, of->without, FOUR_FRAME, 1000.0);
-    ablation.study.scenes[3].left_out = strdup("it is too deep");
+    ablation.study.scenes[3].left_out = "it is too deep";
     neph_assert_ok(neph_ablation_judge(&ablation, NULL), NULL);
-    neph_assert_ok(neph_ablation_text(&ablation, &text, NULL), NULL);
+    begin_published(&publication);
+    neph_assert_ok(neph_ablation_publish(&ablation, &publication, NULL), NULL);
+    const char *text = published_text(publication.text, &publication);
     assert_non_null(strstr(text, "Left out: four: it is too deep."));
     assert_non_null(strstr(text, "- override: lowers relative RMSE (-48 %), four-frame flicker at "
                                  "depth edges (<-99 %); most in two (relative RMSE -50 %).\n"));
     assert_non_null(strstr(text, "| override | **-48 %** | = | = | **<-99 %** | = | = | = | - |"));
     assert_non_null(strstr(text, "not in this preset: upscale_dither"));
-    neph_assert_ok(neph_ablation_csv(&ablation, &csv, NULL), NULL);
+    const char *csv = published_text(publication.csv, &publication);
     /* three comparisons of seven measures in four scenes and over them; times there are none */
     assert_int_equal(count_of(csv, "\r\n"), 1 + 3 * 7 * (SCENES + 1));
-    neph_assert_ok(neph_ablation_plot(&ablation, &svg, NULL), NULL);
+    const char *svg = published_text(publication.chart, &publication);
     assert_int_equal(count_of(svg, ">override</text>"), 2);   /* has bars; elsewhere it is quiet */
     assert_int_equal(count_of(svg, "override "), 5);          /* there are no times */
     assert_int_equal(count_of(svg, ">&#60;-99 %</text>"), 1); /* beyond the axis: in words */
-    neph_assert_ok(neph_ablation_list(&ablation, &list, NULL), NULL);
+    neph_assert_ok(neph_written(list_parts, &ablation, &list, NULL), NULL);
     assert_int_equal(count_of(list, "without it: "), neph_ablation_part_count());
     assert_int_equal(count_of(list, "not in this preset"), 7);
-    json_t *json = neph_ablation_json(&ablation);
-    assert_int_equal(json_array_size(json_object_get(json, "parts")), neph_ablation_part_count());
-    json_decref(json);
-    free(text);
-    free(csv);
-    free(svg);
+    assert_int_equal(json_array_size(json_object_get(publication.json, "parts")),
+                     neph_ablation_part_count());
+    neph_publication_finish(&publication);
     free(list);
     neph_ablation_finish(&ablation);
 }

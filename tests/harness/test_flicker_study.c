@@ -3,15 +3,15 @@
  * Flicker studies without a renderer: the tables name what there is, suites are disjoint, and what
  * is said of pairs and rankings is the arithmetic of made-up numbers.
  */
-#include "tests/neph_test.h"
+#include "tests/harness/published.h"
 
 #include "base/files.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/experiments/flicker.h"
 #include "harness/study/flicker_pairs.h"
-#include "harness/study/flicker_study_output.h"
-#include "harness/study/flicker_suites.h"
 #include "harness/study/reference.h"
+#include "harness/study/suites.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/significance.h"
 
@@ -165,20 +165,14 @@ static const struct neph_flicker_study_params params = {
 /* Every cell counts and is 1; scenes have names. */
 static void make_study(struct neph_flicker_study *study)
 {
-    static char *names[SCENES] = {"one", "two", "three", "four"};
-    *study = (struct neph_flicker_study){.params = &params, .device = "nowhere"};
-    study->scenes = calloc(SCENES, sizeof(*study->scenes));
-    study->cells = calloc((size_t)(SCENES * PRESETS * SEEDS * neph_study_metric_count()),
-                          sizeof(*study->cells));
-    assert_non_null(study->scenes);
-    assert_non_null(study->cells);
-    for (int s = 0; s < SCENES; s++) {
-        study->scenes[s].name = strdup(names[s]);
-        study->scenes[s].title = strdup(names[s]);
-        study->scenes[s].frame_count = 64;
-    }
+    static const char *const names[SCENES] = {"one", "two", "three", "four"};
+    neph_assert_ok(neph_flicker_study_begin(&params, study, NULL), NULL);
+    snprintf(study->device, sizeof(study->device), "nowhere");
+    for (int s = 0; s < SCENES; s++)
+        study->scenes[s] = (struct neph_study_scene){
+            .name = names[s], .title = names[s], .frame_count = 64};
     for (int i = 0; i < PRESETS; i++)
-        study->settings[i] = strdup("");
+        study->settings[i] = "";
     for (int i = 0; i < SCENES * PRESETS * SEEDS * neph_study_metric_count(); i++) {
         study->cells[i] = (struct neph_study_cell){.value = 1.0, .centre = 1.0, .counts = true};
         for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
@@ -194,6 +188,15 @@ static void set(struct neph_flicker_study *study, int scene, int preset, int see
     cell->value = value;
     for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
         cell->displays[d] = value;
+}
+
+static void assert_text_has(const struct neph_flicker_study *study, const char *part)
+{
+    struct neph_publication publication;
+    begin_published(&publication);
+    neph_assert_ok(neph_flicker_publish(study, &publication, NULL), NULL);
+    assert_non_null(strstr(published_text(publication.text, &publication), part));
+    neph_publication_finish(&publication);
 }
 
 /* Seeds a tenth and ten times make one; differences of 0.1 .. 0.4 decades have the mean 0.25, the
@@ -255,7 +258,6 @@ static void test_a_bound_keeps_its_scene(void **state)
     (void)state;
     struct neph_flicker_study study;
     struct neph_study_pair pair;
-    char *text = NULL;
     make_study(&study);
     const int metric = neph_study_headline();
     for (int seed = 0; seed < SEEDS; seed++) {
@@ -270,9 +272,7 @@ static void test_a_bound_keeps_its_scene(void **state)
     assert_int_equal(pair.alike, 3);
     assert_int_equal(pair.better, 1);
     neph_assert_close(pair.mean, -2.0 / 4.0, 1e-12, 0.0);
-    neph_assert_ok(neph_flicker_study_text(&study, &text, NULL), NULL);
-    assert_non_null(strstr(text, "| two | <0.01 (1) | 1 (1) | 1 (1) |"));
-    free(text);
+    assert_text_has(&study, "| two | <0.01 (1) | 1 (1) | 1 (1) |");
     neph_flicker_study_finish(&study);
 }
 
@@ -309,7 +309,6 @@ static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
     struct neph_flicker_study study;
     struct neph_study_level levels[PRESETS];
     int order[PRESETS];
-    char *text = NULL;
     make_study(&study);
     const int metric = neph_study_headline();
     for (int s = 0; s < SCENES; s++)
@@ -325,57 +324,42 @@ static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
     }
     neph_assert_ok(neph_study_ranking(&study, 0, order, NULL), NULL);
     assert_true(order[0] == 2 && order[1] == 0 && order[2] == 1);
-    neph_assert_ok(neph_flicker_study_text(&study, &text, NULL), NULL);
-    assert_non_null(strstr(text, "The order holds at all 6 displays."));
-    free(text);
+    assert_text_has(&study, "The order holds at all 6 displays.");
     for (int s = 0; s < SCENES; s++)
         for (int seed = 0; seed < SEEDS; seed++)
             neph_study_cell_at(&study, s, 0, seed, metric)->displays[4] = 1e-2;
-    neph_assert_ok(neph_flicker_study_text(&study, &text, NULL), NULL);
-    assert_non_null(strstr(text, "The order holds at 5 of 6 displays: it is no ranking."));
-    free(text);
+    assert_text_has(&study, "The order holds at 5 of 6 displays: it is no ranking.");
     neph_flicker_study_finish(&study);
 }
 
 /* ---- output ---------------------------------------------------------------------------------- */
 
-static int count_of(const char *text, const char *part)
-{
-    int count = 0;
-    for (text = strstr(text, part); text; text = strstr(text + 1, part))
-        count++;
-    return count;
-}
-
 static void test_output_holds_every_number_and_says_why_some_do_not_count(void **state)
 {
     (void)state;
     struct neph_flicker_study study;
-    char *text = NULL, *csv = NULL, *svg = NULL;
+    struct neph_publication publication;
     make_study(&study);
-    const int metric = neph_study_headline();
+    const int metric = neph_study_headline(),
+              count = SCENES * PRESETS * SEEDS * neph_study_metric_count();
     struct neph_study_cell *cell = neph_study_cell_at(&study, 2, 1, 0, metric);
     cell->counts = false;
     snprintf(cell->because, sizeof(cell->because), "reference-limited: for a test");
-    neph_assert_ok(neph_flicker_study_text(&study, &text, NULL), NULL);
+    begin_published(&publication);
+    neph_assert_ok(neph_flicker_publish(&study, &publication, NULL), NULL);
+    const char *text = published_text(publication.text, &publication);
     assert_non_null(strstr(text, "three, b+\"x\"=1: reference-limited: for a test."));
     assert_non_null(strstr(text, "| three | 1 (1) | *1 (1) | 1 (1) |"));
     assert_non_null(strstr(text, "64 frames tell periods of 2 to 8 frames apart"));
-    neph_assert_ok(neph_flicker_study_csv(&study, &csv, NULL), NULL);
-    assert_int_equal(count_of(csv, "\r\n"),
-                     1 + SCENES * PRESETS * SEEDS * neph_study_metric_count());
+    const char *csv = published_text(publication.csv, &publication);
+    assert_int_equal(count_of(csv, "\r\n"), 1 + count);
     assert_non_null(strstr(csv, "three,\"b+\"\"x\"\"=1\",1,"));
-    neph_assert_ok(neph_flicker_study_plot(&study, &svg, NULL), NULL);
+    const char *svg = published_text(publication.chart, &publication);
     assert_int_equal(count_of(svg, "<circle"), PRESETS);
     assert_non_null(strstr(svg, "c&#60;d"));
-    json_t *json = neph_flicker_study_json(&study);
-    assert_non_null(json);
-    assert_int_equal(json_array_size(json_object_get(json, "results")),
-                     SCENES * PRESETS * SEEDS * neph_study_metric_count());
-    json_decref(json);
-    free(text);
-    free(csv);
-    free(svg);
+    assert_non_null(publication.json);
+    assert_int_equal(json_array_size(json_object_get(publication.json, "results")), count);
+    neph_publication_finish(&publication);
     neph_flicker_study_finish(&study);
 }
 

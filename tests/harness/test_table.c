@@ -19,6 +19,7 @@ static void fill(struct neph_table *table)
         {.key = "frames", .title = "frames", .format = "%g"},
         {.title = "", .forms = NEPH_TABLE_TEXT},
         {.key = "moves"},
+        {.key = "range", .title = "range", .forms = NEPH_TABLE_TEXT | NEPH_TABLE_JSON},
     };
     static const struct neph_field numbers[] = {
         {{.key = "bias", .title = "bias, %", .format = "%+.1f", .scale = 100.0},
@@ -27,18 +28,17 @@ static void fill(struct neph_table *table)
          offsetof(struct row, noise)},
     };
     static const struct row rows[] = {{0.125, NAN}, {NAN, 0.25}};
-    neph_table_columns(table, fixed, 4);
+    neph_table_columns(table, fixed, 5);
     neph_table_fields(table, numbers, 2);
-    neph_table_word(table, "fog, \"thin\"");
-    neph_table_count(table, 3);
-    neph_table_word(table, "left out");
-    neph_table_flag(table, true);
+    neph_table_row(table, "sitsbot", "fog, \"thin\"", 3, NULL, "left out", true,
+                   json_pack("[f,f]", 1.5, 2.0), "1.5 to 2");
     neph_table_field_cells(table, numbers, 2, &rows[0]);
     neph_table_word(table, "cloud");
     neph_table_count(table, 0);
     neph_table_shown(table, "all %d", 7);
     neph_table_word(table, NULL);
     neph_table_flag(table, false);
+    neph_table_value(table, json_null());
     neph_table_field_cells(table, numbers, 2, &rows[1]);
 }
 
@@ -60,20 +60,21 @@ static void test_one_table_is_written_in_three_forms(void **state)
     fill(&table);
     assert_int_equal(neph_table_check(&table, NULL), NEPH_OK);
     assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
-    assert_string_equal(text, "| scene | frames | | bias, % | noise |\n"
-                              "| --- | ---: | --- | ---: | ---: |\n"
-                              "| fog, \"thin\" | 3 | left out | +12.5 | none |\n"
-                              "| cloud | all 7 | | - | 0.250 |\n");
+    assert_string_equal(text, "| scene | frames | | range | bias, % | noise |\n"
+                              "| --- | ---: | --- | --- | ---: | ---: |\n"
+                              "| fog, \"thin\" | 3 | left out | 1.5 to 2 | +12.5 | none |\n"
+                              "| cloud | all 7 | | | - | 0.250 |\n");
     assert_int_equal(neph_written(print_csv, &table, &csv, NULL), NEPH_OK);
     assert_string_equal(csv, "scene,frames,moves,bias,noise\r\n"
                              "\"fog, \"\"thin\"\"\",3,1,0.125,\r\n"
                              "cloud,0,0,,0.25\r\n");
     json_t *list = neph_table_json(&table);
     char *json = json_dumps(list, JSON_COMPACT);
-    assert_string_equal(json, "[{\"scene\":\"fog, \\\"thin\\\"\",\"frames\":3,\"moves\":true,"
-                              "\"bias\":0.125,\"noise\":null},"
-                              "{\"scene\":\"cloud\",\"frames\":0,\"moves\":false,"
-                              "\"bias\":null,\"noise\":0.25}]");
+    assert_string_equal(
+        json, "[{\"scene\":\"fog, \\\"thin\\\"\",\"frames\":3,\"moves\":true,\"range\":[1.5,2.0],"
+              "\"bias\":0.125,\"noise\":null},"
+              "{\"scene\":\"cloud\",\"frames\":0,\"moves\":false,\"range\":null,"
+              "\"bias\":null,\"noise\":0.25}]");
     free(json);
     json_decref(list);
     free(csv);

@@ -1,15 +1,10 @@
-/* SPDX-License-Identifier: MIT
- *
- * The plot is drawn here and not by Vega, so that a study on a machine without node has it.
- */
-#include "harness/study/flicker_study_output.h"
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/flicker_plot.h"
 
 #include "harness/study/flicker_pairs.h"
 #include "harness/study/svg.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { WIDTH = 720, HEIGHT = 520, LEFT = 90, RIGHT = 30, TOP = 50, BOTTOM = 110 };
@@ -154,18 +149,15 @@ static void draw(const struct neph_flicker_study *study, const struct neph_study
         }
 }
 
-enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study, char **svg,
+enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study, FILE *out,
                                          struct neph_diag *diag)
 {
     struct neph_study_level lag[NEPH_STUDY_PRESETS_MAX], flicker[NEPH_STUDY_PRESETS_MAX];
     enum neph_status status = neph_study_levels(study, neph_study_lag(), 0, lag, diag);
     if (!status)
         status = neph_study_levels(study, neph_study_headline(), 0, flicker, diag);
-    size_t size;
-    *svg = NULL;
-    FILE *out = status ? NULL : open_memstream(svg, &size);
-    if (!out)
-        return status ? status : neph_fail_memory(diag);
+    if (status)
+        return status;
     fprintf(out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" font-family="
             "\"sans-serif\" font-size=\"13\">\n<rect width=\"100%%\" height=\"100%%\" "
@@ -185,11 +177,5 @@ enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study,
         neph_study_metrics[neph_study_lag()].title, (TOP + HEIGHT - BOTTOM) / 2,
         neph_study_metrics[neph_study_headline()].title, LEFT, HEIGHT - 40, flicker[0].scene_count,
         lag[0].scene_count, LEFT, HEIGHT - 24, study->params->steps);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (cut || !closed) {
-        free(*svg);
-        *svg = NULL;
-        return neph_fail_memory(diag);
-    }
     return NEPH_OK;
 }

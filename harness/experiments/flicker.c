@@ -1,0 +1,621 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph study flicker [SCENE...]`: which preset of the real-time renderer flickers and lags less.
+ */
+#include "harness/experiments/flicker.h"
+
+#include "harness/data.h"
+#include "harness/document/table.h"
+#include "harness/experiments/experiments.h"
+#include "harness/study/flicker_pairs.h"
+#include "harness/study/flicker_plot.h"
+#include "harness/study/suites.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+struct request {
+    struct neph_flicker_request flicker;
+    struct neph_cli_list presets;
+};
+
+#define AT(member) offsetof(struct request, member)
+static const struct neph_cli_option options[] = {
+    {"presets", 0, "A,B", "Presets to hold against each other; PRESET+KEY=VALUE changes one",
+     NEPH_CLI_LIST, .at = AT(presets), .otherwise = "seed,fixed,ue,c52e,unity,ours",
+     .maximum = NEPH_STUDY_PRESETS_MAX},
+    {"suite", 0, "NAME",
+     "tuning: the scenes that presets were chosen by; test, test2: others; air: near fog, lamps, "
+     "shafts, cirrus and shadows of clouds (default, without a SCENE: test)",
+     NEPH_CLI_WORD, .at = AT(flicker.suite)},
+    {"seeds", 0, "N", "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
+     .at = AT(flicker.seed_count), .otherwise = "3", .minimum = 1, .maximum = NEPH_STUDY_SEEDS_MAX},
+    {"frames", 0, "N",
+     "Frames that flicker is measured in, a multiple of 4; a scene that moves has as many as it "
+     "has",
+     NEPH_CLI_INTEGER, .at = AT(flicker.frame_count), .otherwise = "256", .minimum = 16,
+     .maximum = 4096},
+    {.name = "size", .otherwise = "320x180"},
+    {"steps", 0, "N", "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
+     .at = AT(flicker.steps), .otherwise = "32", .minimum = 1, .maximum = 65536},
+    {"takes", 0, "A,B",
+     "What is rendered of a scene: flicker (as it is), step (of the sun), sine (of the sun), cut "
+     "(of the camera)",
+     NEPH_CLI_LIST, .at = AT(flicker.takes), .otherwise = "flicker,step,sine,cut",
+     .maximum = NEPH_STUDY_TAKES},
+    {.name = "jobs", .otherwise = "1"},
+    {.name = "output", .help = "Folder of the store and of flicker_lag.svg", .otherwise = "out"},
+    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "csv", .help = "A line for each number"},
+    {.name = "markdown"},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+#undef AT
+
+static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
+
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct neph_flicker_request *request = request_;
+    neph_flicker_check_scenes(request, state);
+    if (request->frame_count % 4 != 0)
+        argp_error(state, "%d frames are no multiple of 4", request->frame_count);
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check,
+    .doc =
+        "Render scenes with presets of the real-time renderer, measure flicker, lag and error of "
+        "each against one reference, and say which differ, with 95 % intervals over scenes.\v"
+        "The reference is the march of the same moment with the same steps and lighting, 16 rays "
+        "a pixel, without dither and without history, at rest and moving; the number against "
+        "centre rays stands beside each. Seeds of a scene are averaged, scenes are what is "
+        "counted. A ranking holds when it is the same at 24, 30 and 60 Hz and at 30 and 60 "
+        "pixels a degree. NEPH_VULKAN_DEVICE names the device. What is finished stays in "
+        "DIR/store, and the same command goes on from there. Use --jobs on a machine with "
+        "many cores. Runs may share DIR.\n\n"
+        "Examples:\n"
+        "  neph study flicker --suite test --markdown study.md\n"
+        "  neph study flicker fence_pitch4 foliage --presets fixed,ours --seeds 1 --frames 64\n"
+        "  neph study flicker --presets ours,ours+taa_jitter_length=8 --takes flicker",
+};
+
+/* ---- requests of flicker studies ------------------------------------------------------------- */
+
+void neph_flicker_check_scenes(const void *request_, const struct argp_state *state)
+{
+    const struct neph_flicker_request *request = request_;
+    if (request->suite && request->shared.operand_count > 0)
+        argp_error(state, "a suite or scenes by name, not both");
+}
+
+/* Takes are the first `take_count` of the table. */
+static enum neph_status check_takes(const struct neph_cli_list *takes, int take_count,
+                                    struct neph_diag *diag)
+{
+    for (int i = 0; i < takes->count; i++)
+        if (neph_study_take_find(takes->words[i]) >= take_count)
+            return neph_fail(diag, NEPH_ERR_USAGE,
+                             take_count == NEPH_STUDY_TAKES
+                                 ? "there is no take '%s': takes are flicker, step, sine and cut"
+                                 : "no measure is taken of '%s': takes are flicker and step",
+                             takes->words[i]);
+    return NEPH_OK;
+}
+
+enum neph_status neph_flicker_prepare(struct neph_flicker_request *request, int take_count,
+                                      const char *otherwise, struct neph_diag *diag)
+{
+    struct neph_cli_shared *shared = &request->shared;
+    enum neph_status status = check_takes(&request->takes, take_count, diag);
+    if (!status && shared->operand_count == 0) {
+        status = neph_flicker_suite_find(request->suite ? request->suite : otherwise,
+                                         &request->suite_scenes, &shared->operand_count, diag);
+        shared->operands = (const char *const *)request->suite_scenes;
+    }
+    return status ? status : neph_data_check_scenes(shared->operands, shared->operand_count, diag);
+}
+
+struct neph_flicker_study_params neph_flicker_params(const struct neph_flicker_request *request,
+                                                     const char *const *presets, int preset_count,
+                                                     const struct neph_experiment_run *run)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    struct neph_flicker_study_params params = {
+        .presets = presets + request->part_preset,
+        .preset_count = request->is_part ? 1 : preset_count,
+        .scenes = shared->operands,
+        .scene_count = shared->operand_count,
+        .seed_count = request->seed_count,
+        .frame_count = request->frame_count,
+        .steps = request->steps,
+        .width_px = shared->size.width_px,
+        .height_px = shared->size.height_px,
+        .device = run->device,
+        .quiet = run->quiet,
+    };
+    for (int i = 0; i < request->takes.count; i++)
+        params.takes[neph_study_take_find(request->takes.words[i])] = true;
+    return params;
+}
+
+bool neph_flicker_part(struct neph_flicker_request *request, int preset_count, int index)
+{
+    const int scene_count = request->shared.operand_count;
+    if (index >= scene_count * preset_count)
+        return false;
+    request->is_part = true;
+    request->part_preset = index / scene_count;
+    return neph_cli_only_operand(&request->shared, index % scene_count);
+}
+
+void neph_flicker_free(struct neph_flicker_request *request)
+{
+    neph_data_free_names(request->suite_scenes);
+}
+
+/* ---- the text: its head ---------------------------------------------------------------------- */
+
+/* The longest period P that `frame_count` frames tell from P - 1: their frequencies are
+ * 1 / (P (P - 1)) apart, and a bin is 1 / N. */
+static int longest_period(int frame_count)
+{
+    int period = 2;
+    while (period * (period + 1) <= frame_count)
+        period++;
+    return period;
+}
+
+static void print_head(const struct neph_flicker_study *study, FILE *out)
+{
+    const struct neph_flicker_study_params *params = study->params;
+    const struct neph_study_display *display = &neph_study_displays[0];
+    fprintf(out,
+            "neph %s, %s: %dx%d, %d steps, %d frame%s, %d seed%s a scene.\n"
+            "Display: %g Hz, %g pixels a degree, white at 100 cd/m2.\n"
+            "%d frames tell periods of 2 to %d frames apart; longer ones run into each other.\n",
+            NEPH_VERSION, study->device, params->width_px, params->height_px, params->steps,
+            params->frame_count, params->frame_count == 1 ? "" : "s", params->seed_count,
+            params->seed_count == 1 ? "" : "s", display->frame_rate_hz, display->pixels_per_degree,
+            params->frame_count, longest_period(params->frame_count));
+}
+
+static void fill_scenes(const struct neph_flicker_study *study, struct neph_table *table)
+{
+    static const struct neph_column columns[] = {
+        {.key = "scene", .title = "scene"},
+        {.key = "title"},
+        {.key = "moves"},
+        {.title = ""},
+        {.key = "frames", .title = "frames", .format = "%g"},
+        {.key = "left_out"},
+        {.key = "reference", .title = "reference"},
+        {.key = "reference_pictures", .title = "pictures", .format = "%g"},
+        {.key = "reference_cpu_s", .title = "CPU s", .format = "%.1f"},
+        {.key = "takes_cpu_s", .title = "CPU s of the presets", .format = "%.1f"},
+    };
+    neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
+    for (int i = 0; i < study->params->scene_count; i++) {
+        const struct neph_study_scene *scene = &study->scenes[i];
+        const char *why = scene->left_out, *empty = why ? "" : NULL;
+        neph_table_row(table, "ssbsitsstitftft", scene->name, scene->title, scene->moves,
+                       why            ? "left out"
+                       : scene->moves ? "moves"
+                                      : "at rest",
+                       scene->frame_count, empty, why, scene->reference,
+                       why ? neph_arena_format(&table->arena, "cannot: %s", why) : NULL,
+                       scene->picture_count, empty, scene->reference_s, empty, scene->takes_s,
+                       empty);
+    }
+}
+
+static void print_scenes(const struct neph_flicker_study *study, struct neph_arena *arena,
+                         FILE *out)
+{
+    struct neph_table table = {.cells = NULL};
+    fill_scenes(study, &table);
+    fprintf(out, "\n**Scenes and their references**\n\n");
+    neph_table_end(&table, out, arena);
+    for (int i = 0; i < study->params->scene_count; i++) {
+        const struct neph_study_scene *scene = &study->scenes[i];
+        if (!scene->left_out && scene->frame_count < study->params->frame_count)
+            fprintf(out,
+                    "\n%s has %d frames of motion: they tell periods of 2 to %d frames apart.\n",
+                    scene->name, scene->frame_count, longest_period(scene->frame_count));
+    }
+}
+
+/* ---- the text: a table for each metric ------------------------------------------------------- */
+
+static bool was_asked_for(const struct neph_flicker_study *study, int metric)
+{
+    return study->params->takes[neph_study_metrics[metric].take];
+}
+
+static const struct neph_study_cell *
+first_that_does_not_count(const struct neph_flicker_study *study, int metric, int scene, int preset)
+{
+    for (int seed = 0; seed < study->params->seed_count; seed++) {
+        const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
+        if (!cell->counts)
+            return cell;
+    }
+    return NULL;
+}
+
+/* Means over seeds of the numbers, whether they count or not; none when a seed has none. */
+static void add_means(const struct neph_flicker_study *study, int metric, int scene, int preset,
+                      struct neph_table *table)
+{
+    const double scale = neph_study_metrics[metric].scale;
+    const int seed_count = study->params->seed_count;
+    double value = 0.0, centre = 0.0;
+    bool is_bound = false;
+    for (int seed = 0; seed < seed_count; seed++) {
+        const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
+        value += cell->value;
+        centre += cell->centre;
+        is_bound |= cell->is_bound;
+    }
+    const char *mark = first_that_does_not_count(study, metric, scene, preset) ? "*"
+                       : is_bound                                              ? "<"
+                                                                               : "";
+    neph_table_number(table, value);
+    if (!isnan(value) && isnan(centre))
+        neph_table_shown(table, "%s%.3g", mark, scale * (value / seed_count));
+    else if (!isnan(value))
+        neph_table_shown(table, "%s%.3g (%.3g)", mark, scale * (value / seed_count),
+                         scale * (centre / seed_count));
+}
+
+/* Why numbers of a metric do not count, once for each scene. */
+static void print_reasons(const struct neph_flicker_study *study, int metric, FILE *out)
+{
+    for (int scene = 0; scene < study->params->scene_count; scene++)
+        for (int preset = 0; preset < study->params->preset_count; preset++) {
+            const struct neph_study_cell *cell = first_that_does_not_count(study, metric, scene,
+                                                                           preset);
+            if (!cell || study->scenes[scene].left_out)
+                continue;
+            fprintf(out, "\n%s, %s: %s.", study->scenes[scene].name, study->params->presets[preset],
+                    cell->because);
+            break;
+        }
+    fprintf(out, "\n");
+}
+
+static void print_metric(const struct neph_flicker_study *study, int metric,
+                         struct neph_arena *arena, FILE *out)
+{
+    const struct neph_flicker_study_params *params = study->params;
+    struct neph_table table = {.cells = NULL};
+    neph_table_columns(&table, &(struct neph_column){.title = "scene"}, 1);
+    for (int preset = 0; preset < params->preset_count; preset++)
+        neph_table_columns(
+            &table, &(struct neph_column){.title = params->presets[preset], .format = "%g"}, 1);
+    for (int scene = 0; scene < params->scene_count; scene++) {
+        if (study->scenes[scene].left_out)
+            continue;
+        neph_table_word(&table, study->scenes[scene].name);
+        for (int preset = 0; preset < params->preset_count; preset++)
+            add_means(study, metric, scene, preset, &table);
+    }
+    fprintf(out, "\n**%s**\n\n", neph_study_metrics[metric].title);
+    neph_table_end(&table, out, arena);
+    print_reasons(study, metric, out);
+}
+
+/* ---- pairs ----------------------------------------------------------------------------------- */
+
+static void begin_pairs(struct neph_table *table)
+{
+    static const struct neph_column columns[] = {
+        {.key = "metric"},
+        {.key = "mask"},
+        {.key = "rate_hz"},
+        {.key = "pixels_per_degree"},
+        {.key = "first", .title = "first"},
+        {.key = "second", .title = "second"},
+        {.key = "scenes"},
+        {.key = "decades", .title = "decades", .format = "%+.2f"},
+        {.key = "interval", .title = "interval", .format = "%g"},
+        {.key = "better"},
+        {.key = "worse"},
+        {.key = "alike"},
+        {.title = "better, worse, alike", .format = "%g"},
+        {.key = "p_sign", .title = "p of signs", .format = "%.2g"},
+        {.title = ""},
+    };
+    neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
+}
+
+/* Without memory the table is short. */
+static struct neph_study_pair pair_of(const struct neph_flicker_study *study, int metric,
+                                      int display, int first, int second, struct neph_table *table)
+{
+    struct neph_study_pair pair = {.scene_count = 0};
+    table->arena.is_short |= neph_study_pair(study, metric, display, first, second, &pair, NULL) !=
+                             NEPH_OK;
+    return pair;
+}
+
+/* A verdict, and of metrics of the eye at how many displays it is the same. */
+static const char *verdict_text(const struct neph_flicker_study *study, int metric, int first,
+                                int second, int verdict, struct neph_table *table)
+{
+    static const char *const words[] = {"better", "undecided", "worse"};
+    int agreeing = 0;
+    if (!neph_study_metrics[metric].of_the_eye)
+        return words[verdict + 1];
+    for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
+        const struct neph_study_pair pair = pair_of(study, metric, display, first, second, table);
+        agreeing += neph_study_pair_verdict(&pair) == verdict;
+    }
+    return agreeing == NEPH_STUDY_DISPLAYS
+               ? neph_arena_format(&table->arena, "%s, at all %d displays", words[verdict + 1],
+                                   agreeing)
+               : neph_arena_format(&table->arena, "%s, at %d of %d displays", words[verdict + 1],
+                                   agreeing, NEPH_STUDY_DISPLAYS);
+}
+
+static void add_pair(const struct neph_flicker_study *study, int metric, int display, int first,
+                     int second, struct neph_table *table)
+{
+    const struct neph_study_metric *of = &neph_study_metrics[metric];
+    const struct neph_study_display *at = &neph_study_displays[display];
+    const struct neph_study_pair pair = pair_of(study, metric, display, first, second, table);
+    const int verdict = neph_study_pair_verdict(&pair);
+    struct neph_arena *arena = &table->arena;
+    neph_table_row(
+        table, "ssffssifotiiistfs", of->metric, of->mask, at->frame_rate_hz, at->pixels_per_degree,
+        study->params->presets[first], study->params->presets[second], pair.scene_count, pair.mean,
+        pair.has_interval ? json_pack("[f,f]", pair.low, pair.high) : json_null(),
+        pair.has_interval ? neph_arena_format(arena, "[%+.2f, %+.2f]", pair.low, pair.high) : "-",
+        pair.better, pair.worse, pair.alike, NULL,
+        neph_arena_format(arena, "%d, %d, %d", pair.better, pair.worse, pair.alike), pair.p_sign,
+        verdict_text(study, metric, first, second, verdict, table));
+}
+
+/* Pairs of a metric at the first displays. */
+static void add_pairs(const struct neph_flicker_study *study, int metric, int display_count,
+                      struct neph_table *table)
+{
+    const int preset_count = study->params->preset_count;
+    for (int display = 0; display < display_count; display++)
+        for (int first = 0; first < preset_count; first++)
+            for (int second = first + 1; second < preset_count; second++)
+                add_pair(study, metric, display, first, second, table);
+}
+
+static void print_pairs(const struct neph_flicker_study *study, int metric,
+                        struct neph_arena *arena, FILE *out)
+{
+    struct neph_table table = {.cells = NULL};
+    begin_pairs(&table);
+    add_pairs(study, metric, 1, &table);
+    fprintf(out, "\nFirst over second in decades, below 0 the first is better; 95 %% intervals "
+                 "over scenes.\n\n");
+    neph_table_end(&table, out, arena);
+}
+
+static void print_ranking(const struct neph_flicker_study *study, struct neph_arena *arena,
+                          FILE *out)
+{
+    int first[NEPH_STUDY_PRESETS_MAX] = {0};
+    int agreeing = 0;
+    fprintf(out,
+            "\n**Ranking by: %s**\n\nBest first, by the mean over scenes in which all presets "
+            "have a number that counts.\n\n",
+            neph_study_metrics[neph_study_headline()].title);
+    for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
+        int order[NEPH_STUDY_PRESETS_MAX] = {0};
+        arena->is_short |= neph_study_ranking(study, display, order, NULL) != NEPH_OK;
+        if (display == 0)
+            memcpy(first, order, sizeof(first));
+        const bool is_same = memcmp(order, first, sizeof(first)) == 0;
+        fprintf(out, "- %g Hz, %g pixels a degree:", neph_study_displays[display].frame_rate_hz,
+                neph_study_displays[display].pixels_per_degree);
+        for (int i = 0; i < study->params->preset_count; i++)
+            fprintf(out, "%s %s", i ? "," : "", study->params->presets[order[i]]);
+        agreeing += is_same;
+        fprintf(out, "%s\n", is_same ? "" : " (another order)");
+    }
+    if (agreeing == NEPH_STUDY_DISPLAYS)
+        fprintf(out, "\nThe order holds at all %d displays.\n", NEPH_STUDY_DISPLAYS);
+    else
+        fprintf(out, "\nThe order holds at %d of %d displays: it is no ranking.\n", agreeing,
+                NEPH_STUDY_DISPLAYS);
+}
+
+static void print_text(const struct neph_flicker_study *study, struct neph_arena *arena, FILE *out)
+{
+    const bool has_pairs = study->params->preset_count > 1;
+    print_head(study, out);
+    print_scenes(study, arena, out);
+    fprintf(out,
+            "\nIn brackets: the same number against centre rays. *: takes no part in pairs and "
+            "ranking, for the reason below its table. <: cannot be told from the rest of what "
+            "changes, all of which stands for it as a bound; in a pair what lies below the bound "
+            "is alike.\n");
+    for (int metric = 0; neph_study_metrics[metric].title; metric++) {
+        if (!was_asked_for(study, metric))
+            continue;
+        print_metric(study, metric, arena, out);
+        if (has_pairs)
+            print_pairs(study, metric, arena, out);
+    }
+    if (has_pairs && was_asked_for(study, neph_study_headline()))
+        print_ranking(study, arena, out);
+}
+
+/* ---- all numbers ----------------------------------------------------------------------------- */
+
+static void begin_results(struct neph_table *table)
+{
+    static const struct neph_column columns[] = {
+        {.key = "scene"},
+        {.key = "preset"},
+        {.key = "seed"},
+        {.key = "metric"},
+        {.key = "mask"},
+        {.key = "value"},
+        {.key = "against_centre_rays"},
+        {.key = "is_bound"},
+        {.key = "counts"},
+        {.key = "because"},
+        {.key = "at_displays", .forms = NEPH_TABLE_JSON},
+    };
+    neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
+    for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++) {
+        char key[64];
+        snprintf(key, sizeof(key), "at_%g_hz_%g_ppd", neph_study_displays[d].frame_rate_hz,
+                 neph_study_displays[d].pixels_per_degree);
+        neph_table_columns(table, &(struct neph_column){.key = key, .forms = NEPH_TABLE_CSV}, 1);
+    }
+}
+
+static void add_result(const struct neph_flicker_study *study, int scene, int preset, int seed,
+                       int metric, struct neph_table *table)
+{
+    const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
+    json_t *displays = json_array();
+    for (int d = 0; d < NEPH_STUDY_DISPLAYS && neph_study_metrics[metric].of_the_eye; d++)
+        neph_json_add(&displays, neph_json_number(cell->displays[d]));
+    neph_table_row(table, "ssissffbbso", study->scenes[scene].name, study->params->presets[preset],
+                   seed + 1, neph_study_metrics[metric].metric, neph_study_metrics[metric].mask,
+                   cell->value, cell->centre, cell->is_bound, cell->counts, cell->because,
+                   displays);
+    for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
+        neph_table_number(table, cell->displays[d]);
+}
+
+static void fill_results(const struct neph_flicker_study *study, struct neph_table *table)
+{
+    const struct neph_flicker_study_params *params = study->params;
+    begin_results(table);
+    for (int scene = 0; scene < params->scene_count; scene++)
+        for (int preset = 0; preset < params->preset_count; preset++)
+            for (int seed = 0; seed < params->seed_count; seed++)
+                for (int metric = 0; neph_study_metrics[metric].title; metric++)
+                    if (!study->scenes[scene].left_out && was_asked_for(study, metric))
+                        add_result(study, scene, preset, seed, metric, table);
+}
+
+static json_t *metrics_json(const struct neph_flicker_study *study)
+{
+    json_t *list = json_array();
+    for (int m = 0; neph_study_metrics[m].title; m++) {
+        const struct neph_study_metric *metric = &neph_study_metrics[m];
+        if (was_asked_for(study, m))
+            neph_json_add(&list,
+                          json_pack("{s:s, s:s, s:s, s:s, s:b}", "title", metric->title, "take",
+                                    neph_study_takes[metric->take].name, "metric", metric->metric,
+                                    "mask", metric->mask, "of_the_eye", metric->of_the_eye));
+    }
+    return list;
+}
+
+static json_t *presets_json(const struct neph_flicker_study *study)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < study->params->preset_count; i++)
+        neph_json_add(&list, json_pack("{s:s, s:s}", "preset", study->params->presets[i],
+                                       "settings", study->settings[i]));
+    return list;
+}
+
+static json_t *pairs_json(const struct neph_flicker_study *study)
+{
+    struct neph_table table = {.cells = NULL};
+    begin_pairs(&table);
+    for (int metric = 0; neph_study_metrics[metric].title; metric++)
+        if (was_asked_for(study, metric))
+            add_pairs(study, metric,
+                      neph_study_metrics[metric].of_the_eye ? NEPH_STUDY_DISPLAYS : 1, &table);
+    json_t *list = neph_table_json(&table);
+    neph_table_finish(&table);
+    return list;
+}
+
+static json_t *study_json(const struct neph_flicker_study *study, const struct neph_table *results)
+{
+    const struct neph_flicker_study_params *params = study->params;
+    struct neph_table scenes = {.cells = NULL};
+    fill_scenes(study, &scenes);
+    json_t *json = json_pack(
+        "{s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o, s:o}", "format",
+        "neph-flicker-study-1", "version", NEPH_VERSION, "device", study->device, "size_px",
+        params->width_px, params->height_px, "steps", params->steps, "frames", params->frame_count,
+        "seeds", params->seed_count, "broken", study->failed_count, "presets", presets_json(study),
+        "scenes", neph_table_json(&scenes), "metrics", metrics_json(study), "results",
+        neph_table_json(results), "pairs", pairs_json(study));
+    neph_table_finish(&scenes);
+    return json;
+}
+
+enum neph_status neph_flicker_publish(const struct neph_flicker_study *study,
+                                      struct neph_publication *publication, struct neph_diag *diag)
+{
+    struct neph_table results = {.cells = NULL};
+    fill_results(study, &results);
+    if (publication->text)
+        print_text(study, &results.arena, publication->text);
+    if (publication->csv)
+        neph_table_print_csv(&results, "\r\n", publication->csv);
+    enum neph_status status = neph_table_check(&results, diag);
+    if (!status && publication->chart)
+        status = neph_flicker_study_plot(study, publication->chart, diag);
+    if (!status && publication->places->json) {
+        publication->json = study_json(study, &results);
+        status = neph_json_check(publication->json, diag);
+    }
+    neph_table_finish(&results);
+    publication->broken_count = study->failed_count;
+    publication->broken_words = "takes broke; their cells say why";
+    return status;
+}
+
+/* ---- the experiment -------------------------------------------------------------------------- */
+
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
+{
+    struct request *request = request_;
+    return neph_flicker_prepare(&request->flicker, NEPH_STUDY_TAKES, "test", diag);
+}
+
+static bool part(void *request_, int index)
+{
+    struct request *request = request_;
+    return neph_flicker_part(&request->flicker, request->presets.count, index);
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct request *request = request_;
+    const struct neph_flicker_study_params params = neph_flicker_params(
+        &request->flicker, request->presets.words, request->presets.count, run);
+    struct neph_flicker_study study = {.params = &params};
+    enum neph_status status = neph_flicker_study_run(&params, run->store, &study, diag);
+    if (!status && !request->flicker.is_part)
+        status = neph_flicker_publish(&study, publication, diag);
+    neph_flicker_study_finish(&study);
+    return status;
+}
+
+static void finish(void *request)
+{
+    neph_flicker_free(request);
+}
+
+const struct neph_experiment neph_experiment_flicker = {.syntax = &syntax,
+                                                        .request_size = sizeof(struct request),
+                                                        .chart = "flicker_lag.svg",
+                                                        .prepare = prepare,
+                                                        .part = part,
+                                                        .run = run,
+                                                        .finish = finish};

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph study steps ENGINE SCENE`: how far an engine's steps are from their limit.
+ */
+#include "harness/data.h"
+#include "harness/engines/engines.h"
+#include "harness/experiments/experiments.h"
+#include "harness/study/studies.h"
+#include "harness/study/study.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STUDY_VERDICT_COUNT == 3, "a new kind");
+
+struct request {
+    struct neph_cli_shared shared; /* operands: the engine and the scene; of --renew the scenes */
+    bool renew;
+    char **names;             /* of the catalogue; owned */
+    struct neph_scene *scene; /* owned */
+    struct neph_job job;
+    bool is_part; /* for --jobs: of one scene, or .. */
+    int part;     /* .. one job of the study */
+};
+
+static const struct neph_cli_option options[] = {
+    {.name = "size", .otherwise = "64x36"},
+    {.name = "set", .help = "Another setting of the engine; may be given several times"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "time-limit", .otherwise = "300"},
+    {"renew", 0, NULL,
+     "Make the studies that come with neph (scenes/studies) where they are missing or of another "
+     "version; of the whole catalogue, or of the scene given alone",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, renew)},
+    {.name = "jobs", .otherwise = "1"},
+    {.name = "json"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_operands operands = {
+    .shown = "ENGINE SCENE\n--renew [SCENE]",
+    .maximum = 2,
+    .surplus = "one engine and one scene",
+};
+
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    if (request->renew && request->shared.operand_count > 1)
+        argp_error(state, "--renew takes one scene at the most, and studies every engine");
+    if (!request->renew && request->shared.operand_count < 2)
+        argp_error(state, "an engine and a scene are needed");
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check,
+    .doc = "Halve the step of an engine that marches through uneven media until its bias is known: "
+           "the mean radiance at each step, the bias against the extrapolated limit of infinitely "
+           "small steps, and the coarsest setting that is good enough. Engines: cycles, povray, "
+           "march.\v"
+           "Step bias is not noise: more samples per pixel do not remove it. The limit is "
+           "Richardson's "
+           "extrapolation of the last two steps by the engine's known order; the observed order, "
+           "where "
+           "noise lets it be seen, says whether that was right.\n\n"
+           "Examples:\n"
+           "  neph study steps povray height_fog_up\n"
+           "  neph study steps --renew\n"
+           "  neph study steps cycles height_fog_down --size 96x54 --set samples=256 --json",
+};
+
+static void print_study(const struct neph_study *study, const struct neph_cli_shared *shared,
+                        FILE *out)
+{
+    fprintf(out, "%s in %s: mean radiance by %s, %dx%d\n", shared->operands[0], shared->operands[1],
+            study->option, shared->size.width_px, shared->size.height_px);
+    fprintf(out, "%12s %14s %10s %12s %10s %9s\n", study->option, "radiance", "noise", "bias",
+            "noise", "seconds");
+    for (int i = 0; i < study->level_count; i++) {
+        const struct neph_study_level *level = &study->levels[i];
+        fprintf(out, "%12.5g %14.7g %10.1e %+11.4f%% %9.4f%% %9.2f%s\n", level->setting,
+                level->radiance, level->noise, 100.0 * level->bias, 100.0 * level->bias_noise,
+                level->wall_s, i == study->chosen ? "  <- chosen" : "");
+    }
+    fprintf(out, "limit %.7g by order %g", study->limit, study->order);
+    if (isfinite(study->observed_order))
+        fprintf(out, "; observed order %.2f", study->observed_order);
+    static const char *const sentences[] = {
+        [NEPH_STUDY_WITHIN] = "the chosen setting is within 0.1 % of the limit, noise included",
+        [NEPH_STUDY_NOISE] = "noise hides whether any setting is within 0.1 %: the coarsest whose "
+                             "bias cannot be told from 0 is chosen",
+        [NEPH_STUDY_OFF] = "even the finest setting is off by more than 0.1 %, or its error does "
+                           "not shrink by the order that the limit assumes: take the bias as a "
+                           "guess, and smaller steps by hand",
+    };
+    fprintf(out, "\n%s\n", sentences[study->verdict]);
+}
+
+static enum neph_status list_scenes(struct request *request, struct neph_diag *diag)
+{
+    struct neph_cli_shared *shared = &request->shared;
+    enum neph_status status = NEPH_OK;
+    shared->json = false; /* renewal has none */
+    if (shared->operand_count == 0) {
+        status = neph_data_list_scenes(NEPH_DATA_CATALOG, &request->names, &shared->operand_count,
+                                       diag);
+        shared->operands = (const char *const *)request->names;
+    }
+    return status;
+}
+
+static enum neph_status make_job(struct request *request, struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_engine *engine = neph_engine_find(shared->operands[0]);
+    if (!engine || !engine->step.option) {
+        neph_fail(diag, NEPH_ERR_USAGE,
+                  engine ? "engine '%s' has no step to halve" : "there is no engine '%s'",
+                  shared->operands[0]);
+        neph_hint(diag, "cycles, povray and march have one");
+        return NEPH_ERR_USAGE;
+    }
+    if (!neph_study_applies(engine, request->scene))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "scene %s holds homogeneous media alone: %s needs no steps there",
+                         request->scene->name, engine->name);
+    request->job = (struct neph_job){.engine = engine,
+                                     .shot = {.scene = request->scene,
+                                              .settings = neph_settings_default(engine),
+                                              .layers = NEPH_LAYER_RADIANCE,
+                                              .width_px = shared->size.width_px,
+                                              .height_px = shared->size.height_px,
+                                              .time_limit_s = shared->time_limit_s,
+                                              .seed = 1}};
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < shared->settings.count && !status; i++)
+        status = neph_settings_set(engine, &request->job.shot.settings, shared->settings.list[i],
+                                   diag);
+    return status;
+}
+
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
+{
+    struct request *request = request_;
+    if (request->renew)
+        return list_scenes(request, diag);
+    const enum neph_status status = neph_data_load_scene(request->shared.operands[1],
+                                                         &request->scene, diag);
+    return status ? status : make_job(request, diag);
+}
+
+static bool part(void *request_, int index)
+{
+    struct request *request = request_;
+    struct neph_job job;
+    request->is_part = true;
+    request->part = index;
+    return request->renew ? neph_cli_only_operand(&request->shared, index)
+                          : neph_study_job(&request->job, index, &job);
+}
+
+static enum neph_status run_part(const struct request *request, struct neph_store *store,
+                                 struct neph_diag *diag)
+{
+    struct neph_job job;
+    struct neph_job_result result;
+    neph_study_job(&request->job, request->part, &job);
+    const enum neph_status status = neph_job_run(&job, store, &result, diag);
+    neph_job_result_finish(&result);
+    return status;
+}
+
+static enum neph_status run_study(const struct request *request, struct neph_store *store,
+                                  struct neph_publication *publication, struct neph_diag *diag)
+{
+    struct neph_study study;
+    enum neph_outcome outcome = NEPH_OUTCOME_RENDERED;
+    char reason[1600] = "";
+    enum neph_status status = neph_study_run(&request->job, store, &study, &outcome, reason, diag);
+    if (!status)
+        status = neph_outcome_check(outcome, reason, diag);
+    if (status)
+        return status;
+    if (publication->text)
+        print_study(&study, &request->shared, publication->text);
+    publication->json = neph_study_json(&study);
+    return neph_json_check(publication->json, diag);
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    struct request *request = request_;
+    const struct neph_cli_shared *shared = &request->shared;
+    struct neph_engine_info info;
+    if (request->renew)
+        return neph_studies_renew(shared->operands, shared->operand_count, shared->time_limit_s,
+                                  run->store, !request->is_part, run->quiet, diag);
+    neph_engine_probe(request->job.engine, run->device, &info);
+    request->job.info = &info;
+    request->job.shot.device = run->device;
+    return request->is_part ? run_part(request, run->store, diag)
+                            : run_study(request, run->store, publication, diag);
+}
+
+static void finish(void *request_)
+{
+    struct request *request = request_;
+    neph_scene_destroy(request->scene);
+    neph_data_free_names(request->names);
+}
+
+const struct neph_experiment neph_experiment_steps = {.syntax = &syntax,
+                                                      .request_size = sizeof(struct request),
+                                                      .prepare = prepare,
+                                                      .part = part,
+                                                      .run = run,
+                                                      .finish = finish};
