@@ -93,15 +93,6 @@ static enum neph_status draw(const struct neph_evidence_source *source,
     return status ? status : keep_worst(source, evidence->worst_frame, folder, diag);
 }
 
-/* Whose frames they are: the store's database asks. */
-static void describe_engine(const struct neph_job *job, json_t **record)
-{
-    neph_json_set(record, "engine", json_string(job->engine->name));
-    neph_json_set(record, "version", json_string(job->info->version));
-    neph_json_set(record, "build", json_string(job->info->build));
-    neph_json_set(record, "device", json_string(job->info->device));
-}
-
 enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
                                    const struct neph_job *job,
                                    const struct neph_evidence_source *source,
@@ -120,13 +111,13 @@ enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
         status = draw(source, &evidence, viewing, with_map, neph_scratch_path(scratch), names,
                       diag);
     if (!status) {
-        record = json_pack("{s:s, s:O, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f}", "format",
-                           "neph-exhibit-1", "pictures", names, "frame_step", source->frame_step,
-                           "worst_frame", evidence.worst_frame, "row", evidence.row, "slice_first",
-                           evidence.slice_first, "slice_count", evidence.slice_count, "flip_first",
-                           evidence.flip_first, "flip_count", evidence.flip_count, "scale",
-                           evidence.scale);
-        describe_engine(job, &record);
+        record = json_pack(
+            "{s:s, s:O, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:s, s:s, s:s, s:s}", "format",
+            "neph-exhibit-1", "pictures", names, "frame_step", source->frame_step, "worst_frame",
+            evidence.worst_frame, "row", evidence.row, "slice_first", evidence.slice_first,
+            "slice_count", evidence.slice_count, "flip_first", evidence.flip_first, "flip_count",
+            evidence.flip_count, "scale", evidence.scale, "engine", job->engine->name, "version",
+            job->info->version, "build", job->info->build, "device", job->info->device);
         status = neph_json_check(record, diag);
     }
     if (!status)

@@ -5,22 +5,19 @@
 
 #include <math.h>
 
-/* ---- writing --------------------------------------------------------------------------------- */
-
-static json_t *cell_json(const struct neph_failure_cell *cell)
-{
-    return json_pack("{s:o, s:b, s:i, s:o, s:s?, s:s?}", "value", neph_json_number(cell->value),
-                     "infinite", isinf(cell->value) != 0, "verdict", (int)cell->verdict, "why",
-                     neph_json_cleaned(cell->why), "exhibit", cell->exhibit, "frame_key",
-                     cell->frame_key);
-}
-
 char *neph_failure_letter_write(const struct neph_failure_letter *letter,
                                 const struct neph_failure_suite *suite)
 {
     json_t *cells = json_array();
-    for (int r = 0; r < letter->row_count; r++)
-        neph_json_add(&cells, cell_json(&suite->rows[letter->first_row + r].cells[letter->column]));
+    for (int r = 0; r < letter->row_count; r++) {
+        const struct neph_failure_row *row = &suite->rows[letter->first_row + r];
+        const struct neph_failure_cell *cell = &row->cells[letter->column];
+        neph_json_add(&cells,
+                      json_pack("{s:o, s:b, s:i, s:o, s:s?, s:s?}", "value",
+                                neph_json_number(cell->value), "infinite", isinf(cell->value) != 0,
+                                "verdict", (int)cell->verdict, "why", neph_json_cleaned(cell->why),
+                                "exhibit", cell->exhibit, "frame_key", cell->frame_key));
+    }
     json_t *json = json_pack("{s:i, s:i, s:i, s:f, s:i, s:f, s:o}", "row", letter->first_row,
                              "column", letter->column, "frames", letter->frame_count, "seconds",
                              letter->seconds, "references", letter->reference_count, "reference_s",
@@ -30,53 +27,44 @@ char *neph_failure_letter_write(const struct neph_failure_letter *letter,
     return text;
 }
 
-/* ---- reading --------------------------------------------------------------------------------- */
-
-static const char *kept_text(struct neph_failure_suite *suite, const json_t *cell, const char *key)
-{
-    return neph_arena_text(&suite->arena, json_string_value(json_object_get(cell, key)));
-}
-
-static bool read_cell(const json_t *json, struct neph_failure_suite *suite,
+static bool read_cell(json_t *json, struct neph_failure_suite *suite,
                       struct neph_failure_cell *cell)
 {
-    const json_int_t verdict = json_integer_value(json_object_get(json, "verdict"));
-    const bool is_infinite = json_is_true(json_object_get(json, "infinite"));
-    if (verdict < 0 || verdict >= NEPH_FAILURE_VERDICTS ||
-        !json_is_string(json_object_get(json, "why")))
+    const char *why;
+    int verdict, is_infinite;
+    if (json_unpack(json, "{s:b, s:i, s:s}", "infinite", &is_infinite, "verdict", &verdict, "why",
+                    &why) != 0 ||
+        verdict < 0 || verdict >= NEPH_FAILURE_VERDICTS)
         return false;
     *cell = (struct neph_failure_cell){
         .value = is_infinite ? INFINITY : neph_json_real(json, "value"),
         .verdict = (enum neph_failure_verdict)verdict,
-        .why = kept_text(suite, json, "why"),
-        .exhibit = kept_text(suite, json, "exhibit"),
-        .frame_key = kept_text(suite, json, "frame_key"),
+        .why = neph_arena_text(&suite->arena, why),
+        .exhibit = neph_arena_text(&suite->arena,
+                                   json_string_value(json_object_get(json, "exhibit"))),
+        .frame_key = neph_arena_text(&suite->arena,
+                                     json_string_value(json_object_get(json, "frame_key"))),
     };
     return true;
 }
 
-static bool read_letter(const json_t *json, struct neph_failure_suite *suite,
+static bool read_letter(json_t *json, struct neph_failure_suite *suite,
                         struct neph_failure_letter *letter)
 {
-    const json_t *cells = json_object_get(json, "cells");
-    *letter = (struct neph_failure_letter){
-        .first_row = (int)json_integer_value(json_object_get(json, "row")),
-        .row_count = (int)json_array_size(cells),
-        .column = (int)json_integer_value(json_object_get(json, "column")),
-        .frame_count = (int)json_integer_value(json_object_get(json, "frames")),
-        .seconds = neph_json_real(json, "seconds"),
-        .reference_count = (int)json_integer_value(json_object_get(json, "references")),
-        .reference_s = neph_json_real(json, "reference_s"),
-    };
-    if (letter->row_count < 1 || letter->first_row < 0 || letter->column < 0 ||
-        letter->column >= suite->column_count ||
-        letter->first_row + letter->row_count > suite->row_count)
+    json_t *cells;
+    if (json_unpack(json, "{s:i, s:i, s:i, s:F, s:i, s:F, s:o}", "row", &letter->first_row,
+                    "column", &letter->column, "frames", &letter->frame_count, "seconds",
+                    &letter->seconds, "references", &letter->reference_count, "reference_s",
+                    &letter->reference_s, "cells", &cells) != 0)
         return false;
-    for (int r = 0; r < letter->row_count; r++)
-        if (!read_cell(json_array_get(cells, (size_t)r), suite,
-                       &suite->rows[letter->first_row + r].cells[letter->column]))
-            return false;
-    return true;
+    letter->row_count = (int)json_array_size(cells);
+    bool is_read = letter->row_count > 0 && letter->first_row >= 0 && letter->column >= 0 &&
+                   letter->column < suite->column_count &&
+                   letter->first_row + letter->row_count <= suite->row_count;
+    for (int r = 0; r < letter->row_count && is_read; r++)
+        is_read = read_cell(json_array_get(cells, (size_t)r), suite,
+                            &suite->rows[letter->first_row + r].cells[letter->column]);
+    return is_read;
 }
 
 enum neph_status neph_failure_letter_read(const char *text, struct neph_failure_suite *suite,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a process of a run tells the one that shows it: the cells of a column at a point, as it
- * found them, and what they took.
+ * The message of a worker of a run to the process that shows the run: the cells of a column at a
+ * point, and what they took.
  */
 #ifndef NEPH_HARNESS_FAILURE_LETTER_H
 #define NEPH_HARNESS_FAILURE_LETTER_H
@@ -9,10 +9,10 @@
 #include "harness/failure/results.h"
 
 struct neph_failure_letter {
-    int first_row, row_count, column; /* whose cells */
+    int first_row, row_count, column; /* of the cells */
     int frame_count;                  /* of the take */
     double seconds;                   /* of the trial */
-    int reference_count;              /* pictures of the reference, made or found */
+    int reference_count;              /* frames of the reference, made or found */
     double reference_s;
 };
 
@@ -20,8 +20,8 @@ struct neph_failure_letter {
 char *neph_failure_letter_write(const struct neph_failure_letter *letter,
                                 const struct neph_failure_suite *suite);
 
-/* Read it into the cells of `suite`, which was planned alike. NEPH_ERR_INTERNAL: it is no letter of
- * such a suite. */
+/* Read it into the cells of `suite`, of the same plan. NEPH_ERR_INTERNAL: it is no letter of such a
+ * suite. */
 enum neph_status neph_failure_letter_read(const char *text, struct neph_failure_suite *suite,
                                           struct neph_failure_letter *letter,
                                           struct neph_diag *diag);

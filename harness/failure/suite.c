@@ -8,7 +8,6 @@
 #include "harness/experiment/pool.h"
 #include "harness/failure/expectations.h"
 #include "harness/failure/letter.h"
-#include "harness/failure/pieces.h"
 #include "harness/failure/plan.h"
 #include "harness/failure/trial.h"
 
@@ -26,48 +25,71 @@ static const double shown_every_s = 2.0;
 
 struct work {
     struct neph_failure_bench bench;
-    bool is_prepared; /* in this process */
+    struct neph_failure_pieces pieces; /* of this process, once it is prepared */
     double start_s, shown_s;
 };
 
-/* ---- what is ahead --------------------------------------------------------------------------- */
+/* ---- pieces ---------------------------------------------------------------------------------- */
 
-static void expect_references(struct neph_failure_bench *bench,
-                              const struct neph_failure_point *point)
+static int compare_pieces(const void *a, const void *b)
 {
-    const struct neph_failing *failing = &point->scene->failing;
-    bool is_asked = false;
-    for (int c = 0; c < bench->suite->column_count; c++)
-        is_asked |= bench->suite->columns[c].is_preset &&
-                    neph_failure_is_asked(bench->suite, point, c);
-    if (is_asked && failing->truth == NEPH_FAILING_MARCH && bench->params->width_px == 0 &&
-        !bench->params->on_device)
-        neph_progress_expect(&bench->progress, NEPH_FAILURE_KIND_REFERENCE,
-                             neph_reference_picture_count(point->scene, 0, failing->frame_count),
-                             picture_typical_s);
+    const struct neph_failure_piece *x = a, *y = b;
+    if (x->is_later != y->is_later)
+        return x->is_later ? 1 : -1;
+    if (x->cost != y->cost)
+        return x->cost > y->cost ? -1 : 1;
+    return x->row != y->row ? x->row - y->row : x->column - y->column;
 }
 
-static void expect_point(struct neph_failure_bench *bench, const struct neph_failure_point *point)
+static void list_point(const struct neph_failure_suite *suite,
+                       const struct neph_failure_point *point, struct neph_failure_pieces *pieces)
 {
-    expect_references(bench, point);
-    for (int c = 0; c < bench->suite->column_count; c++) {
-        const struct neph_failure_column *column = &bench->suite->columns[c];
-        if (neph_failure_is_asked(bench->suite, point, c))
-            neph_progress_expect(&bench->progress,
-                                 column->is_preset ? NEPH_FAILURE_KIND_TAKE
-                                                   : NEPH_FAILURE_KIND_ENGINE + c,
-                                 1, column->is_preset ? take_typical_s : column->engine->typical_s);
+    const struct neph_failing *failing = &point->scene->failing;
+    bool has_truth[2] = {false, false}; /* of engines, of presets */
+    for (int c = 0; c < suite->column_count; c++)
+        if (neph_failure_is_asked(suite, point, c)) {
+            pieces->list[pieces->count++] = (struct neph_failure_piece){
+                .row = point->first_row,
+                .column = c,
+                .is_later = has_truth[suite->columns[c].is_preset],
+                .cost = (double)failing->frame_count * failing->width_px * failing->height_px *
+                        failing->steps};
+            has_truth[suite->columns[c].is_preset] = true;
+        }
+}
+
+enum neph_status neph_failure_pieces_list(const struct neph_failure_suite *suite, bool are_spread,
+                                          struct neph_failure_pieces *pieces,
+                                          struct neph_diag *diag)
+{
+    const size_t most = (size_t)suite->row_count * (size_t)suite->column_count;
+    *pieces = (struct neph_failure_pieces){.list = calloc(most + 1, sizeof(*pieces->list))};
+    if (!pieces->list)
+        return neph_fail_memory(diag);
+    for (int row = 0; row < suite->row_count;) {
+        const struct neph_failure_point point = neph_failure_point_at(suite, row);
+        list_point(suite, &point, pieces);
+        row += point.row_count;
     }
+    if (are_spread)
+        qsort(pieces->list, (size_t)pieces->count, sizeof(*pieces->list), compare_pieces);
+    return NEPH_OK;
 }
 
 /* A worker, too, expects the whole: the time left is that of all. */
-static void expect(struct neph_failure_bench *bench)
+static void expect(struct neph_failure_bench *bench, const struct neph_failure_pieces *pieces)
 {
-    const struct neph_failure_suite *suite = bench->suite;
-    for (int row = 0; row < suite->row_count;) {
-        const struct neph_failure_point point = neph_failure_point_at(suite, row);
-        expect_point(bench, &point);
-        row += point.row_count;
+    for (int i = 0; i < pieces->count; i++) {
+        const struct neph_failure_piece *piece = &pieces->list[i];
+        const struct neph_failure_column *column = &bench->suite->columns[piece->column];
+        const struct neph_scene *scene = bench->suite->rows[piece->row].scene;
+        neph_progress_expect(&bench->progress, neph_failure_kind(bench->suite, piece->column), 1,
+                             column->is_preset ? take_typical_s : column->engine->typical_s);
+        if (column->is_preset && !piece->is_later && scene->failing.truth == NEPH_FAILING_MARCH &&
+            bench->params->width_px == 0 && !bench->params->on_device)
+            neph_progress_expect(&bench->progress, NEPH_FAILURE_KIND_REFERENCE,
+                                 neph_reference_picture_count(scene, 0, scene->failing.frame_count),
+                                 picture_typical_s);
     }
 }
 
@@ -156,10 +178,10 @@ static enum neph_status read(struct neph_failure_bench *bench, const char *text,
 static bool is_left(const struct neph_failure_suite *suite, const struct neph_failure_point *point,
                     int column)
 {
+    bool is_left = false;
     for (int r = 0; r < point->row_count; r++)
-        if (suite->rows[point->first_row + r].cells[column].verdict == NEPH_FAILURE_NOT_YET)
-            return true;
-    return false;
+        is_left |= suite->rows[point->first_row + r].cells[column].verdict == NEPH_FAILURE_NOT_YET;
+    return is_left;
 }
 
 static enum neph_status run_trial(struct work *work, const struct neph_worker *worker,
@@ -203,7 +225,7 @@ static enum neph_status run_piece(struct work *work, const struct neph_worker *w
     return status ? status : run_trial(work, worker, piece, point, diag);
 }
 
-/* Presets share an engine, which is asked once. */
+/* Presets share an engine, which is probed once. */
 static void probe(struct neph_failure_bench *bench)
 {
     struct neph_failure_suite *suite = bench->suite;
@@ -218,17 +240,20 @@ static void probe(struct neph_failure_bench *bench)
             neph_engine_probe(suite->columns[c].engine, bench->params->device, &bench->infos[c]);
 }
 
-/* Engines are asked, and the time is guessed, in each process. */
-static void prepare(struct work *work, bool quiet)
+/* Engines are probed, and the time is guessed, once in each process. */
+static enum neph_status prepare(struct work *work, bool is_worker, struct neph_diag *diag)
 {
     struct neph_failure_bench *bench = &work->bench;
-    if (work->is_prepared)
-        return;
-    bench->progress = neph_progress_start(quiet, 0);
+    if (work->pieces.list)
+        return NEPH_OK;
+    bench->progress = neph_progress_start(bench->params->quiet || is_worker, 0);
     bench->progress.workers = bench->params->jobs;
     probe(bench);
-    expect(bench);
-    work->is_prepared = true;
+    const enum neph_status status = neph_failure_pieces_list(bench->suite, is_worker, &work->pieces,
+                                                             diag);
+    if (!status)
+        expect(bench, &work->pieces);
+    return status;
 }
 
 /* The pieces of a worker, one after the other. */
@@ -237,14 +262,10 @@ static enum neph_status run_pieces(struct neph_worker *worker, void *context,
 {
     struct work *work = context;
     struct neph_failure_point point = {.scene = NULL};
-    struct neph_failure_pieces pieces;
-    prepare(work, work->bench.params->quiet || worker->index > 0);
-    enum neph_status status = neph_failure_pieces_list(work->bench.suite, worker->index > 0,
-                                                       &pieces, diag);
-    for (int next; !status && (next = neph_worker_next(worker)) < pieces.count;)
-        status = run_piece(work, worker, &pieces.list[next], &point, diag);
+    enum neph_status status = prepare(work, worker->index > 0, diag);
+    for (int next; !status && (next = neph_worker_next(worker)) < work->pieces.count;)
+        status = run_piece(work, worker, &work->pieces.list[next], &point, diag);
     close_point(&point);
-    free(pieces.list);
     neph_progress_end(&work->bench.progress);
     if (worker->index > 0)
         neph_shared_device_close(work->bench.params->device);
@@ -254,8 +275,9 @@ static enum neph_status run_pieces(struct neph_worker *worker, void *context,
 static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
 {
     struct work *work = context;
-    prepare(work, work->bench.params->quiet);
-    const enum neph_status status = text ? read(&work->bench, text, diag) : NEPH_OK;
+    enum neph_status status = prepare(work, false, diag);
+    if (!status && text)
+        status = read(&work->bench, text, diag);
     return status ? status : show(work, NEPH_FAILURE_RUNNING, diag);
 }
 
@@ -273,6 +295,7 @@ enum neph_status neph_failure_run(const struct neph_failure_params *params,
     if (!status)
         status = neph_pool_run(params->jobs, run_pieces, hear, &work, diag);
     json_decref(work.bench.expectations);
+    free(work.pieces.list);
     if (!status)
         status = neph_arena_check(&suite->arena, diag);
     if (status == NEPH_ERR_INTERRUPTED) {

@@ -12,7 +12,7 @@
 #include "harness/failure/expectations.h"
 #include "harness/failure/letter.h"
 #include "harness/failure/measures.h"
-#include "harness/failure/pieces.h"
+#include "harness/failure/suite.h"
 #include "harness/failure/plan.h"
 #include "harness/failure/trial.h"
 #include "harness/run/job.h"
