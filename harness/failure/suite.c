@@ -175,27 +175,13 @@ static enum neph_status read(struct neph_failure_bench *bench, const char *text,
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-static bool is_left(const struct neph_failure_suite *suite, const struct neph_failure_point *point,
-                    int column)
+static bool is_left(const struct neph_failure_suite *suite, const struct neph_failure_piece *piece)
 {
+    const int row_count = neph_failure_point_at(suite, piece->row).row_count;
     bool is_left = false;
-    for (int r = 0; r < point->row_count; r++)
-        is_left |= suite->rows[point->first_row + r].cells[column].verdict == NEPH_FAILURE_NOT_YET;
+    for (int r = piece->row; r < piece->row + row_count; r++)
+        is_left |= suite->rows[r].cells[piece->column].verdict == NEPH_FAILURE_NOT_YET;
     return is_left;
-}
-
-static enum neph_status run_trial(struct work *work, const struct neph_worker *worker,
-                                  const struct neph_failure_piece *piece,
-                                  struct neph_failure_point *point, struct neph_diag *diag)
-{
-    struct neph_failure_bench *bench = &work->bench;
-    const struct neph_progress before = bench->progress;
-    const int frame_count = bench->suite->frame_count;
-    const enum neph_status status = neph_failure_try(bench, point, piece->column, diag);
-    if (status)
-        return status;
-    return worker->index > 0 ? tell(bench, worker, point, piece, &before, frame_count, diag)
-                             : show(work, NEPH_FAILURE_RUNNING, diag);
 }
 
 static void close_point(struct neph_failure_point *point)
@@ -211,18 +197,24 @@ static enum neph_status run_piece(struct work *work, const struct neph_worker *w
                                   const struct neph_failure_piece *piece,
                                   struct neph_failure_point *point, struct neph_diag *diag)
 {
-    const struct neph_failure_suite *suite = work->bench.suite;
-    const struct neph_failure_row *row = &suite->rows[piece->row];
+    struct neph_failure_bench *bench = &work->bench;
+    const struct neph_progress before = bench->progress;
+    const int frame_count = bench->suite->frame_count;
     enum neph_status status = NEPH_OK;
-    if (!point->scene || point->first_row != piece->row) {
-        close_point(point);
-        *point = neph_failure_point_at(suite, piece->row);
-    }
-    if (!is_left(suite, point, piece->column))
+    if (!is_left(bench->suite, piece))
         return NEPH_OK;
-    if (!point->at)
-        status = neph_scene_load_point(point->scene, row->point_index, &point->at, diag);
-    return status ? status : run_trial(work, worker, piece, point, diag);
+    if (!point->at || point->first_row != piece->row) {
+        close_point(point);
+        *point = neph_failure_point_at(bench->suite, piece->row);
+        status = neph_scene_load_point(point->scene, bench->suite->rows[piece->row].point_index,
+                                       &point->at, diag);
+    }
+    if (!status)
+        status = neph_failure_try(bench, point, piece->column, diag);
+    if (status)
+        return status;
+    return worker->index > 0 ? tell(bench, worker, point, piece, &before, frame_count, diag)
+                             : show(work, NEPH_FAILURE_RUNNING, diag);
 }
 
 /* Presets share an engine, which is probed once. */

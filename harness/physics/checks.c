@@ -32,7 +32,7 @@ enum observable {
 };
 
 enum { FURNACE, SINGLE, MULTIPLE, FOG, HALF_SPACE, CONSERVED, RECIPROCAL, COLUMNS };
-static const struct neph_check_rung rungs[] = {
+const struct neph_check_rung neph_check_rungs[NEPH_CHECK_RUNGS] = {
     [FURNACE] = {"furnace",
                  "furnace: in a uniform surround vanishes what has albedo 1 or emits as it does"},
     [SINGLE] = {"single", "single scattering against closed forms and quadrature"},
@@ -92,16 +92,6 @@ static const struct row rows[] = {
     {"step_cloud_thick_60", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 18.0, 1.0, HG(0.85), 0.5},
     {"step_cloud_thick_60_99", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 18.0, 0.99, HG(0.85), 0.5},
 };
-
-int neph_check_rung_count(void)
-{
-    return (int)(sizeof(rungs) / sizeof(rungs[0]));
-}
-
-const struct neph_check_rung *neph_check_rung_at(int index)
-{
-    return &rungs[index];
-}
 
 int neph_check_count(void)
 {
@@ -253,7 +243,7 @@ void neph_check_get(int index, struct neph_check *check)
     memset(check, 0, sizeof(*check));
     describe(row, check->what, sizeof(check->what));
     snprintf(check->name, sizeof(check->name), "%s", row->name);
-    check->rung = rungs[row->rung].name;
+    check->rung = neph_check_rungs[row->rung].name;
     check->uneven = row->medium != NEPH_STAGE_SLAB && row->medium != NEPH_STAGE_BOX &&
                     row->medium != NEPH_STAGE_STEP_CLOUD; /* of homogeneous boxes */
     /* Without absorption the number of scatterings falls off as e^(-n pi^2 / 3 tau^2): at 30, one

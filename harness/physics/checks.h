@@ -42,8 +42,8 @@ struct neph_check {
 struct neph_check_rung {
     const char *name, *title;
 };
-int neph_check_rung_count(void);
-const struct neph_check_rung *neph_check_rung_at(int index);
+enum { NEPH_CHECK_RUNGS = 8 };
+extern const struct neph_check_rung neph_check_rungs[NEPH_CHECK_RUNGS];
 
 int neph_check_count(void);
 

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static const struct neph_participant participants[] = {
+const struct neph_participant neph_participants[NEPH_PARTICIPANTS] = {
     {.name = "exact", .engine = "exact", .refined = "", .rounding = 1e-6},
     {.name = "oracle", .engine = "oracle", .rounding = 1e-6},
     {.name = "tracer", .engine = "tracer", .rounding = 1e-6},
@@ -28,16 +28,6 @@ static const struct neph_participant participants[] = {
      .order = 2,
      .rounding = 1e-6},
 };
-
-int neph_participant_count(void)
-{
-    return (int)(sizeof(participants) / sizeof(participants[0]));
-}
-
-const struct neph_participant *neph_participant_at(int index)
-{
-    return &participants[index];
-}
 
 /* The first row that fits speaks. A NULL participant fits all. */
 static const struct {

@@ -47,27 +47,15 @@ enum neph_status neph_scenery_enter(int index, struct neph_scenery *scenery, str
     return status;
 }
 
-bool neph_scenery_lower(struct neph_scenery *scenery, struct neph_diag *diag)
+enum neph_status neph_scenery_light(struct neph_scenery *scenery, enum neph_scattering scattering,
+                                    bool environment_light, struct neph_diag *diag)
 {
-    bool changed = false;
-    for (int v = 0; v < scenery->check.view_count; v++) {
-        struct neph_scene *scene = &scenery->views[v].stage->scene;
-        changed |= scene->scattering == NEPH_SCATTERING_MULTIPLE;
-        scene->scattering = NEPH_SCATTERING_SINGLE;
-        scene->environment_light = false;
-        if (neph_scene_hash(scene, diag))
-            return false;
-    }
-    return changed;
-}
-
-void neph_scenery_restore(struct neph_scenery *scenery, enum neph_scattering scattering,
-                          bool environment_light, struct neph_diag *diag)
-{
-    for (int v = 0; v < scenery->check.view_count; v++) {
+    enum neph_status status = NEPH_OK;
+    for (int v = 0; v < scenery->check.view_count && !status; v++) {
         struct neph_scene *scene = &scenery->views[v].stage->scene;
         scene->scattering = scattering;
         scene->environment_light = environment_light;
-        neph_scene_hash(scene, diag);
+        status = neph_scene_hash(scene, diag);
     }
+    return status;
 }
