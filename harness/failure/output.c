@@ -183,39 +183,28 @@ char *neph_failure_command(const struct neph_failure_suite *suite,
 
 /* ---- for programs ---------------------------------------------------------------------------- */
 
-static json_t *cell_json(const struct neph_failure_row *row, const char *column,
-                         const struct neph_failure_cell *cell)
-{
-    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s, s:s}", "scene",
-                     row->scene->name, "point", row->point, "measure",
-                     neph_failing_measure_name(row->limit->measure), "over", row->limit->over,
-                     "limit", row->limit->limit, "reason", row->limit->reason, "column", column,
-                     "value", neph_json_number(cell->value), "infinite", isinf(cell->value) != 0,
-                     "verdict", neph_failure_verdicts[cell->verdict].name, "why", cell->why,
-                     "frame_key", cell->frame_key ? cell->frame_key : "");
-}
-
 /* The worst first. */
 static json_t *results_json(const struct neph_failure_suite *suite)
 {
     int count = 0;
     struct neph_failure_spot *spots = neph_failure_worst(suite, &count);
     json_t *results = spots ? json_array() : NULL;
-    for (int i = 0; i < count; i++)
-        neph_json_add(&results, cell_json(spots[i].row, suite->columns[spots[i].column].name,
-                                          &spots[i].row->cells[spots[i].column]));
+    for (int i = 0; i < count; i++) {
+        const struct neph_failure_row *row = spots[i].row;
+        const struct neph_failure_cell *cell = &row->cells[spots[i].column];
+        neph_json_add(&results,
+                      json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s, s:s}",
+                                "scene", row->scene->name, "point", row->point, "measure",
+                                neph_failing_measure_name(row->limit->measure), "over",
+                                row->limit->over, "limit", row->limit->limit, "reason",
+                                row->limit->reason, "column", suite->columns[spots[i].column].name,
+                                "value", neph_json_number(cell->value), "infinite",
+                                isinf(cell->value) != 0, "verdict",
+                                neph_failure_verdicts[cell->verdict].name, "why", cell->why,
+                                "frame_key", cell->frame_key ? cell->frame_key : ""));
+    }
     free(spots);
     return results;
-}
-
-static json_t *columns_json(const struct neph_failure_suite *suite)
-{
-    json_t *columns = json_array();
-    for (int c = 0; c < suite->column_count; c++)
-        neph_json_add(&columns, json_pack("{s:s, s:s, s:b}", "name", suite->columns[c].name,
-                                          "engine", suite->columns[c].engine->name, "preset",
-                                          suite->columns[c].is_preset));
-    return columns;
 }
 
 static json_t *scene_json(const struct neph_failure_suite *suite, const struct neph_scene *scene)
@@ -235,29 +224,22 @@ static json_t *scene_json(const struct neph_failure_suite *suite, const struct n
                      failing->frame_count, "steps", failing->steps, "points", points);
 }
 
-static json_t *scenes_json(const struct neph_failure_suite *suite)
-{
-    json_t *scenes = json_array();
-    for (int s = 0; s < suite->scene_count; s++)
-        neph_json_add(&scenes, scene_json(suite, suite->scenes[s]));
-    return scenes;
-}
-
-static json_t *counts_json(const struct neph_failure_counts *counts)
-{
-    json_t *object = json_object();
-    for (int v = NEPH_FAILURE_PASS; v < NEPH_FAILURE_VERDICTS; v++)
-        neph_json_set(&object, neph_failure_verdicts[v].name, json_integer(counts->verdicts[v]));
-    return object;
-}
-
 json_t *neph_failure_json(const struct neph_failure_suite *suite)
 {
+    json_t *columns = json_array(), *scenes = json_array(), *counts = json_object();
+    for (int c = 0; c < suite->column_count; c++)
+        neph_json_add(&columns, json_pack("{s:s, s:s, s:b}", "name", suite->columns[c].name,
+                                          "engine", suite->columns[c].engine->name, "preset",
+                                          suite->columns[c].is_preset));
+    for (int s = 0; s < suite->scene_count; s++)
+        neph_json_add(&scenes, scene_json(suite, suite->scenes[s]));
+    for (int v = NEPH_FAILURE_PASS; v < NEPH_FAILURE_VERDICTS; v++)
+        neph_json_set(&counts, neph_failure_verdicts[v].name,
+                      json_integer(suite->counts.verdicts[v]));
     return json_pack("{s:s, s:s, s:s, s:o, s:o, s:i, s:i, s:o, s:s, s:f, s:i, s:o}", "format",
                      "neph-failure-2", "device", suite->device, "tier",
-                     suite->full ? "full" : "quick", "columns", columns_json(suite), "scenes",
-                     scenes_json(suite), "compared", suite->counts.compared, "news",
-                     suite->counts.news, "counts", counts_json(&suite->counts), "verdict",
-                     suite->passes ? "pass" : "fail", "seconds", suite->seconds, "frames",
-                     suite->frame_count, "results", results_json(suite));
+                     suite->full ? "full" : "quick", "columns", columns, "scenes", scenes,
+                     "compared", suite->counts.compared, "news", suite->counts.news, "counts",
+                     counts, "verdict", suite->passes ? "pass" : "fail", "seconds", suite->seconds,
+                     "frames", suite->frame_count, "results", results_json(suite));
 }

@@ -24,11 +24,6 @@ static const struct neph_page_file page_files[] = {
     {NULL, NULL},
 };
 
-struct neph_failure_page {
-    struct neph_report_folder *folder;
-    size_t limit_bytes;
-};
-
 /* ---- evidence -------------------------------------------------------------------------------- */
 
 /* Evidence of a column of a scene at its worst point. */
@@ -77,11 +72,16 @@ static void finish_gallery(struct gallery *gallery)
     neph_arena_finish(&gallery->arena);
 }
 
-static enum neph_status copy_images(const struct shown *shown, const char *folder,
+/* Under `work`, where an entry's images are not yet. */
+static enum neph_status copy_images(const struct shown *shown, const char *work,
                                     struct neph_arena *arena, struct neph_diag *diag)
 {
     const json_t *names = json_object_get(shown->record, "pictures");
-    enum neph_status status = neph_dir_create(folder, diag);
+    const char *folder = neph_arena_format(arena, "%s/%s", work, shown->folder);
+    enum neph_status status = neph_arena_check(arena, diag);
+    if (status || !shown->fits || neph_path_is_dir(folder))
+        return status;
+    status = neph_dir_create(folder, diag);
     for (size_t i = 0; i < json_array_size(names) && !status; i++) {
         const char *name = json_string_value(json_array_get(names, i));
         const char *from = neph_arena_format(arena, "%s/%s", shown->exhibit, name);
@@ -127,13 +127,8 @@ static enum neph_status update_images(struct gallery *gallery, const char *work,
     enum neph_status status = neph_arena_check(&gallery->arena, diag);
     if (!status)
         status = remove_unwanted(gallery, images, diag);
-    for (int i = 0; i < gallery->shown_count && !status; i++) {
-        const struct shown *shown = &gallery->shown[i];
-        const char *folder = neph_arena_format(&gallery->arena, "%s/%s", work, shown->folder);
-        status = neph_arena_check(&gallery->arena, diag);
-        if (!status && shown->fits && !neph_path_is_dir(folder))
-            status = copy_images(shown, folder, &gallery->arena, diag);
-    }
+    for (int i = 0; i < gallery->shown_count && !status; i++)
+        status = copy_images(&gallery->shown[i], work, &gallery->arena, diag);
     return status;
 }
 
@@ -298,30 +293,12 @@ static enum neph_status make_gallery(const struct neph_failure_page *page,
 
 /* ---- the page -------------------------------------------------------------------------------- */
 
-enum neph_status neph_failure_page_open(const char *folder, size_t limit_bytes,
-                                        struct neph_failure_page **page, struct neph_diag *diag)
+enum neph_status neph_failure_page_open(const char *folder, struct neph_failure_page *page,
+                                        struct neph_diag *diag)
 {
-    struct neph_failure_page *opened = calloc(1, sizeof(*opened));
-    if (!opened)
-        return neph_fail_memory(diag);
-    opened->limit_bytes = limit_bytes;
-    enum neph_status status = neph_report_folder_open(folder, &opened->folder, diag);
-    if (!status)
-        status = neph_page_copy(neph_report_folder_work(opened->folder), page_files, diag);
-    if (status) {
-        neph_failure_page_close(opened);
-        return status;
-    }
-    *page = opened;
-    return NEPH_OK;
-}
-
-void neph_failure_page_close(struct neph_failure_page *page)
-{
-    if (!page)
-        return;
-    neph_report_folder_close(page->folder);
-    free(page);
+    const enum neph_status status = neph_report_folder_open(folder, &page->folder, diag);
+    return status ? status
+                  : neph_page_copy(neph_report_folder_work(page->folder), page_files, diag);
 }
 
 enum neph_status neph_failure_page_publish(const struct neph_failure_suite *suite, void *page_,

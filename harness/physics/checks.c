@@ -270,6 +270,13 @@ void neph_check_get(int index, struct neph_check *check)
     }
 }
 
+struct neph_pixel_ray neph_check_ray(const struct neph_check_view *view,
+                                     const struct neph_camera *camera, int pixel)
+{
+    return neph_camera_ray(camera, view->width_px, view->height_px, pixel % view->width_px,
+                           pixel / view->width_px);
+}
+
 double neph_check_pixel_weight(const struct neph_check_view *view, const struct neph_camera *camera,
                                struct neph_vec3 direction)
 {

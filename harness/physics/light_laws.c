@@ -128,16 +128,6 @@ int neph_light_law_views(const struct neph_light_law_case *of, const char *name,
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-static struct neph_vec3 ray_of(const struct neph_stage *stage, const struct neph_check_view *view,
-                               int pixel, struct neph_vec3 *origin_m)
-{
-    const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    const struct neph_pixel_ray ray = neph_camera_ray(
-        &camera, view->width_px, view->height_px, pixel % view->width_px, pixel / view->width_px);
-    *origin_m = ray.origin_m;
-    return ray.direction;
-}
-
 /* What the ball takes from a picture of light of 1 W/m2/sr all around: the mean of 1 - T. */
 static enum neph_status find_taken(const struct neph_check_view *view, double *taken,
                                    struct neph_diag *diag)
@@ -147,10 +137,10 @@ static enum neph_status find_taken(const struct neph_check_view *view, double *t
     double sum = 0.0;
     const enum neph_status status = neph_stage_create(&view->stage, &stage, diag);
     for (int p = 0; p < pixels && !status; p++) {
-        struct neph_vec3 origin_m;
-        const struct neph_vec3 direction = ray_of(stage, view, p, &origin_m);
+        const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
+        const struct neph_pixel_ray ray = neph_check_ray(view, &camera, p);
         sum -= expm1(
-            -neph_scene_optical_depth(&stage->scene, origin_m, direction, 0.0, INFINITY).g);
+            -neph_scene_optical_depth(&stage->scene, ray.origin_m, ray.direction, 0.0, INFINITY).g);
     }
     neph_stage_destroy(stage);
     *taken = sum / pixels;
@@ -226,30 +216,23 @@ struct run {
     bool once; /* the model takes light scattered once alone */
 };
 
-static double weighted(const struct neph_stage *stage, const struct neph_check_view *view,
-                       const float *radiance)
-{
-    const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    double sum = 0.0;
-    for (int p = 0; p < view->width_px * view->height_px; p++) {
-        struct neph_vec3 origin_m;
-        const struct neph_vec3 direction = ray_of(stage, view, p, &origin_m);
-        sum += neph_check_pixel_weight(view, &camera, direction) * (double)radiance[p];
-    }
-    return sum;
-}
-
 static enum neph_status read_sum(const struct neph_stage *stage, const struct neph_check_view *view,
                                  const char *path, double *sum, struct neph_diag *diag)
 {
+    const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
     struct neph_image *frame = NULL;
     float *volume[3];
+    double weighted = 0.0;
     enum neph_status status = neph_exr_read(path, &frame, diag);
     if (!status && !neph_image_rgb(frame, "volume", volume))
         status = neph_fail(diag, NEPH_ERR_ENGINE, "a picture has no light of media");
-    if (!status)
-        *sum = weighted(stage, view, volume[1]);
+    for (int p = 0; p < view->width_px * view->height_px && !status; p++)
+        weighted += neph_check_pixel_weight(view, &camera,
+                                            neph_check_ray(view, &camera, p).direction) *
+                    (double)volume[1][p];
     neph_image_destroy(frame);
+    if (!status)
+        *sum = weighted;
     return status;
 }
 

@@ -17,9 +17,7 @@ static enum neph_status see(const struct neph_check_view *view, struct neph_scen
     seen->truth_error = neph_stage_truth_error(seen->stage);
     const struct neph_camera camera = neph_scene_camera(&seen->stage->scene, 0.0);
     for (int p = 0; p < seen->pixel_count; p++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, view->width_px, view->height_px,
-                                                     p % view->width_px, p / view->width_px)
-                                         .direction;
+        const struct neph_vec3 ray = neph_check_ray(view, &camera, p).direction;
         seen->weight[p] = neph_check_pixel_weight(view, &camera, ray);
         seen->truth[p] = seen->weight[p] > 0.0 ? neph_stage_truth_w_per_m2_sr(seen->stage, ray)
                                                : 0.0;
