@@ -29,10 +29,12 @@ const struct neph_participant neph_participants[NEPH_PARTICIPANTS] = {
      .rounding = 1e-6},
 };
 
-/* The first row that fits speaks. A NULL participant fits all. */
+enum when { ALWAYS, LOWERED, BAKED, STEPPED, DEEP, WHEN_COUNT };
+
+/* The first row that fits counts. A NULL participant fits all. */
 static const struct {
     const char *participant;
-    enum { ALWAYS, LOWERED, BAKED, STEPPED, DEEP } when;
+    enum when when;
     const char *cause;
 } causes[] = {
     {"povray", LOWERED,
@@ -53,29 +55,18 @@ static const struct {
     {NULL, BAKED, "it was given voxels in place of the medium: the bake's own error is in the row"},
 };
 
-static bool applies(int when, const struct neph_check *check, const struct neph_participation *part)
-{
-    switch (when) {
-    case LOWERED:
-        return part->lowered;
-    case BAKED:
-        return part->baked;
-    case STEPPED:
-        return part->stepped && check->uneven;
-    case DEEP:
-        return check->deep;
-    default:
-        return true;
-    }
-}
-
 const char *neph_participant_cause(const struct neph_participant *participant,
                                    const struct neph_check *check,
                                    const struct neph_participation *part)
 {
+    const bool is_so[WHEN_COUNT] = {[ALWAYS] = true,
+                                    [LOWERED] = part->lowered,
+                                    [BAKED] = part->baked,
+                                    [STEPPED] = part->stepped && check->uneven,
+                                    [DEEP] = check->deep};
     for (size_t i = 0; i < sizeof(causes) / sizeof(causes[0]); i++)
         if ((!causes[i].participant || strcmp(causes[i].participant, participant->name) == 0) &&
-            applies((int)causes[i].when, check, part))
+            is_so[causes[i].when])
             return causes[i].cause;
     return NULL;
 }

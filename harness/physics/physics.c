@@ -22,17 +22,12 @@ static double or_zero(double value)
     return isfinite(value) ? value : 0.0;
 }
 
-/* What a deviation may be off by chance, step and rounding. */
-static double allowed(const struct neph_physics_row *row, double critical_z)
-{
-    return critical_z * or_zero(row->standard_error) + or_zero(row->step_bound) +
-           row->participant->rounding;
-}
-
 static void judge(struct neph_physics_row *row, double critical_z, struct neph_arena *arena)
 {
     const char *who = row->participant->name;
-    const double width = allowed(row, critical_z), percent = 100.0 * row->deviation;
+    const double percent = 100.0 * row->deviation;
+    const double width = critical_z * or_zero(row->standard_error) + or_zero(row->step_bound) +
+                         row->participant->rounding; /* by chance, step and rounding */
     row->sentence = "";
     if (!isfinite(row->deviation))
         return;
