@@ -31,7 +31,7 @@ struct shown {
     const struct neph_failure_spot *spot;
     const char *exhibit; /* the folder of the entry */
     const char *folder;  /* of its images in the page: known by the entry, so never out of date */
-    json_t *record;      /* owned */
+    json_t *entry;       /* of the page's data: the record of the images and their place; owned */
     size_t bytes;
     bool fits;
 };
@@ -67,7 +67,7 @@ static bool is_shown(const struct gallery *gallery, const struct neph_failure_sp
 static void finish_gallery(struct gallery *gallery)
 {
     for (int i = 0; i < gallery->shown_count; i++)
-        json_decref(gallery->shown[i].record);
+        json_decref(gallery->shown[i].entry);
     free(gallery->spots);
     neph_arena_finish(&gallery->arena);
 }
@@ -76,7 +76,7 @@ static void finish_gallery(struct gallery *gallery)
 static enum neph_status copy_images(const struct shown *shown, const char *work,
                                     struct neph_arena *arena, struct neph_diag *diag)
 {
-    const json_t *names = json_object_get(shown->record, "pictures");
+    const json_t *names = json_object_get(shown->entry, "pictures");
     const char *folder = neph_arena_format(arena, "%s/%s", work, shown->folder);
     enum neph_status status = neph_arena_check(arena, diag);
     if (status || !shown->fits || neph_path_is_dir(folder))
@@ -140,31 +140,14 @@ static const char *const state_names[] = {
     [NEPH_FAILURE_INTERRUPTED] = "interrupted",
 };
 
-static json_t *shown_json(const struct neph_failure_suite *suite, const struct shown *shown)
+/* `object` with what is in `more`, both of which are taken over; NULL: one is, or no memory. */
+static json_t *joined(json_t *object, json_t *more)
 {
-    const struct neph_failure_row *row = shown->spot->row;
-    const bool has_size = suite->width_px > 0;
-    json_t *item = json_deep_copy(shown->record);
-    json_t *more = json_pack("{s:s, s:s, s:s, s:[i, i], s:s}", "scene", row->scene->name, "column",
-                             suite->columns[shown->spot->column].name, "point", row->point,
-                             "size_px", has_size ? suite->width_px : row->scene->failing.width_px,
-                             has_size ? suite->height_px : row->scene->failing.height_px, "folder",
-                             shown->folder);
-    if (json_object_update(item, more) < 0) {
-        json_decref(item);
-        item = NULL;
-    }
+    const bool is_whole = json_object_update(object, more) == 0;
     json_decref(more);
-    return item;
-}
-
-static json_t *evidence_json(const struct neph_failure_suite *suite, const struct gallery *gallery)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < gallery->shown_count; i++)
-        if (gallery->shown[i].fits)
-            neph_json_add(&list, shown_json(suite, &gallery->shown[i]));
-    return list;
+    if (!is_whole)
+        json_decref(object);
+    return is_whole ? object : NULL;
 }
 
 /* How each column of a scenario is made by hand, at its worst point. */
@@ -206,22 +189,20 @@ static json_t *document_of(const struct neph_failure_suite *suite, const struct 
                            size_t limit_bytes)
 {
     char created[32];
-    json_t *document = neph_failure_json(suite);
+    json_t *evidence = json_array();
+    for (int i = 0; i < gallery->shown_count; i++)
+        if (gallery->shown[i].fits)
+            neph_json_add(&evidence, json_incref(gallery->shown[i].entry));
     neph_utc_now(created);
-    neph_json_set(&document, "state", json_string(state_names[suite->state]));
-    neph_json_set(&document, "created_utc", json_string(created));
-    neph_json_set(&document, "neph_version", json_string(NEPH_VERSION));
-    neph_json_set(&document, "progress",
-                  json_pack("{s:i, s:i, s:f}", "done", suite->steps_done, "total",
-                            suite->steps_total, "left_s",
-                            suite->left_s > 0.0 ? suite->left_s : 0.0));
-    neph_json_set(&document, "pictures",
-                  json_pack("{s:I, s:I, s:i}", "limit_bytes", (json_int_t)limit_bytes, "bytes",
-                            (json_int_t)gallery->bytes, "left_out", gallery->left_out));
-    neph_json_set(&document, "difference_colours", colours_json());
-    neph_json_set(&document, "evidence", evidence_json(suite, gallery));
-    neph_json_set(&document, "commands", commands_json(suite, gallery));
-    return document;
+    return joined(neph_failure_json(suite),
+                  json_pack("{s:s, s:s, s:s, s:{s:i, s:i, s:f}, s:{s:I, s:I, s:i}, s:o, s:o, s:o}",
+                            "state", state_names[suite->state], "created_utc", created,
+                            "neph_version", NEPH_VERSION, "progress", "done", suite->steps_done,
+                            "total", suite->steps_total, "left_s",
+                            suite->left_s > 0.0 ? suite->left_s : 0.0, "pictures", "limit_bytes",
+                            (json_int_t)limit_bytes, "bytes", (json_int_t)gallery->bytes,
+                            "left_out", gallery->left_out, "difference_colours", colours_json(),
+                            "evidence", evidence, "commands", commands_json(suite, gallery)));
 }
 
 /* ---- what fits ------------------------------------------------------------------------------- */
@@ -236,23 +217,29 @@ static enum neph_status add_shown(const struct neph_failure_suite *suite, struct
                                   const struct neph_failure_spot *spot, size_t *room_bytes,
                                   struct neph_diag *diag)
 {
+    const struct neph_scene *scene = spot->row->scene;
     const char *exhibit = spot->row->cells[spot->column].exhibit;
     const char *path = neph_arena_format(&gallery->arena, "%s/job.json", exhibit);
     const char *folder = neph_arena_format(&gallery->arena, "images/%.24s",
                                            strrchr(exhibit, '/') + 1);
     if (neph_arena_check(&gallery->arena, diag))
         return NEPH_ERR_MEMORY;
+    const bool has_size = suite->width_px > 0;
     json_t *record = json_load_file(path, 0, NULL);
     if (!record) /* the store is being cleaned: there is nothing to show */
         return NEPH_OK;
     struct shown *shown = &gallery->shown[gallery->shown_count++];
-    *shown = (struct shown){.spot = spot, .exhibit = exhibit, .folder = folder, .record = record};
-    const json_t *names = json_object_get(record, "pictures");
+    *shown = (struct shown){.spot = spot, .exhibit = exhibit, .folder = folder};
+    shown->entry = joined(record, json_pack("{s:s, s:s, s:s, s:[i, i], s:s}", "scene", scene->name,
+                                            "column", suite->columns[spot->column].name, "point",
+                                            spot->row->point, "size_px",
+                                            has_size ? suite->width_px : scene->failing.width_px,
+                                            has_size ? suite->height_px : scene->failing.height_px,
+                                            "folder", folder));
+    const json_t *names = json_object_get(shown->entry, "pictures");
     for (size_t i = 0; i < json_array_size(names); i++)
         shown->bytes += file_size(exhibit, json_string_value(json_array_get(names, i)));
-    json_t *entry = shown_json(suite, shown);
-    const size_t bytes = shown->bytes + data_size(entry);
-    json_decref(entry);
+    const size_t bytes = shown->bytes + data_size(shown->entry);
     shown->fits = bytes <= *room_bytes;
     *room_bytes -= shown->fits ? bytes : 0;
     gallery->bytes += shown->fits ? shown->bytes : 0;
