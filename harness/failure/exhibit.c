@@ -25,15 +25,18 @@ enum neph_status neph_exhibit_key(const char *take_key, double exposure_ev,
     return status;
 }
 
-bool neph_exhibit_find(struct neph_store *store, const char *key, char **folder, json_t **record)
+char *neph_exhibit_find(struct neph_store *store, const char *key)
 {
-    if (!neph_store_find(store, key, folder, record))
-        return false;
-    *strrchr(*folder, '/') = '\0';
-    return true;
+    char *path;
+    json_t *record;
+    if (!neph_store_find(store, key, &path, &record))
+        return NULL;
+    json_decref(record);
+    *strrchr(path, '/') = '\0';
+    return path;
 }
 
-/* The map alone: one number is taken, as something has to be. */
+/* The map only: one number is taken, as something has to be. */
 static enum neph_status draw_flicker(const struct neph_evidence_source *source,
                                      const struct neph_viewing *viewing, const char *folder,
                                      json_t *names, struct neph_diag *diag)

@@ -20,8 +20,8 @@ struct neph_failure_message {
 char *neph_failure_write_message(const struct neph_failure_message *message,
                                  const struct neph_failure_suite *suite);
 
-/* Read it into the cells of `suite`, of the same plan. NEPH_ERR_INTERNAL: it is no message of such a
- * suite. */
+/* Read it into the cells of `suite`, of the same plan. NEPH_ERR_INTERNAL: it is no message of such
+ * a suite. */
 enum neph_status neph_failure_read_message(const char *text, struct neph_failure_suite *suite,
                                            struct neph_failure_message *message,
                                            struct neph_diag *diag);

@@ -286,20 +286,18 @@ static enum neph_status find_evidence(struct trial *trial, const struct neph_tak
                                       struct neph_diag *diag)
 {
     struct neph_failure_bench *bench = trial->bench;
-    char *folder = NULL;
-    json_t *record = NULL;
     enum neph_status status = NEPH_OK;
     if (!is_drawn(trial))
         return NEPH_OK;
-    if (!neph_exhibit_find(bench->store, trial->exhibit_key, &folder, &record)) {
+    char *folder = neph_exhibit_find(bench->store, trial->exhibit_key);
+    if (!folder) {
         trial->is_judged = true;
         status = neph_take_see(take, bench->store, diag);
-        if (!status && !neph_exhibit_find(bench->store, trial->exhibit_key, &folder, &record))
+        if (!status && !(folder = neph_exhibit_find(bench->store, trial->exhibit_key)))
             status = neph_fail(diag, NEPH_ERR_IO, "pictures are not readable after publishing");
     }
     for (int r = 0; r < trial->point->row_count && !status; r++)
         cell_of(trial, r)->exhibit = neph_arena_text(&bench->suite->arena, folder);
-    json_decref(record);
     free(folder);
     return status;
 }
