@@ -290,7 +290,8 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
         return status;
     run.progress = neph_progress_start(params->quiet, run.check_count);
     run.progress.workers = params->jobs;
-    neph_shared_device_close(params->device); /* other processes open their own */
+    if (params->jobs > 1)
+        neph_shared_device_close(params->device); /* other processes open their own */
     status = neph_pool_run(params->jobs, run_checks, hear, &run, diag);
     if (status)
         return status;
