@@ -84,18 +84,6 @@ static enum neph_status keep_worst(const struct neph_evidence_source *source, in
     return status;
 }
 
-static enum neph_status draw(const struct neph_evidence_source *source,
-                             const struct neph_evidence *evidence,
-                             const struct neph_viewing *viewing, bool with_map, const char *folder,
-                             json_t *names, struct neph_diag *diag)
-{
-    enum neph_status status = neph_evidence_draw(source, evidence, folder, names, diag);
-    if (!status && with_map && source->reference->count > 0 &&
-        source->files->count >= NEPH_SEEN_FRAMES_MIN)
-        status = draw_flicker(source, viewing, folder, names, diag);
-    return status ? status : keep_worst(source, evidence->worst_frame, folder, diag);
-}
-
 enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
                                    const struct neph_job *job,
                                    const struct neph_evidence_source *source,
@@ -111,8 +99,12 @@ enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
     if (!status)
         status = neph_store_begin(store, &scratch, diag);
     if (!status)
-        status = draw(source, &evidence, viewing, with_map, neph_scratch_path(scratch), names,
-                      diag);
+        status = neph_evidence_draw(source, &evidence, neph_scratch_path(scratch), names, diag);
+    if (!status && with_map && source->reference->count > 0 &&
+        source->files->count >= NEPH_SEEN_FRAMES_MIN)
+        status = draw_flicker(source, viewing, neph_scratch_path(scratch), names, diag);
+    if (!status)
+        status = keep_worst(source, evidence.worst_frame, neph_scratch_path(scratch), diag);
     if (!status) {
         record = json_pack(
             "{s:s, s:O, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:s, s:s, s:s, s:s}", "format",
