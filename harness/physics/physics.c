@@ -75,14 +75,13 @@ static void judge_all(struct neph_physics *physics)
 
 /* ---- who and what ---------------------------------------------------------------------------- */
 
-enum { CHECKS_MAX = 64 };
 _Static_assert(NEPH_PARTICIPANT_SETTINGS_MAX == 2, "all are set");
 
 struct run {
     const struct neph_physics_params *params;
     struct neph_store *store;
     struct neph_physics *made;
-    int checks[CHECKS_MAX], check_count;             /* indices of those that are chosen */
+    int *checks, check_count;                        /* indices of those that are chosen */
     struct neph_entrant entrants[NEPH_PARTICIPANTS]; /* of this process */
     int entrant_count;
     struct neph_progress progress;
@@ -140,7 +139,10 @@ static enum neph_status choose(struct run *run, struct neph_diag *diag)
             neph_hint(diag, "`neph engines` lists them");
             return NEPH_ERR_USAGE;
         }
-    for (int i = 0; i < neph_check_count() && run->check_count < CHECKS_MAX; i++) {
+    run->checks = neph_arena_zeroed(&run->made->arena, (size_t)neph_check_count(), sizeof(int));
+    if (!run->checks)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < neph_check_count(); i++) {
         struct neph_check check;
         neph_check_get(i, &check);
         if (!params->only || strstr(check.name, params->only) || strstr(check.rung, params->only))
@@ -288,11 +290,12 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
     enum neph_status status = choose(&run, diag);
     if (status)
         return status;
+    const int jobs = params->jobs < run.check_count ? params->jobs : run.check_count;
     run.progress = neph_progress_start(params->quiet, run.check_count);
-    run.progress.workers = params->jobs;
-    if (params->jobs > 1)
+    run.progress.workers = jobs;
+    if (jobs > 1)
         neph_shared_device_close(params->device); /* other processes open their own */
-    status = neph_pool_run(params->jobs, run_checks, hear, &run, diag);
+    status = neph_pool_run(jobs, run_checks, hear, &run, diag);
     if (status)
         return status;
     judge_all(physics);
