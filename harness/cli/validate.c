@@ -55,7 +55,8 @@ static const struct neph_cli_option options[] = {
      "Of the failure suite: only count bad values, in all images of every frame, on the device "
      "(preset off, which has none: in its pictures); nothing is kept",
      NEPH_CLI_FLAG, .at = offsetof(struct request, on_device)},
-    {"jobs", 0, "N", "Of the failure suite: processes that render at the same time (default: 1)",
+    {"jobs", 0, "N",
+     "Of the failure and physics suites: processes that render at the same time (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, jobs), .minimum = 1,
      .maximum = NEPH_FAILURE_JOBS_MAX},
     {"pictures", 0, "WHICH",
@@ -106,10 +107,12 @@ static void check_failure(const struct request *request, const struct argp_state
 {
     const struct neph_cli_shared *shared = &request->shared;
     if (!is_failure(request)) {
-        if (request->only.count > 0 || request->presets.count > 0 || request->jobs >= 0 ||
-            request->pictures || request->page_limit_mb >= 0 || request->on_device)
-            argp_error(state, "--only, --preset, --jobs, --pictures, --page-limit and --on-device "
-                              "belong to --suite failure");
+        if (request->only.count > 0 || request->presets.count > 0 || request->pictures ||
+            request->page_limit_mb >= 0 || request->on_device)
+            argp_error(state, "--only, --preset, --pictures, --page-limit and --on-device belong "
+                              "to --suite failure");
+        if (request->jobs >= 0 && !is_physics(request))
+            argp_error(state, "--jobs belongs to --suite failure and --suite physics");
         return;
     }
     if (shared->operand_count > 0)
@@ -170,7 +173,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate --tier full --budget 120\n"
         "  neph validate fence_backlit --size 320x180\n"
         "  neph validate my_fog.yaml -e exact -e march -s march:steps=256 -o /tmp/fog\n"
-        "  neph validate --suite physics -o out/physics\n"
+        "  neph validate --suite physics --jobs 4 -o out/physics\n"
         "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096\n"
         "  neph validate --suite failure --only fence_tiles --preset fixed+override=parallel\n"
         "  neph validate --suite failure --only fog_seam -e povray --pictures all",
@@ -185,6 +188,7 @@ static enum neph_status run_physics(const struct request *request, int time_limi
     const struct neph_physics_params params = {.engines = request->engines.list,
                                                .engine_count = request->engines.count,
                                                .only = request->check,
+                                               .jobs = request->jobs < 0 ? 1 : request->jobs,
                                                .samples = request->samples < 0 ? 256
                                                                                : request->samples,
                                                .time_limit_s = time_limit_s,

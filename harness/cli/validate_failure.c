@@ -5,6 +5,7 @@
 #include "harness/cli/cli.h"
 #include "harness/failure/output.h"
 #include "harness/failure/page.h"
+#include "harness/report/report_folder.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -72,18 +73,17 @@ enum neph_status neph_cli_validate_failure(struct neph_failure_params *params, c
                                            struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
-    struct neph_failure_page *page = NULL;
+    struct neph_failure_page page = {.limit_bytes = page_limit_bytes};
     struct neph_failure_suite suite = {.scenes = NULL};
     char *store_folder = neph_path_join(output, "store");
     char *page_folder = neph_path_join(output, "report");
     enum neph_status status = store_folder && page_folder
-                                  ? neph_failure_page_open(page_folder, page_limit_bytes, &page,
-                                                           diag)
+                                  ? neph_failure_page_open(page_folder, &page, diag)
                                   : neph_fail_memory(diag);
     if (!status)
         status = neph_store_open(store_folder, &store, diag);
     params->show = neph_failure_page_publish;
-    params->context = page;
+    params->context = &page;
     if (!status)
         status = neph_failure_run(params, store, &suite, diag);
     if (!status)
@@ -92,7 +92,7 @@ enum neph_status neph_cli_validate_failure(struct neph_failure_params *params, c
         fprintf(stderr, "report so far: %s/index.html\n", page_folder);
     neph_failure_finish(&suite);
     neph_store_close(store);
-    neph_failure_page_close(page);
+    neph_report_folder_close(page.folder);
     free(store_folder);
     free(page_folder);
     return status;

@@ -166,30 +166,32 @@ static const struct neph_table_cell *cell_at(const struct neph_table *table, int
     return &table->cells[row * table->column_count + column];
 }
 
+enum { CELL_SIZE = 400 };
+
+/* For people; numbers are written into `text`. */
+static const char *cell_text(const struct neph_column *column, const struct neph_table_cell *cell,
+                             char text[CELL_SIZE])
+{
+    if (cell->shown)
+        return cell->shown;
+    if (cell->kind == WORD)
+        return cell->word ? cell->word : "";
+    if (cell->kind == FLAG)
+        return cell->count ? "yes" : "no";
+    if (cell->kind == NUMBER && isnan(cell->number))
+        return column->none ? column->none : "-";
+    if (cell->kind == COUNT)
+        snprintf(text, CELL_SIZE, "%ld", cell->count);
+    else
+        snprintf(text, CELL_SIZE, column->format ? column->format : "%g",
+                 (column->scale != 0.0 ? column->scale : 1.0) * cell->number);
+    return text;
+}
+
 /* Text and a blank; an empty one has none. */
 static void print_word(const char *word, FILE *out)
 {
     fprintf(out, "%s%s", word, word[0] ? " " : "");
-}
-
-static void print_cell(const struct neph_column *column, const struct neph_table_cell *cell,
-                       FILE *out)
-{
-    if (cell->shown)
-        print_word(cell->shown, out);
-    else if (cell->kind == WORD)
-        print_word(cell->word ? cell->word : "", out);
-    else if (cell->kind == FLAG)
-        print_word(cell->count ? "yes" : "no", out);
-    else if (cell->kind == COUNT)
-        fprintf(out, "%ld ", cell->count);
-    else if (isnan(cell->number))
-        print_word(column->none ? column->none : "-", out);
-    else {
-        fprintf(out, column->format ? column->format : "%g",
-                (column->scale != 0.0 ? column->scale : 1.0) * cell->number);
-        fputc(' ', out);
-    }
 }
 
 void neph_table_print(const struct neph_table *table, FILE *out)
@@ -207,8 +209,9 @@ void neph_table_print(const struct neph_table *table, FILE *out)
     for (int row = 0; row < row_count(table); row++) {
         for (int c = 0; c < table->column_count; c++)
             if (has_form(&table->columns[c], NEPH_TABLE_TEXT)) {
+                char text[CELL_SIZE];
                 fputs("| ", out);
-                print_cell(&table->columns[c], cell_at(table, row, c), out);
+                print_word(cell_text(&table->columns[c], cell_at(table, row, c), text), out);
             }
         fputs("|\n", out);
     }
@@ -219,6 +222,23 @@ void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *aren
     neph_table_print(table, out);
     arena->is_short |= table->arena.is_short;
     neph_table_finish(table);
+}
+
+void neph_table_print_aligned(const struct neph_table *table, FILE *out)
+{
+    for (int row = -1; row < row_count(table); row++) {
+        const char *blank = "";
+        for (int c = 0; c < table->column_count; c++) {
+            const struct neph_column *column = &table->columns[c];
+            char text[CELL_SIZE];
+            if (!has_form(column, NEPH_TABLE_TEXT))
+                continue;
+            fprintf(out, "%s%*s", blank, column->width,
+                    row < 0 ? column->title : cell_text(column, cell_at(table, row, c), text));
+            blank = " ";
+        }
+        fputc('\n', out);
+    }
 }
 
 void neph_csv_word(const char *word, FILE *out)

@@ -26,6 +26,7 @@ struct neph_column {
     double scale;       /* of its numbers for people: 100 for percents; 0 means 1 */
     const char *none;   /* for people, where a number is NaN; NULL: "-" */
     int forms;          /* of those that key and title allow; 0: all of them */
+    int width;          /* of neph_table_print_aligned(), as of "%*s": negative: on the left */
 };
 
 /* A column of a double at this offset of a struct. */
@@ -82,6 +83,10 @@ void neph_table_print(const struct neph_table *table, FILE *out);
 
 /* Print a table and finish it; a failure of memory goes on in `arena`. */
 void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
+
+/* The same without Markdown, for terminals: head and rows, columns of their widths, which longer
+ * texts exceed. */
+void neph_table_print_aligned(const struct neph_table *table, FILE *out);
 
 /* RFC 4180, numbers with nine digits. Lines end in `line_end`, "\r\n" or "\n"; words in quotes
  * where they need them. */

@@ -3,8 +3,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "base/png.h"
-#include "metrics/display.h"
+#include "harness/document/display_png.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,70 +16,58 @@ static const double scale_of_white = 0.1;
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
+enum part { FRAME, REFERENCE, DIFFERENCE };
+
 /* A frame and its reference. */
 struct pair {
     struct neph_image *own[2]; /* read for it */
-    const float *planes[2][3]; /* frame, reference */
+    const float *planes[2][3];
     int width_px, height_px;
     bool has_reference;
 };
 
-static enum neph_status take_planes(const struct neph_image *image, const float *planes[3],
-                                    struct neph_diag *diag)
+/* `image` NULL: it is read. The frame comes before its reference. */
+static enum neph_status open_planes(const char *path, const struct neph_image *image,
+                                    enum part part, struct pair *pair, struct neph_diag *diag)
 {
-    float *found[3];
-    if (!neph_image_rgb(image, NULL, found))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "a frame of the sequence has no radiance");
-    for (int c = 0; c < 3; c++)
-        planes[c] = found[c];
-    return NEPH_OK;
-}
-
-static void close_pair(struct pair *pair)
-{
-    neph_image_destroy(pair->own[0]);
-    neph_image_destroy(pair->own[1]);
-}
-
-static enum neph_status open_frame(const struct neph_evidence_source *source, int frame,
-                                   struct pair *pair, struct neph_diag *diag)
-{
-    const struct neph_image *image = source->images ? source->images[frame] : NULL;
+    float *planes[3];
     if (!image) {
-        const enum neph_status status = neph_exr_read(source->files->paths[frame], &pair->own[0],
-                                                      diag);
+        const enum neph_status status = neph_exr_read(path, &pair->own[part], diag);
         if (status)
             return status;
-        image = pair->own[0];
+        image = pair->own[part];
     }
+    if (part == REFERENCE &&
+        (image->width_px != pair->width_px || image->height_px != pair->height_px))
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "the reference is of another size");
+    if (!neph_image_rgb(image, NULL, planes))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "a frame of the sequence has no radiance");
+    for (int c = 0; c < 3; c++)
+        pair->planes[part][c] = planes[c];
     pair->width_px = image->width_px;
     pair->height_px = image->height_px;
-    return take_planes(image, pair->planes[0], diag);
-}
-
-static enum neph_status open_reference(const struct neph_evidence_source *source, int frame,
-                                       struct pair *pair, struct neph_diag *diag)
-{
-    const struct neph_sequence *reference = source->reference;
-    if (reference->count == 0)
-        return NEPH_OK;
-    const enum neph_status status = neph_exr_read(
-        reference->paths[reference->count == 1 ? 0 : frame], &pair->own[1], diag);
-    if (status)
-        return status;
-    if (pair->own[1]->width_px != pair->width_px || pair->own[1]->height_px != pair->height_px)
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "the reference is of another size");
-    pair->has_reference = true;
-    return take_planes(pair->own[1], pair->planes[1], diag);
+    return NEPH_OK;
 }
 
 /* For close_pair() in any case. */
 static enum neph_status open_pair(const struct neph_evidence_source *source, int frame,
                                   struct pair *pair, struct neph_diag *diag)
 {
-    *pair = (struct pair){.has_reference = false};
-    const enum neph_status status = open_frame(source, frame, pair, diag);
-    return status ? status : open_reference(source, frame, pair, diag);
+    const struct neph_sequence *reference = source->reference;
+    *pair = (struct pair){.has_reference = reference->count > 0};
+    const enum neph_status status = open_planes(source->files->paths[frame],
+                                                source->images ? source->images[frame] : NULL,
+                                                FRAME, pair, diag);
+    return status || !pair->has_reference
+               ? status
+               : open_planes(reference->paths[reference->count == 1 ? 0 : frame], NULL, REFERENCE,
+                             pair, diag);
+}
+
+static void close_pair(struct pair *pair)
+{
+    neph_image_destroy(pair->own[FRAME]);
+    neph_image_destroy(pair->own[REFERENCE]);
 }
 
 /* ---- what is shown --------------------------------------------------------------------------- */
@@ -119,38 +106,13 @@ static int largest(const double *values, int count)
     return found;
 }
 
-/* The first of `length` out of `count` that hold `wanted`, with `before` of them before it. */
-static int window(int wanted, int before, int length, int count)
+/* `most` frames in a row, or all that there are, with `before` of them before the worst. */
+static void choose_window(int worst, int most, int before, int frame_count, int *first, int *count)
 {
-    const int last = count - length;
-    const int first = wanted - before < last ? wanted - before : last;
-    return first > 0 ? first : 0;
-}
-
-static int at_most(int value, int most)
-{
-    return value < most ? value : most;
-}
-
-static void choose_frames(struct neph_evidence *evidence, int frame_count)
-{
-    evidence->slice_count = at_most(frame_count, NEPH_EVIDENCE_SLICE);
-    evidence->flip_count = at_most(frame_count, NEPH_EVIDENCE_FLIPS);
-    evidence->slice_first = window(evidence->worst_frame, evidence->slice_count / 2,
-                                   evidence->slice_count, frame_count);
-    evidence->flip_first = window(evidence->worst_frame, 1, evidence->flip_count, frame_count);
-}
-
-static struct neph_evidence evidence_of(const struct neph_evidence_source *source,
-                                        const double *frames, const double *rows, int row_count)
-{
-    const int frame_count = source->files->count;
-    struct neph_evidence evidence = {.worst_frame = largest(frames, frame_count),
-                                     .row = largest(rows, row_count),
-                                     .scale = scale_of_white * exp2(-source->exposure_ev)};
-    if (frame_count > 1 && source->frame_step == 1)
-        choose_frames(&evidence, frame_count);
-    return evidence;
+    *count = frame_count < most ? frame_count : most;
+    const int last = frame_count - *count;
+    const int wanted = worst - before < last ? worst - before : last;
+    *first = wanted > 0 ? wanted : 0;
 }
 
 enum neph_status neph_evidence_find(const struct neph_evidence_source *source,
@@ -175,7 +137,15 @@ enum neph_status neph_evidence_find(const struct neph_evidence_source *source,
         close_pair(&pair);
     }
     if (!status)
-        *evidence = evidence_of(source, frames, rows, row_count);
+        *evidence = (struct neph_evidence){.worst_frame = largest(frames, count),
+                                           .row = largest(rows, row_count),
+                                           .scale = scale_of_white * exp2(-source->exposure_ev)};
+    if (!status && count > 1 && source->frame_step == 1) {
+        choose_window(evidence->worst_frame, NEPH_EVIDENCE_SLICE, NEPH_EVIDENCE_SLICE / 2, count,
+                      &evidence->slice_first, &evidence->slice_count);
+        choose_window(evidence->worst_frame, NEPH_EVIDENCE_FLIPS, 1, count, &evidence->flip_first,
+                      &evidence->flip_count);
+    }
     free(frames);
     free(rows);
     return status;
@@ -183,74 +153,42 @@ enum neph_status neph_evidence_find(const struct neph_evidence_source *source,
 
 /* ---- drawing --------------------------------------------------------------------------------- */
 
-/* Pictures of one size, one after the other. */
+/* Where images go. */
 struct easel {
     const char *folder;
     double exposure_ev, scale;
-    int width_px, height_px;
     json_t *names; /* borrowed */
 };
 
-static size_t pixel_count(const struct easel *easel)
-{
-    return (size_t)easel->width_px * (size_t)easel->height_px;
-}
-
-static enum neph_status write_picture(const struct easel *easel, const char *name,
-                                      const uint8_t *rgb, struct neph_diag *diag)
+static enum neph_status draw(const struct easel *easel, const struct pair *pair, enum part part,
+                             const char *name, struct neph_diag *diag)
 {
     char *path = neph_path_join(easel->folder, name);
-    enum neph_status status = path ? neph_png_write_rgb8(path, easel->width_px, easel->height_px,
-                                                         rgb, diag)
-                                   : neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
+    if (!path)
+        status = neph_fail_memory(diag);
+    else if (part == DIFFERENCE)
+        status = neph_difference_png(path, pair->width_px, pair->height_px, pair->planes[REFERENCE],
+                                     pair->planes[FRAME], easel->scale, diag);
+    else
+        status = neph_display_png(path, pair->width_px, pair->height_px, pair->planes[part],
+                                  easel->exposure_ev, diag);
     free(path);
     return status ? status : neph_json_append(easel->names, json_string(name), diag);
 }
 
-static enum neph_status draw_frame(const struct easel *easel, const float *const planes[3],
-                                   const char *name, struct neph_diag *diag)
-{
-    uint8_t *rgb = malloc(3 * pixel_count(easel));
-    enum neph_status status = rgb ? neph_display_encode(planes, pixel_count(easel),
-                                                        easel->exposure_ev, rgb, diag)
-                                  : neph_fail_memory(diag);
-    if (!status)
-        status = write_picture(easel, name, rgb, diag);
-    free(rgb);
-    return status;
-}
-
-static enum neph_status draw_difference(const struct easel *easel, const float *const reference[3],
-                                        const float *const test[3], const char *name,
-                                        struct neph_diag *diag)
-{
-    uint8_t *rgb = malloc(3 * pixel_count(easel));
-    enum neph_status status = rgb ? neph_display_difference(reference, test, 3, pixel_count(easel),
-                                                            easel->scale, rgb, diag)
-                                  : neph_fail_memory(diag);
-    if (!status)
-        status = write_picture(easel, name, rgb, diag);
-    free(rgb);
-    return status;
-}
-
 /* "worst" as worst.png, worst_reference.png and worst_difference.png. */
 static enum neph_status draw_three(const struct easel *easel, const struct pair *pair,
-                                   const char *const names[3], struct neph_diag *diag)
+                                   const char *stem, struct neph_diag *diag)
 {
-    enum neph_status status = draw_frame(easel, pair->planes[0], names[0], diag);
-    if (!status && pair->has_reference)
-        status = draw_frame(easel, pair->planes[1], names[1], diag);
-    if (!status && pair->has_reference)
-        status = draw_difference(easel, pair->planes[1], pair->planes[0], names[2], diag);
+    static const char *const ends[] = {"", "_reference", "_difference"};
+    enum neph_status status = NEPH_OK;
+    for (int part = FRAME; part <= (pair->has_reference ? DIFFERENCE : FRAME) && !status; part++) {
+        char name[40];
+        snprintf(name, sizeof(name), "%s%s.png", stem, ends[part]);
+        status = draw(easel, pair, (enum part)part, name, diag);
+    }
     return status;
-}
-
-static enum neph_status draw_worst(const struct easel *easel, const struct pair *pair,
-                                   struct neph_diag *diag)
-{
-    static const char *const names[] = {"worst.png", "worst_reference.png", "worst_difference.png"};
-    return draw_three(easel, pair, names, diag);
 }
 
 static enum neph_status draw_flip(const struct easel *easel, const struct pair *pair, int number,
@@ -258,10 +196,10 @@ static enum neph_status draw_flip(const struct easel *easel, const struct pair *
 {
     char name[32];
     snprintf(name, sizeof(name), "flip_%d.png", number);
-    enum neph_status status = draw_frame(easel, pair->planes[0], name, diag);
+    enum neph_status status = draw(easel, pair, FRAME, name, diag);
     snprintf(name, sizeof(name), "flip_reference_%d.png", number);
     if (!status && with_reference)
-        status = draw_frame(easel, pair->planes[1], name, diag);
+        status = draw(easel, pair, REFERENCE, name, diag);
     return status;
 }
 
@@ -292,16 +230,6 @@ static void fill_slice(struct slice *slice, const struct pair *pair, int row, in
                pair->planes[p / 3][p % 3] + (size_t)row * width, width * sizeof(float));
 }
 
-static enum neph_status draw_slice(const struct easel *frames, const struct slice *slice,
-                                   struct neph_diag *diag)
-{
-    static const char *const names[] = {"slice.png", "slice_reference.png", "slice_difference.png"};
-    struct easel easel = *frames;
-    easel.width_px = slice->rows.width_px;
-    easel.height_px = slice->rows.height_px;
-    return draw_three(&easel, &slice->rows, names, diag);
-}
-
 /* All that a frame is in. */
 static enum neph_status draw_pair(const struct neph_evidence_source *source,
                                   const struct neph_evidence *evidence, const struct easel *easel,
@@ -315,7 +243,7 @@ static enum neph_status draw_pair(const struct neph_evidence_source *source,
     if (!status && row >= 0 && row < evidence->slice_count)
         fill_slice(slice, pair, evidence->row, row);
     if (!status && frame == evidence->worst_frame)
-        status = draw_worst(easel, pair, diag);
+        status = draw_three(easel, pair, "worst", diag);
     if (!status && flip >= 0 && flip < evidence->flip_count)
         status = draw_flip(easel, pair, flip,
                            source->reference->count > 1 || (pair->has_reference && flip == 0),
@@ -331,23 +259,21 @@ enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
     const bool has_slice = evidence->slice_count > 0;
     const int first = has_slice ? evidence->slice_first : evidence->worst_frame;
     const int last = first + (has_slice ? evidence->slice_count : 1);
-    struct easel easel = {.folder = folder,
-                          .exposure_ev = source->exposure_ev,
-                          .scale = evidence->scale,
-                          .names = names};
+    const struct easel easel = {.folder = folder,
+                                .exposure_ev = source->exposure_ev,
+                                .scale = evidence->scale,
+                                .names = names};
     struct slice slice = {.samples = NULL};
     enum neph_status status = NEPH_OK;
     for (int i = first; i < last && !status; i++) {
         struct pair pair;
         status = open_pair(source, i, &pair, diag);
-        easel.width_px = pair.width_px;
-        easel.height_px = pair.height_px;
         if (!status)
             status = draw_pair(source, evidence, &easel, &pair, i, &slice, diag);
         close_pair(&pair);
     }
     if (!status && has_slice)
-        status = draw_slice(&easel, &slice, diag);
+        status = draw_three(&easel, &slice.rows, "slice", diag);
     free(slice.samples);
     return status;
 }

@@ -25,15 +25,18 @@ enum neph_status neph_exhibit_key(const char *take_key, double exposure_ev,
     return status;
 }
 
-bool neph_exhibit_find(struct neph_store *store, const char *key, char **folder, json_t **record)
+char *neph_exhibit_find(struct neph_store *store, const char *key)
 {
-    if (!neph_store_find(store, key, folder, record))
-        return false;
-    *strrchr(*folder, '/') = '\0';
-    return true;
+    char *path;
+    json_t *record;
+    if (!neph_store_find(store, key, &path, &record))
+        return NULL;
+    json_decref(record);
+    *strrchr(path, '/') = '\0';
+    return path;
 }
 
-/* The map alone: one number is taken, as something has to be. */
+/* The map only: one number is taken, as something has to be. */
 static enum neph_status draw_flicker(const struct neph_evidence_source *source,
                                      const struct neph_viewing *viewing, const char *folder,
                                      json_t *names, struct neph_diag *diag)
@@ -81,27 +84,6 @@ static enum neph_status keep_worst(const struct neph_evidence_source *source, in
     return status;
 }
 
-static enum neph_status draw(const struct neph_evidence_source *source,
-                             const struct neph_evidence *evidence,
-                             const struct neph_viewing *viewing, bool with_map, const char *folder,
-                             json_t *names, struct neph_diag *diag)
-{
-    enum neph_status status = neph_evidence_draw(source, evidence, folder, names, diag);
-    if (!status && with_map && source->reference->count > 0 &&
-        source->files->count >= NEPH_SEEN_FRAMES_MIN)
-        status = draw_flicker(source, viewing, folder, names, diag);
-    return status ? status : keep_worst(source, evidence->worst_frame, folder, diag);
-}
-
-/* Whose frames they are: the store's database asks. */
-static void describe_engine(const struct neph_job *job, json_t **record)
-{
-    neph_json_set(record, "engine", json_string(job->engine->name));
-    neph_json_set(record, "version", json_string(job->info->version));
-    neph_json_set(record, "build", json_string(job->info->build));
-    neph_json_set(record, "device", json_string(job->info->device));
-}
-
 enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
                                    const struct neph_job *job,
                                    const struct neph_evidence_source *source,
@@ -117,16 +99,20 @@ enum neph_status neph_exhibit_make(struct neph_store *store, const char *key,
     if (!status)
         status = neph_store_begin(store, &scratch, diag);
     if (!status)
-        status = draw(source, &evidence, viewing, with_map, neph_scratch_path(scratch), names,
-                      diag);
+        status = neph_evidence_draw(source, &evidence, neph_scratch_path(scratch), names, diag);
+    if (!status && with_map && source->reference->count > 0 &&
+        source->files->count >= NEPH_SEEN_FRAMES_MIN)
+        status = draw_flicker(source, viewing, neph_scratch_path(scratch), names, diag);
+    if (!status)
+        status = keep_worst(source, evidence.worst_frame, neph_scratch_path(scratch), diag);
     if (!status) {
-        record = json_pack("{s:s, s:O, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f}", "format",
-                           "neph-exhibit-1", "pictures", names, "frame_step", source->frame_step,
-                           "worst_frame", evidence.worst_frame, "row", evidence.row, "slice_first",
-                           evidence.slice_first, "slice_count", evidence.slice_count, "flip_first",
-                           evidence.flip_first, "flip_count", evidence.flip_count, "scale",
-                           evidence.scale);
-        describe_engine(job, &record);
+        record = json_pack(
+            "{s:s, s:O, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:s, s:s, s:s, s:s}", "format",
+            "neph-exhibit-1", "pictures", names, "frame_step", source->frame_step, "worst_frame",
+            evidence.worst_frame, "row", evidence.row, "slice_first", evidence.slice_first,
+            "slice_count", evidence.slice_count, "flip_first", evidence.flip_first, "flip_count",
+            evidence.flip_count, "scale", evidence.scale, "engine", job->engine->name, "version",
+            job->info->version, "build", job->info->build, "device", job->info->device);
         status = neph_json_check(record, diag);
     }
     if (!status)

@@ -18,10 +18,10 @@
 enum neph_status neph_exhibit_key(const char *take_key, double exposure_ev,
                                   char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag);
 
-/* Whether it is in the store: `*folder` (to free) has the pictures that `*record` (to json_decref)
- * names in "pictures", beside "frame_step", "worst_frame", "row", "slice_first", "slice_count",
- * "flip_first", "flip_count" and "scale". */
-bool neph_exhibit_find(struct neph_store *store, const char *key, char **folder, json_t **record);
+/* Its folder in the store, for the caller to free, or NULL. The folder has the images that its
+ * job.json names in "pictures", beside "frame_step", "worst_frame", "row", "slice_first",
+ * "slice_count", "flip_first", "flip_count" and "scale". */
+char *neph_exhibit_find(struct neph_store *store, const char *key);
 
 /* Make and publish it, as of the engine and device of `job`. Frames with bad values, fewer than
  * what is seen needs, or without a reference have no map. */

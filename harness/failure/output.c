@@ -2,6 +2,7 @@
 #include "harness/failure/output.h"
 
 #include "base/files.h"
+#include "harness/document/table.h"
 #include "harness/run/seed.h"
 
 #include <math.h>
@@ -11,48 +12,24 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILURE_VERDICTS == 12, "a new kind");
 
-enum { COLUMN = 16 };
-
-/* What stands behind a number, or in its place. */
-static const char *const marks[NEPH_FAILURE_VERDICTS] = {
-    [NEPH_FAILURE_NOT_ASKED] = "-",
-    [NEPH_FAILURE_NOT_YET] = "not yet",
-    [NEPH_FAILURE_PASS] = "",
-    [NEPH_FAILURE_FAIL] = "FAIL",
-    [NEPH_FAILURE_KNOWN_FAIL] = "known",
-    [NEPH_FAILURE_NEW_PASS] = "PASS!",
-    [NEPH_FAILURE_FLAKE] = "flake",
-    [NEPH_FAILURE_SKIP] = "skip",
-    [NEPH_FAILURE_NO_NUMBER] = "NONE",
-    [NEPH_FAILURE_CANNOT] = "cannot",
-    [NEPH_FAILURE_MISSING] = "missing",
-    [NEPH_FAILURE_NOT_RENDERED] = "not rendered",
-};
-
 /* ---- for people ------------------------------------------------------------------------------ */
 
-static void print_cell(const struct neph_failure_cell *cell, FILE *out)
+static void add_row(const struct neph_failure_suite *suite, const struct neph_failure_row *row,
+                    struct neph_table *table)
 {
-    const char *mark = marks[cell->verdict];
-    char text[40];
-    if (isnan(cell->value))
-        snprintf(text, sizeof(text), "%s", mark);
-    else
-        snprintf(text, sizeof(text), "%.3g%s%s", cell->value, *mark ? " " : "", mark);
-    fprintf(out, " %-*s", COLUMN, text);
-}
-
-static void print_row(const struct neph_failure_suite *suite, const struct neph_failure_row *row,
-                      FILE *out)
-{
-    char measure[64], name[80];
-    snprintf(measure, sizeof(measure), "%s/%s", neph_failing_measure_name(row->limit->measure),
-             row->limit->over);
-    snprintf(name, sizeof(name), "%s %s", row->scene->name, row->point);
-    fprintf(out, "%-36s %-20s %-6.4g", name, measure, row->limit->limit);
-    for (int c = 0; c < suite->column_count; c++)
-        print_cell(&row->cells[c], out);
-    fputc('\n', out);
+    neph_table_word(table, "");
+    neph_table_shown(table, "%s %s", row->scene->name, row->point);
+    neph_table_word(table, "");
+    neph_table_shown(table, "%s/%s", neph_failing_measure_name(row->limit->measure),
+                     row->limit->over);
+    neph_table_number(table, row->limit->limit);
+    for (int c = 0; c < suite->column_count; c++) {
+        const double value = row->cells[c].value;
+        const char *mark = neph_failure_verdicts[row->cells[c].verdict].mark;
+        neph_table_word(table, mark);
+        if (!isnan(value))
+            neph_table_shown(table, "%.3g%s%s", value, *mark ? " " : "", mark);
+    }
 }
 
 static bool is_first_of_row(const struct neph_failure_spot *spots, int index)
@@ -64,23 +41,35 @@ static bool is_first_of_row(const struct neph_failure_spot *spots, int index)
 }
 
 /* A row is as bad as its worst cell. */
-static void print_table(const struct neph_failure_suite *suite,
-                        const struct neph_failure_spot *spots, int count, FILE *out)
+static enum neph_status print_table(const struct neph_failure_suite *suite,
+                                    const struct neph_failure_spot *spots, int count, FILE *out,
+                                    struct neph_diag *diag)
 {
-    fprintf(out, "%-36s %-20s %-6s", "scenario, the worst first", "measure/over", "limit");
+    const struct neph_column fixed[] = {
+        {.title = "scenario, the worst first", .width = -36},
+        {.title = "measure/over", .width = -20},
+        {.title = "limit", .format = "%.4g", .width = -6},
+    };
+    struct neph_table table = {.cells = NULL};
+    neph_table_columns(&table, fixed, 3);
     for (int c = 0; c < suite->column_count; c++)
-        fprintf(out, " %-*s", COLUMN, suite->columns[c].name);
-    fputc('\n', out);
+        neph_table_columns(&table,
+                           &(struct neph_column){.title = suite->columns[c].name, .width = -16}, 1);
     for (int i = 0; i < count; i++)
         if (is_first_of_row(spots, i))
-            print_row(suite, spots[i].row, out);
+            add_row(suite, spots[i].row, &table);
+    const enum neph_status status = neph_table_check(&table, diag);
+    if (!status)
+        neph_table_print_aligned(&table, out);
     fputc('\n', out);
+    neph_table_finish(&table);
+    return status;
 }
 
 static void print_value(const struct neph_failure_row *row, const struct neph_failure_cell *cell,
                         FILE *out)
 {
-    const char *verdict = neph_failure_verdict_name(cell->verdict);
+    const char *verdict = neph_failure_verdicts[cell->verdict].name;
     const char *measure = neph_failing_measure_name(row->limit->measure);
     if (isnan(cell->value))
         fprintf(out, "%s/%s has %s, limit %.4g", measure, row->limit->over, verdict,
@@ -88,11 +77,6 @@ static void print_value(const struct neph_failure_row *row, const struct neph_fa
     else
         fprintf(out, "%s/%s is %.4g, limit %.4g: %s", measure, row->limit->over, cell->value,
                 row->limit->limit, verdict);
-}
-
-static bool is_news(const struct neph_failure_spot *spot)
-{
-    return neph_failure_is_news(spot->row->cells[spot->column].verdict);
 }
 
 /* The same number at another point of its sweep. */
@@ -143,8 +127,7 @@ static void print_counts(const struct neph_failure_suite *suite, FILE *out)
             suite->scene_count, suite->frame_count);
     for (int v = NEPH_FAILURE_PASS; v < NEPH_FAILURE_VERDICTS; v++)
         if (counts->verdicts[v] > 0)
-            fprintf(out, " %d %s", counts->verdicts[v],
-                    neph_failure_verdict_name((enum neph_failure_verdict)v));
+            fprintf(out, " %d %s", counts->verdicts[v], neph_failure_verdicts[v].name);
     fprintf(out, "\nverdict: %s\n", suite->passes ? "pass" : "fail");
 }
 
@@ -154,10 +137,11 @@ enum neph_status neph_failure_print(const struct neph_failure_suite *suite, FILE
     int count = 0;
     struct neph_failure_spot *spots = neph_failure_worst(suite, &count);
     enum neph_status status = spots ? NEPH_OK : neph_fail_memory(diag);
-    if (spots)
-        print_table(suite, spots, count, out);
+    if (!status)
+        status = print_table(suite, spots, count, out, diag);
     for (int i = 0; i < count && !status; i++)
-        if (is_news(&spots[i]) && count_kin(spots, i, &spots[i]) == 0)
+        if (neph_failure_verdicts[spots[i].row->cells[spots[i].column].verdict].is_news &&
+            count_kin(spots, i, &spots[i]) == 0)
             status = print_news(suite, &spots[i], count_kin(spots, count, &spots[i]) - 1, out,
                                 diag);
     if (!status)
@@ -199,39 +183,28 @@ char *neph_failure_command(const struct neph_failure_suite *suite,
 
 /* ---- for programs ---------------------------------------------------------------------------- */
 
-static json_t *cell_json(const struct neph_failure_row *row, const char *column,
-                         const struct neph_failure_cell *cell)
-{
-    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s, s:s}", "scene",
-                     row->scene->name, "point", row->point, "measure",
-                     neph_failing_measure_name(row->limit->measure), "over", row->limit->over,
-                     "limit", row->limit->limit, "reason", row->limit->reason, "column", column,
-                     "value", neph_json_number(cell->value), "infinite", isinf(cell->value) != 0,
-                     "verdict", neph_failure_verdict_name(cell->verdict), "why", cell->why,
-                     "frame_key", cell->frame_key ? cell->frame_key : "");
-}
-
 /* The worst first. */
 static json_t *results_json(const struct neph_failure_suite *suite)
 {
     int count = 0;
     struct neph_failure_spot *spots = neph_failure_worst(suite, &count);
     json_t *results = spots ? json_array() : NULL;
-    for (int i = 0; i < count; i++)
-        neph_json_add(&results, cell_json(spots[i].row, suite->columns[spots[i].column].name,
-                                          &spots[i].row->cells[spots[i].column]));
+    for (int i = 0; i < count; i++) {
+        const struct neph_failure_row *row = spots[i].row;
+        const struct neph_failure_cell *cell = &row->cells[spots[i].column];
+        neph_json_add(&results,
+                      json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s, s:s}",
+                                "scene", row->scene->name, "point", row->point, "measure",
+                                neph_failing_measure_name(row->limit->measure), "over",
+                                row->limit->over, "limit", row->limit->limit, "reason",
+                                row->limit->reason, "column", suite->columns[spots[i].column].name,
+                                "value", neph_json_number(cell->value), "infinite",
+                                isinf(cell->value) != 0, "verdict",
+                                neph_failure_verdicts[cell->verdict].name, "why", cell->why,
+                                "frame_key", cell->frame_key ? cell->frame_key : ""));
+    }
     free(spots);
     return results;
-}
-
-static json_t *columns_json(const struct neph_failure_suite *suite)
-{
-    json_t *columns = json_array();
-    for (int c = 0; c < suite->column_count; c++)
-        neph_json_add(&columns, json_pack("{s:s, s:s, s:b}", "name", suite->columns[c].name,
-                                          "engine", suite->columns[c].engine->name, "preset",
-                                          suite->columns[c].is_preset));
-    return columns;
 }
 
 static json_t *scene_json(const struct neph_failure_suite *suite, const struct neph_scene *scene)
@@ -251,30 +224,22 @@ static json_t *scene_json(const struct neph_failure_suite *suite, const struct n
                      failing->frame_count, "steps", failing->steps, "points", points);
 }
 
-static json_t *scenes_json(const struct neph_failure_suite *suite)
-{
-    json_t *scenes = json_array();
-    for (int s = 0; s < suite->scene_count; s++)
-        neph_json_add(&scenes, scene_json(suite, suite->scenes[s]));
-    return scenes;
-}
-
-static json_t *counts_json(const struct neph_failure_counts *counts)
-{
-    json_t *object = json_object();
-    for (int v = NEPH_FAILURE_PASS; v < NEPH_FAILURE_VERDICTS; v++)
-        neph_json_set(&object, neph_failure_verdict_name((enum neph_failure_verdict)v),
-                      json_integer(counts->verdicts[v]));
-    return object;
-}
-
 json_t *neph_failure_json(const struct neph_failure_suite *suite)
 {
+    json_t *columns = json_array(), *scenes = json_array(), *counts = json_object();
+    for (int c = 0; c < suite->column_count; c++)
+        neph_json_add(&columns, json_pack("{s:s, s:s, s:b}", "name", suite->columns[c].name,
+                                          "engine", suite->columns[c].engine->name, "preset",
+                                          suite->columns[c].is_preset));
+    for (int s = 0; s < suite->scene_count; s++)
+        neph_json_add(&scenes, scene_json(suite, suite->scenes[s]));
+    for (int v = NEPH_FAILURE_PASS; v < NEPH_FAILURE_VERDICTS; v++)
+        neph_json_set(&counts, neph_failure_verdicts[v].name,
+                      json_integer(suite->counts.verdicts[v]));
     return json_pack("{s:s, s:s, s:s, s:o, s:o, s:i, s:i, s:o, s:s, s:f, s:i, s:o}", "format",
                      "neph-failure-2", "device", suite->device, "tier",
-                     suite->full ? "full" : "quick", "columns", columns_json(suite), "scenes",
-                     scenes_json(suite), "compared", suite->counts.compared, "news",
-                     suite->counts.news, "counts", counts_json(&suite->counts), "verdict",
-                     suite->passes ? "pass" : "fail", "seconds", suite->seconds, "frames",
-                     suite->frame_count, "results", results_json(suite));
+                     suite->full ? "full" : "quick", "columns", columns, "scenes", scenes,
+                     "compared", suite->counts.compared, "news", suite->counts.news, "counts",
+                     counts, "verdict", suite->passes ? "pass" : "fail", "seconds", suite->seconds,
+                     "frames", suite->frame_count, "results", results_json(suite));
 }

@@ -24,26 +24,24 @@ static const struct neph_page_file page_files[] = {
     {NULL, NULL},
 };
 
-struct neph_failure_page {
-    struct neph_report_folder *folder;
-    size_t limit_bytes;
-};
+/* ---- evidence -------------------------------------------------------------------------------- */
 
-/* ---- what is shown --------------------------------------------------------------------------- */
-
-/* Evidence of a column of a scenario at its worst point. */
+/* Evidence of a column of a scene at its worst point. */
 struct shown {
     const struct neph_failure_spot *spot;
-    json_t *record; /* owned */
+    const char *exhibit; /* the folder of the entry */
+    const char *folder;  /* of its images in the page: known by the entry, so never out of date */
+    json_t *entry;       /* of the page's data: the record of the images and their place; owned */
     size_t bytes;
     bool fits;
 };
 
-/* All of a run, the worst first. */
+/* All evidence of a run, the worst first. */
 struct gallery {
+    struct neph_arena arena;
     struct neph_failure_spot *spots; /* owned */
     int spot_count;
-    struct shown *shown; /* owned */
+    struct shown *shown; /* of the arena */
     int shown_count, left_out;
     size_t bytes;
 };
@@ -57,15 +55,6 @@ static size_t file_size(const char *folder, const char *name)
     return is_there ? (size_t)stat_of.st_size : 0;
 }
 
-static size_t pictures_size(const char *folder, const json_t *record)
-{
-    const json_t *names = json_object_get(record, "pictures");
-    size_t sum = 0;
-    for (size_t i = 0; i < json_array_size(names); i++)
-        sum += file_size(folder, json_string_value(json_array_get(names, i)));
-    return sum;
-}
-
 static bool is_shown(const struct gallery *gallery, const struct neph_failure_spot *spot)
 {
     for (int i = 0; i < gallery->shown_count; i++)
@@ -75,58 +64,45 @@ static bool is_shown(const struct gallery *gallery, const struct neph_failure_sp
     return false;
 }
 
-static const char *exhibit_of(const struct neph_failure_spot *spot)
-{
-    return spot->row->cells[spot->column].exhibit;
-}
-
 static void finish_gallery(struct gallery *gallery)
 {
     for (int i = 0; i < gallery->shown_count; i++)
-        json_decref(gallery->shown[i].record);
-    free(gallery->shown);
+        json_decref(gallery->shown[i].entry);
     free(gallery->spots);
+    neph_arena_finish(&gallery->arena);
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
-
-/* Pictures are known by the entry that they are of, so that what is there is right. */
-static char *picture_folder(const struct shown *shown)
+/* Under `work`, where an entry's images are not yet. */
+static enum neph_status copy_images(const struct shown *shown, const char *work,
+                                    struct neph_arena *arena, struct neph_diag *diag)
 {
-    const char *exhibit = exhibit_of(shown->spot);
-    return neph_format("images/%.24s", strrchr(exhibit, '/') + 1);
-}
-
-static enum neph_status copy_pictures(const struct shown *shown, const char *folder,
-                                      struct neph_diag *diag)
-{
-    const json_t *names = json_object_get(shown->record, "pictures");
-    enum neph_status status = neph_dir_create(folder, diag);
+    const json_t *names = json_object_get(shown->entry, "pictures");
+    const char *folder = neph_arena_format(arena, "%s/%s", work, shown->folder);
+    enum neph_status status = neph_arena_check(arena, diag);
+    if (status || !shown->fits || neph_path_is_dir(folder))
+        return status;
+    status = neph_dir_create(folder, diag);
     for (size_t i = 0; i < json_array_size(names) && !status; i++) {
         const char *name = json_string_value(json_array_get(names, i));
-        char *from = neph_path_join(exhibit_of(shown->spot), name);
-        char *to = neph_path_join(folder, name);
-        status = from && to ? neph_file_copy(from, to, diag) : neph_fail_memory(diag);
-        free(from);
-        free(to);
+        const char *from = neph_arena_format(arena, "%s/%s", shown->exhibit, name);
+        const char *to = neph_arena_format(arena, "%s/%s", folder, name);
+        status = neph_arena_check(arena, diag);
+        if (!status)
+            status = neph_file_copy(from, to, diag);
     }
     return status;
 }
 
 static bool is_wanted(const struct gallery *gallery, const char *name)
 {
-    for (int i = 0; i < gallery->shown_count; i++) {
-        char *own = picture_folder(&gallery->shown[i]);
-        const bool same = own && gallery->shown[i].fits &&
-                          strcmp(own + strlen("images/"), name) == 0;
-        free(own);
-        if (same)
+    for (int i = 0; i < gallery->shown_count; i++)
+        if (gallery->shown[i].fits &&
+            strcmp(gallery->shown[i].folder + strlen("images/"), name) == 0)
             return true;
-    }
     return false;
 }
 
-/* What worse cells took the place of. */
+/* Remove the images whose place worse cells took. */
 static enum neph_status remove_unwanted(const struct gallery *gallery, const char *images,
                                         struct neph_diag *diag)
 {
@@ -144,23 +120,15 @@ static enum neph_status remove_unwanted(const struct gallery *gallery, const cha
     return status;
 }
 
-static enum neph_status hang_pictures(const struct gallery *gallery, const char *work,
+static enum neph_status update_images(struct gallery *gallery, const char *work,
                                       struct neph_diag *diag)
 {
-    char *images = neph_path_join(work, "images");
-    enum neph_status status = images ? remove_unwanted(gallery, images, diag)
-                                     : neph_fail_memory(diag);
-    for (int i = 0; i < gallery->shown_count && !status; i++) {
-        char *name = picture_folder(&gallery->shown[i]);
-        char *folder = name ? neph_path_join(work, name) : NULL;
-        if (!folder)
-            status = neph_fail_memory(diag);
-        else if (gallery->shown[i].fits && !neph_path_is_dir(folder))
-            status = copy_pictures(&gallery->shown[i], folder, diag);
-        free(name);
-        free(folder);
-    }
-    free(images);
+    const char *images = neph_arena_format(&gallery->arena, "%s/images", work);
+    enum neph_status status = neph_arena_check(&gallery->arena, diag);
+    if (!status)
+        status = remove_unwanted(gallery, images, diag);
+    for (int i = 0; i < gallery->shown_count && !status; i++)
+        status = copy_images(&gallery->shown[i], work, &gallery->arena, diag);
     return status;
 }
 
@@ -172,33 +140,14 @@ static const char *const state_names[] = {
     [NEPH_FAILURE_INTERRUPTED] = "interrupted",
 };
 
-static json_t *size_json(const struct neph_failure_suite *suite, const struct neph_scene *scene)
+/* `object` with what is in `more`, both of which are taken over; NULL: one is, or no memory. */
+static json_t *joined(json_t *object, json_t *more)
 {
-    return suite->width_px > 0
-               ? json_pack("[i, i]", suite->width_px, suite->height_px)
-               : json_pack("[i, i]", scene->failing.width_px, scene->failing.height_px);
-}
-
-static json_t *shown_json(const struct neph_failure_suite *suite, const struct shown *shown)
-{
-    char *folder = picture_folder(shown);
-    json_t *item = json_deep_copy(shown->record);
-    neph_json_set(&item, "scene", json_string(shown->spot->row->scene->name));
-    neph_json_set(&item, "column", json_string(suite->columns[shown->spot->column].name));
-    neph_json_set(&item, "point", json_string(shown->spot->row->point));
-    neph_json_set(&item, "size_px", size_json(suite, shown->spot->row->scene));
-    neph_json_set(&item, "folder", folder ? json_string(folder) : NULL);
-    free(folder);
-    return item;
-}
-
-static json_t *evidence_json(const struct neph_failure_suite *suite, const struct gallery *gallery)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < gallery->shown_count; i++)
-        if (gallery->shown[i].fits)
-            neph_json_add(&list, shown_json(suite, &gallery->shown[i]));
-    return list;
+    const bool is_whole = json_object_update(object, more) == 0;
+    json_decref(more);
+    if (!is_whole)
+        json_decref(object);
+    return is_whole ? object : NULL;
 }
 
 /* How each column of a scenario is made by hand, at its worst point. */
@@ -240,22 +189,20 @@ static json_t *document_of(const struct neph_failure_suite *suite, const struct 
                            size_t limit_bytes)
 {
     char created[32];
-    json_t *document = neph_failure_json(suite);
+    json_t *evidence = json_array();
+    for (int i = 0; i < gallery->shown_count; i++)
+        if (gallery->shown[i].fits)
+            neph_json_add(&evidence, json_incref(gallery->shown[i].entry));
     neph_utc_now(created);
-    neph_json_set(&document, "state", json_string(state_names[suite->state]));
-    neph_json_set(&document, "created_utc", json_string(created));
-    neph_json_set(&document, "neph_version", json_string(NEPH_VERSION));
-    neph_json_set(&document, "progress",
-                  json_pack("{s:i, s:i, s:f}", "done", suite->steps_done, "total",
-                            suite->steps_total, "left_s",
-                            suite->left_s > 0.0 ? suite->left_s : 0.0));
-    neph_json_set(&document, "pictures",
-                  json_pack("{s:I, s:I, s:i}", "limit_bytes", (json_int_t)limit_bytes, "bytes",
-                            (json_int_t)gallery->bytes, "left_out", gallery->left_out));
-    neph_json_set(&document, "difference_colours", colours_json());
-    neph_json_set(&document, "evidence", evidence_json(suite, gallery));
-    neph_json_set(&document, "commands", commands_json(suite, gallery));
-    return document;
+    return joined(neph_failure_json(suite),
+                  json_pack("{s:s, s:s, s:s, s:{s:i, s:i, s:f}, s:{s:I, s:I, s:i}, s:o, s:o, s:o}",
+                            "state", state_names[suite->state], "created_utc", created,
+                            "neph_version", NEPH_VERSION, "progress", "done", suite->steps_done,
+                            "total", suite->steps_total, "left_s",
+                            suite->left_s > 0.0 ? suite->left_s : 0.0, "pictures", "limit_bytes",
+                            (json_int_t)limit_bytes, "bytes", (json_int_t)gallery->bytes,
+                            "left_out", gallery->left_out, "difference_colours", colours_json(),
+                            "evidence", evidence, "commands", commands_json(suite, gallery)));
 }
 
 /* ---- what fits ------------------------------------------------------------------------------- */
@@ -270,20 +217,29 @@ static enum neph_status add_shown(const struct neph_failure_suite *suite, struct
                                   const struct neph_failure_spot *spot, size_t *room_bytes,
                                   struct neph_diag *diag)
 {
-    json_t *record = NULL;
-    char *path = neph_path_join(exhibit_of(spot), "job.json");
-    if (!path)
-        return neph_fail_memory(diag);
-    record = json_load_file(path, 0, NULL);
-    free(path);
-    if (!record) /* somebody cleans the store: there is nothing to show */
+    const struct neph_scene *scene = spot->row->scene;
+    const char *exhibit = spot->row->cells[spot->column].exhibit;
+    const char *path = neph_arena_format(&gallery->arena, "%s/job.json", exhibit);
+    const char *folder = neph_arena_format(&gallery->arena, "images/%.24s",
+                                           strrchr(exhibit, '/') + 1);
+    if (neph_arena_check(&gallery->arena, diag))
+        return NEPH_ERR_MEMORY;
+    const bool has_size = suite->width_px > 0;
+    json_t *record = json_load_file(path, 0, NULL);
+    if (!record) /* the store is being cleaned: there is nothing to show */
         return NEPH_OK;
     struct shown *shown = &gallery->shown[gallery->shown_count++];
-    *shown = (struct shown){
-        .spot = spot, .record = record, .bytes = pictures_size(exhibit_of(spot), record)};
-    json_t *entry = shown_json(suite, shown);
-    const size_t bytes = shown->bytes + data_size(entry);
-    json_decref(entry);
+    *shown = (struct shown){.spot = spot, .exhibit = exhibit, .folder = folder};
+    shown->entry = joined(record, json_pack("{s:s, s:s, s:s, s:[i, i], s:s}", "scene", scene->name,
+                                            "column", suite->columns[spot->column].name, "point",
+                                            spot->row->point, "size_px",
+                                            has_size ? suite->width_px : scene->failing.width_px,
+                                            has_size ? suite->height_px : scene->failing.height_px,
+                                            "folder", folder));
+    const json_t *names = json_object_get(shown->entry, "pictures");
+    for (size_t i = 0; i < json_array_size(names); i++)
+        shown->bytes += file_size(exhibit, json_string_value(json_array_get(names, i)));
+    const size_t bytes = shown->bytes + data_size(shown->entry);
     shown->fits = bytes <= *room_bytes;
     *room_bytes -= shown->fits ? bytes : 0;
     gallery->bytes += shown->fits ? shown->bytes : 0;
@@ -309,54 +265,38 @@ static enum neph_status make_gallery(const struct neph_failure_page *page,
                                      const struct neph_failure_suite *suite,
                                      struct gallery *gallery, struct neph_diag *diag)
 {
-    *gallery = (struct gallery){.spots = NULL};
     gallery->spots = neph_failure_worst(suite, &gallery->spot_count);
-    gallery->shown = calloc((size_t)gallery->spot_count + 1, sizeof(*gallery->shown));
+    gallery->shown = neph_arena_zeroed(&gallery->arena, (size_t)gallery->spot_count + 1,
+                                       sizeof(*gallery->shown));
     enum neph_status status = gallery->spots && gallery->shown ? NEPH_OK : neph_fail_memory(diag);
     size_t room_bytes = status ? 0 : room_for_evidence(page, suite, gallery);
-    for (int i = 0; i < gallery->spot_count && !status; i++)
-        if (exhibit_of(&gallery->spots[i]) && !is_shown(gallery, &gallery->spots[i]))
-            status = add_shown(suite, gallery, &gallery->spots[i], &room_bytes, diag);
+    for (int i = 0; i < gallery->spot_count && !status; i++) {
+        const struct neph_failure_spot *spot = &gallery->spots[i];
+        if (spot->row->cells[spot->column].exhibit && !is_shown(gallery, spot))
+            status = add_shown(suite, gallery, spot, &room_bytes, diag);
+    }
     return status;
 }
 
 /* ---- the page -------------------------------------------------------------------------------- */
 
-enum neph_status neph_failure_page_open(const char *folder, size_t limit_bytes,
-                                        struct neph_failure_page **page, struct neph_diag *diag)
+enum neph_status neph_failure_page_open(const char *folder, struct neph_failure_page *page,
+                                        struct neph_diag *diag)
 {
-    struct neph_failure_page *opened = calloc(1, sizeof(*opened));
-    if (!opened)
-        return neph_fail_memory(diag);
-    opened->limit_bytes = limit_bytes;
-    enum neph_status status = neph_report_folder_open(folder, &opened->folder, diag);
-    if (!status)
-        status = neph_page_copy(neph_report_folder_work(opened->folder), page_files, diag);
-    if (status) {
-        neph_failure_page_close(opened);
-        return status;
-    }
-    *page = opened;
-    return NEPH_OK;
-}
-
-void neph_failure_page_close(struct neph_failure_page *page)
-{
-    if (!page)
-        return;
-    neph_report_folder_close(page->folder);
-    free(page);
+    const enum neph_status status = neph_report_folder_open(folder, &page->folder, diag);
+    return status ? status
+                  : neph_page_copy(neph_report_folder_work(page->folder), page_files, diag);
 }
 
 enum neph_status neph_failure_page_publish(const struct neph_failure_suite *suite, void *page_,
                                            struct neph_diag *diag)
 {
     const struct neph_failure_page *page = page_;
-    struct gallery gallery;
+    struct gallery gallery = {.spots = NULL};
     json_t *document = NULL;
     enum neph_status status = make_gallery(page, suite, &gallery, diag);
     if (!status)
-        status = hang_pictures(&gallery, neph_report_folder_work(page->folder), diag);
+        status = update_images(&gallery, neph_report_folder_work(page->folder), diag);
     if (!status) {
         document = document_of(suite, &gallery, page->limit_bytes);
         status = neph_json_check(document, diag);

@@ -9,14 +9,18 @@
 
 #include "harness/failure/results.h"
 
-struct neph_failure_page;
+struct neph_report_folder;
 
-/* Prepare a page at `folder`, which must be free for it, as of neph_report_open(). Its files are
- * not to take more than `limit_bytes` together: where pictures would, the worst cells have theirs
- * and the page says how many have not. Free with _close. */
-enum neph_status neph_failure_page_open(const char *folder, size_t limit_bytes,
-                                        struct neph_failure_page **page, struct neph_diag *diag);
-void neph_failure_page_close(struct neph_failure_page *page);
+struct neph_failure_page {
+    struct neph_report_folder *folder; /* ends with neph_report_folder_close() */
+    size_t limit_bytes; /* of all files together: the worst cells have their images first, and the
+                           page says how many have none */
+};
+
+/* Prepare a page at `folder`, which must be free for it, as of neph_report_open(). `page` is {0}
+ * before but for its limit. */
+enum neph_status neph_failure_page_open(const char *folder, struct neph_failure_page *page,
+                                        struct neph_diag *diag);
 
 /* Put the run as it is into the page: neph_failure_params.show, with the page as its context. */
 enum neph_status neph_failure_page_publish(const struct neph_failure_suite *suite, void *page,

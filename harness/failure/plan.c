@@ -13,11 +13,10 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
 
-static const char *const all_presets[] = {"off",   "seed", "fixed", "ue",   "c52e",
-                                          "unity", "ours", "fsr2",  "svgf", NULL};
-static const char *const quick_presets[] = {"seed", "fixed", "ours", NULL};
-static const char *const witnesses[] = {"march", "fog_look", "cycles", "povray", NULL};
-
+static const char *const all_presets[] = {"off",   "seed", "fixed", "ue",  "c52e",
+                                          "unity", "ours", "fsr2",  "svgf"};
+static const char *const quick_presets[] = {"seed", "fixed", "ours"};
+static const char *const engines[] = {"march", "fog_look", "cycles", "povray"};
 /* Every scenario has it, whatever its file says. */
 static const struct neph_failing_limit no_bad_values = {
     .measure = NEPH_FAILING_BAD_VALUES,
@@ -29,18 +28,14 @@ static const struct neph_failing_limit no_bad_values = {
 
 /* --- Presets --- */
 
-/* The text of a preset's name up to its first change. */
-static bool is_based_on(const char *preset, const char *name, size_t length)
-{
-    return strncmp(preset, name, length) == 0 && (preset[length] == '\0' || preset[length] == '+');
-}
-
+/* Whether the scene names the preset, or the preset is a change of one that it names. */
 static bool has_preset(const struct neph_failing *failing, const char *preset)
 {
     const char *word = failing->presets;
     while (*word) {
         const size_t length = strcspn(word, " ");
-        if (length > 0 && is_based_on(preset, word, length))
+        if (length > 0 && strncmp(preset, word, length) == 0 &&
+            (preset[length] == '\0' || preset[length] == '+'))
             return true;
         word += length + (word[length] == ' ');
     }
@@ -97,36 +92,31 @@ static enum neph_status add_column(struct neph_failure_suite *suite, const char 
 
 static bool has_engines(const struct neph_failure_suite *suite)
 {
+    bool has = false;
     for (int s = 0; s < suite->scene_count; s++)
-        if (suite->scenes[s]->failing.engines)
-            return true;
-    return false;
+        has |= suite->scenes[s]->failing.engines;
+    return has;
 }
 
-/* What nobody named: the presets of the tier, and engines where a scenario is of them. */
-static enum neph_status add_standard(const struct neph_failure_params *params,
-                                     struct neph_failure_suite *suite, struct neph_diag *diag)
-{
-    const char *const *presets = params->full ? all_presets : quick_presets;
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; presets[i] && !status; i++)
-        status = add_column(suite, presets[i], true, diag);
-    for (int i = 0; witnesses[i] && has_engines(suite) && !status; i++)
-        status = add_column(suite, witnesses[i], false, diag);
-    return status;
-}
+#define COUNT(list) ((int)(sizeof(list) / sizeof((list)[0])))
 
+/* Those that are named, or the presets of the tier, and engines where a scene is of them. */
 static enum neph_status choose_columns(const struct neph_failure_params *params,
                                        struct neph_failure_suite *suite, struct neph_diag *diag)
 {
+    struct neph_failure_params chosen = *params;
     enum neph_status status = NEPH_OK;
-    if (params->preset_count == 0 && params->engine_count == 0)
-        return add_standard(params, suite, diag);
-    for (int i = 0; i < params->preset_count && !status; i++)
-        status = add_column(suite, params->presets[i], true, diag);
-    for (int i = 0; i < params->engine_count && !status; i++)
-        status = add_column(suite, params->engines[i], false, diag);
-    if (!status && params->preset_count == 0 && !has_engines(suite)) {
+    if (params->preset_count == 0 && params->engine_count == 0) {
+        chosen.presets = params->full ? all_presets : quick_presets;
+        chosen.preset_count = params->full ? COUNT(all_presets) : COUNT(quick_presets);
+        chosen.engines = engines;
+        chosen.engine_count = has_engines(suite) ? COUNT(engines) : 0;
+    }
+    for (int i = 0; i < chosen.preset_count && !status; i++)
+        status = add_column(suite, chosen.presets[i], true, diag);
+    for (int i = 0; i < chosen.engine_count && !status; i++)
+        status = add_column(suite, chosen.engines[i], false, diag);
+    if (!status && chosen.preset_count == 0 && !has_engines(suite)) {
         neph_fail(diag, NEPH_ERR_USAGE, "none of the scenarios is of engines");
         neph_hint(diag, "those that are say `engines: true`: fog_seam, fog_none, fog_below, "
                         "elevator, fog_look_...; others are of presets (--preset)");
@@ -136,21 +126,6 @@ static enum neph_status choose_columns(const struct neph_failure_params *params,
 }
 
 /* --- Scenarios --- */
-
-static bool is_named(const struct neph_failure_params *params, const char *name)
-{
-    for (int i = 0; i < params->only_count; i++)
-        if (strcmp(params->only[i], name) == 0)
-            return true;
-    return false;
-}
-
-static bool is_chosen(const struct neph_failure_params *params, const struct neph_scene *scene)
-{
-    if (!scene->failing.fails)
-        return false;
-    return params->only_count > 0 || params->full || scene->failing.quick;
-}
 
 /* Presets that a scenario names are presets of the engine, or it is of none of them. */
 static enum neph_status check_scene(const struct neph_scene *scene, struct neph_diag *diag)
@@ -174,15 +149,19 @@ static enum neph_status add_scene(const struct neph_failure_params *params, cons
                                   struct neph_failure_suite *suite, struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
-    if (params->only_count > 0 && !is_named(params, name))
-        return NEPH_OK;
-    enum neph_status status = neph_data_load_scene(name, &scene, diag);
-    if (!status && is_chosen(params, scene))
-        status = check_scene(scene, diag);
-    if (status || !is_chosen(params, scene))
-        neph_scene_destroy(scene);
-    else
+    bool is_chosen = params->only_count == 0;
+    for (int i = 0; i < params->only_count; i++)
+        is_chosen |= strcmp(params->only[i], name) == 0;
+    enum neph_status status = is_chosen ? neph_data_load_scene(name, &scene, diag) : NEPH_OK;
+    if (status || !is_chosen)
+        return status;
+    is_chosen = scene->failing.fails &&
+                (params->only_count > 0 || params->full || scene->failing.quick);
+    status = is_chosen ? check_scene(scene, diag) : NEPH_OK;
+    if (is_chosen && !status)
         suite->scenes[suite->scene_count++] = scene;
+    else
+        neph_scene_destroy(scene);
     return status;
 }
 
@@ -223,47 +202,43 @@ static int point_count(const struct neph_failure_params *params, const struct ne
     return params->full ? neph_failing_point_count(&scene->failing) : 1;
 }
 
-static bool judges_bad_values(const struct neph_failing *failing)
-{
-    for (int i = 0; i < failing->limit_count; i++)
-        if (failing->limits[i].measure == NEPH_FAILING_BAD_VALUES)
-            return true;
-    return false;
-}
-
 static void add_row(struct neph_failure_suite *suite, const struct neph_scene *scene, int point,
                     const char *name, const struct neph_failing_limit *limit)
 {
-    const size_t size = sizeof(struct neph_failure_cell);
     struct neph_failure_row *row = &suite->rows[suite->row_count++];
     *row = (struct neph_failure_row){
         .scene = scene,
         .point_index = point,
         .point = name,
         .limit = limit,
-        .cells = neph_arena_zeroed(&suite->arena, (size_t)suite->column_count, size),
+        .cells = neph_arena_zeroed(&suite->arena, (size_t)suite->column_count, sizeof(*row->cells)),
     };
     for (int c = 0; c < suite->column_count && row->cells; c++)
         row->cells[c] = (struct neph_failure_cell){
-            NAN,
-            neph_failure_asks(&scene->failing, limit, &suite->columns[c]) ? NEPH_FAILURE_NOT_YET
-                                                                          : NEPH_FAILURE_NOT_ASKED,
-            "", NULL, NULL};
+            .value = NAN,
+            .verdict = neph_failure_asks(&scene->failing, limit, &suite->columns[c])
+                           ? NEPH_FAILURE_NOT_YET
+                           : NEPH_FAILURE_NOT_ASKED,
+            .why = ""};
 }
 
+/* Bad values are counted at every point. */
 static void add_point(const struct neph_failure_params *params, struct neph_failure_suite *suite,
                       const struct neph_scene *scene, int point)
 {
+    const bool judges_all = params->width_px == 0 && !params->on_device;
+    bool has_bad_values = false;
     char text[NEPH_FAILING_POINT_SIZE];
     neph_failing_point_name(&scene->failing, point, text, sizeof(text));
     const char *name = neph_arena_text(&suite->arena, text);
     for (int i = 0; i < scene->failing.limit_count; i++) {
         const struct neph_failing_limit *limit = &scene->failing.limits[i];
-        const bool judges_all = params->width_px == 0 && !params->on_device;
-        if (judges_all || limit->measure == NEPH_FAILING_BAD_VALUES)
+        const bool is_of_bad_values = limit->measure == NEPH_FAILING_BAD_VALUES;
+        has_bad_values |= is_of_bad_values;
+        if (judges_all || is_of_bad_values)
             add_row(suite, scene, point, name, limit);
     }
-    if (!judges_bad_values(&scene->failing))
+    if (!has_bad_values)
         add_row(suite, scene, point, name, &no_bad_values);
 }
 

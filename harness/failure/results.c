@@ -12,8 +12,8 @@ void neph_failure_count(struct neph_failure_suite *suite)
         for (int c = 0; c < suite->column_count; c++) {
             const enum neph_failure_verdict verdict = suite->rows[r].cells[c].verdict;
             counts->verdicts[verdict]++;
-            counts->compared += neph_failure_is_compared(verdict);
-            counts->news += neph_failure_is_news(verdict);
+            counts->compared += neph_failure_verdicts[verdict].is_compared;
+            counts->news += neph_failure_verdicts[verdict].is_news;
         }
     suite->passes = counts->compared > 0 && counts->news == 0;
 }
@@ -35,12 +35,13 @@ static int compare_excess(double a, double b)
     return (a < b) - (a > b);
 }
 
-int neph_failure_compare(const void *a_, const void *b_)
+static int compare_spots(const void *a_, const void *b_)
 {
     const struct neph_failure_spot *a = a_, *b = b_;
     const struct neph_failure_cell *of_a = &a->row->cells[a->column];
     const struct neph_failure_cell *of_b = &b->row->cells[b->column];
-    const int ranks = neph_failure_rank(of_a->verdict) - neph_failure_rank(of_b->verdict);
+    const int ranks = neph_failure_verdicts[of_a->verdict].rank -
+                      neph_failure_verdicts[of_b->verdict].rank;
     if (ranks != 0)
         return ranks;
     const int order = compare_excess(neph_failure_excess(a->row, of_a),
@@ -60,7 +61,7 @@ struct neph_failure_spot *neph_failure_worst(const struct neph_failure_suite *su
             if (suite->rows[r].cells[c].verdict != NEPH_FAILURE_NOT_ASKED)
                 spots[(*count)++] = (struct neph_failure_spot){&suite->rows[r], c};
     if (spots)
-        qsort(spots, (size_t)*count, sizeof(*spots), neph_failure_compare);
+        qsort(spots, (size_t)*count, sizeof(*spots), compare_spots);
     return spots;
 }
 

@@ -123,12 +123,9 @@ struct neph_failure_spot {
     int column;
 };
 
-/* Below 0: `a` is worse than `b`: by its verdict (verdict.h), then by how far it is over its limit;
- * of equals the first of the run is first. For qsort. */
-int neph_failure_compare(const void *a, const void *b);
-
-/* All cells that were asked for, the worst first, for the caller to free; NULL when memory is
- * short. */
+/* All cells of presets and engines of their scene, for the caller to free; NULL when memory is
+ * short. The worst is first: by its verdict (verdict.h), then by how far it is over its limit, then
+ * as in the run. */
 struct neph_failure_spot *neph_failure_worst(const struct neph_failure_suite *suite, int *count);
 
 #endif

@@ -7,8 +7,7 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
 #include "harness/failure/expectations.h"
-#include "harness/failure/letter.h"
-#include "harness/failure/pieces.h"
+#include "harness/failure/message.h"
 #include "harness/failure/plan.h"
 #include "harness/failure/trial.h"
 
@@ -26,48 +25,71 @@ static const double shown_every_s = 2.0;
 
 struct work {
     struct neph_failure_bench bench;
-    bool is_prepared; /* in this process */
+    struct neph_failure_trials trials; /* of this process, once it is prepared */
     double start_s, shown_s;
 };
 
-/* ---- what is ahead --------------------------------------------------------------------------- */
+/* ---- trials ---------------------------------------------------------------------------------- */
 
-static void expect_references(struct neph_failure_bench *bench,
-                              const struct neph_failure_point *point)
+static int compare_trials(const void *a, const void *b)
 {
-    const struct neph_failing *failing = &point->scene->failing;
-    bool is_asked = false;
-    for (int c = 0; c < bench->suite->column_count; c++)
-        is_asked |= bench->suite->columns[c].is_preset &&
-                    neph_failure_is_asked(bench->suite, point, c);
-    if (is_asked && failing->truth == NEPH_FAILING_MARCH && bench->params->width_px == 0 &&
-        !bench->params->on_device)
-        neph_progress_expect(&bench->progress, NEPH_FAILURE_KIND_REFERENCE,
-                             neph_reference_picture_count(point->scene, 0, failing->frame_count),
-                             picture_typical_s);
+    const struct neph_failure_trial *x = a, *y = b;
+    if (x->is_later != y->is_later)
+        return x->is_later ? 1 : -1;
+    if (x->cost != y->cost)
+        return x->cost > y->cost ? -1 : 1;
+    return x->row != y->row ? x->row - y->row : x->column - y->column;
 }
 
-static void expect_point(struct neph_failure_bench *bench, const struct neph_failure_point *point)
+static void list_point(const struct neph_failure_suite *suite,
+                       const struct neph_failure_point *point, struct neph_failure_trials *trials)
 {
-    expect_references(bench, point);
-    for (int c = 0; c < bench->suite->column_count; c++) {
-        const struct neph_failure_column *column = &bench->suite->columns[c];
-        if (neph_failure_is_asked(bench->suite, point, c))
-            neph_progress_expect(&bench->progress,
-                                 column->is_preset ? NEPH_FAILURE_KIND_TAKE
-                                                   : NEPH_FAILURE_KIND_ENGINE + c,
-                                 1, column->is_preset ? take_typical_s : column->engine->typical_s);
+    const struct neph_failing *failing = &point->scene->failing;
+    bool has_truth[2] = {false, false}; /* of engines, of presets */
+    for (int c = 0; c < suite->column_count; c++)
+        if (neph_failure_is_asked(suite, point, c)) {
+            trials->list[trials->count++] = (struct neph_failure_trial){
+                .row = point->first_row,
+                .column = c,
+                .is_later = has_truth[suite->columns[c].is_preset],
+                .cost = (double)failing->frame_count * failing->width_px * failing->height_px *
+                        failing->steps};
+            has_truth[suite->columns[c].is_preset] = true;
+        }
+}
+
+enum neph_status neph_failure_list_trials(const struct neph_failure_suite *suite, bool are_spread,
+                                          struct neph_failure_trials *trials,
+                                          struct neph_diag *diag)
+{
+    const size_t most = (size_t)suite->row_count * (size_t)suite->column_count;
+    *trials = (struct neph_failure_trials){.list = calloc(most + 1, sizeof(*trials->list))};
+    if (!trials->list)
+        return neph_fail_memory(diag);
+    for (int row = 0; row < suite->row_count;) {
+        const struct neph_failure_point point = neph_failure_point_at(suite, row);
+        list_point(suite, &point, trials);
+        row += point.row_count;
     }
+    if (are_spread)
+        qsort(trials->list, (size_t)trials->count, sizeof(*trials->list), compare_trials);
+    return NEPH_OK;
 }
 
 /* A worker, too, expects the whole: the time left is that of all. */
-static void expect(struct neph_failure_bench *bench)
+static void expect(struct neph_failure_bench *bench, const struct neph_failure_trials *trials)
 {
-    const struct neph_failure_suite *suite = bench->suite;
-    for (int row = 0; row < suite->row_count;) {
-        const struct neph_failure_point point = neph_failure_point_at(suite, row);
-        expect_point(bench, &point);
-        row += point.row_count;
+    for (int i = 0; i < trials->count; i++) {
+        const struct neph_failure_trial *trial = &trials->list[i];
+        const struct neph_failure_column *column = &bench->suite->columns[trial->column];
+        const struct neph_scene *scene = bench->suite->rows[trial->row].scene;
+        neph_progress_expect(&bench->progress, neph_failure_kind(bench->suite, trial->column), 1,
+                             column->is_preset ? take_typical_s : column->engine->typical_s);
+        if (column->is_preset && !trial->is_later && scene->failing.truth == NEPH_FAILING_MARCH &&
+            bench->params->width_px == 0 && !bench->params->on_device)
+            neph_progress_expect(&bench->progress, NEPH_FAILURE_KIND_REFERENCE,
+                                 neph_reference_picture_count(scene, 0, scene->failing.frame_count),
+                                 picture_typical_s);
     }
 }
 
@@ -100,30 +122,30 @@ static void show_end(struct work *work)
         neph_progress_warn("%s", why.message);
 }
 
-/* ---- letters --------------------------------------------------------------------------------- */
+/* ---- messages -------------------------------------------------------------------------------- */
 
 /* Tell of a trial that is over, `before` and `frame_count` being as they were before it. Pictures
  * of a reference are told of once. */
 static enum neph_status
 tell(const struct neph_failure_bench *bench, const struct neph_worker *worker,
-     const struct neph_failure_point *point, const struct neph_failure_piece *piece,
+     const struct neph_failure_point *point, const struct neph_failure_trial *trial,
      const struct neph_progress *before, int frame_count, struct neph_diag *diag)
 {
     const struct neph_progress *now = &bench->progress;
     const int reference = NEPH_FAILURE_KIND_REFERENCE;
     const int reference_count = now->kinds[reference].done - before->kinds[reference].done;
-    const struct neph_failure_letter letter = {
+    const struct neph_failure_message message = {
         .first_row = point->first_row,
         .row_count = point->row_count,
-        .column = piece->column,
+        .column = trial->column,
         .frame_count = bench->suite->frame_count - frame_count,
         .seconds = now->kinds[now->kind].spent_s - before->kinds[now->kind].spent_s,
-        .reference_count = piece->is_later ? 0 : reference_count,
-        .reference_s = piece->is_later
+        .reference_count = trial->is_later ? 0 : reference_count,
+        .reference_s = trial->is_later
                            ? 0.0
                            : now->kinds[reference].spent_s - before->kinds[reference].spent_s,
     };
-    char *text = neph_failure_letter_write(&letter, bench->suite);
+    char *text = neph_failure_write_message(&message, bench->suite);
     if (!text)
         return neph_fail_memory(diag);
     neph_worker_tell(worker, text);
@@ -135,45 +157,31 @@ tell(const struct neph_failure_bench *bench, const struct neph_worker *worker,
 static enum neph_status read(struct neph_failure_bench *bench, const char *text,
                              struct neph_diag *diag)
 {
-    struct neph_failure_letter letter;
+    struct neph_failure_message message;
     char what[NEPH_FAILURE_NAME_SIZE];
-    enum neph_status status = neph_failure_letter_read(text, bench->suite, &letter, diag);
+    enum neph_status status = neph_failure_read_message(text, bench->suite, &message, diag);
     if (status)
         return status;
-    const struct neph_failure_point point = neph_failure_point_at(bench->suite, letter.first_row);
-    neph_failure_name(bench->suite, &point, letter.column, what);
-    bench->suite->frame_count += letter.frame_count;
-    neph_progress_credit(&bench->progress, NEPH_FAILURE_KIND_REFERENCE, letter.reference_count,
-                         letter.reference_s);
-    bench->progress.kind = neph_failure_kind(bench->suite, letter.column);
-    neph_progress_step(&bench->progress, what, "measured", letter.seconds);
+    const struct neph_failure_point point = neph_failure_point_at(bench->suite, message.first_row);
+    neph_failure_name(bench->suite, &point, message.column, what);
+    bench->suite->frame_count += message.frame_count;
+    neph_progress_credit(&bench->progress, NEPH_FAILURE_KIND_REFERENCE, message.reference_count,
+                         message.reference_s);
+    bench->progress.kind = neph_failure_kind(bench->suite, message.column);
+    neph_progress_step(&bench->progress, what, "measured", message.seconds);
     neph_progress_begin(&bench->progress, "several at a time");
     return NEPH_OK;
 }
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-static bool is_left(const struct neph_failure_suite *suite, const struct neph_failure_point *point,
-                    int column)
+static bool is_left(const struct neph_failure_suite *suite, const struct neph_failure_trial *trial)
 {
-    for (int r = 0; r < point->row_count; r++)
-        if (suite->rows[point->first_row + r].cells[column].verdict == NEPH_FAILURE_NOT_YET)
-            return true;
-    return false;
-}
-
-static enum neph_status run_trial(struct work *work, const struct neph_worker *worker,
-                                  const struct neph_failure_piece *piece,
-                                  struct neph_failure_point *point, struct neph_diag *diag)
-{
-    struct neph_failure_bench *bench = &work->bench;
-    const struct neph_progress before = bench->progress;
-    const int frame_count = bench->suite->frame_count;
-    const enum neph_status status = neph_failure_try(bench, point, piece->column, diag);
-    if (status)
-        return status;
-    return worker->index > 0 ? tell(bench, worker, point, piece, &before, frame_count, diag)
-                             : show(work, NEPH_FAILURE_RUNNING, diag);
+    const int row_count = neph_failure_point_at(suite, trial->row).row_count;
+    bool is_left = false;
+    for (int r = trial->row; r < trial->row + row_count; r++)
+        is_left |= suite->rows[r].cells[trial->column].verdict == NEPH_FAILURE_NOT_YET;
+    return is_left;
 }
 
 static void close_point(struct neph_failure_point *point)
@@ -184,26 +192,32 @@ static void close_point(struct neph_failure_point *point)
     *point = (struct neph_failure_point){.scene = NULL};
 }
 
-/* `point` is that of the piece before, and then that of this one. */
-static enum neph_status run_piece(struct work *work, const struct neph_worker *worker,
-                                  const struct neph_failure_piece *piece,
+/* `point` is that of the trial before, and then that of this one. */
+static enum neph_status run_trial(struct work *work, const struct neph_worker *worker,
+                                  const struct neph_failure_trial *trial,
                                   struct neph_failure_point *point, struct neph_diag *diag)
 {
-    const struct neph_failure_suite *suite = work->bench.suite;
-    const struct neph_failure_row *row = &suite->rows[piece->row];
+    struct neph_failure_bench *bench = &work->bench;
+    const struct neph_progress before = bench->progress;
+    const int frame_count = bench->suite->frame_count;
     enum neph_status status = NEPH_OK;
-    if (!point->scene || point->first_row != piece->row) {
-        close_point(point);
-        *point = neph_failure_point_at(suite, piece->row);
-    }
-    if (!is_left(suite, point, piece->column))
+    if (!is_left(bench->suite, trial))
         return NEPH_OK;
-    if (!point->at)
-        status = neph_scene_load_point(point->scene, row->point_index, &point->at, diag);
-    return status ? status : run_trial(work, worker, piece, point, diag);
+    if (!point->at || point->first_row != trial->row) {
+        close_point(point);
+        *point = neph_failure_point_at(bench->suite, trial->row);
+        status = neph_scene_load_point(point->scene, bench->suite->rows[trial->row].point_index,
+                                       &point->at, diag);
+    }
+    if (!status)
+        status = neph_failure_try(bench, point, trial->column, diag);
+    if (status)
+        return status;
+    return worker->index > 0 ? tell(bench, worker, point, trial, &before, frame_count, diag)
+                             : show(work, NEPH_FAILURE_RUNNING, diag);
 }
 
-/* Presets share an engine, which is asked once. */
+/* Presets share an engine, which is probed once. */
 static void probe(struct neph_failure_bench *bench)
 {
     struct neph_failure_suite *suite = bench->suite;
@@ -218,33 +232,32 @@ static void probe(struct neph_failure_bench *bench)
             neph_engine_probe(suite->columns[c].engine, bench->params->device, &bench->infos[c]);
 }
 
-/* Engines are asked, and the time is guessed, in each process. */
-static void prepare(struct work *work, bool quiet)
+/* Engines are probed, and the time is guessed, once in each process. */
+static enum neph_status prepare(struct work *work, bool is_worker, struct neph_diag *diag)
 {
     struct neph_failure_bench *bench = &work->bench;
-    if (work->is_prepared)
-        return;
-    bench->progress = neph_progress_start(quiet, 0);
+    if (work->trials.list)
+        return NEPH_OK;
+    bench->progress = neph_progress_start(bench->params->quiet || is_worker, 0);
     bench->progress.workers = bench->params->jobs;
     probe(bench);
-    expect(bench);
-    work->is_prepared = true;
+    const enum neph_status status = neph_failure_list_trials(bench->suite, is_worker, &work->trials,
+                                                             diag);
+    if (!status)
+        expect(bench, &work->trials);
+    return status;
 }
 
-/* The pieces of a worker, one after the other. */
-static enum neph_status run_pieces(struct neph_worker *worker, void *context,
+/* The trials of a worker, one after the other. */
+static enum neph_status run_trials(struct neph_worker *worker, void *context,
                                    struct neph_diag *diag)
 {
     struct work *work = context;
     struct neph_failure_point point = {.scene = NULL};
-    struct neph_failure_pieces pieces;
-    prepare(work, work->bench.params->quiet || worker->index > 0);
-    enum neph_status status = neph_failure_pieces_list(work->bench.suite, worker->index > 0,
-                                                       &pieces, diag);
-    for (int next; !status && (next = neph_worker_next(worker)) < pieces.count;)
-        status = run_piece(work, worker, &pieces.list[next], &point, diag);
+    enum neph_status status = prepare(work, worker->index > 0, diag);
+    for (int next; !status && (next = neph_worker_next(worker)) < work->trials.count;)
+        status = run_trial(work, worker, &work->trials.list[next], &point, diag);
     close_point(&point);
-    free(pieces.list);
     neph_progress_end(&work->bench.progress);
     if (worker->index > 0)
         neph_shared_device_close(work->bench.params->device);
@@ -254,8 +267,9 @@ static enum neph_status run_pieces(struct neph_worker *worker, void *context,
 static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
 {
     struct work *work = context;
-    prepare(work, work->bench.params->quiet);
-    const enum neph_status status = text ? read(&work->bench, text, diag) : NEPH_OK;
+    enum neph_status status = prepare(work, false, diag);
+    if (!status && text)
+        status = read(&work->bench, text, diag);
     return status ? status : show(work, NEPH_FAILURE_RUNNING, diag);
 }
 
@@ -271,8 +285,9 @@ enum neph_status neph_failure_run(const struct neph_failure_params *params,
     if (!status)
         neph_shared_device_close(params->device); /* other processes open their own */
     if (!status)
-        status = neph_pool_run(params->jobs, run_pieces, hear, &work, diag);
+        status = neph_pool_run(params->jobs, run_trials, hear, &work, diag);
     json_decref(work.bench.expectations);
+    free(work.trials.list);
     if (!status)
         status = neph_arena_check(&suite->arena, diag);
     if (status == NEPH_ERR_INTERRUPTED) {

@@ -16,4 +16,25 @@
 enum neph_status neph_failure_run(const struct neph_failure_params *params,
                                   struct neph_store *store, struct neph_failure_suite *suite,
                                   struct neph_diag *diag);
+
+/* A trial: a column at a point. */
+struct neph_failure_trial {
+    int row, column; /* the first row of its point */
+    bool is_later;   /* another trial of its point makes the reference of both */
+    double cost;     /* samples along rays of all its frames, about */
+};
+
+/* Start from {0}; free the list. */
+struct neph_failure_trials {
+    struct neph_failure_trial *list;
+    int count;
+};
+
+/* All trials of a suite. For one process: from point to point, so that a loaded scene serves
+ * several. For several processes: a trial that makes a reference before those that need it, so that
+ * it is made once, and long ones before short ones, so that in the end all are busy. */
+enum neph_status neph_failure_list_trials(const struct neph_failure_suite *suite, bool are_spread,
+                                          struct neph_failure_trials *trials,
+                                          struct neph_diag *diag);
+
 #endif

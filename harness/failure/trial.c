@@ -17,6 +17,8 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+_Static_assert(NEPH_FAILURE_PICTURES_COUNT == 4, "a new kind");
+_Static_assert(NEPH_FAILURE_VERDICTS == 12, "a new kind");
 
 /* A child process may take this long over a picture of a stamp's size: so much that load does not
  * decide. */
@@ -24,16 +26,13 @@ static const double engine_limit_s = 300.0;
 
 /* ---- points ---------------------------------------------------------------------------------- */
 
-static bool is_same_point(const struct neph_failure_row *a, const struct neph_failure_row *b)
-{
-    return a->scene == b->scene && a->point_index == b->point_index;
-}
-
 struct neph_failure_point neph_failure_point_at(const struct neph_failure_suite *suite, int row)
 {
-    struct neph_failure_point point = {.scene = suite->rows[row].scene, .first_row = row};
+    const struct neph_failure_row *first = &suite->rows[row];
+    struct neph_failure_point point = {.scene = first->scene, .first_row = row};
     while (row + point.row_count < suite->row_count &&
-           is_same_point(&suite->rows[row], &suite->rows[row + point.row_count]))
+           first[point.row_count].scene == first->scene &&
+           first[point.row_count].point_index == first->point_index)
         point.row_count++;
     return point;
 }
@@ -66,7 +65,7 @@ int neph_failure_kind(const struct neph_failure_suite *suite, int column)
 
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
-/* Everything of a trial that is under way. */
+/* A trial under way. */
 struct trial {
     struct neph_failure_bench *bench;
     struct neph_failure_point *point;
@@ -75,7 +74,7 @@ struct trial {
     struct neph_failure_frames frames;
     struct neph_reference *reference;
     const char *extractors[NEPH_FAILING_MEASURES + 1]; /* NULL-terminated */
-    bool is_judged; /* somebody else has; frames are only to be drawn */
+    bool is_judged;                                    /* frames are only to be drawn */
     char exhibit_key[NEPH_HASH_HEX_SIZE];
 };
 
@@ -89,7 +88,12 @@ static struct neph_failure_row *row_of(const struct trial *trial, int number)
     return &trial->bench->suite->rows[trial->point->first_row + number];
 }
 
-/* Pictures of a stamp's size, held against limits that are not of noise. */
+static struct neph_failure_cell *cell_of(const struct trial *trial, int number)
+{
+    return &row_of(trial, number)->cells[trial->column];
+}
+
+/* Frames of a stamp's size, compared with limits that are not of noise. */
 static const struct {
     const char *engine, *setting;
 } cheaper[] = {{"cycles", "samples=16"}};
@@ -100,19 +104,6 @@ static enum neph_status set_engine(struct neph_job *job, struct neph_diag *diag)
         if (strcmp(cheaper[i].engine, job->engine->name) == 0)
             return neph_settings_set(job->engine, &job->shot.settings, cheaper[i].setting, diag);
     return NEPH_OK;
-}
-
-/* Other people's renderers take their time over each layer. */
-static unsigned layers_of(const struct neph_failure_column *column)
-{
-    return column->engine->rung == NEPH_RUNG_WITNESS ? NEPH_LAYER_RADIANCE : NEPH_LAYERS_ALL;
-}
-
-static double limit_of(const struct neph_failure_column *column)
-{
-    if (column->engine->is_guest)
-        return NEPH_GUEST_LIMIT_S;
-    return column->is_preset ? 0.0 : engine_limit_s;
 }
 
 /* As a column's name has it, a guest's, too. */
@@ -133,17 +124,21 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
     const struct neph_failure_column *column = column_of(trial);
     const struct neph_failure_params *params = trial->bench->params;
     const struct neph_failing *failing = &trial->point->at->failing;
-    const bool own_size = params->width_px == 0;
+    const bool has_own_size = params->width_px == 0;
     trial->job = (struct neph_job){
         .engine = column->engine,
         .info = &trial->bench->infos[trial->column],
         .shot = {.scene = trial->point->at,
                  .settings = neph_settings_default(column->engine),
-                 .width_px = own_size ? failing->width_px : params->width_px,
-                 .height_px = own_size ? failing->height_px : params->height_px,
-                 .layers = layers_of(column),
+                 .width_px = has_own_size ? failing->width_px : params->width_px,
+                 .height_px = has_own_size ? failing->height_px : params->height_px,
+                 /* External renderers render each layer on its own. */
+                 .layers = column->engine->rung == NEPH_RUNG_WITNESS ? NEPH_LAYER_RADIANCE
+                                                                     : NEPH_LAYERS_ALL,
                  .seed = neph_seed_of(trial->point->at, 1),
-                 .time_limit_s = limit_of(column),
+                 .time_limit_s = column->engine->is_guest ? NEPH_GUEST_LIMIT_S
+                                 : column->is_preset      ? 0.0
+                                                          : engine_limit_s,
                  .device = params->device}};
     if (column->engine->is_guest && row_of(trial, 0)->point_index > 0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
@@ -152,23 +147,12 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
                              : set_engine(&trial->job, diag);
 }
 
-/* That of all presets, whichever is the first: the march of none of their changes. */
-static enum neph_status have_march(struct trial *trial, struct neph_diag *diag)
+/* The first that is tried at a point makes the reference: that of presets is the march of none of
+ * their changes. */
+static enum neph_status make_truth(struct trial *trial, struct neph_diag *diag)
 {
     struct neph_failure_bench *bench = trial->bench;
     struct neph_job job = trial->job;
-    const enum neph_status status = set_words(trial, "off", &job, diag);
-    job.shot.time_limit_s = 0.0;
-    bench->progress.kind = NEPH_FAILURE_KIND_REFERENCE;
-    return status ? status
-                  : neph_failure_preset_truth(&job, bench->store, &bench->progress,
-                                              trial->reference, diag);
-}
-
-/* The first that is tried at a point makes it. */
-static enum neph_status have_truth(struct trial *trial, struct neph_diag *diag)
-{
-    struct neph_failure_bench *bench = trial->bench;
     if (bench->params->width_px > 0 || trial->reference->frames[NEPH_REFERENCE_AVERAGED].count > 0)
         return NEPH_OK;
     if (!column_of(trial)->is_preset)
@@ -176,7 +160,12 @@ static enum neph_status have_truth(struct trial *trial, struct neph_diag *diag)
                    ? neph_failure_engine_truth(&trial->job, &trial->frames, bench->store,
                                                trial->reference, diag)
                    : NEPH_OK;
-    return have_march(trial, diag);
+    const enum neph_status status = set_words(trial, "off", &job, diag);
+    job.shot.time_limit_s = 0.0;
+    bench->progress.kind = NEPH_FAILURE_KIND_REFERENCE;
+    return status ? status
+                  : neph_failure_preset_truth(&job, bench->store, &bench->progress,
+                                              trial->reference, diag);
 }
 
 static struct neph_viewing viewing_of(const struct neph_scene *scene)
@@ -190,38 +179,28 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
 
 /* ---- cells ----------------------------------------------------------------------------------- */
 
-static struct neph_failure_place number_of(const struct neph_failure_row *row, const char *column)
+static enum neph_failure_expected expected_of(const struct trial *trial, int number,
+                                              const char **reason)
 {
-    return (struct neph_failure_place){row->scene->name, row->point, column,
-                                       neph_failing_measure_name(row->limit->measure),
-                                       row->limit->over};
+    const struct neph_failure_row *row = row_of(trial, number);
+    const struct neph_failure_place place = {row->scene->name, row->point, column_of(trial)->name,
+                                             neph_failing_measure_name(row->limit->measure),
+                                             row->limit->over};
+    return neph_failure_expected_at(trial->bench->expectations, &place, reason);
 }
 
-/* A number of a row; NaN with `why`. */
-static double value_of(const struct neph_failure_row *row, size_t bad_values,
-                       const json_t *document, char why[NEPH_FAILURE_WHY_SIZE])
+/* `why` "": the reason of the expectation. */
+static void fill_cell(const struct trial *trial, int number, double value, const char *why)
 {
-    if (row->limit->measure == NEPH_FAILING_BAD_VALUES)
-        return (double)bad_values;
-    if (document)
-        return neph_failure_read(row->limit, document, why);
-    snprintf(why, NEPH_FAILURE_WHY_SIZE, "the frames hold %zu bad values", bad_values);
-    return NAN;
-}
-
-static void fill_cell(const struct trial *trial, struct neph_failure_row *row, double value,
-                      const char *why)
-{
-    struct neph_failure_cell *cell = &row->cells[trial->column];
-    const struct neph_failure_place place = number_of(row, column_of(trial)->name);
+    struct neph_failure_cell *cell = cell_of(trial, number);
     const char *reason;
     if (cell->verdict == NEPH_FAILURE_NOT_ASKED)
         return;
-    const enum neph_failure_expected expected = neph_failure_expected_at(trial->bench->expectations,
-                                                                         &place, &reason);
+    const enum neph_failure_expected expected = expected_of(trial, number, &reason);
     *cell = (struct neph_failure_cell){
-        value, neph_failure_judge(value, row->limit->limit, expected),
-        neph_arena_text(&trial->bench->suite->arena, why[0] ? why : reason), NULL, NULL};
+        .value = value,
+        .verdict = neph_failure_judge(value, row_of(trial, number)->limit->limit, expected),
+        .why = neph_arena_text(&trial->bench->suite->arena, why[0] ? why : reason)};
 }
 
 /* From the documents in a folder of a take. */
@@ -233,9 +212,16 @@ static enum neph_status read_cells(const struct trial *trial, const char *folder
     if (bad_values == 0 && has_document)
         status = neph_take_document(folder, "failure", &document, diag);
     for (int r = 0; r < trial->point->row_count && !status; r++) {
+        const struct neph_failing_limit *limit = row_of(trial, r)->limit;
         char why[NEPH_FAILURE_WHY_SIZE] = "";
-        const double value = value_of(row_of(trial, r), bad_values, document, why);
-        fill_cell(trial, row_of(trial, r), value, why);
+        double value = NAN;
+        if (limit->measure == NEPH_FAILING_BAD_VALUES)
+            value = (double)bad_values;
+        else if (document)
+            value = neph_failure_read(limit, document, why);
+        else
+            snprintf(why, sizeof(why), "the frames hold %zu bad values", bad_values);
+        fill_cell(trial, r, value, why);
     }
     json_decref(document);
     return status;
@@ -246,43 +232,31 @@ static void mark_cells(const struct trial *trial, enum neph_failure_verdict verd
                        const char *why)
 {
     for (int r = 0; r < trial->point->row_count; r++) {
-        struct neph_failure_cell *cell = &row_of(trial, r)->cells[trial->column];
-        fill_cell(trial, row_of(trial, r), NAN, why);
+        struct neph_failure_cell *cell = cell_of(trial, r);
+        fill_cell(trial, r, NAN, why);
         if (verdict != NEPH_FAILURE_NO_NUMBER && cell->verdict == NEPH_FAILURE_NO_NUMBER)
             cell->verdict = verdict;
     }
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
-
-static bool wants_pictures(enum neph_failure_pictures pictures, enum neph_failure_verdict verdict)
-{
-    const bool compared = neph_failure_is_compared(verdict);
-    const bool changed = compared && neph_failure_is_news(verdict);
-    switch (pictures) {
-    case NEPH_FAILURE_PICTURES_ALL:
-        return compared;
-    case NEPH_FAILURE_PICTURES_CHANGED:
-        return changed;
-    case NEPH_FAILURE_PICTURES_FAILED:
-        return changed || neph_failure_is_failure(verdict);
-    case NEPH_FAILURE_PICTURES_NONE:
-    case NEPH_FAILURE_PICTURES_COUNT:
-        break;
-    }
-    return false;
-}
+/* ---- evidence -------------------------------------------------------------------------------- */
 
 static bool is_drawn(const struct trial *trial)
 {
-    for (int r = 0; r < trial->point->row_count; r++)
-        if (wants_pictures(trial->bench->params->pictures,
-                           row_of(trial, r)->cells[trial->column].verdict))
-            return true;
-    return false;
+    const enum neph_failure_pictures wanted = trial->bench->params->pictures;
+    bool is_wanted = false;
+    for (int r = 0; r < trial->point->row_count; r++) {
+        const struct neph_failure_verdict_info *verdict =
+            &neph_failure_verdicts[cell_of(trial, r)->verdict];
+        is_wanted |= verdict->is_compared &&
+                     (wanted == NEPH_FAILURE_PICTURES_ALL ||
+                      (wanted != NEPH_FAILURE_PICTURES_NONE && verdict->is_news) ||
+                      (wanted == NEPH_FAILURE_PICTURES_FAILED && verdict->is_failure));
+    }
+    return is_wanted;
 }
 
-/* What looks at the frames while they are there. */
+/* Judge and draw the frames while they are in memory. */
 static enum neph_status look(const struct neph_take *take, const struct neph_take_frames *frames,
                              void *context, struct neph_diag *diag)
 {
@@ -306,27 +280,24 @@ static enum neph_status look(const struct neph_take *take, const struct neph_tak
                              &viewing, frames->bad_values == 0, diag);
 }
 
-/* The pictures of what was judged; rendered again where the store has none, as when a limit has
- * changed since. */
-static enum neph_status have_pictures(struct trial *trial, const struct neph_take *take,
+/* The evidence of what was judged; rendered again where the store has none, as after a change of a
+ * limit. */
+static enum neph_status find_evidence(struct trial *trial, const struct neph_take *take,
                                       struct neph_diag *diag)
 {
     struct neph_failure_bench *bench = trial->bench;
-    char *folder = NULL;
-    json_t *record = NULL;
     enum neph_status status = NEPH_OK;
     if (!is_drawn(trial))
         return NEPH_OK;
-    if (!neph_exhibit_find(bench->store, trial->exhibit_key, &folder, &record)) {
+    char *folder = neph_exhibit_find(bench->store, trial->exhibit_key);
+    if (!folder) {
         trial->is_judged = true;
         status = neph_take_see(take, bench->store, diag);
-        if (!status && !neph_exhibit_find(bench->store, trial->exhibit_key, &folder, &record))
+        if (!status && !(folder = neph_exhibit_find(bench->store, trial->exhibit_key)))
             status = neph_fail(diag, NEPH_ERR_IO, "pictures are not readable after publishing");
     }
     for (int r = 0; r < trial->point->row_count && !status; r++)
-        row_of(trial, r)->cells[trial->column].exhibit = neph_arena_text(&bench->suite->arena,
-                                                                         folder);
-    json_decref(record);
+        cell_of(trial, r)->exhibit = neph_arena_text(&bench->suite->arena, folder);
     free(folder);
     return status;
 }
@@ -348,10 +319,9 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
                             (size_t)json_integer_value(json_object_get(record, "bad_values")),
                             take->reading_count > 0, diag);
     for (int r = 0; r < trial->point->row_count && !status; r++)
-        row_of(trial, r)->cells[trial->column].frame_key = neph_arena_text(
-            &trial->bench->suite->arena, key);
+        cell_of(trial, r)->frame_key = neph_arena_text(&trial->bench->suite->arena, key);
     if (!status)
-        status = have_pictures(trial, take, diag);
+        status = find_evidence(trial, take, diag);
     if (!status)
         trial->bench->suite->frame_count += take->frame_count;
     json_decref(record);
@@ -393,7 +363,7 @@ static enum neph_status watch(struct trial *trial, struct neph_diag *diag)
     const enum neph_status status = neph_watch_sequence(&trial->job, trial->frames.count, &bad,
                                                         diag);
     for (int r = 0; r < trial->point->row_count && !status; r++)
-        fill_cell(trial, row_of(trial, r), (double)bad, "");
+        fill_cell(trial, r, (double)bad, "");
     if (!status)
         trial->bench->suite->frame_count += trial->frames.count;
     return status;
@@ -409,49 +379,45 @@ static enum neph_status run(struct trial *trial, struct neph_diag *diag)
     neph_failure_extractors(&point->at->failing, is_preset, trial->extractors);
     enum neph_status status = make_job(trial, diag);
     if (!status && !trial->bench->params->on_device)
-        status = have_truth(trial, diag);
+        status = make_truth(trial, diag);
     trial->bench->progress.kind = neph_failure_kind(trial->bench->suite, trial->column);
     if (status)
         return status;
     return trial->bench->params->on_device ? watch(trial, diag) : measure(trial, diag);
 }
 
-/* Whether every number of the column is one that is skipped. */
+/* Whether the column skips all of its numbers. */
 static bool is_skipped(const struct trial *trial)
 {
-    for (int r = 0; r < trial->point->row_count; r++) {
-        const struct neph_failure_place number = number_of(row_of(trial, r),
-                                                           column_of(trial)->name);
-        const char *reason;
-        if (row_of(trial, r)->cells[trial->column].verdict != NEPH_FAILURE_NOT_ASKED &&
-            neph_failure_expected_at(trial->bench->expectations, &number, &reason) !=
-                NEPH_FAILURE_SKIPS)
+    const char *reason;
+    for (int r = 0; r < trial->point->row_count; r++)
+        if (cell_of(trial, r)->verdict != NEPH_FAILURE_NOT_ASKED &&
+            expected_of(trial, r, &reason) != NEPH_FAILURE_SKIPS)
             return false;
-    }
     return true;
 }
 
-/* What breaks or cannot be rendered is of one column; what ends the run goes on. An engine or
- * a guest need not model everything, or be there; a preset is a promise. */
+/* Errors of one column; all others end the run. An engine or a guest need not model everything, or
+ * be there; a preset is a promise. */
 static bool is_of_one_column(const struct neph_failure_column *column, enum neph_status status,
                              enum neph_failure_verdict *verdict)
 {
     static const struct {
         enum neph_status status;
-        bool of_presets, of_engines;
+        bool of_presets;
         enum neph_failure_verdict verdict; /* of an engine */
     } table[] = {
-        {NEPH_ERR_ENGINE, true, true, NEPH_FAILURE_NO_NUMBER},
-        {NEPH_ERR_GATE, true, true, NEPH_FAILURE_NO_NUMBER},
-        {NEPH_ERR_UNSUPPORTED, true, true, NEPH_FAILURE_CANNOT},
-        {NEPH_ERR_UNAVAILABLE, false, true, NEPH_FAILURE_MISSING},
-        {NEPH_ERR_TIMEOUT, false, true, NEPH_FAILURE_NOT_RENDERED},
+        {NEPH_ERR_ENGINE, true, NEPH_FAILURE_NO_NUMBER},
+        {NEPH_ERR_GATE, true, NEPH_FAILURE_NO_NUMBER},
+        {NEPH_ERR_UNSUPPORTED, true, NEPH_FAILURE_CANNOT},
+        {NEPH_ERR_UNAVAILABLE, false, NEPH_FAILURE_MISSING},
+        {NEPH_ERR_TIMEOUT, false, NEPH_FAILURE_NOT_RENDERED},
     };
     const bool is_promise = column->is_preset && !column->engine->is_guest;
     for (size_t i = 0; i < sizeof(table) / sizeof(table[0]); i++)
         if (table[i].status == status) {
             *verdict = is_promise ? NEPH_FAILURE_NO_NUMBER : table[i].verdict;
-            return is_promise ? table[i].of_presets : table[i].of_engines;
+            return table[i].of_presets || !is_promise;
         }
     return false;
 }
@@ -462,7 +428,7 @@ static enum neph_status try(struct trial *trial, const char *what, struct neph_d
     enum neph_failure_verdict verdict;
     enum neph_status status = run(trial, &why);
     if (is_of_one_column(column_of(trial), status, &verdict)) {
-        if (neph_failure_is_news(verdict))
+        if (neph_failure_verdicts[verdict].is_news)
             neph_progress_warn("%s: %s", what, why.message);
         mark_cells(trial, verdict, why.message);
         return NEPH_OK;

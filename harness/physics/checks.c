@@ -7,6 +7,7 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
+_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
 _Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
 
 #define ISO                                                                                        \
@@ -32,7 +33,7 @@ enum observable {
 };
 
 enum { FURNACE, SINGLE, MULTIPLE, FOG, HALF_SPACE, CONSERVED, RECIPROCAL, COLUMNS };
-static const struct neph_check_rung rungs[] = {
+const struct neph_check_rung neph_check_rungs[NEPH_CHECK_RUNGS] = {
     [FURNACE] = {"furnace",
                  "furnace: in a uniform surround vanishes what has albedo 1 or emits as it does"},
     [SINGLE] = {"single", "single scattering against closed forms and quadrature"},
@@ -92,16 +93,6 @@ static const struct row rows[] = {
     {"step_cloud_thick_60", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 18.0, 1.0, HG(0.85), 0.5},
     {"step_cloud_thick_60_99", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 18.0, 0.99, HG(0.85), 0.5},
 };
-
-int neph_check_rung_count(void)
-{
-    return (int)(sizeof(rungs) / sizeof(rungs[0]));
-}
-
-const struct neph_check_rung *neph_check_rung_at(int index)
-{
-    return &rungs[index];
-}
 
 int neph_check_count(void)
 {
@@ -196,24 +187,6 @@ static void add_reciprocal(const struct row *row, struct neph_check *check)
     }
 }
 
-static void describe_phase(struct neph_phase phase, char text[64])
-{
-    switch (phase.kind) {
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        snprintf(text, 64, "Henyey-Greenstein scattering, g = %g", phase.g);
-        break;
-    case NEPH_PHASE_RAYLEIGH:
-        snprintf(text, 64, "Rayleigh scattering");
-        break;
-    case NEPH_PHASE_ISOTROPIC:
-        snprintf(text, 64, "isotropic scattering");
-        break;
-    case NEPH_PHASE_KIND_COUNT:
-        text[0] = '\0';
-        break;
-    }
-}
-
 static void describe(const struct row *row, char *text, size_t size)
 {
     static const char *const media[] = {
@@ -236,15 +209,22 @@ static void describe(const struct row *row, char *text, size_t size)
         [NADIR] = "from high above, straight down on 8 km of the depth named",
         [RECIPROCITY] = "two narrow views, one with the places of camera and sun exchanged",
     };
-    char phase[64], light[64] = "lit evenly from all sides";
-    describe_phase(row->phase, phase);
+    static const char *const phases[] = {
+        [NEPH_PHASE_ISOTROPIC] = "isotropic scattering",
+        [NEPH_PHASE_HENYEY_GREENSTEIN] = "Henyey-Greenstein scattering",
+        [NEPH_PHASE_RAYLEIGH] = "Rayleigh scattering",
+    };
+    char g[32] = "", light[64] = "lit evenly from all sides";
+    if (row->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+        snprintf(g, sizeof(g), ", g = %g", row->phase.g);
     if (row->rung == FURNACE && row->albedo < 1.0)
         snprintf(light, sizeof(light), "lit evenly from all sides, and as hot as that");
     if (row->rung != FURNACE)
         snprintf(light, sizeof(light), "sun %.0f degrees high",
                  asin(row->sun_cosine) / NEPH_RAD_PER_DEG);
-    snprintf(text, size, "%s: optical depth %g, albedo %g, %s; %s; %s", media[row->medium],
-             row->optical_depth, row->albedo, phase, light, observables[row->observable]);
+    snprintf(text, size, "%s: optical depth %g, albedo %g, %s%s; %s; %s", media[row->medium],
+             row->optical_depth, row->albedo, phases[row->phase.kind], g, light,
+             observables[row->observable]);
 }
 
 void neph_check_get(int index, struct neph_check *check)
@@ -253,7 +233,7 @@ void neph_check_get(int index, struct neph_check *check)
     memset(check, 0, sizeof(*check));
     describe(row, check->what, sizeof(check->what));
     snprintf(check->name, sizeof(check->name), "%s", row->name);
-    check->rung = rungs[row->rung].name;
+    check->rung = neph_check_rungs[row->rung].name;
     check->uneven = row->medium != NEPH_STAGE_SLAB && row->medium != NEPH_STAGE_BOX &&
                     row->medium != NEPH_STAGE_STEP_CLOUD; /* of homogeneous boxes */
     /* Without absorption the number of scatterings falls off as e^(-n pi^2 / 3 tau^2): at 30, one
@@ -278,6 +258,13 @@ void neph_check_get(int index, struct neph_check *check)
         add_nadir(row, check);
         break;
     }
+}
+
+struct neph_pixel_ray neph_check_ray(const struct neph_check_view *view,
+                                     const struct neph_camera *camera, int pixel)
+{
+    return neph_camera_ray(camera, view->width_px, view->height_px, pixel % view->width_px,
+                           pixel / view->width_px);
 }
 
 double neph_check_pixel_weight(const struct neph_check_view *view, const struct neph_camera *camera,

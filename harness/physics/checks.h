@@ -42,8 +42,8 @@ struct neph_check {
 struct neph_check_rung {
     const char *name, *title;
 };
-int neph_check_rung_count(void);
-const struct neph_check_rung *neph_check_rung_at(int index);
+enum { NEPH_CHECK_RUNGS = 8 };
+extern const struct neph_check_rung neph_check_rungs[NEPH_CHECK_RUNGS];
 
 int neph_check_count(void);
 
@@ -56,7 +56,10 @@ enum { NEPH_CHECK_FACES = 4 };
 void neph_check_hemisphere(const struct neph_stage_params *stage, double side,
                            struct neph_check_view views[NEPH_CHECK_FACES]);
 
-/* The weight of a pixel whose ray has this direction, factor left out. */
+/* The ray of a pixel, row by row from the top, and the weight of a pixel whose ray has this
+ * direction, factor left out. */
+struct neph_pixel_ray neph_check_ray(const struct neph_check_view *view,
+                                     const struct neph_camera *camera, int pixel);
 double neph_check_pixel_weight(const struct neph_check_view *view, const struct neph_camera *camera,
                                struct neph_vec3 direction);
 

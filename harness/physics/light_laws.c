@@ -2,6 +2,8 @@
 #include "harness/physics/light_laws.h"
 
 #include "base/exr.h"
+#include "base/written.h"
+#include "harness/document/table.h"
 #include "harness/run/job.h"
 #include "scenes/media.h"
 #include "truth/slab.h"
@@ -19,7 +21,7 @@ _Static_assert(NEPH_LIGHT_LAW_COUNT == 5, "a new kind");
  * light of g = 0.7 has 2e-4 beyond. */
 enum { SUNS = 12 };
 
-static const struct neph_light_law_case cases[] = {
+const struct neph_light_law_case neph_light_law_cases[NEPH_LIGHT_LAWS] = {
     {NEPH_LAW_FURNACE, 1.0, 0.7, 1.0},       {NEPH_LAW_FURNACE, 8.0, 0.0, 1.0},
     {NEPH_LAW_FURNACE, 8.0, 0.7, 1.0},       {NEPH_LAW_FURNACE, 64.0, 0.7, 1.0},
     {NEPH_LAW_REFLECTED, 4.0, 0.7, 1.0},     {NEPH_LAW_TRANSMITTED, 4.0, 0.7, 1.0},
@@ -29,22 +31,9 @@ static const struct neph_light_law_case cases[] = {
     {NEPH_LAW_BALANCE, 16.0, 0.7, 0.95},     {NEPH_LAW_RECIPROCITY, 4.0, 0.7, 1.0},
     {NEPH_LAW_RECIPROCITY, 16.0, 0.7, 0.95},
 };
-enum { CASES = sizeof(cases) / sizeof(cases[0]) };
-_Static_assert((int)CASES <= (int)NEPH_LIGHT_LAWS_MAX, "room for all");
-
 static const double sun_cosine = 0.7, other_cosine = 0.35;
 
-int neph_light_law_count(void)
-{
-    return CASES;
-}
-
-const struct neph_light_law_case *neph_light_law_at(int index)
-{
-    return &cases[index];
-}
-
-const char *neph_light_law_name(enum neph_light_law law)
+static const char *name_of(enum neph_light_law law)
 {
     static const char *const names[] = {[NEPH_LAW_FURNACE] = "white furnace, ball",
                                         [NEPH_LAW_REFLECTED] = "reflected, slab",
@@ -139,16 +128,6 @@ int neph_light_law_views(const struct neph_light_law_case *of, const char *name,
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-static struct neph_vec3 ray_of(const struct neph_stage *stage, const struct neph_check_view *view,
-                               int pixel, struct neph_vec3 *origin_m)
-{
-    const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    const struct neph_pixel_ray ray = neph_camera_ray(
-        &camera, view->width_px, view->height_px, pixel % view->width_px, pixel / view->width_px);
-    *origin_m = ray.origin_m;
-    return ray.direction;
-}
-
 /* What the ball takes from a picture of light of 1 W/m2/sr all around: the mean of 1 - T. */
 static enum neph_status find_taken(const struct neph_check_view *view, double *taken,
                                    struct neph_diag *diag)
@@ -158,10 +137,10 @@ static enum neph_status find_taken(const struct neph_check_view *view, double *t
     double sum = 0.0;
     const enum neph_status status = neph_stage_create(&view->stage, &stage, diag);
     for (int p = 0; p < pixels && !status; p++) {
-        struct neph_vec3 origin_m;
-        const struct neph_vec3 direction = ray_of(stage, view, p, &origin_m);
+        const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
+        const struct neph_pixel_ray ray = neph_check_ray(view, &camera, p);
         sum -= expm1(
-            -neph_scene_optical_depth(&stage->scene, origin_m, direction, 0.0, INFINITY).g);
+            -neph_scene_optical_depth(&stage->scene, ray.origin_m, ray.direction, 0.0, INFINITY).g);
     }
     neph_stage_destroy(stage);
     *taken = sum / pixels;
@@ -237,30 +216,23 @@ struct run {
     bool once; /* the model takes light scattered once alone */
 };
 
-static double weighted(const struct neph_stage *stage, const struct neph_check_view *view,
-                       const float *radiance)
-{
-    const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
-    double sum = 0.0;
-    for (int p = 0; p < view->width_px * view->height_px; p++) {
-        struct neph_vec3 origin_m;
-        const struct neph_vec3 direction = ray_of(stage, view, p, &origin_m);
-        sum += neph_check_pixel_weight(view, &camera, direction) * (double)radiance[p];
-    }
-    return sum;
-}
-
 static enum neph_status read_sum(const struct neph_stage *stage, const struct neph_check_view *view,
                                  const char *path, double *sum, struct neph_diag *diag)
 {
+    const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
     struct neph_image *frame = NULL;
     float *volume[3];
+    double weighted = 0.0;
     enum neph_status status = neph_exr_read(path, &frame, diag);
     if (!status && !neph_image_rgb(frame, "volume", volume))
         status = neph_fail(diag, NEPH_ERR_ENGINE, "a picture has no light of media");
-    if (!status)
-        *sum = weighted(stage, view, volume[1]);
+    for (int p = 0; p < view->width_px * view->height_px && !status; p++)
+        weighted += neph_check_pixel_weight(view, &camera,
+                                            neph_check_ray(view, &camera, p).direction) *
+                    (double)volume[1][p];
     neph_image_destroy(frame);
+    if (!status)
+        *sum = weighted;
     return status;
 }
 
@@ -272,28 +244,23 @@ static bool may_share(const struct neph_engine *engine)
 }
 
 /* From the store, or rendered. */
-static enum neph_status take_picture(struct run *run, struct neph_job_result *result,
-                                     struct neph_diag *diag)
-{
-    bool found = false;
-    enum neph_status status = neph_job_reuse(&run->job, run->store, result, &found, diag);
-    if (status || found)
-        return status;
-    neph_job_result_finish(result);
-    if (!run->job.sequence && may_share(run->model.engine))
-        status = neph_job_open(&run->job, diag);
-    return status ? status : neph_job_run(&run->job, run->store, result, diag);
-}
-
 static enum neph_status render(struct run *run, const struct neph_stage *stage,
                                const struct neph_check_view *view, double *sum,
                                struct neph_diag *diag)
 {
     struct neph_job_result result = {.settings = NULL};
+    bool found = false;
     run->job.shot.scene = &stage->scene;
     run->job.shot.width_px = view->width_px;
     run->job.shot.height_px = view->height_px;
-    enum neph_status status = take_picture(run, &result, diag);
+    enum neph_status status = neph_job_reuse(&run->job, run->store, &result, &found, diag);
+    if (!status && !found) {
+        neph_job_result_finish(&result);
+        if (!run->job.sequence && may_share(run->model.engine))
+            status = neph_job_open(&run->job, diag);
+        if (!status)
+            status = neph_job_run(&run->job, run->store, &result, diag);
+    }
     if (!status)
         status = neph_outcome_check(result.outcome, result.reason, diag);
     if (!status)
@@ -348,7 +315,8 @@ static enum neph_status run_case(struct run *run, const struct neph_light_law_ca
 /* A march is set up for the kinds of media that it meets, whatever they are like. */
 static void close_at_new_medium(struct run *run, int i)
 {
-    if (i > 0 && (cases[i].law == NEPH_LAW_FURNACE) != (cases[i - 1].law == NEPH_LAW_FURNACE))
+    if (i > 0 && (neph_light_law_cases[i].law == NEPH_LAW_FURNACE) !=
+                     (neph_light_law_cases[i - 1].law == NEPH_LAW_FURNACE))
         neph_job_close(&run->job);
 }
 
@@ -368,9 +336,10 @@ static enum neph_status run_model(const char *words, int steps, int model,
                                          .seed = 1,
                                          .time_limit_s = INFINITY,
                                          .device = device}};
-    for (int i = 0; i < CASES && !status; i++) {
+    for (int i = 0; i < NEPH_LIGHT_LAWS && !status; i++) {
         close_at_new_medium(&run, i);
-        status = run_case(&run, &cases[i], &laws->values[i][model], &laws->truths[i], &why);
+        status = run_case(&run, &neph_light_law_cases[i], &laws->values[i][model], &laws->truths[i],
+                          &why);
         if (status == NEPH_ERR_UNSUPPORTED)
             status = NEPH_OK; /* its value stays NaN */
     }
@@ -388,7 +357,7 @@ enum neph_status neph_light_laws_run(const char *const *models, int model_count,
 {
     enum neph_status status = NEPH_OK;
     *laws = (struct neph_light_laws){.models = models, .model_count = model_count};
-    for (int i = 0; i < CASES; i++) {
+    for (int i = 0; i < NEPH_LIGHT_LAWS; i++) {
         laws->truths[i] = NAN;
         for (int model = 0; model < NEPH_LIGHT_MODELS_MAX; model++)
             laws->values[i][model] = NAN;
@@ -400,83 +369,74 @@ enum neph_status neph_light_laws_run(const char *const *models, int model_count,
 
 /* ---- results --------------------------------------------------------------------------------- */
 
-static void print_head(const struct neph_light_laws *laws, FILE *out)
+/* Text for people, and JSON of all but the models. */
+static void fill(const struct neph_light_laws *laws, struct neph_table *table)
 {
+    const struct neph_column columns[] = {
+        {.key = "law", .title = "law"},       {"optical_depth", "optical depth", .format = "%g"},
+        {"g", "g", .format = "%g"},           {"albedo", "albedo", .format = "%g"},
+        {"truth", "truth", .format = "%.4f"},
+    };
+    neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
+    for (int model = 0; model < laws->model_count; model++) {
+        const char *title = neph_arena_format(&table->arena, "%s%s", laws->models[model],
+                                              laws->looks[model]  ? ", a look"
+                                              : laws->once[model] ? ", scattered once"
+                                                                  : "");
+        neph_table_columns(table, &(struct neph_column){.title = title, .format = "%.4f"}, 1);
+    }
+    for (int i = 0; i < NEPH_LIGHT_LAWS; i++) {
+        neph_table_word(table, name_of(neph_light_law_cases[i].law));
+        neph_table_number(table, neph_light_law_cases[i].optical_depth);
+        neph_table_number(table, neph_light_law_cases[i].g);
+        neph_table_number(table, neph_light_law_cases[i].albedo);
+        neph_table_number(table, laws->truths[i]);
+        for (int model = 0; model < laws->model_count; model++) {
+            const double value = laws->values[i][model];
+            neph_table_number(table, value);
+            if (!isnan(value))
+                neph_table_shown(table, "%.4f (%+.1f)", value,
+                                 100.0 * (value / laws->truths[i] - 1.0));
+        }
+    }
+}
+
+static void print(const void *laws, FILE *out)
+{
+    struct neph_table table = {.cells = NULL};
+    fill(laws, &table);
     fprintf(out, "\n**Laws: what a model comes to, and by how many %% that is off**\n\n"
                  "The furnace is a white ball with suns all around it: what it scatters to the "
                  "camera over what it takes from the view, which is also the light that leaves it "
                  "over what it takes from a sun. Fluxes are over the sun's; A is the true slab's. "
-                 "Reciprocity: with eye and sun exchanged.\n\n"
-                 "| law | optical depth | g | albedo | truth |");
-    for (int model = 0; model < laws->model_count; model++)
-        fprintf(out, " %s%s |", laws->models[model],
-                laws->looks[model]  ? ", a look"
-                : laws->once[model] ? ", scattered once"
-                                    : "");
-    fprintf(out, "\n| --- | ---: | ---: | ---: | ---: |");
-    for (int model = 0; model < laws->model_count; model++)
-        fprintf(out, " ---: |");
-    fprintf(out, "\n");
-}
-
-static void print_number(double value, FILE *out)
-{
-    if (isnan(value))
-        fprintf(out, " - |");
-    else
-        fprintf(out, " %.4f |", value);
-}
-
-static void print_case(const struct neph_light_laws *laws, int i, FILE *out)
-{
-    const struct neph_light_law_case *of = &cases[i];
-    fprintf(out, "| %s | %g | %g | %g |", neph_light_law_name(of->law), of->optical_depth, of->g,
-            of->albedo);
-    print_number(laws->truths[i], out);
-    for (int model = 0; model < laws->model_count; model++) {
-        const double value = laws->values[i][model];
-        if (isnan(value))
-            fprintf(out, " - |");
-        else
-            fprintf(out, " %.4f (%+.1f) |", value, 100.0 * (value / laws->truths[i] - 1.0));
-    }
-    fprintf(out, "\n");
+                 "Reciprocity: with eye and sun exchanged.\n\n");
+    neph_table_print(&table, out);
+    neph_table_finish(&table);
 }
 
 enum neph_status neph_light_laws_text(const struct neph_light_laws *laws, char **text,
                                       struct neph_diag *diag)
 {
-    size_t size;
-    *text = NULL;
-    FILE *out = open_memstream(text, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    print_head(laws, out);
-    for (int i = 0; i < CASES; i++)
-        print_case(laws, i, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (!cut && closed)
-        return NEPH_OK;
-    free(*text);
-    *text = NULL;
-    return neph_fail_memory(diag);
+    return neph_written(print, laws, text, diag);
 }
 
 json_t *neph_light_laws_json(const struct neph_light_laws *laws)
 {
-    json_t *list = json_array();
-    for (int i = 0; i < CASES; i++) {
-        json_t *values = json_array();
+    struct neph_table table = {.cells = NULL};
+    fill(laws, &table);
+    json_t *list = neph_table_json(&table);
+    neph_table_finish(&table);
+    for (int i = 0; i < NEPH_LIGHT_LAWS && list; i++) {
+        json_t *models = json_array();
         for (int model = 0; model < laws->model_count; model++)
-            neph_json_add(&values,
+            neph_json_add(&models,
                           json_pack("{s:s, s:b, s:b, s:o}", "model", laws->models[model], "look",
                                     laws->looks[model], "scattered_once", laws->once[model],
                                     "value", neph_json_number(laws->values[i][model])));
-        neph_json_add(&list,
-                      json_pack("{s:s, s:f, s:f, s:f, s:o, s:o}", "law",
-                                neph_light_law_name(cases[i].law), "optical_depth",
-                                cases[i].optical_depth, "g", cases[i].g, "albedo", cases[i].albedo,
-                                "truth", neph_json_number(laws->truths[i]), "models", values));
+        if (json_object_set_new(json_array_get(list, (size_t)i), "models", models) < 0) {
+            json_decref(list);
+            list = NULL;
+        }
     }
     return list;
 }

@@ -36,11 +36,10 @@ struct neph_light_law_case {
     double optical_depth, g, albedo;
 };
 
-int neph_light_law_count(void);
-const struct neph_light_law_case *neph_light_law_at(int index);
-const char *neph_light_law_name(enum neph_light_law law);
+enum { NEPH_LIGHT_LAWS = 15 };
+extern const struct neph_light_law_case neph_light_law_cases[NEPH_LIGHT_LAWS];
 
-enum { NEPH_LIGHT_LAW_VIEWS_MAX = 12, NEPH_LIGHT_LAWS_MAX = 24 };
+enum { NEPH_LIGHT_LAW_VIEWS_MAX = 12 };
 
 /* The views of a case; their stages borrow `name`. Returns how many. */
 int neph_light_law_views(const struct neph_light_law_case *of, const char *name,
@@ -56,8 +55,8 @@ struct neph_light_laws {
     const char *const *models; /* borrowed */
     int model_count;
     bool looks[NEPH_LIGHT_MODELS_MAX];
-    double truths[NEPH_LIGHT_LAWS_MAX];                        /* NaN: no model can */
-    double values[NEPH_LIGHT_LAWS_MAX][NEPH_LIGHT_MODELS_MAX]; /* NaN: it cannot */
+    double truths[NEPH_LIGHT_LAWS];                        /* NaN: no model can */
+    double values[NEPH_LIGHT_LAWS][NEPH_LIGHT_MODELS_MAX]; /* NaN: it cannot */
     bool once[NEPH_LIGHT_MODELS_MAX]; /* it was given slabs and balls with light scattered once */
 };
 

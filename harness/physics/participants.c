@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static const struct neph_participant participants[] = {
+const struct neph_participant neph_participants[NEPH_PARTICIPANTS] = {
     {.name = "exact", .engine = "exact", .refined = "", .rounding = 1e-6},
     {.name = "oracle", .engine = "oracle", .rounding = 1e-6},
     {.name = "tracer", .engine = "tracer", .rounding = 1e-6},
@@ -29,20 +29,12 @@ static const struct neph_participant participants[] = {
      .rounding = 1e-6},
 };
 
-int neph_participant_count(void)
-{
-    return (int)(sizeof(participants) / sizeof(participants[0]));
-}
+enum when { ALWAYS, LOWERED, BAKED, STEPPED, DEEP, WHEN_COUNT };
 
-const struct neph_participant *neph_participant_at(int index)
-{
-    return &participants[index];
-}
-
-/* The first row that fits speaks. A NULL participant fits all. */
+/* The first row that fits counts. A NULL participant fits all. */
 static const struct {
     const char *participant;
-    enum { ALWAYS, LOWERED, BAKED, STEPPED, DEEP } when;
+    enum when when;
     const char *cause;
 } causes[] = {
     {"povray", LOWERED,
@@ -63,29 +55,18 @@ static const struct {
     {NULL, BAKED, "it was given voxels in place of the medium: the bake's own error is in the row"},
 };
 
-static bool applies(int when, const struct neph_check *check, const struct neph_participation *part)
-{
-    switch (when) {
-    case LOWERED:
-        return part->lowered;
-    case BAKED:
-        return part->baked;
-    case STEPPED:
-        return part->stepped && check->uneven;
-    case DEEP:
-        return check->deep;
-    default:
-        return true;
-    }
-}
-
 const char *neph_participant_cause(const struct neph_participant *participant,
                                    const struct neph_check *check,
                                    const struct neph_participation *part)
 {
+    const bool is_so[WHEN_COUNT] = {[ALWAYS] = true,
+                                    [LOWERED] = part->lowered,
+                                    [BAKED] = part->baked,
+                                    [STEPPED] = part->stepped && check->uneven,
+                                    [DEEP] = check->deep};
     for (size_t i = 0; i < sizeof(causes) / sizeof(causes[0]); i++)
         if ((!causes[i].participant || strcmp(causes[i].participant, participant->name) == 0) &&
-            applies((int)causes[i].when, check, part))
+            is_so[causes[i].when])
             return causes[i].cause;
     return NULL;
 }

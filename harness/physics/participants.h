@@ -24,8 +24,8 @@ struct neph_participant {
     double rounding;
 };
 
-int neph_participant_count(void);
-const struct neph_participant *neph_participant_at(int index);
+enum { NEPH_PARTICIPANTS = 8 };
+extern const struct neph_participant neph_participants[NEPH_PARTICIPANTS];
 
 /* How a participant took part in a check. */
 struct neph_participation {

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/physics/physics.h"
-#include "harness/engines/engines.h"
 
 #include "base/clock.h"
+#include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
+#include "harness/experiment/pool.h"
 #include "harness/physics/pictures.h"
 #include "harness/physics/trial.h"
 #include "harness/progress.h"
@@ -13,8 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PARTICIPANTS_MAX = 16 };
-
 /* ---- verdicts -------------------------------------------------------------------------------- */
 
 static double or_zero(double value)
@@ -22,17 +22,12 @@ static double or_zero(double value)
     return isfinite(value) ? value : 0.0;
 }
 
-/* What a deviation may be off by chance, step and rounding. */
-static double allowed(const struct neph_physics_row *row, double critical_z)
-{
-    return critical_z * or_zero(row->standard_error) + or_zero(row->step_bound) +
-           row->participant->rounding;
-}
-
 static void judge(struct neph_physics_row *row, double critical_z, struct neph_arena *arena)
 {
     const char *who = row->participant->name;
-    const double width = allowed(row, critical_z), percent = 100.0 * row->deviation;
+    const double percent = 100.0 * row->deviation;
+    const double width = critical_z * or_zero(row->standard_error) + or_zero(row->step_bound) +
+                         row->participant->rounding; /* by chance, step and rounding */
     row->sentence = "";
     if (!isfinite(row->deviation))
         return;
@@ -80,36 +75,37 @@ static void judge_all(struct neph_physics *physics)
 
 /* ---- who and what ---------------------------------------------------------------------------- */
 
-struct field {
-    struct neph_entrant entrants[PARTICIPANTS_MAX];
-    int count;
-};
+_Static_assert(NEPH_PARTICIPANT_SETTINGS_MAX == 2, "all are set");
 
-static enum neph_status apply(const struct neph_engine *engine, struct neph_settings *settings,
-                              const char *assignment, struct neph_diag *diag)
-{
-    return assignment && assignment[0] ? neph_settings_set(engine, settings, assignment, diag)
-                                       : NEPH_OK;
-}
+struct run {
+    const struct neph_physics_params *params;
+    struct neph_store *store;
+    struct neph_physics *made;
+    int *checks, check_count;                        /* indices of those that are chosen */
+    struct neph_entrant entrants[NEPH_PARTICIPANTS]; /* of this process */
+    int entrant_count;
+    struct neph_progress progress;
+};
 
 static enum neph_status enrol(const struct neph_physics_params *params,
                               const struct neph_participant *participant,
                               struct neph_entrant *entrant, struct neph_diag *diag)
 {
-    entrant->participant = participant;
-    entrant->engine = neph_engine_find(participant->engine);
-    neph_engine_probe(entrant->engine, params->device, &entrant->info);
-    entrant->settings = neph_settings_default(entrant->engine);
+    const struct neph_engine *engine = neph_engine_find(participant->engine);
+    char paths[32] = "";
+    *entrant = (struct neph_entrant){.participant = participant, .engine = engine};
+    neph_engine_probe(engine, params->device, &entrant->info);
+    entrant->settings = neph_settings_default(engine);
+    if (engine->rung == NEPH_RUNG_TRACER)
+        snprintf(paths, sizeof(paths), "samples=%d", params->samples);
+    const char *const words[] = {paths, participant->settings[0], participant->settings[1]};
     enum neph_status status = NEPH_OK;
-    char paths[32];
-    snprintf(paths, sizeof(paths), "samples=%d", params->samples);
-    if (entrant->engine->rung == NEPH_RUNG_TRACER)
-        status = apply(entrant->engine, &entrant->settings, paths, diag);
-    for (int i = 0; i < NEPH_PARTICIPANT_SETTINGS_MAX && !status; i++)
-        status = apply(entrant->engine, &entrant->settings, participant->settings[i], diag);
+    for (size_t i = 0; i < sizeof(words) / sizeof(words[0]) && !status; i++)
+        if (words[i] && words[i][0])
+            status = neph_settings_set(engine, &entrant->settings, words[i], diag);
     entrant->refined = entrant->settings;
-    if (!status)
-        status = apply(entrant->engine, &entrant->refined, participant->refined, diag);
+    if (!status && participant->refined && participant->refined[0])
+        status = neph_settings_set(engine, &entrant->refined, participant->refined, diag);
     return status;
 }
 
@@ -121,42 +117,38 @@ static bool is_wanted(const struct neph_physics_params *params, const char *engi
     return wanted;
 }
 
-static bool is_chosen(const struct neph_physics_params *params, int index)
+static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
 {
-    struct neph_check check;
-    neph_check_get(index, &check);
-    return !params->only || strstr(check.name, params->only) || strstr(check.rung, params->only);
+    char names[256] = "";
+    for (int i = 0; i < NEPH_CHECK_RUNGS; i++) {
+        const size_t length = strlen(names);
+        snprintf(names + length, sizeof(names) - length, "%s%s", i > 0 ? ", " : "",
+                 neph_check_rungs[i].name);
+    }
+    neph_fail(diag, NEPH_ERR_USAGE, "no check of the physics suite has '%s' in its name", text);
+    neph_hint(diag, "the rungs are %s; a run without --check shows all names", names);
+    return NEPH_ERR_USAGE;
 }
 
-static enum neph_status choose_entrants(const struct neph_physics_params *params,
-                                        struct field *field, struct neph_diag *diag)
+static enum neph_status choose(struct run *run, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
+    const struct neph_physics_params *params = run->params;
     for (int i = 0; i < params->engine_count; i++)
         if (!neph_engine_find(params->engines[i])) {
             neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", params->engines[i]);
             neph_hint(diag, "`neph engines` lists them");
             return NEPH_ERR_USAGE;
         }
-    for (int i = 0; i < neph_participant_count() && !status; i++) {
-        const struct neph_participant *participant = neph_participant_at(i);
-        if (is_wanted(params, participant->engine) && neph_engine_find(participant->engine))
-            status = enrol(params, participant, &field->entrants[field->count++], diag);
+    run->checks = neph_arena_zeroed(&run->made->arena, (size_t)neph_check_count(), sizeof(int));
+    if (!run->checks)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < neph_check_count(); i++) {
+        struct neph_check check;
+        neph_check_get(i, &check);
+        if (!params->only || strstr(check.name, params->only) || strstr(check.rung, params->only))
+            run->checks[run->check_count++] = i;
     }
-    return status;
-}
-
-static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
-{
-    char names[256] = "";
-    for (int i = 0; i < neph_check_rung_count(); i++) {
-        const size_t length = strlen(names);
-        snprintf(names + length, sizeof(names) - length, "%s%s", i > 0 ? ", " : "",
-                 neph_check_rung_at(i)->name);
-    }
-    neph_fail(diag, NEPH_ERR_USAGE, "no check of the physics suite has '%s' in its name", text);
-    neph_hint(diag, "the rungs are %s; a run without --check shows all names", names);
-    return NEPH_ERR_USAGE;
+    return run->check_count > 0 ? NEPH_OK : refuse_check(params->only, diag);
 }
 
 /* Checks of what only transport of all orders conserves are for those that claim to do it. */
@@ -165,27 +157,7 @@ static bool takes_part(const struct neph_entrant *entrant, const struct neph_che
     return !check->truth_only || entrant->engine->rung <= NEPH_RUNG_TRACER;
 }
 
-/* How many rows an entrant will have. */
-static int count_rows(const struct neph_physics_params *params, const struct neph_entrant *entrant)
-{
-    int count = 0;
-    for (int c = 0; c < neph_check_count(); c++) {
-        struct neph_check check;
-        neph_check_get(c, &check);
-        count += is_chosen(params, c) && takes_part(entrant, &check);
-    }
-    return count;
-}
-
 /* ---- the run --------------------------------------------------------------------------------- */
-
-struct run {
-    const struct neph_physics_params *params;
-    struct neph_store *store;
-    struct neph_physics *made;
-    struct field field;
-    struct neph_progress progress;
-};
 
 /* The truth is copied: a report draws it when the scenery is gone. */
 static struct neph_physics_check *add_check(struct run *run, const struct neph_scenery *scenery)
@@ -207,7 +179,7 @@ static struct neph_physics_check *add_check(struct run *run, const struct neph_s
 static enum neph_status run_entrant(struct run *run, int index, struct neph_scenery *scenery,
                                     const struct neph_physics_check *check, struct neph_diag *diag)
 {
-    const struct neph_entrant *entrant = &run->field.entrants[index];
+    const struct neph_entrant *entrant = &run->entrants[index];
     const struct neph_trial trial = {.entrant = entrant,
                                      .time_limit_s = run->params->time_limit_s,
                                      .device = run->params->device,
@@ -237,8 +209,8 @@ static enum neph_status run_check(struct run *run, int index, struct neph_diag *
     enum neph_status status = neph_scenery_enter(index, scenery, diag);
     if (!status) {
         const struct neph_physics_check *check = add_check(run, scenery);
-        for (int i = 0; i < run->field.count && !status; i++)
-            if (takes_part(&run->field.entrants[i], &scenery->check))
+        for (int i = 0; i < run->entrant_count && !status; i++)
+            if (takes_part(&run->entrants[i], &scenery->check))
                 status = run_entrant(run, i, scenery, check, diag);
         neph_scenery_leave(scenery);
     }
@@ -246,24 +218,67 @@ static enum neph_status run_check(struct run *run, int index, struct neph_diag *
     return status;
 }
 
-/* Count what there will be, and make room for it. */
-static enum neph_status prepare(struct run *run, struct neph_diag *diag)
+/* In each process: probe the engines, count what there will be, and make room for it. */
+static enum neph_status prepare(struct run *run, bool is_worker, struct neph_diag *diag)
 {
     struct neph_physics *made = run->made;
-    int check_count = 0;
-    for (int i = 0; i < neph_check_count(); i++)
-        check_count += is_chosen(run->params, i);
-    if (check_count == 0)
-        return refuse_check(run->params->only, diag);
-    run->progress = neph_progress_start(run->params->quiet, 0);
-    for (int i = 0; i < run->field.count; i++) {
-        const int rows = count_rows(run->params, &run->field.entrants[i]);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < NEPH_PARTICIPANTS && !status; i++) {
+        const struct neph_participant *participant = &neph_participants[i];
+        if (is_wanted(run->params, participant->engine) && neph_engine_find(participant->engine))
+            status = enrol(run->params, participant, &run->entrants[run->entrant_count++], diag);
+    }
+    run->progress = neph_progress_start(run->params->quiet || is_worker, 0);
+    for (int i = 0; i < run->entrant_count && !status; i++) {
+        int rows = 0;
+        for (int c = 0; c < run->check_count; c++) {
+            struct neph_check check;
+            neph_check_get(run->checks[c], &check);
+            rows += takes_part(&run->entrants[i], &check);
+        }
         neph_progress_expect(&run->progress, i, rows, 0.0);
         made->expected += rows;
     }
-    made->checks = neph_arena_zeroed(&made->arena, (size_t)check_count, sizeof(*made->checks));
+    made->checks = neph_arena_zeroed(&made->arena, (size_t)run->check_count, sizeof(*made->checks));
     made->rows = neph_arena_zeroed(&made->arena, (size_t)made->expected, sizeof(*made->rows));
-    return neph_arena_check(&made->arena, diag);
+    return status ? status : neph_arena_check(&made->arena, diag);
+}
+
+/* Workers only fill the store, the checks of most views first; then this process takes all frames
+ * from there. */
+static enum neph_status run_checks(struct neph_worker *worker, void *context,
+                                   struct neph_diag *diag)
+{
+    struct run *run = context;
+    const bool is_worker = worker->index > 0;
+    enum neph_status status = prepare(run, is_worker, diag);
+    for (int next; !status && (next = neph_worker_next(worker)) < run->check_count;) {
+        char message[32];
+        const double start_s = neph_wall_s();
+        const int number = is_worker ? run->check_count - 1 - next : next;
+        status = run_check(run, run->checks[number], diag);
+        snprintf(message, sizeof(message), "%d %.3f", run->checks[number], neph_wall_s() - start_s);
+        if (!status)
+            neph_worker_tell(worker, message);
+    }
+    neph_progress_end(&run->progress);
+    if (is_worker)
+        neph_shared_device_close(run->params->device);
+    return status;
+}
+
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    struct run *run = context;
+    struct neph_check check;
+    int index;
+    double seconds;
+    (void)diag;
+    if (!text || sscanf(text, "%d %lf", &index, &seconds) != 2)
+        return NEPH_OK;
+    neph_check_get(index, &check);
+    neph_progress_step(&run->progress, check.name, "done", seconds);
+    return NEPH_OK;
 }
 
 enum neph_status neph_physics_run(const struct neph_physics_params *params,
@@ -272,15 +287,15 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
 {
     const double start_s = neph_wall_s();
     struct run run = {.params = params, .store = store, .made = physics};
-    enum neph_status status = choose_entrants(params, &run.field, diag);
-    if (!status)
-        status = prepare(&run, diag);
+    enum neph_status status = choose(&run, diag);
     if (status)
         return status;
-    for (int i = 0; i < neph_check_count() && !status; i++)
-        if (is_chosen(params, i))
-            status = run_check(&run, i, diag);
-    neph_progress_end(&run.progress);
+    const int jobs = params->jobs < run.check_count ? params->jobs : run.check_count;
+    run.progress = neph_progress_start(params->quiet, run.check_count);
+    run.progress.workers = jobs;
+    if (jobs > 1)
+        neph_shared_device_close(params->device); /* other processes open their own */
+    status = neph_pool_run(jobs, run_checks, hear, &run, diag);
     if (status)
         return status;
     judge_all(physics);

@@ -3,8 +3,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "base/png.h"
-#include "metrics/display.h"
+#include "harness/document/display_png.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -68,139 +67,107 @@ void neph_physics_view_describe(const struct neph_check_view *view, const double
     describe(&view->stage, described->what);
 }
 
-/* --- pictures ------------------------------------------------------------------------------ */
+/* --- images -------------------------------------------------------------------------------- */
 
-/* Buffers of one view. */
-struct canvas {
+/* A view of a check, in a report. */
+struct drawing {
     const char *folder; /* the report's */
     const struct neph_physics_check *check;
     int view;
     const struct neph_physics_view *seen;
     struct neph_arena *arena;
-    float *truth; /* one channel: the suite is grey */
-    uint8_t *rgb;
+    const float *truth[3]; /* three times the same plane: the suite is grey */
 };
 
-/* "images/physics/CHECK/WHO_VIEWkind.png": only letters that a page may load. */
-static char *picture_path(const struct canvas *canvas, const char *who, const char *kind)
+/* Planes at the view's exposure, or their difference from the truth, as
+ * images/physics/CHECK/WHO_VIEW[_difference].png of characters that a page may load. `*name`
+ * receives that path inside the report. */
+static enum neph_status draw(const struct drawing *drawing, const char *who,
+                             const float *const planes[3], bool is_difference, const char **name,
+                             struct neph_diag *diag)
 {
-    char *path = neph_format("images/physics/%s/%s_%d%s.png", canvas->check->name, who,
-                             canvas->view, kind);
-    for (char *c = path ? strrchr(path, '/') + 1 : NULL; c && *c; c++)
-        if (!(*c == '.' || *c == '-' || (*c >= '0' && *c <= '9') || (*c >= 'A' && *c <= 'Z') ||
-              (*c >= 'a' && *c <= 'z')))
-            *c = '_';
-    return path;
-}
-
-/* `*name` receives the path inside the report. */
-static enum neph_status write_picture(const struct canvas *canvas, const char *who,
-                                      const char *kind, const char **name, struct neph_diag *diag)
-{
-    char *relative = picture_path(canvas, who, kind);
-    char *path = relative ? neph_path_join(canvas->folder, relative) : NULL;
-    const enum neph_status status = path ? neph_png_write_rgb8(path, canvas->seen->width_px,
-                                                               canvas->seen->height_px, canvas->rgb,
-                                                               diag)
-                                         : neph_fail_memory(diag);
+    static const char letters[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
+    const struct neph_physics_view *seen = drawing->seen;
+    char file[160];
+    snprintf(file, sizeof(file), "%s_%d%s.png", who, drawing->view,
+             is_difference ? "_difference" : "");
+    for (size_t at; file[at = strspn(file, letters)];)
+        file[at] = '_';
+    const char *relative = neph_arena_format(drawing->arena, "images/physics/%s/%s",
+                                             drawing->check->name, file);
+    const char *path = neph_arena_format(drawing->arena, "%s/%s", drawing->folder, relative);
+    enum neph_status status = neph_arena_check(drawing->arena, diag);
+    if (!status && is_difference)
+        status = neph_difference_png(path, seen->width_px, seen->height_px, drawing->truth, planes,
+                                     seen->difference_scale, diag);
+    else if (!status)
+        status = neph_display_png(path, seen->width_px, seen->height_px, planes, seen->exposure_ev,
+                                  diag);
     if (!status)
-        *name = neph_arena_text(canvas->arena, relative);
-    free(path);
-    free(relative);
+        *name = relative;
     return status;
 }
 
-static size_t pixel_count(const struct canvas *canvas)
-{
-    return (size_t)canvas->seen->width_px * (size_t)canvas->seen->height_px;
-}
-
-static enum neph_status start_canvas(struct canvas *canvas, struct neph_diag *diag)
-{
-    canvas->truth = calloc(pixel_count(canvas), sizeof(*canvas->truth));
-    canvas->rgb = calloc(pixel_count(canvas), 3);
-    if (!canvas->truth || !canvas->rgb)
-        return neph_fail_memory(diag);
-    for (size_t p = 0; p < pixel_count(canvas); p++)
-        canvas->truth[p] = (float)canvas->seen->truth_w_per_m2_sr[p];
-    return NEPH_OK;
-}
-
-static enum neph_status draw_truth(const struct canvas *canvas, const char **picture,
+/* A frame of one participant, and its difference from the truth. */
+static enum neph_status draw_frame(const struct drawing *drawing, struct neph_physics_row *row,
                                    struct neph_diag *diag)
 {
-    const float *const planes[3] = {canvas->truth, canvas->truth, canvas->truth};
-    const enum neph_status status = neph_display_encode(
-        planes, pixel_count(canvas), canvas->seen->exposure_ev, canvas->rgb, diag);
-    return status ? status : write_picture(canvas, "truth", "", picture, diag);
-}
-
-/* A frame of one participant, and what it differs by. */
-static enum neph_status draw_planes(const struct canvas *canvas, struct neph_physics_row *row,
-                                    float *const rgb[3], struct neph_diag *diag)
-{
-    const char *who = row->participant->name;
-    const float *const truth[3] = {canvas->truth, canvas->truth, canvas->truth};
-    const float *const planes[3] = {rgb[0], rgb[1], rgb[2]};
-    enum neph_status status = neph_display_encode(planes, pixel_count(canvas),
-                                                  canvas->seen->exposure_ev, canvas->rgb, diag);
-    if (!status)
-        status = write_picture(canvas, who, "", &row->pictures[canvas->view], diag);
-    if (!status)
-        status = neph_display_difference(truth, planes, 3, pixel_count(canvas),
-                                         canvas->seen->difference_scale, canvas->rgb, diag);
-    return status
-               ? status
-               : write_picture(canvas, who, "_difference", &row->differences[canvas->view], diag);
-}
-
-static enum neph_status draw_frame(const struct canvas *canvas, struct neph_physics_row *row,
-                                   struct neph_diag *diag)
-{
-    const char *path = row->paths[canvas->view];
+    const struct neph_physics_view *seen = drawing->seen;
+    const char *who = row->participant->name, *path = row->paths[drawing->view];
     struct neph_image *image = NULL;
     float *rgb[3];
     enum neph_status status = neph_exr_read(path, &image, diag);
-    if (!status && neph_image_rgb(image, NULL, rgb) &&
-        neph_image_pixel_count(image) == pixel_count(canvas))
-        status = draw_planes(canvas, row, rgb, diag);
-    else if (!status)
+    if (!status &&
+        !(neph_image_rgb(image, NULL, rgb) &&
+          neph_image_pixel_count(image) == (size_t)seen->width_px * (size_t)seen->height_px))
         status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not a frame of check %s", path,
-                           canvas->check->name);
+                           drawing->check->name);
+    if (!status) {
+        const float *const planes[3] = {rgb[0], rgb[1], rgb[2]};
+        status = draw(drawing, who, planes, false, &row->pictures[drawing->view], diag);
+        if (!status)
+            status = draw(drawing, who, planes, true, &row->differences[drawing->view], diag);
+    }
     neph_image_destroy(image);
     return status;
 }
 
-static enum neph_status draw_view(struct canvas *canvas, struct neph_physics *physics,
+static enum neph_status draw_view(struct drawing *drawing, struct neph_physics *physics,
                                   const char **picture, struct neph_diag *diag)
 {
-    enum neph_status status = start_canvas(canvas, diag);
-    if (!status)
-        status = draw_truth(canvas, picture, diag);
+    const size_t count = (size_t)drawing->seen->width_px * (size_t)drawing->seen->height_px;
+    float *truth = calloc(count, sizeof(*truth));
+    if (!truth)
+        return neph_fail_memory(diag);
+    for (size_t p = 0; p < count; p++)
+        truth[p] = (float)drawing->seen->truth_w_per_m2_sr[p];
+    for (int c = 0; c < 3; c++)
+        drawing->truth[c] = truth;
+    enum neph_status status = draw(drawing, "truth", drawing->truth, false, picture, diag);
     for (int i = 0; i < physics->row_count && !status; i++) {
         struct neph_physics_row *row = &physics->rows[i];
-        if (row->check == canvas->check && row->paths[canvas->view])
-            status = draw_frame(canvas, row, diag);
+        if (row->check == drawing->check && row->paths[drawing->view])
+            status = draw_frame(drawing, row, diag);
     }
-    free(canvas->truth);
-    free(canvas->rgb);
+    free(truth);
     return status;
 }
 
 static enum neph_status draw_check(struct neph_physics *physics, struct neph_physics_check *check,
                                    const char *folder, struct neph_diag *diag)
 {
-    char *images = neph_format("%s/images/physics/%s", folder, check->name);
-    enum neph_status status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
-    free(images);
+    const char *images = neph_arena_format(&physics->arena, "%s/images/physics/%s", folder,
+                                           check->name);
+    enum neph_status status = neph_dir_create(images, diag);
     for (int v = 0; v < check->view_count && !status; v++) {
-        struct canvas canvas = {.folder = folder,
-                                .check = check,
-                                .view = v,
-                                .seen = &check->views[v],
-                                .arena = &physics->arena};
+        struct drawing drawing = {.folder = folder,
+                                  .check = check,
+                                  .view = v,
+                                  .seen = &check->views[v],
+                                  .arena = &physics->arena};
         if (!check->views[v].picture)
-            status = draw_view(&canvas, physics, &check->views[v].picture, diag);
+            status = draw_view(&drawing, physics, &check->views[v].picture, diag);
     }
     return status;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/physics/results.h"
 
+#include "harness/document/table.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -75,9 +77,9 @@ static json_t *phase_json(const struct neph_phase_finding *found)
 static json_t *rungs_json(void)
 {
     json_t *list = json_array();
-    for (int i = 0; i < neph_check_rung_count(); i++)
-        neph_json_add(&list, json_pack("{s:s, s:s}", "name", neph_check_rung_at(i)->name, "title",
-                                       neph_check_rung_at(i)->title));
+    for (int i = 0; i < NEPH_CHECK_RUNGS; i++)
+        neph_json_add(&list, json_pack("{s:s, s:s}", "name", neph_check_rungs[i].name, "title",
+                                       neph_check_rungs[i].title));
     return list;
 }
 
@@ -100,8 +102,41 @@ json_t *neph_physics_json(const struct neph_physics *physics)
 
 /* ---- for a terminal -------------------------------------------------------------------------- */
 
-static void print_phases(const struct neph_physics *physics)
+/* One that is not finite is none. */
+static void add_number(struct neph_table *table, double value)
 {
+    neph_table_number(table, isfinite(value) ? value : NAN);
+}
+
+static void fill_rows(const struct neph_physics *physics, struct neph_table *table)
+{
+    const struct neph_column columns[] = {
+        {NULL, "check", .width = -22},
+        {NULL, "participant", .width = -14},
+        {NULL, "outcome", .width = -9},
+        {NULL, "deviation", "%+.3e", .width = 11},
+        {NULL, "error", "%.1e", .width = 10},
+        {NULL, "z", "%+.2f", .width = 8},
+        {.title = " verdict"},
+    };
+    neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
+    for (int i = 0; i < physics->row_count; i++) {
+        const struct neph_physics_row *row = &physics->rows[i];
+        neph_table_word(table, row->check->name);
+        neph_table_word(table, row->participant->name);
+        neph_table_word(table, neph_outcome_name(row->outcome));
+        add_number(table, row->deviation);
+        add_number(table, isfinite(row->standard_error) ? row->standard_error : row->step_bound);
+        add_number(table, row->z);
+        neph_table_word(table, "");
+        neph_table_shown(table, " %s%s", verdict_names[row->verdict],
+                         row->lowered ? " (single scattering only)" : "");
+    }
+}
+
+void neph_physics_print(const struct neph_physics *physics)
+{
+    struct neph_table table = {.cells = NULL};
     printf("%-22s %8s %14s %14s %14s  %s\n", "phase function", "g", "integral - 1", "cosine - g",
            "sampled - g", "verdict");
     for (int i = 0; i < NEPH_PHASES; i++) {
@@ -111,35 +146,9 @@ static void print_phases(const struct neph_physics *physics)
                found->integral - 1.0, found->mean_cosine - g, found->sampled_mean_cosine - g,
                found->agrees ? "agrees" : "off");
     }
-}
-
-static void print_cell(double value, const char *format, int width)
-{
-    if (isfinite(value))
-        printf(format, value);
-    else
-        printf(" %*s", width, "-");
-}
-
-static void print_row(const struct neph_physics_row *row)
-{
-    printf("%-22s %-14s %-9s", row->check->name, row->participant->name,
-           neph_outcome_name(row->outcome));
-    print_cell(row->deviation, " %+11.3e", 11);
-    print_cell(isfinite(row->standard_error) ? row->standard_error : row->step_bound, " %10.1e",
-               10);
-    print_cell(row->z, " %+8.2f", 8);
-    printf("  %s%s\n", verdict_names[row->verdict],
-           row->lowered ? " (single scattering only)" : "");
-}
-
-void neph_physics_print(const struct neph_physics *physics)
-{
-    print_phases(physics);
-    printf("%-22s %-14s %-9s %11s %10s %8s  %s\n", "check", "participant", "outcome", "deviation",
-           "error", "z", "verdict");
-    for (int i = 0; i < physics->row_count; i++)
-        print_row(&physics->rows[i]);
+    fill_rows(physics, &table);
+    neph_table_print_aligned(&table, stdout);
+    neph_table_finish(&table);
     for (int i = 0; i < physics->row_count; i++)
         if (physics->rows[i].verdict == NEPH_PHYSICS_OFF)
             printf("%s: %s\n", physics->rows[i].check->name, physics->rows[i].sentence);

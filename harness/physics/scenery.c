@@ -17,9 +17,7 @@ static enum neph_status see(const struct neph_check_view *view, struct neph_scen
     seen->truth_error = neph_stage_truth_error(seen->stage);
     const struct neph_camera camera = neph_scene_camera(&seen->stage->scene, 0.0);
     for (int p = 0; p < seen->pixel_count; p++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, view->width_px, view->height_px,
-                                                     p % view->width_px, p / view->width_px)
-                                         .direction;
+        const struct neph_vec3 ray = neph_check_ray(view, &camera, p).direction;
         seen->weight[p] = neph_check_pixel_weight(view, &camera, ray);
         seen->truth[p] = seen->weight[p] > 0.0 ? neph_stage_truth_w_per_m2_sr(seen->stage, ray)
                                                : 0.0;
@@ -47,27 +45,15 @@ enum neph_status neph_scenery_enter(int index, struct neph_scenery *scenery, str
     return status;
 }
 
-bool neph_scenery_lower(struct neph_scenery *scenery, struct neph_diag *diag)
+enum neph_status neph_scenery_light(struct neph_scenery *scenery, enum neph_scattering scattering,
+                                    bool environment_light, struct neph_diag *diag)
 {
-    bool changed = false;
-    for (int v = 0; v < scenery->check.view_count; v++) {
-        struct neph_scene *scene = &scenery->views[v].stage->scene;
-        changed |= scene->scattering == NEPH_SCATTERING_MULTIPLE;
-        scene->scattering = NEPH_SCATTERING_SINGLE;
-        scene->environment_light = false;
-        if (neph_scene_hash(scene, diag))
-            return false;
-    }
-    return changed;
-}
-
-void neph_scenery_restore(struct neph_scenery *scenery, enum neph_scattering scattering,
-                          bool environment_light, struct neph_diag *diag)
-{
-    for (int v = 0; v < scenery->check.view_count; v++) {
+    enum neph_status status = NEPH_OK;
+    for (int v = 0; v < scenery->check.view_count && !status; v++) {
         struct neph_scene *scene = &scenery->views[v].stage->scene;
         scene->scattering = scattering;
         scene->environment_light = environment_light;
-        neph_scene_hash(scene, diag);
+        status = neph_scene_hash(scene, diag);
     }
+    return status;
 }

@@ -28,10 +28,9 @@ enum neph_status neph_scenery_enter(int index, struct neph_scenery *scenery,
                                     struct neph_diag *diag);
 void neph_scenery_leave(struct neph_scenery *scenery);
 
-/* Single scattering from the sun alone, for renderers without higher orders; false when it is that
- * already. _restore sets scattering and light of the environment back. */
-bool neph_scenery_lower(struct neph_scenery *scenery, struct neph_diag *diag);
-void neph_scenery_restore(struct neph_scenery *scenery, enum neph_scattering scattering,
-                          bool environment_light, struct neph_diag *diag);
+/* Give all views this light and hash their scenes: single scattering from the sun only, for
+ * renderers without higher orders, and back. NEPH_ERR_MEMORY. */
+enum neph_status neph_scenery_light(struct neph_scenery *scenery, enum neph_scattering scattering,
+                                    bool environment_light, struct neph_diag *diag);
 
 #endif

@@ -171,13 +171,11 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
         break;
     case NEPH_STAGE_GAUSSIAN:
         medium->kind = NEPH_MEDIUM_GAUSSIAN;
-        medium->layer_count = 0;
         medium->gaussian = (struct neph_gaussian){cube_center(), blob_width_m};
         medium->extinction_per_m = depth / (blob_width_m * sqrt(2.0 * M_PI));
         break;
     case NEPH_STAGE_GRID:
         medium->kind = NEPH_MEDIUM_GRID;
-        medium->layer_count = 0;
         medium->extinction_per_m = depth / (0.5 * slab_m); /* the pattern's mean is about 1/2 */
         if (fill_grid(stage, diag))
             return NEPH_ERR_MEMORY;
@@ -190,20 +188,17 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
         break;
     case NEPH_STAGE_SHELL:
         medium->kind = NEPH_MEDIUM_SHELL;
-        medium->layer_count = 0;
         medium->shell = (struct neph_shell){cube_center(), shell_radius_m, shell_scale_m};
         medium->extinction_per_m = 0.5 * depth / shell_scale_m; /* a column on either side */
         break;
     case NEPH_STAGE_TENT:
         medium->kind = NEPH_MEDIUM_TENT;
-        medium->layer_count = 0;
         medium->tent = (struct neph_tent){cube_center(), shell_radius_m, tent_altitude_m,
                                           tent_altitude_m};
         medium->extinction_per_m = 0.5 * depth / tent_altitude_m; /* a column on either side */
         break;
     case NEPH_STAGE_CLOUDS:
         medium->kind = NEPH_MEDIUM_HORIZON;
-        medium->layer_count = 0;
         medium->extinction_per_m = depth / (0.5 * slab_m);
         if (neph_horizon_create(&small_clouds, &stage->horizon, diag))
             return NEPH_ERR_MEMORY;
@@ -213,6 +208,8 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
         place_columns(stage);
         break;
     }
+    if (medium->extinction_per_m > 0.0) /* not of layers */
+        medium->layer_count = 0;
     return NEPH_OK;
 }
 

@@ -10,6 +10,7 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 /* ---- one frame ------------------------------------------------------------------------------- */
 
@@ -30,20 +31,6 @@ static struct neph_job job_of(const struct neph_trial *trial, const struct neph_
     if (study)
         neph_study_apply(study, job.engine, &job.shot.settings);
     return job;
-}
-
-/* A second pass is by another seed, or refined. */
-static enum neph_status render(const struct neph_trial *trial, const struct neph_scenery_view *seen,
-                               int pass, const struct neph_study *study,
-                               struct neph_job_result *result, struct neph_diag *diag)
-{
-    struct neph_job job = job_of(trial, seen, study);
-    const bool is_refined = trial->entrant->participant->refined;
-    if (pass == 1 && is_refined)
-        job.shot.settings = trial->entrant->refined;
-    else if (pass == 1)
-        job.shot.seed = neph_seed_of(&seen->stage->scene, 2);
-    return neph_job_run(&job, trial->store, result, diag);
 }
 
 /* ---- sums ------------------------------------------------------------------------------------ */
@@ -106,70 +93,60 @@ static void add_view(const struct neph_scenery_view *seen, struct neph_image *co
  * is itself an estimate, and a bound of just its size would be met by chance. */
 static const double step_safety = 1.25;
 
-/* What sums come to; 0 where there is nothing. */
-struct outcome {
-    double deviation, standard_error, step_bound;
-};
-
-static struct outcome conclude(const struct neph_participant *participant, const struct sums *sums)
+static void conclude(const struct neph_participant *participant, const struct sums *sums,
+                     struct neph_physics_row *row)
 {
-    if (!participant->refined)
-        return (struct outcome){.deviation = 0.5 * (sums->deviation[0] + sums->deviation[1]) /
-                                             sums->truth,
-                                .standard_error = sqrt(sums->variance) / sums->truth};
-    /* Richardson: halving the step leaves 2^-order of the error. */
-    const double change = fabs(sums->deviation[1] - sums->deviation[0]) / sums->truth;
-    const double kept = exp2(-participant->order);
-    return (struct outcome){.deviation = sums->deviation[0] / sums->truth,
-                            .step_bound = participant->order ? step_safety * change / (1.0 - kept)
-                                                             : 0.0};
+    if (participant->refined) {
+        /* Richardson: halving the step leaves 2^-order of the error. */
+        const double change = fabs(sums->deviation[1] - sums->deviation[0]) / sums->truth;
+        const double kept = exp2(-participant->order);
+        row->deviation = sums->deviation[0] / sums->truth;
+        row->step_bound = participant->order ? step_safety * change / (1.0 - kept) : 0.0;
+    } else {
+        row->deviation = 0.5 * (sums->deviation[0] + sums->deviation[1]) / sums->truth;
+        row->standard_error = sqrt(sums->variance) / sums->truth;
+    }
+    if (row->standard_error > 0.0)
+        row->z = row->deviation / row->standard_error;
+    if (sums->pixels.count > 0) {
+        row->pixel_z_mean = sums->pixels.mean;
+        row->pixel_z_variance = sums->pixels.variance;
+    }
 }
 
 /* ---- one participant ------------------------------------------------------------------------- */
 
-/* What the job says of itself, whatever came of it. */
-static void note_result(const struct neph_trial *trial, const struct neph_job_result *result,
-                        struct neph_physics_row *row)
+/* Render a pass of a view: the second one is by another seed, or refined. `*frame` stays NULL where
+ * it is not rendered; the row has the outcome. */
+static enum neph_status render_pass(const struct neph_trial *trial,
+                                    const struct neph_scenery_view *seen, int view, int pass,
+                                    struct neph_image **frame, struct neph_physics_row *row,
+                                    struct neph_diag *diag)
 {
-    row->outcome = result->outcome;
-    row->reason = neph_arena_text(trial->arena, result->reason);
-    row->settings = neph_arena_text(trial->arena, result->settings ? result->settings : "");
-    row->wall_s += result->cost.wall_s;
-}
-
-static void note_bakes(const struct neph_trial *trial, const struct neph_image *frame,
-                       struct neph_physics_row *row)
-{
+    struct neph_job job = job_of(trial, seen, row->study);
+    struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     struct neph_bakes_summary bakes;
-    if (!row->bakes && neph_bakes_of_frame(frame, &bakes))
+    if (pass == 1 && trial->entrant->participant->refined)
+        job.shot.settings = trial->entrant->refined;
+    else if (pass == 1)
+        job.shot.seed = neph_seed_of(&seen->stage->scene, 2);
+    enum neph_status status = neph_job_run(&job, trial->store, &result, diag);
+    row->outcome = result.outcome;
+    row->reason = neph_arena_text(trial->arena, result.reason);
+    row->settings = neph_arena_text(trial->arena, result.settings ? result.settings : "");
+    row->wall_s += result.cost.wall_s;
+    if (!status && result.frame_path)
+        status = neph_exr_read(result.frame_path, frame, diag);
+    if (!status && *frame && !row->bakes && neph_bakes_of_frame(*frame, &bakes))
         row->bakes = neph_arena_copy(trial->arena, &bakes, sizeof(bakes));
-}
-
-/* Both passes of a view, or the one of an engine without steps and noise: `frames[1]` then stays
- * NULL. Ends early, with the row's outcome, where one is not rendered. `*path`: of the first. */
-static enum neph_status render_view(const struct neph_trial *trial,
-                                    const struct neph_scenery_view *seen, int pass_count,
-                                    struct neph_image *frames[2], const char **path,
-                                    struct neph_physics_row *row, struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (int pass = 0; pass < pass_count && !status && row->outcome == NEPH_OUTCOME_RENDERED;
-         pass++) {
-        struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
-        status = render(trial, seen, pass, row->study, &result, diag);
-        note_result(trial, &result, row);
-        if (!status && result.frame_path)
-            status = neph_exr_read(result.frame_path, &frames[pass], diag);
-        if (!status && frames[pass])
-            note_bakes(trial, frames[pass], row);
-        if (!status && frames[pass] && pass == 0)
-            *path = neph_arena_text(trial->arena, result.frame_path);
-        neph_job_result_finish(&result);
-    }
+    if (!status && *frame && pass == 0)
+        row->paths[view] = neph_arena_text(trial->arena, result.frame_path);
+    neph_job_result_finish(&result);
     return status;
 }
 
-/* Render and add up all views; the row's outcome says whether `sums` is whole. */
+/* Render and add up all views, in one pass where an engine has neither steps nor noise. Ends early
+ * where one is not rendered: the row's outcome says whether `sums` is whole. */
 static enum neph_status try_views(const struct neph_trial *trial, struct neph_scenery *scenery,
                                   struct sums *sums, struct neph_physics_row *row,
                                   struct neph_diag *diag)
@@ -180,15 +157,15 @@ static enum neph_status try_views(const struct neph_trial *trial, struct neph_sc
     *sums = (struct sums){.truth = 0.0, .pixels = {0, NAN, NAN}};
     memset(row->paths, 0, sizeof(row->paths));
     row->outcome = NEPH_OUTCOME_RENDERED;
-    for (int v = 0;
-         v < scenery->check.view_count && !status && row->outcome == NEPH_OUTCOME_RENDERED; v++) {
+    for (int v = 0; v < scenery->check.view_count; v++) {
+        const struct neph_scenery_view *seen = &scenery->views[v];
         struct neph_image *frames[2] = {NULL, NULL};
-        status = render_view(trial, &scenery->views[v], pass_count, frames, &row->paths[v], row,
-                             diag);
+        for (int pass = 0; pass < pass_count && !status && row->outcome == NEPH_OUTCOME_RENDERED;
+             pass++)
+            status = render_pass(trial, seen, v, pass, &frames[pass], row, diag);
         if (!status && row->outcome == NEPH_OUTCOME_RENDERED)
-            add_view(&scenery->views[v],
-                     (struct neph_image *const[2]){frames[0], frames[pass_count - 1]}, participant,
-                     sums);
+            add_view(seen, (struct neph_image *const[2]){frames[0], frames[pass_count - 1]},
+                     participant, sums);
         neph_image_destroy(frames[0]);
         neph_image_destroy(frames[1]);
     }
@@ -226,44 +203,30 @@ static enum neph_status try_all(const struct neph_trial *trial, struct neph_scen
     enum neph_status status = choose_step(trial, scenery, row, diag);
     if (!status)
         status = try_views(trial, scenery, sums, row, diag);
-    const bool whole = engine->rung <= NEPH_RUNG_TRACER || engine->look;
-    if (status || row->outcome != NEPH_OUTCOME_CANNOT || whole)
-        return status;
     const struct neph_scene *scene = &scenery->views[0].stage->scene;
-    const enum neph_scattering scattering = scene->scattering;
+    const bool is_whole = engine->rung <= NEPH_RUNG_TRACER || engine->look ||
+                          scene->scattering != NEPH_SCATTERING_MULTIPLE;
+    if (status || row->outcome != NEPH_OUTCOME_CANNOT || is_whole)
+        return status;
     const bool environment_light = scene->environment_light;
-    row->lowered = neph_scenery_lower(scenery, diag);
-    if (row->lowered)
+    row->lowered = true;
+    status = neph_scenery_light(scenery, NEPH_SCATTERING_SINGLE, false, diag);
+    if (!status)
         status = try_views(trial, scenery, sums, row, diag);
-    neph_scenery_restore(scenery, scattering, environment_light, diag);
-    return status;
+    const enum neph_status restored = neph_scenery_light(scenery, NEPH_SCATTERING_MULTIPLE,
+                                                         environment_light, diag);
+    return status ? status : restored;
 }
 
 /* A deviation of up to thrice what steps are known to do is theirs. */
-static bool is_of_steps(const struct outcome *outcome, const struct neph_study *study)
+static bool is_of_steps(const struct neph_physics_row *row)
 {
-    double steps = outcome->step_bound;
-    if (study) {
-        const struct neph_study_level *chosen = &study->levels[study->chosen];
+    double steps = isnan(row->step_bound) ? 0.0 : row->step_bound;
+    if (row->study) {
+        const struct neph_study_level *chosen = &row->study->levels[row->study->chosen];
         steps = fabs(chosen->bias) + 2.0 * chosen->bias_noise;
     }
-    return fabs(outcome->deviation) <= 3.0 * steps;
-}
-
-static void fill_numbers(const struct neph_participant *participant, const struct sums *sums,
-                         const struct outcome *outcome, struct neph_physics_row *row)
-{
-    row->deviation = outcome->deviation;
-    if (participant->refined)
-        row->step_bound = outcome->step_bound;
-    else
-        row->standard_error = outcome->standard_error;
-    if (outcome->standard_error > 0.0)
-        row->z = outcome->deviation / outcome->standard_error;
-    if (sums->pixels.count > 0) {
-        row->pixel_z_mean = sums->pixels.mean;
-        row->pixel_z_variance = sums->pixels.variance;
-    }
+    return row->outcome != NEPH_OUTCOME_RENDERED || fabs(row->deviation) <= 3.0 * steps;
 }
 
 enum neph_status neph_trial_run(const struct neph_trial *trial, struct neph_scenery *scenery,
@@ -271,7 +234,6 @@ enum neph_status neph_trial_run(const struct neph_trial *trial, struct neph_scen
 {
     const struct neph_participant *participant = trial->entrant->participant;
     struct sums sums;
-    struct outcome outcome = {.deviation = 0.0};
     row->participant = participant;
     row->engine = trial->entrant->engine;
     row->deviation = row->standard_error = row->step_bound = row->z = NAN;
@@ -279,14 +241,12 @@ enum neph_status neph_trial_run(const struct neph_trial *trial, struct neph_scen
     const enum neph_status status = try_all(trial, scenery, &sums, row, diag);
     if (status)
         return status;
-    if (row->outcome == NEPH_OUTCOME_RENDERED) {
-        outcome = conclude(participant, &sums);
-        fill_numbers(participant, &sums, &outcome, row);
-    }
+    if (row->outcome == NEPH_OUTCOME_RENDERED)
+        conclude(participant, &sums, row);
     const struct neph_participation part = {
         .lowered = row->lowered,
         .baked = row->bakes && row->bakes->worst.transmittance_max > 0.0,
-        .stepped = is_of_steps(&outcome, row->study),
+        .stepped = is_of_steps(row),
     };
     row->cause = neph_participant_cause(participant, &scenery->check, &part);
     return neph_arena_check(trial->arena, diag);

@@ -23,7 +23,7 @@ ROOMS = {
     "run": {"document", "engines", "compare"},
     "experiment": {"document", "engines", "run"},
     "study": {"document", "engines", "compare", "run"},
-    "physics": {"document", "engines", "compare", "run", "study"},
+    "physics": {"document", "engines", "compare", "run", "experiment", "study"},
     "fly": {"engines", "compare", "run", "study"},
     "report": {"document", "engines", "compare", "run", "study", "physics"},
     "night": {"document", "engines", "compare", "run", "physics", "report"},

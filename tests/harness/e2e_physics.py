@@ -110,6 +110,29 @@ class OtherRuns(unittest.TestCase):
         self.assertEqual([len(row["pictures"]) for row in physics["rows"]], [2])
         self.assertEqual(len(set(physics["rows"][0]["pictures"])), 2)
 
+    def test_two_processes_find_what_one_finds(self):
+        """And a run that goes on renders nothing again."""
+        documents = []
+        for jobs in ("1", "2"):
+            folder = self.folder / jobs
+            words = [*SUITE, "-e", "march", "-e", "oracle", "--check", "furnace_box", "--jobs",
+                     jobs, "--json", "-o", folder]
+            done = neph(*words)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            physics = json.loads(done.stdout)["physics"]
+            del physics["seconds"]
+            for row in physics["rows"]:
+                del row["wall_s"]
+                row["exr"] = [pathlib.Path(path).relative_to(folder) for path in row["exr"]]
+            documents.append(physics)
+            frames = list((folder / "store/frames").rglob("frame.exr"))
+            self.assertEqual(len(frames), 2 * 2 * 2)  # checks, engines, passes
+        self.assertEqual(documents[0], documents[1])
+        kept = {path: path.stat().st_mtime_ns for path in frames}
+        self.assertEqual(neph(*words).returncode, 0)
+        self.assertEqual({path: path.stat().st_mtime_ns
+                          for path in (folder / "store/frames").rglob("frame.exr")}, kept)
+
     def test_the_table_for_people_names_check_participant_and_verdict(self):
         done = neph(*SUITE, "-e", "exact", "--check", "furnace_box_4", "-o", self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -148,6 +171,7 @@ class OtherRuns(unittest.TestCase):
             ([*suite, "height_fog_up"], ["height_fog_up", "--check"]),
             (["validate", "--suite", "metaphysics"], ["metaphysics", "catalog", "physics"]),
             (["validate", "--check", "furnace", "-o", self.folder], ["--suite physics"]),
+            (["validate", "--jobs", "2", "-o", self.folder], ["--suite physics"]),
             (["validate", "--samples", "4", "-o", self.folder], ["--suite physics"]),
             (["study", "magic", "height_fog_up", "-o", self.folder], ["magic", "cycles"]),
             (["study", "exact", "height_fog_up", "-o", self.folder], ["exact", "no step"]),

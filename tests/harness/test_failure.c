@@ -10,10 +10,10 @@
 #include "harness/engines/engines.h"
 #include "harness/experiment/pool.h"
 #include "harness/failure/expectations.h"
-#include "harness/failure/letter.h"
 #include "harness/failure/measures.h"
-#include "harness/failure/pieces.h"
+#include "harness/failure/message.h"
 #include "harness/failure/plan.h"
+#include "harness/failure/suite.h"
 #include "harness/failure/trial.h"
 #include "harness/run/job.h"
 #include "metrics/extractors/extractors.h"
@@ -458,7 +458,7 @@ static void test_the_worst_is_first(void **state)
     free(spots);
 }
 
-/* ---- pieces ---------------------------------------------------------------------------------- */
+/* ---- trials ---------------------------------------------------------------------------------- */
 
 static bool is_asked_at(const struct neph_failure_suite *suite, int row, int column)
 {
@@ -468,18 +468,18 @@ static bool is_asked_at(const struct neph_failure_suite *suite, int row, int col
 
 /* Each trial that is asked for is there once. */
 static void assert_all_once(const struct neph_failure_suite *suite,
-                            const struct neph_failure_pieces *pieces)
+                            const struct neph_failure_trials *trials)
 {
     int asked = 0;
     for (int row = 0; row < suite->row_count; row += neph_failure_point_at(suite, row).row_count)
         for (int c = 0; c < suite->column_count; c++)
             asked += is_asked_at(suite, row, c);
-    assert_int_equal(pieces->count, asked);
-    for (int i = 0; i < pieces->count; i++) {
-        assert_true(is_asked_at(suite, pieces->list[i].row, pieces->list[i].column));
+    assert_int_equal(trials->count, asked);
+    for (int i = 0; i < trials->count; i++) {
+        assert_true(is_asked_at(suite, trials->list[i].row, trials->list[i].column));
         for (int k = 0; k < i; k++)
-            assert_true(pieces->list[i].row != pieces->list[k].row ||
-                        pieces->list[i].column != pieces->list[k].column);
+            assert_true(trials->list[i].row != trials->list[k].row ||
+                        trials->list[i].column != trials->list[k].column);
     }
 }
 
@@ -487,13 +487,13 @@ static void test_one_process_goes_from_point_to_point(void **state)
 {
     (void)state;
     struct neph_failure_suite suite = {.scenes = NULL};
-    struct neph_failure_pieces pieces;
+    struct neph_failure_trials trials;
     plan(&suite, false);
-    assert_int_equal(neph_failure_pieces_list(&suite, false, &pieces, NULL), NEPH_OK);
-    assert_all_once(&suite, &pieces);
-    for (int i = 1; i < pieces.count; i++)
-        assert_true(pieces.list[i].row >= pieces.list[i - 1].row);
-    free(pieces.list);
+    assert_int_equal(neph_failure_list_trials(&suite, false, &trials, NULL), NEPH_OK);
+    assert_all_once(&suite, &trials);
+    for (int i = 1; i < trials.count; i++)
+        assert_true(trials.list[i].row >= trials.list[i - 1].row);
+    free(trials.list);
     neph_failure_finish(&suite);
 }
 
@@ -501,28 +501,28 @@ static void test_several_begin_with_truths_and_with_what_takes_long(void **state
 {
     (void)state;
     struct neph_failure_suite suite = {.scenes = NULL};
-    struct neph_failure_pieces pieces;
+    struct neph_failure_trials trials;
     int later_count = 0;
     plan(&suite, false);
-    assert_int_equal(neph_failure_pieces_list(&suite, true, &pieces, NULL), NEPH_OK);
-    assert_all_once(&suite, &pieces);
-    for (int i = 1; i < pieces.count; i++) {
-        const struct neph_failure_piece *a = &pieces.list[i - 1], *b = &pieces.list[i];
+    assert_int_equal(neph_failure_list_trials(&suite, true, &trials, NULL), NEPH_OK);
+    assert_all_once(&suite, &trials);
+    for (int i = 1; i < trials.count; i++) {
+        const struct neph_failure_trial *a = &trials.list[i - 1], *b = &trials.list[i];
         assert_true(b->is_later || !a->is_later);
         assert_true(a->is_later != b->is_later || a->cost >= b->cost);
     }
-    for (int i = 0; i < pieces.count; i++) {
-        const struct neph_failure_piece *later = &pieces.list[i];
+    for (int i = 0; i < trials.count; i++) {
+        const struct neph_failure_trial *later = &trials.list[i];
         bool has_truth = !later->is_later;
         for (int k = 0; k < i && !has_truth; k++)
-            has_truth = pieces.list[k].row == later->row && !pieces.list[k].is_later &&
-                        suite.columns[pieces.list[k].column].is_preset ==
+            has_truth = trials.list[k].row == later->row && !trials.list[k].is_later &&
+                        suite.columns[trials.list[k].column].is_preset ==
                             suite.columns[later->column].is_preset;
         assert_true(has_truth);
         later_count += later->is_later;
     }
-    assert_true(later_count > 0 && later_count < pieces.count);
-    free(pieces.list);
+    assert_true(later_count > 0 && later_count < trials.count);
+    free(trials.list);
     neph_failure_finish(&suite);
 }
 
@@ -530,14 +530,14 @@ static void test_several_begin_with_truths_and_with_what_takes_long(void **state
 
 enum { PIECES = 10 };
 
-/* What was told here; a line for each piece that was done anywhere is in a file. */
+/* What was told here; a line for each trial that was done anywhere is in a file. */
 struct heard {
     char path[SCRATCH_PATH_MAX];
     int times[PIECES];
-    int whole; /* pieces that were done here, in the end */
+    int whole; /* trials that were done here, in the end */
 };
 
-/* The last piece ends its process before it can tell. */
+/* The last trial ends its process before it can tell. */
 static enum neph_status note(struct neph_worker *worker, void *context, struct neph_diag *diag)
 {
     struct heard *heard = context;
@@ -615,7 +615,7 @@ static void test_what_fails_here_ends_all(void **state)
     assert_int_equal(heard.whole, 0);
 }
 
-/* ---- letters --------------------------------------------------------------------------------- */
+/* ---- messages -------------------------------------------------------------------------------- */
 
 static void assert_same_cell(const struct neph_failure_cell *a, const struct neph_failure_cell *b)
 {
@@ -627,7 +627,7 @@ static void assert_same_cell(const struct neph_failure_cell *a, const struct nep
     assert_string_equal(a->frame_key ? a->frame_key : "none", b->frame_key ? b->frame_key : "none");
 }
 
-static void test_a_letter_has_all_of_its_cells(void **state)
+static void test_a_message_has_all_of_its_cells(void **state)
 {
     (void)state;
     struct neph_failure_cell told[3][1] = {
@@ -643,17 +643,17 @@ static void test_a_letter_has_all_of_its_cells(void **state)
     }
     const struct neph_failure_suite teller = {.column_count = 1, .row_count = 3, .rows = from};
     struct neph_failure_suite hearer = {.column_count = 1, .row_count = 3, .rows = to};
-    const struct neph_failure_letter letter = {
+    const struct neph_failure_message message = {
         .row_count = 3,
         .frame_count = 32,
         .seconds = 1.5,
         .reference_count = 7,
         .reference_s = 0.25,
     };
-    struct neph_failure_letter read;
+    struct neph_failure_message read;
     struct neph_diag diag = {.line = 0};
-    char *text = neph_failure_letter_write(&letter, &teller);
-    neph_assert_ok(neph_failure_letter_read(text, &hearer, &read, &diag), &diag);
+    char *text = neph_failure_write_message(&message, &teller);
+    neph_assert_ok(neph_failure_read_message(text, &hearer, &read, &diag), &diag);
     assert_int_equal(read.first_row, 0);
     assert_int_equal(read.row_count, 3);
     assert_int_equal(read.column, 0);
@@ -663,9 +663,9 @@ static void test_a_letter_has_all_of_its_cells(void **state)
     for (int r = 0; r < 3; r++)
         assert_same_cell(&told[r][0], &heard[r][0]);
     hearer.row_count = 2; /* of another plan */
-    assert_int_equal(neph_failure_letter_read(text, &hearer, &read, &diag), NEPH_ERR_INTERNAL);
-    assert_int_equal(neph_failure_letter_read("{}", &hearer, &read, &diag), NEPH_ERR_INTERNAL);
-    assert_int_equal(neph_failure_letter_read("no", &hearer, &read, &diag), NEPH_ERR_INTERNAL);
+    assert_int_equal(neph_failure_read_message(text, &hearer, &read, &diag), NEPH_ERR_INTERNAL);
+    assert_int_equal(neph_failure_read_message("{}", &hearer, &read, &diag), NEPH_ERR_INTERNAL);
+    assert_int_equal(neph_failure_read_message("no", &hearer, &read, &diag), NEPH_ERR_INTERNAL);
     free(text);
     neph_arena_finish(&hearer.arena);
 }
@@ -692,7 +692,7 @@ int main(void)
         scratch_test(test_all_shares_are_heard_and_the_whole_is_there_for_the_rest),
         scratch_test(test_one_job_has_nobody_to_tell),
         scratch_test(test_what_fails_here_ends_all),
-        cmocka_unit_test(test_a_letter_has_all_of_its_cells),
+        cmocka_unit_test(test_a_message_has_all_of_its_cells),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,6 +9,7 @@
 #include "harness/engines/engines.h"
 #include "harness/failure/page.h"
 #include "harness/json.h"
+#include "harness/report/report_folder.h"
 
 #include <math.h>
 
@@ -109,35 +110,34 @@ static void publish(const struct fixture *fixture, struct neph_failure_page *pag
 static void test_the_worst_have_pictures(void **state)
 {
     struct fixture fixture;
-    struct neph_failure_page *page = NULL;
+    struct neph_failure_page page = {.limit_bytes = 2 * PICTURE_BYTES + 80000};
     int left_out;
     start(state, &fixture);
-    neph_assert_ok(
-        neph_failure_page_open(fixture.page_folder, 2 * PICTURE_BYTES + 80000, &page, NULL), NULL);
-    publish(&fixture, page);
+    neph_assert_ok(neph_failure_page_open(fixture.page_folder, &page, NULL), NULL);
+    publish(&fixture, &page);
     assert_int_equal(shown(&fixture, &left_out), 0);
     fail_cell(&fixture, 0, 2.0);
     fail_cell(&fixture, 1, 3.0);
-    publish(&fixture, page);
+    publish(&fixture, &page);
     assert_int_equal(shown(&fixture, &left_out), 1 | 2);
     assert_int_equal(left_out, 0);
     fail_cell(&fixture, 2, 9.0); /* the worst, and the last */
-    publish(&fixture, page);
+    publish(&fixture, &page);
     assert_int_equal(shown(&fixture, &left_out), 2 | 4);
     assert_int_equal(left_out, 1);
-    neph_failure_page_close(page);
+    neph_report_folder_close(page.folder);
 }
 
 /* A folder that is somebody's is left alone. */
 static void test_a_folder_of_somebody_else_is_refused(void **state)
 {
-    struct neph_failure_page *page = NULL;
+    struct neph_failure_page page = {.limit_bytes = 1000000};
     char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX];
     scratch_path(state, folder, "theirs");
     neph_assert_ok(neph_dir_create(folder, NULL), NULL);
     scratch_write(scratch_path(state, path, "theirs/letter.txt"), "dear", 4);
-    assert_int_equal(neph_failure_page_open(folder, 1000000, &page, NULL), NEPH_ERR_USAGE);
-    assert_null(page);
+    assert_int_equal(neph_failure_page_open(folder, &page, NULL), NEPH_ERR_USAGE);
+    assert_null(page.folder);
     assert_true(neph_path_exists(path));
 }
 

@@ -128,8 +128,8 @@ static void test_cases(void **state)
 {
     (void)state;
     int of_law[NEPH_LAW_RECIPROCITY + 1] = {0};
-    for (int i = 0; i < neph_light_law_count(); i++) {
-        const struct neph_light_law_case *of = neph_light_law_at(i);
+    for (int i = 0; i < NEPH_LIGHT_LAWS; i++) {
+        const struct neph_light_law_case *of = &neph_light_law_cases[i];
         of_law[of->law] += of->albedo == 1.0;
         assert_true(of->law != NEPH_LAW_FURNACE || of->albedo == 1.0);
     }

@@ -95,10 +95,44 @@ static void test_words_are_cleaned(void **state)
     neph_table_finish(&table);
 }
 
+static void print_aligned(const void *table, FILE *out)
+{
+    neph_table_print_aligned(table, out);
+}
+
+/* A text that is longer than its column moves those behind it. */
+static void test_columns_of_a_width(void **state)
+{
+    (void)state;
+    static const struct neph_column columns[] = {
+        {.title = "scene", .width = -7},
+        {.key = "hidden", .width = 9},
+        {.title = "z", .format = "%+.1f", .width = 6},
+        {.title = " verdict"},
+    };
+    struct neph_table table = {.cells = NULL};
+    char *text;
+    neph_table_columns(&table, columns, 4);
+    for (int row = 0; row < 2; row++) {
+        neph_table_word(&table, row == 0 ? "fog" : "two_layer_fog");
+        neph_table_number(&table, 1.0);
+        neph_table_number(&table, row == 0 ? 2.25 : NAN);
+        neph_table_word(&table, "agrees");
+        neph_table_shown(&table, " agrees");
+    }
+    assert_int_equal(neph_written(print_aligned, &table, &text, NULL), NEPH_OK);
+    assert_string_equal(text, "scene        z  verdict\n"
+                              "fog       +2.2  agrees\n"
+                              "two_layer_fog      -  agrees\n");
+    free(text);
+    neph_table_finish(&table);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_table_is_written_in_three_forms),
+        cmocka_unit_test(test_columns_of_a_width),
         cmocka_unit_test(test_words_are_cleaned),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
