@@ -219,13 +219,6 @@ void neph_table_print(const struct neph_table *table, FILE *out)
     }
 }
 
-void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena)
-{
-    neph_table_print(table, out);
-    arena->is_short |= table->arena.is_short;
-    neph_table_finish(table);
-}
-
 void neph_csv_word(const char *word, FILE *out)
 {
     if (!strpbrk(word, ",\"\r\n")) {
@@ -300,4 +293,11 @@ json_t *neph_table_json(const struct neph_table *table)
         neph_json_add(&rows, object);
     }
     return rows;
+}
+
+void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena)
+{
+    neph_table_print(table, out);
+    arena->is_short |= table->arena.is_short;
+    neph_table_finish(table);
 }

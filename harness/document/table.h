@@ -80,15 +80,15 @@ void neph_table_finish(struct neph_table *table);
 /* Head, rule and rows: words on the left, numbers on the right. */
 void neph_table_print(const struct neph_table *table, FILE *out);
 
-/* Print a table and finish it; a failure of memory goes on in `arena`. */
-void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
-
 /* RFC 4180, numbers with nine digits. Lines end in `line_end`, "\r\n" or "\n"; words in quotes
  * where they need them. */
 void neph_table_print_csv(const struct neph_table *table, const char *line_end, FILE *out);
 
 /* A list of objects, keyed as the columns; NULL: memory was short. */
 json_t *neph_table_json(const struct neph_table *table);
+
+/* Print a table and finish it; a failure of memory goes on in `arena`. */
+void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
 
 /* A field of CSV in quotes where it needs them; a number of nine digits, nothing for NaN. */
 void neph_csv_word(const char *word, FILE *out);
