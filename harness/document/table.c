@@ -56,13 +56,19 @@ static void add(struct neph_table *table, struct neph_table_cell cell)
     table->cells[table->cell_count++] = cell;
 }
 
+/* A clean copy, which the arena has; NULL of NULL. */
+static const char *clean_copy(struct neph_arena *arena, const char *text)
+{
+    char *clean = text ? neph_text_clean_copy(text) : NULL;
+    const char *copy = neph_arena_text(arena, clean);
+    arena->is_short |= text && !clean;
+    free(clean);
+    return copy;
+}
+
 void neph_table_word(struct neph_table *table, const char *word)
 {
-    char *clean = word ? neph_text_clean_copy(word) : NULL;
-    table->arena.is_short |= word && !clean;
-    add(table,
-        (struct neph_table_cell){.kind = WORD, .word = neph_arena_text(&table->arena, clean)});
-    free(clean);
+    add(table, (struct neph_table_cell){.kind = WORD, .word = clean_copy(&table->arena, word)});
 }
 
 void neph_table_number(struct neph_table *table, double value)
@@ -95,8 +101,7 @@ void neph_table_shown(struct neph_table *table, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(shown, sizeof(shown), format, arguments);
     va_end(arguments);
-    neph_text_clean(shown, sizeof(shown));
-    table->cells[table->cell_count - 1].shown = neph_arena_text(&table->arena, shown);
+    table->cells[table->cell_count - 1].shown = clean_copy(&table->arena, shown);
 }
 
 void neph_table_row(struct neph_table *table, const char *kinds, ...)
@@ -115,8 +120,8 @@ void neph_table_row(struct neph_table *table, const char *kinds, ...)
         else if (*kinds == 'o')
             neph_table_value(table, va_arg(cells, json_t *));
         const char *shown = *kinds == 't' ? va_arg(cells, const char *) : NULL;
-        if (shown)
-            neph_table_shown(table, "%s", shown);
+        if (shown && !table->arena.is_short)
+            table->cells[table->cell_count - 1].shown = clean_copy(&table->arena, shown);
     }
     va_end(cells);
 }
@@ -217,13 +222,6 @@ void neph_table_print(const struct neph_table *table, FILE *out)
     }
 }
 
-void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena)
-{
-    neph_table_print(table, out);
-    arena->is_short |= table->arena.is_short;
-    neph_table_finish(table);
-}
-
 void neph_table_print_aligned(const struct neph_table *table, FILE *out)
 {
     for (int row = -1; row < row_count(table); row++) {
@@ -315,4 +313,11 @@ json_t *neph_table_json(const struct neph_table *table)
         neph_json_add(&rows, object);
     }
     return rows;
+}
+
+void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena)
+{
+    neph_table_print(table, out);
+    arena->is_short |= table->arena.is_short;
+    neph_table_finish(table);
 }

@@ -81,9 +81,6 @@ void neph_table_finish(struct neph_table *table);
 /* Head, rule and rows: words on the left, numbers on the right. */
 void neph_table_print(const struct neph_table *table, FILE *out);
 
-/* Print a table and finish it; a failure of memory goes on in `arena`. */
-void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
-
 /* The same without Markdown, for terminals: head and rows, columns of their widths, which longer
  * texts exceed. */
 void neph_table_print_aligned(const struct neph_table *table, FILE *out);
@@ -94,6 +91,9 @@ void neph_table_print_csv(const struct neph_table *table, const char *line_end, 
 
 /* A list of objects, keyed as the columns; NULL: memory was short. */
 json_t *neph_table_json(const struct neph_table *table);
+
+/* Print a table and finish it; a failure of memory goes on in `arena`. */
+void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
 
 /* A field of CSV in quotes where it needs them; a number of nine digits, nothing for NaN. */
 void neph_csv_word(const char *word, FILE *out);

@@ -15,14 +15,13 @@
 
 /* A run between its store and its publication. `places` NULL: what it publishes is dropped. */
 static enum neph_status run_once(const struct neph_experiment *experiment, void *request,
-                                 const char *store_folder,
+                                 const char *store_folder, struct neph_shared_device *device,
                                  const struct neph_publication_places *places, bool quiet,
                                  struct neph_diag *diag)
 {
     static const struct neph_publication_places nowhere = {.json = true};
     const struct neph_cli_shared *shared = request;
-    struct neph_shared_device device = {.open = NULL};
-    struct neph_experiment_run run = {.device = &device, .output = shared->output, .quiet = quiet};
+    struct neph_experiment_run run = {.device = device, .output = shared->output, .quiet = quiet};
     struct neph_publication publication = {.places = NULL};
     enum neph_status status = store_folder ? neph_store_open(store_folder, &run.store, diag)
                                            : NEPH_OK;
@@ -33,7 +32,6 @@ static enum neph_status run_once(const struct neph_experiment *experiment, void 
     if (!status && places)
         status = neph_publication_publish(&publication, diag);
     neph_publication_finish(&publication);
-    neph_shared_device_close(&device);
     neph_store_close(run.store);
     return status;
 }
@@ -60,10 +58,11 @@ static void *part_of(const struct parts *parts, int index)
     return NULL;
 }
 
-/* A part that fails fails again in the whole, where it is told. */
+/* Parts of a worker share a device. One that fails fails again in the whole, where it is told. */
 static enum neph_status run_parts(struct neph_worker *worker, void *context, struct neph_diag *diag)
 {
     const struct parts *parts = context;
+    struct neph_shared_device device = {.open = NULL};
     if (worker->index == 0)
         return NEPH_OK; /* the whole comes next */
     for (int index; !neph_interrupted() && (index = neph_worker_next(worker)) >= 0;) {
@@ -72,11 +71,12 @@ static enum neph_status run_parts(struct neph_worker *worker, void *context, str
         void *request = part_of(parts, index);
         if (!request)
             break;
-        run_once(parts->experiment, request, parts->store_folder, NULL, true, diag);
+        run_once(parts->experiment, request, parts->store_folder, &device, NULL, true, diag);
         free(request);
         snprintf(message, sizeof(message), "%d %.3f", index, neph_wall_s() - start_s);
         neph_worker_tell(worker, message);
     }
+    neph_shared_device_close(&device);
     return NEPH_OK;
 }
 
@@ -131,13 +131,16 @@ static enum neph_status run_in(const struct neph_experiment *experiment, void *r
                                                    .chart = paths->chart,
                                                    .document = paths->document,
                                                    .json = shared->json};
+    struct neph_shared_device device = {.open = NULL};
     enum neph_status status = NEPH_OK;
     if (shared->jobs > 1 && experiment->part)
         status = run_workers(experiment, request, paths->store, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");
-    return status ? status
-                  : run_once(experiment, request, paths->store, &places, shared->quiet, diag);
+    if (!status)
+        status = run_once(experiment, request, paths->store, &device, &places, shared->quiet, diag);
+    neph_shared_device_close(&device);
+    return status;
 }
 
 static enum neph_status run_with(const struct neph_experiment *experiment, void *request,
