@@ -11,8 +11,6 @@
 #include "harness/experiment/pool.h"
 #include "harness/failure/expectations.h"
 #include "harness/failure/measures.h"
-#include "harness/failure/message.h"
-#include "harness/failure/plan.h"
 #include "harness/failure/suite.h"
 #include "harness/failure/trial.h"
 #include "harness/run/job.h"
@@ -49,7 +47,7 @@ static void test_verdicts(void **state)
                          cases[i].verdict);
 }
 
-/* Of a row and two presets. Nothing compared is no pass. */
+/* A run of a row and two presets. Nothing compared is no pass. */
 static void test_what_fails_a_run(void **state)
 {
     (void)state;
@@ -615,7 +613,7 @@ static void assert_same_cell(const struct neph_failure_cell *a, const struct nep
     assert_int_equal(isnan(a->value), isnan(b->value));
     assert_int_equal(a->verdict, b->verdict);
     assert_string_equal(a->why, b->why);
-    assert_string_equal(a->exhibit ? a->exhibit : "none", b->exhibit ? b->exhibit : "none");
+    assert_string_equal(a->evidence ? a->evidence : "none", b->evidence ? b->evidence : "none");
     assert_string_equal(a->frame_key ? a->frame_key : "none", b->frame_key ? b->frame_key : "none");
 }
 
