@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures of a sequence that a verdict is about: its worst frame, a row of pixels over time, four
- * frames in a row, each beside its reference, and how they differ.
+ * Evidence of a verdict on a sequence: images of its worst frame, of a row of pixels over time, of
+ * four frames in a row, each beside its reference and their difference. It is made where the frames
+ * are, and is an entry of the store under the key of the take, with the map of visible flicker.
  */
 #ifndef NEPH_HARNESS_FAILURE_EVIDENCE_H
 #define NEPH_HARNESS_FAILURE_EVIDENCE_H
@@ -9,6 +10,9 @@
 #include "base/image.h"
 #include "harness/compare/sequence.h"
 #include "harness/json.h"
+#include "harness/run/job.h"
+#include "harness/run/store.h"
+#include "metrics/meter.h"
 
 enum { NEPH_EVIDENCE_SLICE = 64, NEPH_EVIDENCE_FLIPS = 4 };
 
@@ -32,8 +36,8 @@ struct neph_evidence {
 };
 
 /* Look through all frames for it. */
-enum neph_status neph_evidence_find(const struct neph_evidence_source *source,
-                                    struct neph_evidence *evidence, struct neph_diag *diag);
+enum neph_status neph_evidence_choose(const struct neph_evidence_source *source,
+                                      struct neph_evidence *evidence, struct neph_diag *diag);
 
 /* Draw it into files of a folder: worst.png, slice.png, flip_0.png ..., and with a reference
  * X_reference.png of each and X_difference.png but of the flips; flip_reference_0.png alone where
@@ -41,5 +45,27 @@ enum neph_status neph_evidence_find(const struct neph_evidence_source *source,
 enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
                                     const struct neph_evidence *evidence, const char *folder,
                                     json_t *names, struct neph_diag *diag);
+
+/* ---- in the store ---------------------------------------------------------------------------- */
+
+/* Name of the map among the pictures. */
+#define NEPH_EVIDENCE_FLICKER_MAP "seen_contrast_radiance.png"
+
+/* The key of a take's evidence, whose images are shown at an exposure. */
+enum neph_status neph_evidence_key(const char *take_key, double exposure_ev,
+                                   char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag);
+
+/* Its folder in the store, for the caller to free, or NULL. The folder has the images that its
+ * job.json names in "pictures", beside "frame_step", "worst_frame", "row", "slice_first",
+ * "slice_count", "flip_first", "flip_count" and "scale". */
+char *neph_evidence_find(struct neph_store *store, const char *key);
+
+/* Make and publish it, as of the engine and device of `job`. Frames with bad values, fewer than
+ * what is seen needs, or without a reference have no map. */
+enum neph_status neph_evidence_make(struct neph_store *store, const char *key,
+                                    const struct neph_job *job,
+                                    const struct neph_evidence_source *source,
+                                    const struct neph_viewing *viewing, bool with_map,
+                                    struct neph_diag *diag);
 
 #endif

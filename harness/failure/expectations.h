@@ -13,7 +13,7 @@
 #ifndef NEPH_HARNESS_FAILURE_EXPECTATIONS_H
 #define NEPH_HARNESS_FAILURE_EXPECTATIONS_H
 
-#include "harness/failure/verdict.h"
+#include "harness/failure/results.h"
 #include "harness/json.h"
 
 /* What a number is of. */

@@ -3,7 +3,6 @@
 
 #include "base/clock.h"
 #include "base/files.h"
-#include "harness/failure/exhibit.h"
 #include "harness/failure/output.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
@@ -29,9 +28,9 @@ static const struct neph_page_file page_files[] = {
 /* Evidence of a column of a scene at its worst point. */
 struct shown {
     const struct neph_failure_spot *spot;
-    const char *exhibit; /* the folder of the entry */
-    const char *folder;  /* of its images in the page: known by the entry, so never out of date */
-    json_t *entry;       /* of the page's data: the record of the images and their place; owned */
+    const char *evidence; /* the folder of the entry */
+    const char *folder;   /* of its images in the page: known by the entry, so never out of date */
+    json_t *entry;        /* of the page's data: the record of the images and their place; owned */
     size_t bytes;
     bool fits;
 };
@@ -84,7 +83,7 @@ static enum neph_status copy_images(const struct shown *shown, const char *work,
     status = neph_dir_create(folder, diag);
     for (size_t i = 0; i < json_array_size(names) && !status; i++) {
         const char *name = json_string_value(json_array_get(names, i));
-        const char *from = neph_arena_format(arena, "%s/%s", shown->exhibit, name);
+        const char *from = neph_arena_format(arena, "%s/%s", shown->evidence, name);
         const char *to = neph_arena_format(arena, "%s/%s", folder, name);
         status = neph_arena_check(arena, diag);
         if (!status)
@@ -218,10 +217,10 @@ static enum neph_status add_shown(const struct neph_failure_suite *suite, struct
                                   struct neph_diag *diag)
 {
     const struct neph_scene *scene = spot->row->scene;
-    const char *exhibit = spot->row->cells[spot->column].exhibit;
-    const char *path = neph_arena_format(&gallery->arena, "%s/job.json", exhibit);
+    const char *evidence = spot->row->cells[spot->column].evidence;
+    const char *path = neph_arena_format(&gallery->arena, "%s/job.json", evidence);
     const char *folder = neph_arena_format(&gallery->arena, "images/%.24s",
-                                           strrchr(exhibit, '/') + 1);
+                                           strrchr(evidence, '/') + 1);
     if (neph_arena_check(&gallery->arena, diag))
         return NEPH_ERR_MEMORY;
     const bool has_size = suite->width_px > 0;
@@ -229,7 +228,7 @@ static enum neph_status add_shown(const struct neph_failure_suite *suite, struct
     if (!record) /* the store is being cleaned: there is nothing to show */
         return NEPH_OK;
     struct shown *shown = &gallery->shown[gallery->shown_count++];
-    *shown = (struct shown){.spot = spot, .exhibit = exhibit, .folder = folder};
+    *shown = (struct shown){.spot = spot, .evidence = evidence, .folder = folder};
     shown->entry = joined(record, json_pack("{s:s, s:s, s:s, s:[i, i], s:s}", "scene", scene->name,
                                             "column", suite->columns[spot->column].name, "point",
                                             spot->row->point, "size_px",
@@ -238,7 +237,7 @@ static enum neph_status add_shown(const struct neph_failure_suite *suite, struct
                                             "folder", folder));
     const json_t *names = json_object_get(shown->entry, "pictures");
     for (size_t i = 0; i < json_array_size(names); i++)
-        shown->bytes += file_size(exhibit, json_string_value(json_array_get(names, i)));
+        shown->bytes += file_size(evidence, json_string_value(json_array_get(names, i)));
     const size_t bytes = shown->bytes + data_size(shown->entry);
     shown->fits = bytes <= *room_bytes;
     *room_bytes -= shown->fits ? bytes : 0;
@@ -272,7 +271,7 @@ static enum neph_status make_gallery(const struct neph_failure_page *page,
     size_t room_bytes = status ? 0 : room_for_evidence(page, suite, gallery);
     for (int i = 0; i < gallery->spot_count && !status; i++) {
         const struct neph_failure_spot *spot = &gallery->spots[i];
-        if (spot->row->cells[spot->column].exhibit && !is_shown(gallery, spot))
+        if (spot->row->cells[spot->column].evidence && !is_shown(gallery, spot))
             status = add_shown(suite, gallery, spot, &room_bytes, diag);
     }
     return status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/failure/plan.h"
+#include "harness/failure/suite.h"
 
 #include "harness/data.h"
 #include "harness/engines/engines.h"

@@ -37,4 +37,36 @@ enum neph_status neph_failure_list_trials(const struct neph_failure_suite *suite
                                           struct neph_failure_trials *trials,
                                           struct neph_diag *diag);
 
+/* ---- its parts ------------------------------------------------------------------------------- */
+
+/* Scenes, rows and columns of `suite`. Errors as of neph_failure_run(). */
+enum neph_status neph_failure_plan(const struct neph_failure_params *params,
+                                   struct neph_failure_suite *suite, struct neph_diag *diag);
+
+/* Whether a number of a scenario is asked of a column. All are of a guest ("command"), of which
+ * nobody knows what it is prone to; of a preset those of scenarios that name it, or none, or what
+ * it is a change of. */
+bool neph_failure_asks(const struct neph_failing *failing, const struct neph_failing_limit *limit,
+                       const struct neph_failure_column *column);
+
+/* The message of a worker to the process that shows the run: the cells of a column at a point, and
+ * what they took. */
+struct neph_failure_message {
+    int first_row, row_count, column; /* of the cells */
+    int frame_count;                  /* of the take */
+    double seconds;                   /* of the trial */
+    int reference_count;              /* frames of the reference, made or found */
+    double reference_s;
+};
+
+/* Write it, with the cells of `suite`, for the caller to free; NULL when memory is short. */
+char *neph_failure_write_message(const struct neph_failure_message *message,
+                                 const struct neph_failure_suite *suite);
+
+/* Read it into the cells of `suite`, of the same plan. NEPH_ERR_INTERNAL: it is no message of such
+ * a suite. */
+enum neph_status neph_failure_read_message(const char *text, struct neph_failure_suite *suite,
+                                           struct neph_failure_message *message,
+                                           struct neph_diag *diag);
+
 #endif

@@ -3,7 +3,7 @@
 
 #include "base/clock.h"
 #include "harness/engines/engines.h"
-#include "harness/failure/exhibit.h"
+#include "harness/failure/evidence.h"
 #include "harness/failure/expectations.h"
 #include "harness/failure/measures.h"
 #include "harness/failure/watch.h"
@@ -75,7 +75,7 @@ struct trial {
     struct neph_reference *reference;
     const char *extractors[NEPH_FAILING_MEASURES + 1]; /* NULL-terminated */
     bool is_judged;                                    /* frames are only to be drawn */
-    char exhibit_key[NEPH_HASH_HEX_SIZE];
+    char evidence_key[NEPH_HASH_HEX_SIZE];
 };
 
 static const struct neph_failure_column *column_of(const struct trial *trial)
@@ -276,8 +276,8 @@ static enum neph_status look(const struct neph_take *take, const struct neph_tak
                             diag);
     if (status || !is_drawn(trial))
         return status;
-    return neph_exhibit_make(trial->bench->store, trial->exhibit_key, &trial->job, &source,
-                             &viewing, frames->bad_values == 0, diag);
+    return neph_evidence_make(trial->bench->store, trial->evidence_key, &trial->job, &source,
+                              &viewing, frames->bad_values == 0, diag);
 }
 
 /* The evidence of what was judged; rendered again where the store has none, as after a change of a
@@ -289,15 +289,15 @@ static enum neph_status find_evidence(struct trial *trial, const struct neph_tak
     enum neph_status status = NEPH_OK;
     if (!is_drawn(trial))
         return NEPH_OK;
-    char *folder = neph_exhibit_find(bench->store, trial->exhibit_key);
+    char *folder = neph_evidence_find(bench->store, trial->evidence_key);
     if (!folder) {
         trial->is_judged = true;
         status = neph_take_see(take, bench->store, diag);
-        if (!status && !(folder = neph_exhibit_find(bench->store, trial->exhibit_key)))
+        if (!status && !(folder = neph_evidence_find(bench->store, trial->evidence_key)))
             status = neph_fail(diag, NEPH_ERR_IO, "pictures are not readable after publishing");
     }
     for (int r = 0; r < trial->point->row_count && !status; r++)
-        cell_of(trial, r)->exhibit = neph_arena_text(&bench->suite->arena, folder);
+        cell_of(trial, r)->evidence = neph_arena_text(&bench->suite->arena, folder);
     free(folder);
     return status;
 }
@@ -311,7 +311,7 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
     json_t *record = NULL;
     enum neph_status status = neph_take_key(take, key, diag);
     if (!status)
-        status = neph_exhibit_key(key, trial->point->at->exposure_ev, trial->exhibit_key, diag);
+        status = neph_evidence_key(key, trial->point->at->exposure_ev, trial->evidence_key, diag);
     if (!status)
         status = neph_take_run(take, trial->bench->store, &folder, &record, diag);
     if (!status)

@@ -12,6 +12,61 @@
 _Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
+/* ---- scenery --------------------------------------------------------------------------------- */
+
+static enum neph_status see(const struct neph_check_view *view, struct neph_scenery_view *seen,
+                            struct neph_diag *diag)
+{
+    seen->view = view;
+    seen->pixel_count = view->width_px * view->height_px;
+    enum neph_status status = neph_stage_create(&view->stage, &seen->stage, diag);
+    if (status)
+        return status;
+    seen->truth_error = neph_stage_truth_error(seen->stage);
+    const struct neph_camera camera = neph_scene_camera(&seen->stage->scene, 0.0);
+    for (int p = 0; p < seen->pixel_count; p++) {
+        const struct neph_vec3 ray = neph_check_ray(view, &camera, p).direction;
+        seen->weight[p] = neph_check_pixel_weight(view, &camera, ray);
+        seen->truth[p] = seen->weight[p] > 0.0 ? neph_stage_truth_w_per_m2_sr(seen->stage, ray)
+                                               : 0.0;
+    }
+    return NEPH_OK;
+}
+
+void neph_scenery_leave(struct neph_scenery *scenery)
+{
+    for (int v = 0; v < scenery->check.view_count; v++) {
+        neph_stage_destroy(scenery->views[v].stage);
+        scenery->views[v].stage = NULL;
+    }
+}
+
+enum neph_status neph_scenery_enter(int index, struct neph_scenery *scenery, struct neph_diag *diag)
+{
+    memset(scenery, 0, sizeof(*scenery));
+    neph_check_get(index, &scenery->check);
+    enum neph_status status = NEPH_OK;
+    for (int v = 0; v < scenery->check.view_count && !status; v++)
+        status = see(&scenery->check.views[v], &scenery->views[v], diag);
+    if (status)
+        neph_scenery_leave(scenery);
+    return status;
+}
+
+/* Give all views this light, and hash their scenes. */
+static enum neph_status set_light(struct neph_scenery *scenery, enum neph_scattering scattering,
+                                  bool environment_light, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int v = 0; v < scenery->check.view_count && !status; v++) {
+        struct neph_scene *scene = &scenery->views[v].stage->scene;
+        scene->scattering = scattering;
+        scene->environment_light = environment_light;
+        status = neph_scene_hash(scene, diag);
+    }
+    return status;
+}
+
 /* ---- one frame ------------------------------------------------------------------------------- */
 
 /* A picture of a view, in the steps that a study chose (NULL: as they are). */
@@ -210,11 +265,11 @@ static enum neph_status try_all(const struct neph_trial *trial, struct neph_scen
         return status;
     const bool environment_light = scene->environment_light;
     row->lowered = true;
-    status = neph_scenery_light(scenery, NEPH_SCATTERING_SINGLE, false, diag);
+    status = set_light(scenery, NEPH_SCATTERING_SINGLE, false, diag);
     if (!status)
         status = try_views(trial, scenery, sums, row, diag);
-    const enum neph_status restored = neph_scenery_light(scenery, NEPH_SCATTERING_MULTIPLE,
-                                                         environment_light, diag);
+    const enum neph_status restored = set_light(scenery, NEPH_SCATTERING_MULTIPLE,
+                                                environment_light, diag);
     return status ? status : restored;
 }
 

@@ -78,7 +78,7 @@ static struct neph_evidence find(const struct sequence *sequence)
 {
     const struct neph_evidence_source source = source_of(sequence);
     struct neph_evidence evidence;
-    neph_assert_ok(neph_evidence_find(&source, &evidence, NULL), NULL);
+    neph_assert_ok(neph_evidence_choose(&source, &evidence, NULL), NULL);
     return evidence;
 }
 
