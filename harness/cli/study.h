@@ -10,8 +10,6 @@
 neph_verb neph_cli_study_steps;
 neph_verb neph_cli_study_flicker;
 neph_verb neph_cli_study_light;
-neph_verb neph_cli_study_sky;
-neph_verb neph_cli_study_fog;
 neph_verb neph_cli_study_screen;
 
 #endif

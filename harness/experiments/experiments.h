@@ -7,6 +7,8 @@
 
 #include "harness/experiment/experiment.h"
 
+extern const struct neph_experiment neph_experiment_fog;
 extern const struct neph_experiment neph_experiment_post;
+extern const struct neph_experiment neph_experiment_sky;
 
 #endif

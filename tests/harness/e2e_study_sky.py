@@ -51,6 +51,21 @@ class StudySky(unittest.TestCase):
         again = self.run_neph(*arguments)
         self.assertEqual(again.stdout, done.stdout)
 
+    def test_results_do_not_depend_on_the_number_of_jobs(self):
+        def results(jobs):
+            done = self.run_neph("--suns", "30,5", "--altitudes", "2", "--samples", 2, "--models",
+                                 f"sky+degree=0+{TABLES}", "--jobs", jobs, "-o",
+                                 self.folder / f"out{jobs}", "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(done.stdout)
+            for cell in found["cells"]:
+                for model in cell["models"].values():
+                    del model["render_s"]
+            return found, done.stderr
+        one, two = results(1), results(2)
+        self.assertEqual(one[0], two[0])
+        self.assertIn("[2/2] part", two[1])
+
     def test_finer_tables_are_a_truth(self):
         done = self.run_neph("--altitudes", "2", "--truth", f"sky+{TABLES}", "--models",
                              f"sky+{TABLES},sky+{TABLES}+degree=0", "--json")
