@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum cell_kind { WORD, NUMBER, COUNT, FLAG };
+enum cell_kind { WORD, NUMBER, COUNT, FLAG, LEFT_OUT };
 
 struct neph_table_cell {
     enum cell_kind kind;
@@ -104,6 +104,12 @@ void neph_table_field_cells(struct neph_table *table, const struct neph_field *f
         neph_table_number(table, *(const double *)((const char *)of + fields[i].at));
 }
 
+void neph_table_end_row(struct neph_table *table)
+{
+    while (!table->arena.is_short && table->cell_count % table->column_count != 0)
+        add(table, (struct neph_table_cell){.kind = LEFT_OUT});
+}
+
 enum neph_status neph_table_check(const struct neph_table *table, struct neph_diag *diag)
 {
     return neph_arena_check(&table->arena, diag);
@@ -174,7 +180,8 @@ void neph_table_print(const struct neph_table *table, FILE *out)
     fputs("|\n", out);
     for (int row = 0; row < row_count(table); row++) {
         for (int c = 0; c < table->column_count; c++)
-            if (has_form(&table->columns[c], NEPH_TABLE_TEXT)) {
+            if (has_form(&table->columns[c], NEPH_TABLE_TEXT) &&
+                cell_at(table, row, c)->kind != LEFT_OUT) {
                 fputs("| ", out);
                 print_cell(&table->columns[c], cell_at(table, row, c), out);
             }
@@ -206,7 +213,7 @@ static void print_csv_cell(const struct neph_table_cell *cell, FILE *out)
         neph_csv_word(cell->word ? cell->word : "", out);
     else if (cell->kind == NUMBER)
         neph_csv_number(cell->number, out);
-    else
+    else if (cell->kind != LEFT_OUT)
         fprintf(out, "%ld", cell->count);
 }
 
@@ -239,6 +246,8 @@ static json_t *cell_json(const struct neph_table_cell *cell)
         return json_integer(cell->count);
     case FLAG:
         return json_boolean(cell->count);
+    case LEFT_OUT:
+        return json_null();
     }
     return NULL;
 }
@@ -254,4 +263,12 @@ json_t *neph_table_json(const struct neph_table *table)
         neph_json_add(&rows, object);
     }
     return rows;
+}
+
+json_t *neph_fields_json(json_t *object, const struct neph_field *fields, int count, const void *of)
+{
+    for (int i = 0; i < count; i++)
+        neph_json_set(&object, fields[i].column.key,
+                      neph_json_number(*(const double *)((const char *)of + fields[i].at)));
+    return object;
 }
