@@ -26,7 +26,7 @@ static const struct {
      "how far models of a planet's atmosphere are from all orders of scattering, and where"},
     {"fog", NULL, &neph_experiment_fog,
      "what the controls of a fog's look give, take and break, each alone, against exact"},
-    {"screen", neph_cli_study_screen, NULL,
+    {"screen", NULL, &neph_experiment_screen,
      "how far occlusion, reflections and indirect light on a screen are from the truth, and why"},
     {"post", NULL, &neph_experiment_post,
      "what each stage between a frame and the display makes of error and flicker"},

@@ -10,6 +10,5 @@
 neph_verb neph_cli_study_steps;
 neph_verb neph_cli_study_flicker;
 neph_verb neph_cli_study_light;
-neph_verb neph_cli_study_screen;
 
 #endif

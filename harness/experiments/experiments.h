@@ -9,6 +9,7 @@
 
 extern const struct neph_experiment neph_experiment_fog;
 extern const struct neph_experiment neph_experiment_post;
+extern const struct neph_experiment neph_experiment_screen;
 extern const struct neph_experiment neph_experiment_sky;
 
 #endif

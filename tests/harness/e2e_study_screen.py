@@ -151,6 +151,19 @@ class StudyScreen(unittest.TestCase):
         refused = found["surface_mirror"]["against_cycles"]["reflections"]["cycles"]
         self.assertIsNone(refused["bias"])
 
+    def test_results_do_not_depend_on_the_number_of_jobs(self):
+        results = []
+        for jobs in ("1", "2"):
+            done = self.run_neph("surface_step", "surface_rough", "--size", "8x5", "--samples", "2",
+                                 "--rays", "4", "--models", "screen+gi=off+warm_up=0", "--jobs",
+                                 jobs, "-o", f"out{jobs}", "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            pages = sorted((self.folder / f"out{jobs}/screen").iterdir())
+            results.append((json.loads(done.stdout),
+                            [(page.name, page.read_bytes()) for page in pages]))
+        self.assertEqual(results[0], results[1])
+        self.assertIn("[2/2] part", done.stderr)
+
     def test_refusals(self):
         for code, words, arguments in ((64, "no screen", ("--models", "march")),
                                        (2, "without solids", ("height_fog_up",)),
