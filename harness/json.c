@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/json.h"
 
+#include "base/files.h"
 #include "base/text.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void neph_json_add(json_t **list, json_t *item)
 {
@@ -78,6 +80,17 @@ enum neph_status neph_json_print(json_t *json, struct neph_diag *diag)
         status = neph_json_check(NULL, diag);
     if (!status)
         putchar('\n');
+    json_decref(json);
+    return status;
+}
+
+enum neph_status neph_json_write(json_t *json, const char *path, struct neph_diag *diag)
+{
+    enum neph_status status = neph_json_check(json, diag);
+    char *text = status ? NULL : json_dumps(json, JSON_INDENT(1));
+    if (!status)
+        status = text ? neph_file_write(path, text, strlen(text), diag) : neph_fail_memory(diag);
+    free(text);
     json_decref(json);
     return status;
 }

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { NEPH_CLI_WORDS_MAX = 1024, NEPH_CLI_LIST_MAX = 64 };
+enum { NEPH_CLI_WORDS_MAX = 1024, NEPH_CLI_LIST_MAX = 128 };
 
 struct neph_cli_words {
     int count;

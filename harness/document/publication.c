@@ -48,28 +48,48 @@ static bool close_streams(struct neph_publication *publication)
     return is_whole;
 }
 
+static enum neph_status print_results(struct neph_publication *publication, bool has_csv,
+                                      struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    if (has_csv && fputs(publication->kept[CSV].text, stdout) < 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot write to stdout");
+    if (publication->places->json) {
+        status = neph_json_print(publication->json, diag);
+        publication->json = NULL;
+    } else if (!has_csv) {
+        fputs(publication->kept[TEXT].text, stdout);
+    }
+    return status;
+}
+
 enum neph_status neph_publication_publish(struct neph_publication *publication,
                                           struct neph_diag *diag)
 {
     const struct neph_publication_places *places = publication->places;
+    const bool has_csv = places->csv && strcmp(places->csv, "-") == 0; /* on stdout */
     const struct {
         const char *path;
         int form;
-    } files[] = {{places->markdown, TEXT}, {places->csv, CSV}, {places->chart, CHART}};
+    } files[] = {
+        {places->markdown, TEXT}, {has_csv ? NULL : places->csv, CSV}, {places->chart, CHART}};
     enum neph_status status = close_streams(publication) ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && places->document)
+        status = neph_json_write(json_incref(publication->json), places->document, diag);
     for (size_t i = 0; i < sizeof(files) / sizeof(files[0]) && !status; i++)
-        if (files[i].path)
+        if (files[i].path && (i != CHART || publication->kept[CHART].size > 0))
             status = neph_file_write(files[i].path, publication->kept[files[i].form].text,
                                      publication->kept[files[i].form].size, diag);
-    if (!status && places->json) {
-        status = neph_json_print(publication->json, diag);
-        publication->json = NULL;
-    } else if (!status) {
-        fputs(publication->kept[TEXT].text, stdout);
-    }
+    if (!status)
+        status = print_results(publication, has_csv, diag);
     if (!status && publication->broken_count > 0)
         status = neph_fail(diag, NEPH_ERR_ENGINE, "%d %s", publication->broken_count,
                            publication->broken_words);
+    if (!status && publication->verdict) {
+        status = publication->verdict;
+        if (diag)
+            *diag = publication->reason;
+    }
     return status;
 }
 

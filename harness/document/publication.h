@@ -13,7 +13,9 @@
 
 /* Where the forms go. */
 struct neph_publication_places {
-    const char *markdown, *csv, *chart; /* files; NULL: not wanted */
+    const char *markdown, *csv, *chart; /* files; NULL: not wanted; "-" of csv: stdout, in place of
+                                           the text */
+    const char *document;               /* a file of the JSON; NULL: not wanted */
     bool json;                          /* JSON on stdout, in place of the text */
 };
 
@@ -22,9 +24,11 @@ enum { NEPH_PUBLICATION_STREAMS = 3 };
 struct neph_publication {
     const struct neph_publication_places *places; /* borrowed */
     FILE *text, *csv, *chart;                     /* into memory; NULL: not wanted */
-    json_t *json;                                 /* for places->json; owned */
+    json_t *json;                                 /* for places->json and ->document; owned */
     int broken_count;         /* parts that broke: an error, once all is published, .. */
     const char *broken_words; /* .. "takes broke; their cells say why" */
+    enum neph_status verdict; /* an error of the results, once all is published, .. */
+    struct neph_diag reason;  /* .. and what it says */
     struct {
         char *text;
         size_t size;
@@ -36,8 +40,9 @@ enum neph_status neph_publication_begin(const struct neph_publication_places *pl
                                         struct neph_publication *publication,
                                         struct neph_diag *diag);
 
-/* Files, each whole or not at all; then stdout. NEPH_ERR_MEMORY: a stream did not fit;
- * NEPH_ERR_INTERNAL: JSON could not be made; NEPH_ERR_IO; NEPH_ERR_ENGINE: parts broke. */
+/* Files, each whole or not at all, a chart only if something is drawn; then stdout.
+ * NEPH_ERR_MEMORY: a stream did not fit; NEPH_ERR_INTERNAL: JSON could not be made; NEPH_ERR_IO;
+ * NEPH_ERR_ENGINE: parts broke; else the publication's verdict. */
 enum neph_status neph_publication_publish(struct neph_publication *publication,
                                           struct neph_diag *diag);
 

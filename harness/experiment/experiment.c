@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/experiment/experiment.h"
 
+#include "base/arena.h"
 #include "base/clock.h"
-#include "base/files.h"
 #include "base/interrupt.h"
 #include "harness/experiment/pool.h"
 #include "harness/progress.h"
@@ -115,32 +115,43 @@ static enum neph_status run_workers(const struct neph_experiment *experiment, co
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
+/* The names of struct neph_experiment in OUTPUT; NULL: it has none. */
+struct paths {
+    const char *store, *chart, *document;
+};
+
 static enum neph_status run_in(const struct neph_experiment *experiment, void *request,
-                               const char *store_folder, const char *chart, struct neph_diag *diag)
+                               const struct paths *paths, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = request;
-    const struct neph_publication_places places = {
-        .markdown = shared->markdown, .csv = shared->csv, .chart = chart, .json = shared->json};
+    const struct neph_publication_places places = {.markdown = shared->markdown,
+                                                   .csv = shared->csv,
+                                                   .chart = paths->chart,
+                                                   .document = paths->document,
+                                                   .json = shared->json};
     enum neph_status status = NEPH_OK;
     if (shared->jobs > 1 && experiment->part)
-        status = run_workers(experiment, request, store_folder, diag);
+        status = run_workers(experiment, request, paths->store, diag);
     return status ? status
-                  : run_once(experiment, request, store_folder, &places, shared->quiet, diag);
+                  : run_once(experiment, request, paths->store, &places, shared->quiet, diag);
 }
 
 static enum neph_status run_with(const struct neph_experiment *experiment, void *request,
                                  struct neph_diag *diag)
 {
     const char *output = ((const struct neph_cli_shared *)request)->output;
-    if (!output)
-        return run_in(experiment, request, NULL, NULL, diag);
-    char *store = neph_path_join(output, "store");
-    char *chart = experiment->chart ? neph_path_join(output, experiment->chart) : NULL;
-    const bool has_paths = store && (chart || !experiment->chart);
-    const enum neph_status status = has_paths ? run_in(experiment, request, store, chart, diag)
-                                              : neph_fail_memory(diag);
-    free(chart);
-    free(store);
+    const char *const names[] = {experiment->opens_stores ? NULL : "store", experiment->chart,
+                                 experiment->document};
+    const char *in[3] = {NULL};
+    const char *slash = output && output[strlen(output) - 1] == '/' ? "" : "/";
+    struct neph_arena arena = {.last = NULL};
+    for (int i = 0; i < 3; i++)
+        if (output && names[i])
+            in[i] = neph_arena_format(&arena, "%s%s%s", output, slash, names[i]);
+    enum neph_status status = neph_arena_check(&arena, diag);
+    if (!status)
+        status = run_in(experiment, request, &(struct paths){in[0], in[1], in[2]}, diag);
+    neph_arena_finish(&arena);
     return status;
 }
 

@@ -14,7 +14,8 @@
 
 /* What a run is lent. */
 struct neph_experiment_run {
-    struct neph_store *store; /* in OUTPUT/store; NULL without --output */
+    struct neph_store
+        *store; /* in OUTPUT/store; NULL without --output, and where it opens its own */
     struct neph_shared_device *device;
     const char *output; /* the folder of --output, which is there */
     bool quiet;
@@ -22,8 +23,10 @@ struct neph_experiment_run {
 
 struct neph_experiment {
     const struct neph_cli_syntax *syntax;
-    size_t request_size; /* of the request, which begins with a struct neph_cli_shared */
-    const char *chart;   /* the chart's name in OUTPUT; NULL: none */
+    size_t request_size;  /* of the request, which begins with a struct neph_cli_shared */
+    const char *chart;    /* the chart's name in OUTPUT; NULL: none */
+    const char *document; /* the JSON's name there; NULL: it has none but on stdout */
+    bool opens_stores;    /* the run opens its own, below OUTPUT */
     /* Read what options name, scenes for one, before anything is written. NULL: nothing to do. */
     enum neph_status (*prepare)(void *request, struct neph_diag *diag);
     /* For --jobs: change a prepared request to its part `index`, from 0 on, which renders other
