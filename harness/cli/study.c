@@ -20,7 +20,7 @@ static const struct {
      "how far an engine's steps are from their limit, and which are enough"},
     {"flicker", neph_cli_study_flicker, NULL,
      "which preset of the real-time renderer flickers and lags less, with intervals"},
-    {"light", neph_cli_study_light, NULL,
+    {"light", NULL, &neph_experiment_light,
      "how far lighting models are from all orders of scattering, and where"},
     {"sky", NULL, &neph_experiment_sky,
      "how far models of a planet's atmosphere are from all orders of scattering, and where"},

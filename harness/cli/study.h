@@ -9,6 +9,5 @@
 
 neph_verb neph_cli_study_steps;
 neph_verb neph_cli_study_flicker;
-neph_verb neph_cli_study_light;
 
 #endif

@@ -8,6 +8,7 @@
 #include "harness/experiment/experiment.h"
 
 extern const struct neph_experiment neph_experiment_fog;
+extern const struct neph_experiment neph_experiment_light;
 extern const struct neph_experiment neph_experiment_post;
 extern const struct neph_experiment neph_experiment_screen;
 extern const struct neph_experiment neph_experiment_sky;

@@ -29,7 +29,7 @@ ROOMS = {
     "night": {"document", "engines", "compare", "run", "physics", "report"},
     "failure": {"document", "engines", "compare", "run", "experiment", "study", "report"},
     "sweep": {"document", "engines", "compare", "run", "study", "report"},
-    "experiments": {"document", "engines", "compare", "run", "experiment", "study"},
+    "experiments": {"document", "engines", "compare", "run", "experiment", "study", "physics"},
     "cli": {"document", "engines", "compare", "run", "experiment", "experiments", "study",
             "physics", "failure", "fly", "report", "sweep", "night"},
 }

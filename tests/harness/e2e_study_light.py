@@ -42,10 +42,10 @@ class StudyLight(unittest.TestCase):
         self.slab.write_text(SLAB)
         self.dark.write_text(DARK)
 
-    def run_neph(self, *arguments):
+    def run_neph(self, *arguments, output="out"):
         return subprocess.run(
             [NEPH, "study", "light", *map(str, arguments), "--size", "12x8", "--steps", "32",
-             "--noise", "0.5", "--samples", "4", "-o", str(self.folder / "out")],
+             "--noise", "0.5", "--samples", "4", "-o", str(self.folder / output)],
             capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
 
     def test_models_files_and_reuse(self):
@@ -90,6 +90,17 @@ class StudyLight(unittest.TestCase):
         self.assertEqual(json.loads(again.stdout), found)
         self.assertEqual(sorted((p.name, p.stat().st_mtime_ns) for p in store.iterdir()), before)
 
+    def test_results_do_not_depend_on_the_number_of_jobs(self):
+        def results(jobs):
+            done = self.run_neph(self.slab, "--models", "march", "--albedo", "1,0.9", "--jobs",
+                                 jobs, "--json", output=f"out{jobs}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(done.stdout)
+            for cell in found["cells"]:
+                del cell["tracer_s"], cell["models"][0]["render_s"]
+            return found, (self.folder / f"out{jobs}" / "light.svg").read_bytes()
+        self.assertEqual(results(1), results(2))
+
     @night.of_the_night
     def test_a_sun_that_sinks_is_seen_by_who_remembers(self):
         bias = {}
@@ -124,8 +135,9 @@ class StudyLight(unittest.TestCase):
     def test_what_cannot_be_lit_is_left_out_and_laws_hold_of_models_alone(self):
         table = self.folder / "laws.md"
         done = self.run_neph(self.dark, "--models", "march_octaves_fitted,march_horizon", "--laws",
-                             "--markdown", table, "--json")
+                             "--markdown", table, "--json", "--jobs", 2)
         self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("[2/2] part", done.stderr)  # the laws are a part, too
         found = json.loads(done.stdout)
         cell, = found["cells"]
         self.assertIn("no sun", cell["left_out"])

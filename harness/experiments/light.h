@@ -3,12 +3,18 @@
  * A light study: lighting models of the ray marcher side by side with the tracer's multiple
  * scattering, over clouds, suns, phase functions, albedos and densities. A cell is one of each. All
  * numbers are of the radiance of media alone, channels averaged, under a sun of 1 W/m2 and nothing
- * else (scenes/relit.h). What is finished is in the store, and the same study goes on from there.
+ * else (scenes/relit.h).
+ *
+ * light.c has the options and the run, light_measure.c measures cells, light_results.c writes what
+ * was found, light_plot.c draws it, light_fit.c fits octaves to it.
  */
-#ifndef NEPH_HARNESS_STUDY_LIGHT_STUDY_H
-#define NEPH_HARNESS_STUDY_LIGHT_STUDY_H
+#ifndef NEPH_HARNESS_EXPERIMENTS_LIGHT_H
+#define NEPH_HARNESS_EXPERIMENTS_LIGHT_H
 
-#include "harness/run/job.h"
+#include "base/arena.h"
+#include "harness/experiment/experiment.h"
+#include "harness/physics/light_laws.h"
+#include "harness/progress.h"
 #include "harness/study/light_models.h"
 #include "harness/study/light_suites.h"
 #include "harness/study/light_sums.h"
@@ -19,19 +25,20 @@ enum { NEPH_LIGHT_WHY_SIZE = 200 };
 /* Less than this of what lies behind comes through a dense pixel. */
 #define NEPH_LIGHT_DENSE_TRANSMITTANCE 0.1
 
-struct neph_light_study_params {
-    const char *const *models; /* of neph_light_model_parse() */
-    int model_count;           /* 1 .. NEPH_LIGHT_MODELS_MAX */
-    const struct neph_light_entry *entries;
+struct neph_light_request {
+    struct neph_cli_shared shared; /* operands: scenes */
+    struct neph_cli_list models;   /* of neph_light_model_parse() */
+    const char *suite, *fit;
+    struct neph_cli_list suns, g, albedo, density; /* of all scenes */
+    int steps;                                     /* of every view ray, unless a model says so */
+    double noise;                                  /* of a frame of the tracer: its target_error */
+    int samples;                                   /* its most */
+    double sun_speed_deg_per_s; /* before engines that keep frames the sun sinks so to its place */
+    bool laws;
+    struct neph_arena arena; /* of the entries */
+    struct neph_light_entry *entries;
     int entry_count;
-    int width_px, height_px;
-    int steps;                  /* of every view ray, unless a model says otherwise */
-    double noise;               /* of a picture of the tracer: its target_error */
-    int samples;                /* its most */
-    double sun_speed_rad_per_s; /* before what remembers pictures the sun sinks so to its place */
-    bool with_lit;              /* keep what a fit needs of every pixel */
-    struct neph_shared_device *device; /* as neph_shot.device */
-    bool quiet;
+    int only_cell; /* that is rendered for the store, nothing is measured of it; -1: all */
 };
 
 /* What a fit needs of a pixel. */
@@ -49,13 +56,13 @@ struct neph_light_gap {
 };
 
 struct neph_light_cell {
-    char *scene;               /* owned */
+    const char *scene;         /* its name, of the study's arena */
     struct neph_relight light; /* as it is, of the first medium */
     double optical_depth;      /* of a view ray: a tenth of the pixels with media have more */
-    double noise;              /* of one of the tracer's pictures (run/noise.h) */
+    double noise;              /* of one of the tracer's frames (run/noise.h) */
     double tracer_s;           /* of both, when they were rendered */
     struct neph_light_gap gaps[NEPH_LIGHT_MODELS_MAX];
-    struct neph_light_pixel *pixels; /* owned; NULL unless asked for */
+    struct neph_light_pixel *pixels; /* owned; NULL unless there is a fit */
     int pixel_count;
     char left_out[NEPH_LIGHT_WHY_SIZE]; /* why nothing was measured; "" when it was */
 };
@@ -66,19 +73,32 @@ struct neph_light_map {
 };
 
 struct neph_light_study {
-    const struct neph_light_study_params *params; /* borrowed */
-    char device[128];
-    bool looks[NEPH_LIGHT_MODELS_MAX]; /* the model claims no physics */
-    struct neph_light_cell *cells;     /* owned */
+    const struct neph_light_request *request;
+    const struct neph_experiment_run *run;
+    struct neph_progress progress;
+    struct neph_arena arena;
+    struct neph_light_model tracer, models[NEPH_LIGHT_MODELS_MAX];
+    struct neph_light_cell *cells; /* owned */
     int cell_count;
     struct neph_light_map eye_sun[NEPH_LIGHT_MODELS_MAX], eye_angle[NEPH_LIGHT_MODELS_MAX];
-    int failed_count; /* models and tracers that broke; their cells say why */
+    int failed_count;            /* models and tracers that broke; their cells say why */
+    struct neph_light_laws laws; /* where the request has them */
 };
+
+/* ---- measures -------------------------------------------------------------------------------- */
+
+/* Cells of a request that has entries. */
+int neph_light_cell_count(const struct neph_light_request *request);
+
+/* Into a study that begins with its request and run; for _finish in any case. A scene whose data is
+ * not on this machine, or that cannot be lit anew, is left out, and so is a model where it cannot
+ * render the scene. NEPH_ERR_INTERRUPTED: what is finished stays in the store. */
+enum neph_status neph_light_measure(struct neph_light_study *study, struct neph_diag *diag);
+void neph_light_study_finish(struct neph_light_study *study);
 
 /* Which pixels of a cell count. */
 enum neph_light_part { NEPH_LIGHT_DENSE, NEPH_LIGHT_WHOLE, NEPH_LIGHT_PARTS };
 
-const char *neph_light_part_name(enum neph_light_part part);
 const struct neph_light_sums *neph_light_part_of(const struct neph_light_gap *gap,
                                                  enum neph_light_part part);
 
@@ -99,22 +119,20 @@ struct neph_light_verdict {
 void neph_light_verdict_add(struct neph_light_verdict *verdict, const struct neph_light_sums *sums);
 void neph_light_verdict_end(struct neph_light_verdict *verdict);
 
-#define NEPH_LIGHT_BIAS_WANTED 0.05
-#define NEPH_LIGHT_BIAS_WORST_WANTED 0.15
-#define NEPH_LIGHT_RMS_WANTED 0.15
-
-/* Run it. A scene whose data is not on this machine, or that cannot be lit anew, is left out, and
- * so is a model where it cannot render the scene. NEPH_ERR_INTERRUPTED: what is finished stays in
- * the store. For _finish in any case. */
-enum neph_status neph_light_study_run(const struct neph_light_study_params *params,
-                                      struct neph_store *store, struct neph_light_study *study,
-                                      struct neph_diag *diag);
-void neph_light_study_finish(struct neph_light_study *study);
-
 /* Over the cells that `counts` says yes to; NULL: all. */
 struct neph_light_verdict
 neph_light_verdict_of(const struct neph_light_study *study, int model, enum neph_light_part part,
                       bool (*counts)(const struct neph_light_cell *cell, const void *context),
                       const void *context);
+
+/* ---- results --------------------------------------------------------------------------------- */
+
+/* Into the forms that the publication has. */
+enum neph_status neph_light_publish(const struct neph_light_study *study,
+                                    struct neph_publication *publication, struct neph_diag *diag);
+
+/* Radiance over the tracer's as SVG: for each model a square of optical depth towards the eye and
+ * the sun, and one of the first and the angle to the sun, with numbers of pixels. */
+void neph_light_plot(const struct neph_light_study *study, FILE *out);
 
 #endif
