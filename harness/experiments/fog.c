@@ -163,10 +163,8 @@ static enum neph_status run(void *request, const struct neph_experiment_run *run
     if (status)
         return status;
     fill(&study, &table);
-    if (publication->text) {
+    if (publication->text)
         print_head(&study, publication->text);
-        neph_table_print(&table, publication->text);
-    }
     if (publication->csv)
         neph_table_print_csv(&table, "\r\n", publication->csv);
     publication->json = json_pack(
@@ -175,8 +173,8 @@ static enum neph_status run(void *request, const struct neph_experiment_run *run
         params->height_px, "directions", params->directions, "exact_radiance", study.exact_radiance,
         "exact_fog_light", study.exact_fog_light, "exact_all_light", study.exact_all_light, "rows",
         neph_table_json(&table));
-    neph_table_finish(&table);
-    return neph_json_check(publication->json, diag);
+    neph_publication_table(publication, &table);
+    return NEPH_OK;
 }
 
 const struct neph_experiment neph_experiment_fog = {.syntax = &syntax,

@@ -8,7 +8,6 @@
 #include "base/written.h"
 #include "harness/data.h"
 #include "harness/experiments/experiments.h"
-#include "harness/experiments/light_fit.h"
 
 #include <math.h>
 #include <stdio.h>

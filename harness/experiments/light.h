@@ -19,6 +19,7 @@
 #include "harness/study/light_suites.h"
 #include "harness/study/light_sums.h"
 #include "harness/study/light_view.h"
+#include "renderer/octaves_fitted.h"
 
 enum { NEPH_LIGHT_WHY_SIZE = 200 };
 
@@ -110,6 +111,7 @@ bool neph_light_counts(const struct neph_light_sums *sums);
 struct neph_light_verdict {
     int cell_count;
     double mean_bias, worst_bias, mean_rms; /* of |bias|; NaN without a cell */
+    double mean_signed_bias;                /* whether a model is too dark or too bright */
     double share_within;                    /* of cells with |bias| <= 5 % */
     double share_near;                      /* of cells with |bias| <= 15 % */
     double share_smooth;                    /* of cells with rms <= 15 % */
@@ -134,5 +136,33 @@ enum neph_status neph_light_publish(const struct neph_light_study *study,
 /* Radiance over the tracer's as SVG: for each model a square of optical depth towards the eye and
  * the sun, and one of the first and the angle to the sun, with numbers of pixels. */
 void neph_light_plot(const struct neph_light_study *study, FILE *out);
+
+/* ---- the fit --------------------------------------------------------------------------------- */
+
+/* The fit of octaves to the tracer, over the cells of a study: damped least squares (D. W.
+ * Marquardt 1963). What is made small is, for each cell, the square of its bias plus a quarter of
+ * its mean square, of the whole frame and once more of the dense parts alone; cells count alike,
+ * however bright they are. Nothing is rendered: along each view ray the light at scaled optical
+ * depths is known (study/light_view.h). */
+
+/* Radiance of a pixel under a sun of 1 W/m2 by a sum of reciprocal octaves (octaves_fitted.h), as
+ * the march has it with endlessly small steps. */
+double neph_light_octaves(const struct neph_light_view *view, const struct neph_octaves *octaves,
+                          double g, double albedo);
+
+/* How a fit does over the cells, as neph_light_verdict_of(). */
+struct neph_light_verdict neph_light_fit_verdict(const struct neph_light_study *study,
+                                                 const struct neph_octaves_fit *fit,
+                                                 enum neph_light_part part);
+
+/* From all factors 1/2 on. The request has a fit. NEPH_ERR_USAGE: it has no cell with media.
+ * NEPH_ERR_MEMORY. */
+enum neph_status neph_light_fit(const struct neph_light_study *study, struct neph_octaves_fit *fit,
+                                struct neph_diag *diag);
+
+/* The coefficients as the file that renderer/octaves_fitted.c includes, with what they were fitted
+ * on. */
+void neph_light_fit_print(const struct neph_light_study *study, const struct neph_octaves_fit *fit,
+                          FILE *out);
 
 #endif

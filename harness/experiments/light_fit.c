@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/experiments/light_fit.h"
+#include "harness/experiments/light.h"
 
 #include "scenes/media.h"
 

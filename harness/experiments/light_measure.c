@@ -79,38 +79,28 @@ struct scenes {
     struct neph_scene *multiple, *single, *moving;
 };
 
-/* The scene as the model takes it: with all orders of scattering, else with one; NULL, with the
- * reason of the first, where it takes neither. */
-static const struct neph_scene *fitting(const struct neph_light_model *model,
-                                        const struct neph_scene *multiple,
-                                        const struct neph_scene *single, char *why, size_t size)
-{
-    char other[NEPH_LIGHT_WHY_SIZE];
-    const struct neph_engine *engine = model->engine;
-    if (engine->can_render(multiple, &model->settings, why, size))
-        return multiple;
-    return engine->can_render(single, &model->settings, other, sizeof(other)) ? single : NULL;
-}
-
-static bool keeps_frames(const struct neph_light_model *model)
-{
-    return neph_option_find(model->engine->options, "warm_up") >= 0;
-}
-
+/* With all orders of scattering, if the model takes that, else with one, if that. A model with a
+ * warm-up keeps frames, and may see a sun that sinks. */
 static enum neph_status run_model(struct neph_light_study *study, struct neph_light_cell *cell,
                                   int index, const struct scenes *scenes, struct neph_diag *diag)
 {
     const struct neph_light_model *model = &study->models[index];
     struct neph_light_gap *gap = &cell->gaps[index];
     struct neph_image *frame = NULL;
-    const struct neph_scene *scene = fitting(model, scenes->multiple, scenes->single, gap->because,
-                                             sizeof(gap->because));
-    if (!scene)
+    char why[NEPH_LIGHT_WHY_SIZE];
+    gap->once = !model->engine->can_render(scenes->multiple, &model->settings, gap->because,
+                                           sizeof(gap->because));
+    if (gap->once &&
+        !model->engine->can_render(scenes->single, &model->settings, why, sizeof(why))) {
+        gap->once = false;
         return NEPH_OK;
+    }
     gap->because[0] = '\0';
-    gap->once = scene == scenes->single;
-    const bool is_moved = scenes->moving && !gap->once && keeps_frames(model);
-    struct neph_shot shot = shot_of(study, is_moved ? scenes->moving : scene);
+    const bool is_moved = scenes->moving && !gap->once &&
+                          neph_option_find(model->engine->options, "warm_up") >= 0;
+    struct neph_shot shot = shot_of(study, is_moved    ? scenes->moving
+                                           : gap->once ? scenes->single
+                                                       : scenes->multiple);
     shot.frame = is_moved ? NEPH_RELIT_FRAMES - 1 : 0;
     enum neph_status status = neph_light_model_render(model, &shot, study->run->store, &frame,
                                                       &gap->render_s, diag);
@@ -377,6 +367,7 @@ void neph_light_verdict_add(struct neph_light_verdict *verdict, const struct nep
     const double bias = fabs(neph_light_bias(sums)), rms = neph_light_rms(sums);
     verdict->cell_count++;
     verdict->mean_bias += bias;
+    verdict->mean_signed_bias += neph_light_bias(sums);
     verdict->worst_bias = fmax(verdict->worst_bias, bias);
     verdict->mean_rms += rms;
     verdict->share_within += bias <= bias_wanted;
@@ -388,6 +379,7 @@ void neph_light_verdict_end(struct neph_light_verdict *verdict)
 {
     const double count = verdict->cell_count; /* 0 makes NaN of all but the worst */
     verdict->mean_bias /= count;
+    verdict->mean_signed_bias /= count;
     verdict->mean_rms /= count;
     verdict->share_within /= count;
     verdict->share_near /= count;

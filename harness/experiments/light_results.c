@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_LIGHT_PARTS == 2, "a new kind");
+
 static const char *const part_names[NEPH_LIGHT_PARTS] = {"dense parts", "whole picture"};
 
 static double degrees(double angle_rad)
@@ -29,15 +32,6 @@ static void add_model_columns(const struct neph_light_study *study, struct neph_
         neph_table_columns(
             table,
             &(struct neph_column){.title = study->request->models.words[model], .format = "%g"}, 1);
-}
-
-/* Print a table, and free it. */
-static enum neph_status end_table(struct neph_table *table, FILE *out, struct neph_diag *diag)
-{
-    neph_table_print(table, out);
-    const enum neph_status status = neph_table_check(table, diag);
-    neph_table_finish(table);
-    return status;
 }
 
 static void print_head(const struct neph_light_study *study, FILE *out)
@@ -92,8 +86,8 @@ static const struct neph_field verdict_fields[] = {
 #undef AT
 enum { VERDICT_FIELDS = sizeof(verdict_fields) / sizeof(verdict_fields[0]) };
 
-static enum neph_status print_verdicts(const struct neph_light_study *study, FILE *out,
-                                       struct neph_diag *diag)
+static void print_verdicts(const struct neph_light_study *study,
+                           struct neph_publication *publication)
 {
     static const struct neph_column columns[] = {
         {.title = "model"}, {.title = "of"}, {.title = "cells", .format = "%ld"}};
@@ -111,8 +105,8 @@ static enum neph_status print_verdicts(const struct neph_light_study *study, FIL
             neph_table_count(&table, verdict.cell_count);
             neph_table_field_cells(&table, verdict_fields, VERDICT_FIELDS, &verdict);
         }
-    fprintf(out, "\n**Models over cells, in %%**\n\n");
-    return end_table(&table, out, diag);
+    fprintf(publication->text, "\n**Models over cells, in %%**\n\n");
+    neph_publication_table(publication, &table);
 }
 
 static json_t *verdict_json(const struct neph_light_study *study, int model,
@@ -125,62 +119,47 @@ static json_t *verdict_json(const struct neph_light_study *study, int model,
 
 /* ---- by the properties of cells -------------------------------------------------------------- */
 
-/* A cell's value of a key, as words. */
-typedef void key_function(const struct neph_light_cell *cell, char *word, size_t size);
+enum key { KEY_SCENE, KEY_SUN, KEY_G, KEY_ALBEDO, KEY_DEPTH, KEYS };
+static const char *const key_titles[KEYS] = {"cloud", "sun", "g", "albedo", "optical depth"};
 
-static void key_scene(const struct neph_light_cell *cell, char *word, size_t size)
-{
-    snprintf(word, size, "%s", cell->scene);
-}
+enum { WORD_SIZE = 96 };
 
-static void key_sun(const struct neph_light_cell *cell, char *word, size_t size)
-{
-    snprintf(word, size, "%s", side_of(cell));
-}
+/* Cells with this value of a key. */
+struct match {
+    enum key key;
+    char word[WORD_SIZE];
+};
 
-static void key_g(const struct neph_light_cell *cell, char *word, size_t size)
-{
-    snprintf(word, size, "%.3g", cell->light.g);
-}
-
-static void key_albedo(const struct neph_light_cell *cell, char *word, size_t size)
-{
-    snprintf(word, size, "%.4g", cell->light.albedo);
-}
-
-static void key_depth(const struct neph_light_cell *cell, char *word, size_t size)
+static void write_depth_range(double depth, char *word)
 {
     static const double edges[] = {3.0, 10.0, 30.0, 100.0};
     double from = 0.0;
     for (size_t i = 0; i < sizeof(edges) / sizeof(edges[0]); from = edges[i++])
-        if (cell->optical_depth < edges[i]) {
-            snprintf(word, size, "%g to %g", from, edges[i]);
+        if (depth < edges[i]) {
+            snprintf(word, WORD_SIZE, "%g to %g", from, edges[i]);
             return;
         }
-    snprintf(word, size, "%g and more", from);
+    snprintf(word, WORD_SIZE, "%g and more", from);
 }
 
-static const struct key {
-    const char *title;
-    key_function *of;
-} keys[] = {{"cloud", key_scene},
-            {"sun", key_sun},
-            {"g", key_g},
-            {"albedo", key_albedo},
-            {"optical depth", key_depth}};
-enum { KEY_COUNT = sizeof(keys) / sizeof(keys[0]), WORD_SIZE = 96 };
-
-struct match {
-    key_function *of;
-    const char *word;
-};
+static struct match match_of(const struct neph_light_cell *cell, enum key key)
+{
+    struct match match = {.key = key};
+    if (key == KEY_SCENE || key == KEY_SUN)
+        snprintf(match.word, WORD_SIZE, "%s", key == KEY_SUN ? side_of(cell) : cell->scene);
+    else if (key == KEY_DEPTH)
+        write_depth_range(cell->optical_depth, match.word);
+    else if (key == KEY_G)
+        snprintf(match.word, WORD_SIZE, "%.3g", cell->light.g);
+    else
+        snprintf(match.word, WORD_SIZE, "%.4g", cell->light.albedo);
+    return match;
+}
 
 static bool is_match(const struct neph_light_cell *cell, const void *context)
 {
-    char word[WORD_SIZE];
     const struct match *match = context;
-    match->of(cell, word, sizeof(word));
-    return strcmp(word, match->word) == 0;
+    return strcmp(match_of(cell, match->key).word, match->word) == 0;
 }
 
 /* Whether no cell before has the word. */
@@ -190,22 +169,6 @@ static bool is_first(const struct neph_light_study *study, int cell, const struc
         if (!study->cells[i].left_out[0] && is_match(&study->cells[i], match))
             return false;
     return true;
-}
-
-/* The mean bias, with its sign: whether a model is too dark or too bright there. */
-static double signed_bias(const struct neph_light_study *study, int model,
-                          enum neph_light_part part, const struct match *match)
-{
-    double sum = 0.0;
-    int count = 0;
-    for (int i = 0; i < study->cell_count; i++) {
-        const struct neph_light_sums *sums = neph_light_part_of(&study->cells[i].gaps[model], part);
-        if (!neph_light_counts(sums) || !is_match(&study->cells[i], match))
-            continue;
-        sum += neph_light_bias(sums);
-        count++;
-    }
-    return count > 0 ? sum / count : NAN;
 }
 
 static void add_key_row(const struct neph_light_study *study, enum neph_light_part part,
@@ -218,28 +181,24 @@ static void add_key_row(const struct neph_light_study *study, enum neph_light_pa
         neph_table_number(table, verdict.mean_bias);
         if (verdict.cell_count > 0)
             neph_table_shown(table, "%.1f (%+.1f), %d", 100.0 * verdict.mean_bias,
-                             100.0 * signed_bias(study, model, part, match), verdict.cell_count);
+                             100.0 * verdict.mean_signed_bias, verdict.cell_count);
     }
 }
 
-static enum neph_status print_key(const struct neph_light_study *study, const struct key *key,
-                                  enum neph_light_part part, FILE *out, struct neph_diag *diag)
+static void print_key(const struct neph_light_study *study, enum key key, enum neph_light_part part,
+                      struct neph_publication *publication)
 {
     struct neph_table table = {.cells = NULL};
-    neph_table_columns(&table, &(struct neph_column){.title = key->title}, 1);
+    neph_table_columns(&table, &(struct neph_column){.title = key_titles[key]}, 1);
     add_model_columns(study, &table);
     for (int i = 0; i < study->cell_count; i++) {
-        char word[WORD_SIZE];
-        const struct match match = {key->of, word};
-        if (study->cells[i].left_out[0])
-            continue;
-        match.of(&study->cells[i], word, sizeof(word));
-        if (is_first(study, i, &match))
+        const struct match match = match_of(&study->cells[i], key);
+        if (!study->cells[i].left_out[0] && is_first(study, i, &match))
             add_key_row(study, part, &match, &table);
     }
-    fprintf(out, "\n**By %s, %s: mean of abs(bias) (of bias) in %%, cells**\n\n", key->title,
-            part_names[part]);
-    return end_table(&table, out, diag);
+    fprintf(publication->text, "\n**By %s, %s: mean of abs(bias) (of bias) in %%, cells**\n\n",
+            key_titles[key], part_names[part]);
+    neph_publication_table(publication, &table);
 }
 
 /* ---- along the axes -------------------------------------------------------------------------- */
@@ -257,8 +216,8 @@ static struct neph_light_sums sums_along(const struct neph_light_study *study, i
     return sums;
 }
 
-static enum neph_status print_axis(const struct neph_light_study *study, enum neph_light_axis axis,
-                                   FILE *out, struct neph_diag *diag)
+static void print_axis(const struct neph_light_study *study, enum neph_light_axis axis,
+                       struct neph_publication *publication)
 {
     static const struct neph_column columns[] = {{.title = "from", .format = "%.3g"},
                                                  {.title = "to", .format = "%.3g"},
@@ -279,9 +238,10 @@ static enum neph_status print_axis(const struct neph_light_study *study, enum ne
                 neph_table_shown(&table, "%.3f (%.0f)", ratio, 100.0 * neph_light_rms(&sums));
         }
     }
-    fprintf(out, "\n**By %s: radiance over the tracer's (rms in %%), pixels of all cells**\n\n",
+    fprintf(publication->text,
+            "\n**By %s: radiance over the tracer's (rms in %%), pixels of all cells**\n\n",
             row->title);
-    return end_table(&table, out, diag);
+    neph_publication_table(publication, &table);
 }
 
 /* ---- cells ----------------------------------------------------------------------------------- */
@@ -313,8 +273,8 @@ static void add_cell_row(const struct neph_light_study *study, const struct neph
     }
 }
 
-static enum neph_status print_cells(const struct neph_light_study *study, enum neph_light_part part,
-                                    FILE *out, struct neph_diag *diag)
+static void print_cells(const struct neph_light_study *study, enum neph_light_part part,
+                        struct neph_publication *publication)
 {
     static const struct neph_column columns[] = {
         {.title = "cloud"},
@@ -330,30 +290,27 @@ static enum neph_status print_cells(const struct neph_light_study *study, enum n
     add_model_columns(study, &table);
     for (int i = 0; i < study->cell_count; i++)
         add_cell_row(study, &study->cells[i], part, &table);
-    fprintf(out, "\n**Cells, %s: bias (rms) in %%**\n\n", part_names[part]);
-    return end_table(&table, out, diag);
+    fprintf(publication->text, "\n**Cells, %s: bias (rms) in %%**\n\n", part_names[part]);
+    neph_publication_table(publication, &table);
 }
 
-static enum neph_status print_text(const struct neph_light_study *study, FILE *out,
-                                   struct neph_diag *diag)
+static void print_text(const struct neph_light_study *study, struct neph_publication *publication)
 {
-    enum neph_status status = NEPH_OK;
-    print_head(study, out);
-    print_notes(study, out);
-    status = print_verdicts(study, out, diag);
-    for (int i = 0; i < KEY_COUNT * NEPH_LIGHT_PARTS && !status; i++)
-        status = print_key(study, &keys[i / NEPH_LIGHT_PARTS],
-                           (enum neph_light_part)(i % NEPH_LIGHT_PARTS), out, diag);
-    for (int axis = 0; axis < NEPH_LIGHT_AXES && !status; axis++)
-        status = print_axis(study, (enum neph_light_axis)axis, out, diag);
-    fprintf(out,
+    print_head(study, publication->text);
+    print_notes(study, publication->text);
+    print_verdicts(study, publication);
+    for (int key = 0; key < KEYS; key++)
+        for (int part = 0; part < NEPH_LIGHT_PARTS; part++)
+            print_key(study, (enum key)key, (enum neph_light_part)part, publication);
+    for (int axis = 0; axis < NEPH_LIGHT_AXES; axis++)
+        print_axis(study, (enum neph_light_axis)axis, publication);
+    fprintf(publication->text,
             "\nIn the next tables the sun's elevation and azimuth are in degrees, and azimuth "
             "0 is where the camera looks, 180 behind it; a tenth of a cell's pixels with media "
             "have more than its optical depth; noise is what the tracer's leaves of its mean, "
             "in %%.\n");
-    for (int part = 0; part < NEPH_LIGHT_PARTS && !status; part++)
-        status = print_cells(study, (enum neph_light_part)part, out, diag);
-    return status;
+    for (int part = 0; part < NEPH_LIGHT_PARTS; part++)
+        print_cells(study, (enum neph_light_part)part, publication);
 }
 
 /* ---- CSV ------------------------------------------------------------------------------------- */
@@ -394,8 +351,7 @@ static void add_csv_row(const struct neph_light_study *study, const struct neph_
 }
 
 /* A line for each cell and model. */
-static enum neph_status print_csv(const struct neph_light_study *study, FILE *out,
-                                  struct neph_diag *diag)
+static void print_csv(const struct neph_light_study *study, struct neph_publication *publication)
 {
     static const char *const names[] = {"scene",
                                         "sun_elevation_deg",
@@ -423,10 +379,9 @@ static enum neph_status print_csv(const struct neph_light_study *study, FILE *ou
     for (int i = 0; i < study->cell_count; i++)
         for (int model = 0; model < study->request->models.count; model++)
             add_csv_row(study, &study->cells[i], model, &table);
-    neph_table_print_csv(&table, "\r\n", out);
-    const enum neph_status status = neph_table_check(&table, diag);
+    neph_table_print_csv(&table, "\r\n", publication->csv);
+    publication->is_short |= neph_table_check(&table, NULL) != NEPH_OK;
     neph_table_finish(&table);
-    return status;
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -527,20 +482,17 @@ static enum neph_status print_laws(const struct neph_light_study *study, FILE *o
 enum neph_status neph_light_publish(const struct neph_light_study *study,
                                     struct neph_publication *publication, struct neph_diag *diag)
 {
-    const bool has_laws = study->request->laws;
-    enum neph_status status = NEPH_OK;
     if (publication->text)
-        status = print_text(study, publication->text, diag);
-    if (!status && publication->text && has_laws)
-        status = print_laws(study, publication->text, diag);
-    if (!status && publication->csv)
-        status = print_csv(study, publication->csv, diag);
+        print_text(study, publication);
+    if (publication->csv)
+        print_csv(study, publication);
     if (publication->chart)
         neph_light_plot(study, publication->chart);
     publication->broken_count = study->failed_count;
     publication->broken_words = "cells broke; their lines say why";
     publication->json = make_json(study);
-    if (has_laws)
-        neph_json_set(&publication->json, "laws", neph_light_laws_json(&study->laws));
-    return status ? status : neph_json_check(publication->json, diag);
+    if (!study->request->laws)
+        return NEPH_OK;
+    neph_json_set(&publication->json, "laws", neph_light_laws_json(&study->laws));
+    return publication->text ? print_laws(study, publication->text, diag) : NEPH_OK;
 }

@@ -149,15 +149,6 @@ enum {
 };
 static const struct neph_column name_columns[] = {{.title = "scene"}, {.title = ""}};
 
-/* Print a table's rows under its title, and free it. */
-static enum neph_status end_table(struct neph_table *table, FILE *out, struct neph_diag *diag)
-{
-    neph_table_print(table, out);
-    const enum neph_status status = neph_table_check(table, diag);
-    neph_table_finish(table);
-    return status;
-}
-
 static void add_names(struct neph_table *table, const char *scene, const char *model)
 {
     neph_table_word(table, scene);
@@ -178,8 +169,8 @@ static void add_truth(struct neph_table *table, const struct neph_screen_truth *
                      truth->lost_by[NEPH_LOST_THIN], truth->lost_by[NEPH_SCREEN_LOSSES]);
 }
 
-static enum neph_status print_part(const struct neph_screen_study *study, int part, FILE *out,
-                                   struct neph_diag *diag)
+static void print_part(const struct neph_screen_study *study, int part,
+                       struct neph_publication *publication)
 {
     const struct neph_screen_request *request = study->request;
     struct neph_table table = {.cells = NULL};
@@ -196,13 +187,13 @@ static enum neph_status print_part(const struct neph_screen_study *study, int pa
             neph_table_field_cells(&table, gap_fields, GAP_FIELDS, &scene->gaps[m][part]);
         }
     }
-    fprintf(out, "\n**%s** [%% of %s]\n\n", neph_screen_part_names[part],
+    fprintf(publication->text, "\n**%s** [%% of %s]\n\n", neph_screen_part_names[part],
             part == NEPH_SCREEN_AO ? "the hemisphere" : "all such light");
-    return end_table(&table, out, diag);
+    neph_publication_table(publication, &table);
 }
 
-static enum neph_status print_losses(const struct neph_screen_study *study, FILE *out,
-                                     struct neph_diag *diag)
+static void print_losses(const struct neph_screen_study *study,
+                         struct neph_publication *publication)
 {
     static const struct neph_column columns[] = {
         {.title = "scene"},
@@ -222,8 +213,8 @@ static enum neph_status print_losses(const struct neph_screen_study *study, FILE
             for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
                 neph_table_number(&table, far ? scene->far[i] : scene->near[i]);
         }
-    fprintf(out, "\n**Why** [%% of the hemisphere over surfaces in the picture]\n\n");
-    return end_table(&table, out, diag);
+    fprintf(publication->text, "\n**Why** [%% of the hemisphere over surfaces in the picture]\n\n");
+    neph_publication_table(publication, &table);
 }
 
 /* Error and bias of all parts. */
@@ -235,8 +226,8 @@ static void add_cycles_row(struct neph_table *table, const char *scene, const ch
         neph_table_field_cells(table, gap_fields, 2, &gaps[part]);
 }
 
-static enum neph_status print_cycles(const struct neph_screen_study *study, FILE *out,
-                                     struct neph_diag *diag)
+static void print_cycles(const struct neph_screen_study *study,
+                         struct neph_publication *publication)
 {
     const struct neph_screen_request *request = study->request;
     struct neph_table table = {.cells = NULL};
@@ -261,12 +252,13 @@ static enum neph_status print_cycles(const struct neph_screen_study *study, FILE
         for (int m = 0; m < request->models.count; m++)
             add_cycles_row(&table, name, request->models.words[m], scene->against_cycles[m]);
     }
-    fprintf(out, "\n**Against Cycles** [%%, as above], %d samples\n\n", request->cycles_samples);
-    return end_table(&table, out, diag);
+    fprintf(publication->text, "\n**Against Cycles** [%%, as above], %d samples\n\n",
+            request->cycles_samples);
+    neph_publication_table(publication, &table);
 }
 
-static enum neph_status print_flicker(const struct neph_screen_study *study, FILE *out,
-                                      struct neph_diag *diag)
+static void print_flicker(const struct neph_screen_study *study,
+                          struct neph_publication *publication)
 {
     static const struct neph_column frames = {.title = "frames", .format = "%ld"};
     const struct neph_screen_request *request = study->request;
@@ -283,18 +275,17 @@ static enum neph_status print_flicker(const struct neph_screen_study *study, FIL
             neph_table_field_cells(&table, flicker_fields + 1, FLICKER_FIELDS - 1, numbers);
             neph_table_field_cells(&table, flicker_fields, 1, numbers);
         }
-    fprintf(out, "\n**Over frames**, the picture against surfaces: light over its mean [%%]; on a "
-                 "display by Unreal's curve FLIP,\nflicker seen over threshold, share of pixels "
-                 "where it is seen; milliseconds of the passes\n\n");
-    return end_table(&table, out, diag);
+    fprintf(publication->text,
+            "\n**Over frames**, the picture against surfaces: light over its mean [%%]; on a "
+            "display by Unreal's curve FLIP,\nflicker seen over threshold, share of pixels "
+            "where it is seen; milliseconds of the passes\n\n");
+    neph_publication_table(publication, &table);
 }
 
-static enum neph_status print_text(const struct neph_screen_study *study, FILE *out,
-                                   struct neph_diag *diag)
+static void print_text(const struct neph_screen_study *study, struct neph_publication *publication)
 {
     const struct neph_screen_request *request = study->request;
-    enum neph_status status = NEPH_OK;
-    fprintf(out,
+    fprintf(publication->text,
             "neph %s, against surfaces with %d samples, %dx%d, ambient occlusion within %g m.\n"
             "Errors are mean and absolute, light times the colour of its surface. A pixel is lost "
             "where what the picture shows of\nits truth is off by more than %g %% of it (of the "
@@ -302,15 +293,13 @@ static enum neph_status print_text(const struct neph_screen_study *study, FILE *
             NEPH_VERSION, request->samples, request->shared.size.width_px,
             request->shared.size.height_px, request->radius_m, 100.0 * NEPH_SCREEN_LOST,
             50.0 * NEPH_SCREEN_LOST);
-    for (int part = 0; part < NEPH_SCREEN_PARTS && !status; part++)
-        status = print_part(study, part, out, diag);
-    if (!status)
-        status = print_losses(study, out, diag);
-    if (!status && request->cycles_samples > 0)
-        status = print_cycles(study, out, diag);
-    if (!status && request->frame_count > 0)
-        status = print_flicker(study, out, diag);
-    return status;
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++)
+        print_part(study, part, publication);
+    print_losses(study, publication);
+    if (request->cycles_samples > 0)
+        print_cycles(study, publication);
+    if (request->frame_count > 0)
+        print_flicker(study, publication);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -376,24 +365,26 @@ static json_t *scene_json(const struct neph_screen_study *study, int s)
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-static enum neph_status write_results(const struct neph_screen_study *study,
-                                      struct neph_publication *publication, struct neph_diag *diag)
+static enum neph_status write_page(const struct neph_screen_study *study, struct neph_diag *diag)
+{
+    char *page = neph_path_join(study->run->output, "screen");
+    const enum neph_status status = page ? neph_screen_page_write(study, page, diag)
+                                         : neph_fail_memory(diag);
+    free(page);
+    return status;
+}
+
+static void write_results(const struct neph_screen_study *study,
+                          struct neph_publication *publication)
 {
     const struct neph_screen_request *request = study->request;
-    char *page = neph_path_join(study->run->output, "screen");
-    enum neph_status status = page ? neph_screen_page_write(study, page, diag)
-                                   : neph_fail_memory(diag);
-    if (!status && publication->text)
-        status = print_text(study, publication->text, diag);
-    free(page);
-    if (status)
-        return status;
     json_t *scenes = json_object();
+    if (publication->text)
+        print_text(study, publication);
     for (int s = 0; s < request->scene_count; s++)
         neph_json_set(&scenes, request->scenes[s]->name, scene_json(study, s));
     publication->json = json_pack("{s:f, s:i, s:o}", "radius_m", request->radius_m, "samples",
                                   request->samples, "scenes", scenes);
-    return neph_json_check(publication->json, diag);
 }
 
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
@@ -407,7 +398,9 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     study->run = run;
     enum neph_status status = neph_screen_measure(study, diag);
     if (!status && !request->is_part)
-        status = write_results(study, publication, diag);
+        status = write_page(study, diag);
+    if (!status && !request->is_part)
+        write_results(study, publication);
     neph_arena_finish(&study->arena);
     free(study);
     return status;

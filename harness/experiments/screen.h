@@ -89,7 +89,7 @@ struct neph_screen_study {
     struct neph_light_model truth, cycles, models[NEPH_LIGHT_MODELS_MAX];
     struct neph_open_device *device; /* of the display that flicker is seen on */
     struct neph_screen_scene scenes[NEPH_SCREEN_SCENES_MAX];
-    /* Of all frames, against the truth. */
+    /* What the frames of models are off by, against the truth. */
     struct neph_post_numbers flicker[NEPH_SCREEN_SCENES_MAX][NEPH_LIGHT_MODELS_MAX];
 };
 

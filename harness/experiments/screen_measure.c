@@ -61,7 +61,7 @@ static enum neph_status render(const struct neph_screen_study *study,
 
 /* ---- parts of a frame ------------------------------------------------------------------------ */
 
-/* What is compared: a model (NULL: none yet) with the truth, or with a second truth in its place. */
+/* A model (NULL: none yet) is compared with the truth, or with a second truth in its place. */
 struct compared {
     const struct neph_image *truth, *second, *model;
 };
@@ -214,22 +214,20 @@ struct parted {
 };
 
 /* Why a pixel is lost, and that it is. */
-static void look_from(const struct neph_screen_study *study, const struct neph_scene *scene,
-                      const struct neph_camera *camera, const struct parted *truth, int p,
-                      double shares[NEPH_SCREEN_PARTS][NEPH_SCREEN_LOSSES],
-                      struct neph_screen_scene *result)
+static void mark_pixel(const struct neph_screen_study *study, const struct neph_scene *scene,
+                       const struct neph_camera *camera, const struct parted *truth, int p,
+                       double shares[NEPH_SCREEN_PARTS][NEPH_SCREEN_LOSSES],
+                       struct neph_screen_scene *result)
 {
     const struct neph_screen_request *request = study->request;
     const int width_px = request->shared.size.width_px, height_px = request->shared.size.height_px;
     const int column = p % width_px, row = p / width_px;
-    neph_screen_lost(scene, camera, width_px, height_px, column, row, request->radius_m,
-                     request->rays, shares[NEPH_SCREEN_AO]);
-    neph_screen_lost(scene, camera, width_px, height_px, column, row, INFINITY, request->rays,
-                     shares[NEPH_SCREEN_DIFFUSE]);
-    neph_screen_lost_mirrored(scene, camera, width_px, height_px, column, row,
-                              shares[NEPH_SCREEN_GLOSSY]);
     for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
         struct sample sample;
+        neph_screen_lost(scene, camera, width_px, height_px, column, row,
+                         part == NEPH_SCREEN_AO ? request->radius_m : INFINITY,
+                         part == NEPH_SCREEN_GLOSSY ? NEPH_SCREEN_MIRROR : request->rays,
+                         shares[part]);
         if (!truth->has[part] || !sample_of(&truth->layers[part], (size_t)p, &sample) ||
             !is_lost((enum neph_screen_part)part, &sample))
             continue;
@@ -239,14 +237,20 @@ static void look_from(const struct neph_screen_study *study, const struct neph_s
     }
 }
 
-/* Shares are means over surfaces. */
-static void look_around(const struct neph_screen_study *study, const struct neph_scene *scene,
-                        const struct neph_image *frame, struct neph_screen_scene *result)
+/* Shares are means over surfaces; solids lie as the first frame has them. */
+static enum neph_status find_lost_pixels(const struct neph_screen_study *study,
+                                         const struct neph_scene *scene,
+                                         const struct neph_image *frame,
+                                         struct neph_screen_scene *result, struct neph_diag *diag)
 {
-    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     const int count = (int)neph_image_pixel_count(frame);
     struct parted truth = {.depth = neph_image_channel(frame, "Z")};
+    struct neph_scene *first = NULL;
     int surfaces = 0;
+    const enum neph_status status = neph_scene_at(scene, 0.0, &first, diag);
+    if (status)
+        return status;
+    const struct neph_camera camera = neph_scene_camera(first, 0.0);
     for (int part = 0; part < NEPH_SCREEN_PARTS; part++)
         truth.has[part] = find_layers(&(struct compared){.truth = frame},
                                       (enum neph_screen_part)part, &truth.layers[part]);
@@ -254,26 +258,13 @@ static void look_around(const struct neph_screen_study *study, const struct neph
         surfaces += isfinite(truth.depth[p]);
     for (int p = 0; p < count; p++) {
         double shares[NEPH_SCREEN_PARTS][NEPH_SCREEN_LOSSES];
-        look_from(study, scene, &camera, &truth, p, shares, result);
+        mark_pixel(study, first, &camera, &truth, p, shares, result);
         for (int i = 0; i < NEPH_SCREEN_LOSSES; i++) {
             result->near[i] += shares[NEPH_SCREEN_AO][i] / surfaces;
             result->far[i] += shares[NEPH_SCREEN_DIFFUSE][i] / surfaces;
         }
     }
-}
-
-/* Solids lie as the first frame has them. */
-static enum neph_status look_at_first(const struct neph_screen_study *study,
-                                      const struct neph_scene *scene,
-                                      const struct neph_image *frame,
-                                      struct neph_screen_scene *result, struct neph_diag *diag)
-{
-    struct neph_scene *still = NULL;
-    const enum neph_status status = neph_scene_at(scene, 0.0, &still, diag);
-    if (status)
-        return status;
-    look_around(study, still, frame, result);
-    neph_scene_destroy(still);
+    neph_scene_destroy(first);
     return NEPH_OK;
 }
 
@@ -453,7 +444,7 @@ static enum neph_status run_cycles(const struct neph_screen_study *study,
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
-/* Of the truth alone: what of it is lost, and where. */
+/* What of the truth is lost, and where; it needs no model. */
 static enum neph_status measure_truth(struct neph_screen_study *study,
                                       const struct neph_scene *scene,
                                       const struct neph_image *truth,
@@ -470,7 +461,7 @@ static enum neph_status measure_truth(struct neph_screen_study *study,
     enum neph_status status = neph_arena_check(&study->arena, diag);
     if (!status)
         status = show(scene, truth, result->seen, diag);
-    return status ? status : look_at_first(study, scene, truth, result, diag);
+    return status ? status : find_lost_pixels(study, scene, truth, result, diag);
 }
 
 static enum neph_status run_scene(struct neph_screen_study *study, int s, struct neph_diag *diag)

@@ -440,8 +440,7 @@ static void add_gap_row(const struct cell *cell, const struct gap *gap, struct n
         neph_table_shown(table, "cannot: %s", gap->because);
 }
 
-static enum neph_status print_model(const struct study *study, int model, FILE *out,
-                                    struct neph_diag *diag)
+static void print_model(const struct study *study, int model, struct neph_publication *publication)
 {
     static const struct neph_column columns[] = {
         {.title = "sun [degrees]", .format = "%g"},
@@ -455,6 +454,7 @@ static enum neph_status print_model(const struct study *study, int model, FILE *
         {.title = ""},
     };
     struct neph_table table = {.cells = NULL};
+    FILE *out = publication->text;
     double seconds = 0.0;
     neph_table_columns(&table, columns, sizeof(columns) / sizeof(columns[0]));
     for (int i = 0; i < study->cell_count; i++) {
@@ -463,20 +463,16 @@ static enum neph_status print_model(const struct study *study, int model, FILE *
     }
     fprintf(out, "\n**%s**\n\n`%s`\n\n", study->request->models.words[model],
             study->settings[model]);
-    neph_table_print(&table, out);
+    neph_publication_table(publication, &table);
     fprintf(out, "\n%.3g s a picture, tables included.\n",
             seconds / (2.0 * fmax(1.0, study->cell_count)));
-    const enum neph_status status = neph_table_check(&table, diag);
-    neph_table_finish(&table);
-    return status;
 }
 
-static enum neph_status print_text(const struct study *study, FILE *out, struct neph_diag *diag)
+static void print_text(const struct study *study, struct neph_publication *publication)
 {
     const struct request *request = study->request;
     const struct neph_cli_size *size = &request->shared.size;
-    enum neph_status status = NEPH_OK;
-    fprintf(out,
+    fprintf(publication->text,
             "neph %s, %s of %s on %s: %d samples, %dx%d, directions of %dx%d pixels.\n"
             "A direction is off by the sum over channels of abs(model - truth) over the sum of the "
             "truth; means over directions by\ntheir solid angles; noise is what the truth is off "
@@ -484,9 +480,8 @@ static enum neph_status print_text(const struct study *study, FILE *out, struct 
             NEPH_VERSION, request->scene->name, request->truth, study->truth.info.device,
             request->samples, size->width_px, size->height_px, request->tile_px, request->tile_px,
             lowest_sun_deg, 100.0 * mean_wanted, 100.0 * worst_wanted);
-    for (int model = 0; model < request->models.count && !status; model++)
-        status = print_model(study, model, out, diag);
-    return status;
+    for (int model = 0; model < request->models.count; model++)
+        print_model(study, model, publication);
 }
 
 static json_t *gap_json(const struct gap *gap)
@@ -518,16 +513,15 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     struct study study = {
         .request = request, .run = run, .progress = neph_progress_start(run->quiet, 0)};
     enum neph_status status = run_cells(&study, diag);
-    if (!status && publication->text)
-        status = print_text(&study, publication->text, diag);
     if (!status) {
         json_t *cells = json_array();
+        if (publication->text)
+            print_text(&study, publication);
         for (int i = 0; i < study.cell_count; i++)
             neph_json_add(&cells, cell_json(&study, &study.cells[i]));
         publication->json = json_pack("{s:s, s:s, s:s, s:o}", "scene", request->scene->name,
                                       "truth", request->truth, "device", study.truth.info.device,
                                       "cells", cells);
-        status = neph_json_check(publication->json, diag);
     }
     free(study.cells);
     return status;

@@ -6,7 +6,7 @@
 #include "tests/scene_builders.h"
 
 #include "harness/data.h"
-#include "harness/experiments/light_fit.h"
+#include "harness/experiments/light.h"
 #include "scenes/media.h"
 
 /* ---- statistics ------------------------------------------------------------------------------ */
