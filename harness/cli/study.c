@@ -2,7 +2,7 @@
  *
  * `neph study KIND ...`: each kind of study is a file and a line here.
  */
-#include "harness/cli/study.h"
+#include "harness/cli/cli.h"
 
 #include "harness/engines/engines.h"
 #include "harness/experiments/experiments.h"
@@ -12,25 +12,24 @@
 
 static const struct {
     const char *name;
-    neph_verb *run; /* or: */
     const struct neph_experiment *experiment;
     const char *help;
 } kinds[] = {
-    {"steps", NULL, &neph_experiment_steps,
+    {"steps", &neph_experiment_steps,
      "how far an engine's steps are from their limit, and which are enough"},
-    {"flicker", NULL, &neph_experiment_flicker,
+    {"flicker", &neph_experiment_flicker,
      "which preset of the real-time renderer flickers and lags less, with intervals"},
-    {"light", neph_cli_study_light, NULL,
+    {"light", &neph_experiment_light,
      "how far lighting models are from all orders of scattering, and where"},
-    {"sky", neph_cli_study_sky, NULL,
+    {"sky", &neph_experiment_sky,
      "how far models of a planet's atmosphere are from all orders of scattering, and where"},
-    {"fog", neph_cli_study_fog, NULL,
+    {"fog", &neph_experiment_fog,
      "what the controls of a fog's look give, take and break, each alone, against exact"},
-    {"screen", neph_cli_study_screen, NULL,
+    {"screen", &neph_experiment_screen,
      "how far occlusion, reflections and indirect light on a screen are from the truth, and why"},
-    {"convergence", NULL, &neph_experiment_convergence,
+    {"convergence", &neph_experiment_convergence,
      "after how many frames a preset of the real-time renderer is as good as it gets"},
-    {"post", NULL, &neph_experiment_post,
+    {"post", &neph_experiment_post,
      "what each stage between a frame and the display makes of error and flicker"},
 };
 enum { KIND_COUNT = sizeof(kinds) / sizeof(kinds[0]) };
@@ -39,7 +38,7 @@ static void print_help(FILE *out)
 {
     fprintf(out, "Usage: neph study KIND [ARGUMENT...]\n\n");
     for (int i = 0; i < KIND_COUNT; i++)
-        fprintf(out, "  %-9s %s\n", kinds[i].name, kinds[i].help);
+        fprintf(out, "  %-12s %s\n", kinds[i].name, kinds[i].help);
     fprintf(out, "\n`neph study KIND --help` teaches each with examples. Without a KIND, "
                  "`neph study ENGINE SCENE`\nand `neph study --renew` are of `steps`.\n\n"
                  "Examples:\n"
@@ -73,9 +72,7 @@ enum neph_status neph_cli_study(int argc, char **argv, struct neph_diag *diag)
             char name[64];
             snprintf(name, sizeof(name), "neph study %s", kinds[i].name);
             argv[1] = name;
-            return kinds[i].run
-                       ? kinds[i].run(argc - 1, argv + 1, diag)
-                       : neph_experiment_main(kinds[i].experiment, argc - 1, argv + 1, diag);
+            return neph_experiment_main(kinds[i].experiment, argc - 1, argv + 1, diag);
         }
     if (first[0] != '-' && !neph_engine_find(first))
         return refuse_kind(first, diag);

@@ -33,6 +33,14 @@ enum neph_status neph_publication_begin(const struct neph_publication_places *pl
     return NEPH_OK;
 }
 
+void neph_publication_table(struct neph_publication *publication, struct neph_table *table)
+{
+    if (publication->text)
+        neph_table_print(table, publication->text);
+    publication->is_short |= neph_table_check(table, NULL) != NEPH_OK;
+    neph_table_finish(table);
+}
+
 /* Whether all streams have what was written into them. */
 static bool close_streams(struct neph_publication *publication)
 {
@@ -73,7 +81,8 @@ enum neph_status neph_publication_publish(struct neph_publication *publication,
         int form;
     } files[] = {
         {places->markdown, TEXT}, {has_csv ? NULL : places->csv, CSV}, {places->chart, CHART}};
-    enum neph_status status = close_streams(publication) ? NEPH_OK : neph_fail_memory(diag);
+    const bool is_whole = close_streams(publication) && !publication->is_short;
+    enum neph_status status = is_whole ? NEPH_OK : neph_fail_memory(diag);
     if (!status && places->document)
         status = neph_json_write(json_incref(publication->json), places->document, diag);
     for (size_t i = 0; i < sizeof(files) / sizeof(files[0]) && !status; i++)

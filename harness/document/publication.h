@@ -6,7 +6,7 @@
 #ifndef NEPH_HARNESS_DOCUMENT_PUBLICATION_H
 #define NEPH_HARNESS_DOCUMENT_PUBLICATION_H
 
-#include "harness/json.h"
+#include "harness/document/table.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -29,6 +29,7 @@ struct neph_publication {
     const char *broken_words; /* .. "takes broke; their cells say why" */
     enum neph_status verdict; /* an error of the results, once all is published, .. */
     struct neph_diag reason;  /* .. and what it says */
+    bool is_short;            /* memory was, for a table */
     struct {
         char *text;
         size_t size;
@@ -39,6 +40,9 @@ struct neph_publication {
 enum neph_status neph_publication_begin(const struct neph_publication_places *places,
                                         struct neph_publication *publication,
                                         struct neph_diag *diag);
+
+/* Print a table into the text, if that is wanted, and free it. _publish tells of short memory. */
+void neph_publication_table(struct neph_publication *publication, struct neph_table *table);
 
 /* Files, each whole or not at all, a chart only if something is drawn; then stdout.
  * NEPH_ERR_MEMORY: a stream did not fit; NEPH_ERR_INTERNAL: JSON could not be made; NEPH_ERR_IO;

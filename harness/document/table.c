@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum cell_kind { WORD, NUMBER, COUNT, FLAG, VALUE };
+enum cell_kind { WORD, NUMBER, COUNT, FLAG, VALUE, LEFT_OUT };
 
 struct neph_table_cell {
     enum cell_kind kind;
@@ -139,6 +139,12 @@ void neph_table_field_cells(struct neph_table *table, const struct neph_field *f
         neph_table_number(table, *(const double *)((const char *)of + fields[i].at));
 }
 
+void neph_table_end_row(struct neph_table *table)
+{
+    while (!table->arena.is_short && table->cell_count % table->column_count != 0)
+        add(table, (struct neph_table_cell){.kind = LEFT_OUT});
+}
+
 enum neph_status neph_table_check(const struct neph_table *table, struct neph_diag *diag)
 {
     return neph_arena_check(&table->arena, diag);
@@ -213,7 +219,8 @@ void neph_table_print(const struct neph_table *table, FILE *out)
     fputs("|\n", out);
     for (int row = 0; row < row_count(table); row++) {
         for (int c = 0; c < table->column_count; c++)
-            if (has_form(&table->columns[c], NEPH_TABLE_TEXT)) {
+            if (has_form(&table->columns[c], NEPH_TABLE_TEXT) &&
+                cell_at(table, row, c)->kind != LEFT_OUT) {
                 char text[CELL_SIZE];
                 fputs("| ", out);
                 print_word(cell_text(&table->columns[c], cell_at(table, row, c), text), out);
@@ -263,7 +270,7 @@ static void print_csv_cell(const struct neph_table_cell *cell, FILE *out)
         neph_csv_word(cell->word ? cell->word : "", out);
     else if (cell->kind == NUMBER)
         neph_csv_number(cell->number, out);
-    else if (cell->kind != VALUE)
+    else if (cell->kind != VALUE && cell->kind != LEFT_OUT)
         fprintf(out, "%ld", cell->count);
 }
 
@@ -298,6 +305,8 @@ static json_t *cell_json(const struct neph_table_cell *cell)
         return json_boolean(cell->count);
     case VALUE:
         return json_incref(cell->value);
+    case LEFT_OUT:
+        return json_null();
     }
     return NULL;
 }
@@ -320,4 +329,12 @@ void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *aren
     neph_table_print(table, out);
     arena->is_short |= table->arena.is_short;
     neph_table_finish(table);
+}
+
+json_t *neph_fields_json(json_t *object, const struct neph_field *fields, int count, const void *of)
+{
+    for (int i = 0; i < count; i++)
+        neph_json_set(&object, fields[i].column.key,
+                      neph_json_number(*(const double *)((const char *)of + fields[i].at)));
+    return object;
 }

@@ -73,6 +73,10 @@ void neph_table_fields(struct neph_table *table, const struct neph_field *fields
 void neph_table_field_cells(struct neph_table *table, const struct neph_field *fields, int count,
                             const void *of);
 
+/* Leave out the remaining cells of a row: it is shorter for people, has empty fields of CSV, and
+ * nulls in JSON. */
+void neph_table_end_row(struct neph_table *table);
+
 /* NEPH_ERR_MEMORY: memory was short while it was filled. */
 enum neph_status neph_table_check(const struct neph_table *table, struct neph_diag *diag);
 
@@ -94,6 +98,9 @@ json_t *neph_table_json(const struct neph_table *table);
 
 /* Print a table and finish it; a failure of memory goes on in `arena`. */
 void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
+/* An object, which is taken over, with the members of one struct; NULL: memory was short. */
+json_t *neph_fields_json(json_t *object, const struct neph_field *fields, int count,
+                         const void *of);
 
 /* A field of CSV in quotes where it needs them; a number of nine digits, nothing for NaN. */
 void neph_csv_word(const char *word, FILE *out);

@@ -198,24 +198,12 @@ static void measure_lobe(const struct neph_scene *scene, struct neph_fog_row *ro
 
 enum { INTERVALS = 100, JUMP_SPHERE = 12 };
 
-typedef double value_function(const struct neph_fog_look_light *light);
-
-static double transmittance_of(const struct neph_fog_look_light *light)
-{
-    return light->transmittance;
-}
-
-static double light_of(const struct neph_fog_look_light *light)
-{
-    return mean(light->volume);
-}
-
 /* Something along a ray, by the distance of what is seen. */
 struct course {
     const struct neph_scene *scene;
     const struct neph_fog_row *row;
     struct neph_vec3 origin_m, direction;
-    value_function *value;
+    bool is_light; /* the light of the fog; else transmittance */
 };
 
 static double value_at(const struct course *course, double distance_m)
@@ -223,7 +211,7 @@ static double value_at(const struct course *course, double distance_m)
     const struct neph_fog_look_light light = neph_fog_look_ray(course->scene, &course->row->look,
                                                                course->row->model, course->origin_m,
                                                                course->direction, distance_m);
-    return course->value(&light);
+    return course->is_light ? mean(light.volume) : light.transmittance;
 }
 
 /* What is left of a step when it is halved until its ends are neighbours, ever on the side of the
@@ -307,9 +295,9 @@ static void measure_jumps(const struct neph_fog_study *study, struct neph_fog_ro
     struct jump transmittance = {0.0, 0.0}, light = {0.0, 0.0};
     for (int i = 0; i < JUMP_SPHERE + 8; i++) {
         course.direction = jump_direction(scene, i);
-        course.value = transmittance_of;
+        course.is_light = false;
         find_jump(&course, &transmittance);
-        course.value = light_of;
+        course.is_light = true;
         find_jump(&course, &light);
     }
     row->transmittance_jump = transmittance.size;

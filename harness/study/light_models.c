@@ -1,21 +1,32 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/light_models.h"
 
+#include "base/exr.h"
+#include "base/written.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/look.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- by name --------------------------------------------------------------------------------- */
 
-static enum neph_status set_number(struct neph_light_model *model, const char *key, int value,
-                                   struct neph_diag *diag)
+enum neph_status neph_light_model_set(struct neph_light_model *model, const char *key, double value,
+                                      struct neph_diag *diag)
 {
-    char assignment[48];
-    snprintf(assignment, sizeof(assignment), "%s=%d", key, value);
+    char assignment[64];
+    snprintf(assignment, sizeof(assignment), "%s=%.17g", key, value);
     return neph_settings_set(model->engine, &model->settings, assignment, diag);
+}
+
+struct neph_light_model neph_light_model_of(const struct neph_engine *engine,
+                                            struct neph_shared_device *device)
+{
+    struct neph_light_model model = {.engine = engine, .settings = neph_settings_default(engine)};
+    neph_engine_probe(engine, device, &model.info);
+    return model;
 }
 
 /* What all models have alike; a preset has its own steps, and is given these. */
@@ -24,9 +35,9 @@ static enum neph_status set_common(struct neph_light_model *model, int steps,
 {
     enum neph_status status = NEPH_OK;
     if (neph_option_find(model->engine->options, "steps") >= 0)
-        status = set_number(model, "steps", steps, diag);
+        status = neph_light_model_set(model, "steps", steps, diag);
     if (!status && neph_option_find(model->engine->options, "warm_up") >= 0)
-        status = set_number(model, "warm_up", NEPH_LIGHT_WARM_UP, diag);
+        status = neph_light_model_set(model, "warm_up", NEPH_LIGHT_WARM_UP, diag);
     return status;
 }
 
@@ -51,9 +62,7 @@ static enum neph_status find_engine(const char *name, struct neph_shared_device 
                         "realtime+lighting=WORD");
         return NEPH_ERR_USAGE;
     }
-    model->engine = engine;
-    model->settings = neph_settings_default(engine);
-    neph_engine_probe(engine, device, &model->info);
+    *model = neph_light_model_of(engine, device);
     return NEPH_OK;
 }
 
@@ -77,28 +86,47 @@ enum neph_status neph_light_model_parse(const char *words, int steps,
     return status;
 }
 
-/* ---- what stands for what -------------------------------------------------------------------- */
-
 bool neph_light_model_is_look(const struct neph_light_model *model)
 {
     return neph_is_look(model->engine, &model->settings);
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
-/* The models of one engine, each with a comma before it; `*count` goes on. */
-typedef void lister(const struct neph_engine *engine, int *count, FILE *out);
-
-static bool has_room(int *count)
+struct neph_job neph_light_model_job(const struct neph_light_model *model,
+                                     const struct neph_shot *shot)
 {
-    return (*count)++ < NEPH_LIGHT_MODELS_MAX;
+    struct neph_job job = {.engine = model->engine, .info = &model->info, .shot = *shot};
+    job.shot.settings = model->settings;
+    job.shot.time_limit_s = INFINITY;
+    return job;
 }
 
-static void list_engine(const struct neph_engine *engine, int *count, FILE *out)
+enum neph_status neph_light_model_render(const struct neph_light_model *model,
+                                         const struct neph_shot *shot, struct neph_store *store,
+                                         struct neph_image **frame, double *seconds,
+                                         struct neph_diag *diag)
 {
-    if (engine->rung == NEPH_RUNG_MODEL && !engine->shortcut_of && !engine->is_narrow &&
-        has_room(count))
-        fprintf(out, "%s%s", *count > 1 ? "," : "", engine->name);
+    const struct neph_job job = neph_light_model_job(model, shot);
+    struct neph_job_result result = {.settings = NULL};
+    enum neph_status status = neph_job_run(&job, store, &result, diag);
+    if (!status)
+        status = neph_outcome_check(result.outcome, result.reason, diag);
+    if (!status)
+        status = neph_exr_read(result.frame_path, frame, diag);
+    if (!status)
+        *seconds += isnan(result.cost.render_s) ? result.cost.wall_s : result.cost.render_s;
+    neph_job_result_finish(&result);
+    return status;
+}
+
+/* ---- all of them ----------------------------------------------------------------------------- */
+
+static void list_model(const char *engine, const char *lighting, int *count, FILE *out)
+{
+    if ((*count)++ < NEPH_LIGHT_MODELS_MAX)
+        fprintf(out, "%s%s%s%s", *count > 1 ? "," : "", engine, lighting ? "+lighting=" : "",
+                lighting ? lighting : "");
 }
 
 static void list_lightings(const struct neph_engine *engine, int *count, FILE *out)
@@ -106,29 +134,28 @@ static void list_lightings(const struct neph_engine *engine, int *count, FILE *o
     const int index = neph_option_find(engine->options, "lighting");
     if (engine->rung != NEPH_RUNG_MODEL || index < 0)
         return;
-    const struct neph_option *option = &engine->options[index];
-    for (int i = 1; option->choices && option->choices[i - 1] && option->choices[i]; i++)
-        if (!neph_engine_lit_like(option->choices[i]) && has_room(count))
-            fprintf(out, "%s%s+lighting=%s", *count > 1 ? "," : "", engine->name,
-                    option->choices[i]);
+    const char *const *choices = engine->options[index].choices;
+    for (int i = 1; choices && choices[i - 1] && choices[i]; i++)
+        if (!neph_engine_lit_like(choices[i]))
+            list_model(engine->name, choices[i], count, out);
+}
+
+static void list_models(const void *unused, FILE *out)
+{
+    int engine_count, count = 0;
+    const struct neph_engine *const *engines = neph_engines(&engine_count);
+    (void)unused;
+    for (int e = 0; e < engine_count; e++)
+        if (engines[e]->rung == NEPH_RUNG_MODEL && !engines[e]->shortcut_of &&
+            !engines[e]->is_narrow)
+            list_model(engines[e]->name, NULL, &count, out);
+    for (int e = 0; e < engine_count; e++)
+        list_lightings(engines[e], &count, out);
 }
 
 char *neph_light_models_offered(void)
 {
-    static lister *const listers[] = {list_engine, list_lightings};
     char *words = NULL;
-    size_t size;
-    int engine_count, count = 0;
-    const struct neph_engine *const *engines = neph_engines(&engine_count);
-    FILE *out = open_memstream(&words, &size);
-    if (!out)
-        return NULL;
-    for (size_t i = 0; i < sizeof(listers) / sizeof(listers[0]); i++)
-        for (int e = 0; e < engine_count; e++)
-            listers[i](engines[e], &count, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (!cut && closed)
-        return words;
-    free(words);
-    return NULL;
+    (void)neph_written(list_models, NULL, &words, NULL);
+    return words;
 }

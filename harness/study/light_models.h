@@ -6,7 +6,7 @@
 #ifndef NEPH_HARNESS_STUDY_LIGHT_MODELS_H
 #define NEPH_HARNESS_STUDY_LIGHT_MODELS_H
 
-#include "harness/engines/engine.h"
+#include "harness/run/job.h"
 
 enum { NEPH_LIGHT_MODELS_MAX = 8 };
 
@@ -26,6 +26,25 @@ struct neph_light_model {
 enum neph_status neph_light_model_parse(const char *words, int steps,
                                         struct neph_shared_device *device,
                                         struct neph_light_model *model, struct neph_diag *diag);
+
+/* An engine, as it is by default. */
+struct neph_light_model neph_light_model_of(const struct neph_engine *engine,
+                                            struct neph_shared_device *device);
+
+/* Errors as of neph_settings_set(). */
+enum neph_status neph_light_model_set(struct neph_light_model *model, const char *key, double value,
+                                      struct neph_diag *diag);
+
+/* A model's job of a shot that has all but settings and a time limit; there is no limit. */
+struct neph_job neph_light_model_job(const struct neph_light_model *model,
+                                     const struct neph_shot *shot);
+
+/* Its frame, from the store or rendered; the time that its rendering took is added to `*seconds`.
+ * Errors as of neph_job_run() and neph_outcome_check(). */
+enum neph_status neph_light_model_render(const struct neph_light_model *model,
+                                         const struct neph_shot *shot, struct neph_store *store,
+                                         struct neph_image **frame, double *seconds,
+                                         struct neph_diag *diag);
 
 /* Whether it claims no physics (harness/engines/look.h). */
 bool neph_light_model_is_look(const struct neph_light_model *model);

@@ -59,113 +59,77 @@ struct neph_relight neph_light_entry_at(const struct neph_light_entry *entry, in
 
 /* ---- suites ---------------------------------------------------------------------------------- */
 
-static enum neph_status refuse(const char *key, struct neph_diag *diag)
+/* A list at `key`, each item `each` numbers. */
+static enum neph_status read_list(const json_t *sweep, const char *key, int each, double *numbers,
+                                  int *count, struct neph_diag *diag)
 {
-    return neph_fail(diag, NEPH_ERR_INPUT, "%s is no list of at most %d %s", key,
-                     NEPH_LIGHT_SWEEP_MAX, strcmp(key, "suns_deg") == 0 ? "pairs" : "numbers");
-}
-
-static enum neph_status read_list(const json_t *numbers, const char *key,
-                                  double list[NEPH_LIGHT_SWEEP_MAX], int *count,
-                                  struct neph_diag *diag)
-{
-    const json_t *values = json_object_get(numbers, key);
-    *count = (int)json_array_size(values);
-    if (*count > NEPH_LIGHT_SWEEP_MAX || (values && !json_is_array(values)))
-        return refuse(key, diag);
-    for (int i = 0; i < *count; i++) {
-        const json_t *value = json_array_get(values, (size_t)i);
-        if (!json_is_number(value))
-            return refuse(key, diag);
-        list[i] = json_number_value(value);
+    const json_t *items = json_object_get(sweep, key);
+    *count = (int)json_array_size(items);
+    bool is_fit = *count <= NEPH_LIGHT_SWEEP_MAX && (!items || json_is_array(items));
+    for (int i = 0; i < each * *count && is_fit; i++) {
+        const json_t *item = json_array_get(items, (size_t)(i / each));
+        const json_t *number = each > 1 ? json_array_get(item, (size_t)(i % each)) : item;
+        is_fit = json_is_number(number) && (each == 1 || (int)json_array_size(item) == each);
+        numbers[i] = json_number_value(number);
     }
-    return NEPH_OK;
+    return is_fit ? NEPH_OK
+                  : neph_fail(diag, NEPH_ERR_INPUT, "%s is no list of at most %d %s", key,
+                              NEPH_LIGHT_SWEEP_MAX, each > 1 ? "pairs" : "numbers");
 }
 
-static enum neph_status read_suns(const json_t *numbers, struct neph_light_sweep *sweep,
-                                  struct neph_diag *diag)
-{
-    const json_t *suns = json_object_get(numbers, "suns_deg");
-    sweep->sun_count = (int)json_array_size(suns);
-    if (sweep->sun_count > NEPH_LIGHT_SWEEP_MAX || (suns && !json_is_array(suns)))
-        return refuse("suns_deg", diag);
-    for (int i = 0; i < sweep->sun_count; i++) {
-        const json_t *sun = json_array_get(suns, (size_t)i);
-        const json_t *elevation = json_array_get(sun, 0), *azimuth = json_array_get(sun, 1);
-        if (json_array_size(sun) != 2 || !json_is_number(elevation) || !json_is_number(azimuth))
-            return refuse("suns_deg", diag);
-        sweep->suns_deg[i][0] = json_number_value(elevation);
-        sweep->suns_deg[i][1] = json_number_value(azimuth);
-    }
-    return NEPH_OK;
-}
-
-static enum neph_status read_sweep(const json_t *numbers, struct neph_light_sweep *sweep,
+static enum neph_status read_sweep(const json_t *json, struct neph_light_sweep *sweep,
                                    struct neph_diag *diag)
 {
-    enum neph_status status = read_suns(numbers, sweep, diag);
+    enum neph_status status = read_list(json, "suns_deg", 2, sweep->suns_deg[0], &sweep->sun_count,
+                                        diag);
     if (!status)
-        status = read_list(numbers, "g", sweep->g, &sweep->g_count, diag);
+        status = read_list(json, "g", 1, sweep->g, &sweep->g_count, diag);
     if (!status)
-        status = read_list(numbers, "albedo", sweep->albedo, &sweep->albedo_count, diag);
+        status = read_list(json, "albedo", 1, sweep->albedo, &sweep->albedo_count, diag);
     if (!status)
-        status = read_list(numbers, "density", sweep->density, &sweep->density_count, diag);
+        status = read_list(json, "density", 1, sweep->density, &sweep->density_count, diag);
     return status;
 }
 
-static enum neph_status read_sweeps(const json_t *list, struct neph_light_entry *made,
-                                    struct neph_diag *diag)
+static enum neph_status read_entry(const json_t *json, struct neph_arena *arena,
+                                   struct neph_light_entry *entry, struct neph_diag *diag)
 {
-    const size_t count = json_array_size(list);
-    enum neph_status status = NEPH_OK;
-    if (count < 1 || count > NEPH_LIGHT_SWEEPS_MAX)
+    const json_t *sweeps = json_object_get(json, "sweeps");
+    const int count = (int)json_array_size(sweeps);
+    char *scene = neph_suite_scene(json);
+    enum neph_status status = scene ? NEPH_OK : neph_fail_memory(diag);
+    entry->scene = neph_arena_text(arena, scene);
+    entry->may_be_absent = true;
+    free(scene);
+    if (!status && (count < 1 || count > NEPH_LIGHT_SWEEPS_MAX))
         status = neph_fail(diag, NEPH_ERR_INPUT, "sweeps is no list of 1 to %d",
                            NEPH_LIGHT_SWEEPS_MAX);
-    for (; made->sweep_count < (int)count && !status; made->sweep_count++)
-        status = read_sweep(json_array_get(list, (size_t)made->sweep_count),
-                            &made->sweeps[made->sweep_count], diag);
+    for (int i = 0; i < count && !status; i++, entry->sweep_count++)
+        status = read_sweep(json_array_get(sweeps, (size_t)i), &entry->sweeps[i], diag);
+    if (status && status != NEPH_ERR_MEMORY)
+        neph_prefix(diag, "%s: ", neph_json_text(json, "scene"));
     return status;
 }
 
-static enum neph_status read_entry(const json_t *entry, struct neph_light_entry *made,
-                                   struct neph_diag *diag)
-{
-    const char *scene = neph_json_text(entry, "scene");
-    made->may_be_absent = true;
-    made->scene = neph_suite_scene(entry);
-    if (!made->scene)
-        return neph_fail_memory(diag);
-    const enum neph_status status = read_sweeps(json_object_get(entry, "sweeps"), made, diag);
-    if (status)
-        neph_prefix(diag, "%s: ", scene);
-    return status;
-}
-
-enum neph_status neph_light_suite_find(const char *name, struct neph_light_entry **entries,
-                                       int *count, struct neph_diag *diag)
+enum neph_status neph_light_suite_find(const char *name, struct neph_arena *arena,
+                                       struct neph_light_entry **entries, int *count,
+                                       struct neph_diag *diag)
 {
     json_t *list = NULL;
     enum neph_status status = neph_suite_find("scenes/studies/light.json", "neph-light-suites-1",
                                               name, &list, diag);
-    const int made_count = (int)json_array_size(list);
-    struct neph_light_entry *made = calloc((size_t)made_count + 1, sizeof(*made));
-    if (!status && !made)
-        status = neph_fail_memory(diag);
-    for (int i = 0; i < made_count && !status; i++)
-        status = read_entry(json_array_get(list, (size_t)i), &made[i], diag);
-    json_decref(list);
-    if (status) {
-        neph_light_entries_free(made, made ? made_count : 0);
+    if (status)
         return status;
+    const size_t made_count = json_array_size(list);
+    struct neph_light_entry *made = neph_arena_zeroed(arena, made_count + 1, sizeof(*made));
+    for (size_t i = 0; made && i < made_count && !status; i++)
+        status = read_entry(json_array_get(list, i), arena, &made[i], diag);
+    json_decref(list);
+    if (!status)
+        status = neph_arena_check(arena, diag);
+    if (!status) {
+        *entries = made;
+        *count = (int)made_count;
     }
-    *entries = made;
-    *count = made_count;
-    return NEPH_OK;
-}
-
-void neph_light_entries_free(struct neph_light_entry *entries, int count)
-{
-    for (int i = 0; i < count; i++)
-        free(entries[i].scene);
-    free(entries);
+    return status;
 }

@@ -7,7 +7,7 @@
 #ifndef NEPH_HARNESS_STUDY_LIGHT_SUITES_H
 #define NEPH_HARNESS_STUDY_LIGHT_SUITES_H
 
-#include "base/status.h"
+#include "base/arena.h"
 #include "scenes/relit.h"
 
 enum { NEPH_LIGHT_SWEEP_MAX = 8, NEPH_LIGHT_SWEEPS_MAX = 4 };
@@ -21,7 +21,7 @@ struct neph_light_sweep {
 
 /* A scene under one sweep after the other. */
 struct neph_light_entry {
-    char *scene;        /* a name of the catalogue, or a path; owned */
+    const char *scene;  /* a name of the catalogue, or a path; borrowed */
     bool may_be_absent; /* its data need not be on this machine */
     int sweep_count;
     struct neph_light_sweep sweeps[NEPH_LIGHT_SWEEPS_MAX];
@@ -36,11 +36,10 @@ struct neph_relight neph_light_sweep_at(const struct neph_light_sweep *sweep, in
 int neph_light_entry_count(const struct neph_light_entry *entry);
 struct neph_relight neph_light_entry_at(const struct neph_light_entry *entry, int index);
 
-/* The entries of a suite, for neph_light_entries_free(). Errors as of neph_suite_find(); also
- * NEPH_ERR_INPUT: a list is not one of numbers, or too long, or there are too many
- * sweeps. */
-enum neph_status neph_light_suite_find(const char *name, struct neph_light_entry **entries,
-                                       int *count, struct neph_diag *diag);
-void neph_light_entries_free(struct neph_light_entry *entries, int count);
+/* The entries of a suite, in `arena`. Errors as of neph_suite_find(); also NEPH_ERR_INPUT: a list
+ * is not one of numbers, or too long, or there are too many sweeps. */
+enum neph_status neph_light_suite_find(const char *name, struct neph_arena *arena,
+                                       struct neph_light_entry **entries, int *count,
+                                       struct neph_diag *diag);
 
 #endif

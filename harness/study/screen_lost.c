@@ -93,50 +93,28 @@ static struct neph_vec3 cosine_direction(struct neph_vec3 axis, int i, int n)
     return neph_vec3_normalize(neph_vec3_along(direction, second, radius * sin(angle)));
 }
 
-/* False for the sky; shares are 0. */
-static bool stand_on(const struct neph_scene *scene, const struct neph_camera *camera, int width_px,
-                     int height_px, const struct neph_pixel_ray *ray, struct site *site,
-                     struct neph_hit *hit, double shares[NEPH_SCREEN_LOSSES])
-{
-    const double half_height = neph_camera_half_height(camera);
-    for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
-        shares[i] = 0.0;
-    *hit = neph_scene_hit(scene, ray->origin_m, ray->direction);
-    if (!hit->solid)
-        return false;
-    *site = (struct site){
-        .scene = scene,
-        .camera = camera,
-        .half_width = half_height * width_px / height_px,
-        .half_height = half_height,
-        .point_m = neph_hit_outside_m(hit,
-                                      neph_vec3_along(ray->origin_m, ray->direction, hit->t_m)),
-    };
-    return true;
-}
-
 void neph_screen_lost(const struct neph_scene *scene, const struct neph_camera *camera,
                       int width_px, int height_px, int column, int row, double reach_m, int rays,
                       double shares[NEPH_SCREEN_LOSSES])
 {
     const struct neph_pixel_ray ray = neph_camera_ray(camera, width_px, height_px, column, row);
-    struct site site;
-    struct neph_hit hit;
-    if (!stand_on(scene, camera, width_px, height_px, &ray, &site, &hit, shares))
+    const struct neph_hit hit = neph_scene_hit(scene, ray.origin_m, ray.direction);
+    const double half_height = neph_camera_half_height(camera);
+    for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
+        shares[i] = 0.0;
+    if (!hit.solid)
         return;
+    const struct site site = {
+        .scene = scene,
+        .camera = camera,
+        .half_width = half_height * width_px / height_px,
+        .half_height = half_height,
+        .point_m = neph_hit_outside_m(&hit, neph_vec3_along(ray.origin_m, ray.direction, hit.t_m)),
+    };
+    const double into = neph_vec3_dot(ray.direction, hit.normal);
+    if (rays == NEPH_SCREEN_MIRROR)
+        follow(&site, neph_vec3_along(ray.direction, hit.normal, -2.0 * into), reach_m, 1.0,
+               shares);
     for (int i = 0; i < rays; i++)
         follow(&site, cosine_direction(hit.normal, i, rays), reach_m, 1.0 / rays, shares);
-}
-
-void neph_screen_lost_mirrored(const struct neph_scene *scene, const struct neph_camera *camera,
-                               int width_px, int height_px, int column, int row,
-                               double shares[NEPH_SCREEN_LOSSES])
-{
-    const struct neph_pixel_ray ray = neph_camera_ray(camera, width_px, height_px, column, row);
-    struct site site;
-    struct neph_hit hit;
-    if (!stand_on(scene, camera, width_px, height_px, &ray, &site, &hit, shares))
-        return;
-    const double into = neph_vec3_dot(ray.direction, hit.normal);
-    follow(&site, neph_vec3_along(ray.direction, hit.normal, -2.0 * into), INFINITY, 1.0, shares);
 }

@@ -16,16 +16,14 @@ enum neph_screen_loss {
     NEPH_SCREEN_LOSSES,
 };
 
+/* In place of a number of rays: the one that a mirror would send. */
+enum { NEPH_SCREEN_MIRROR = 0 };
+
 /* Shares of `rays` by the cosine, for the surface in the centre of a pixel, as far as `reach_m`
- * (+inf: all the way); all 0 for the sky. The same numbers each time. */
+ * (+inf: all the way); all 0 for the sky. Of a mirror's ray one of the shares is 1, or none. The
+ * same numbers each time. */
 void neph_screen_lost(const struct neph_scene *scene, const struct neph_camera *camera,
                       int width_px, int height_px, int column, int row, double reach_m, int rays,
                       double shares[NEPH_SCREEN_LOSSES]);
-
-/* As neph_screen_lost(), of the one ray that a mirror would send: one of the shares is 1, or none.
- */
-void neph_screen_lost_mirrored(const struct neph_scene *scene, const struct neph_camera *camera,
-                               int width_px, int height_px, int column, int row,
-                               double shares[NEPH_SCREEN_LOSSES]);
 
 #endif

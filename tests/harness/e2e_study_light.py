@@ -3,17 +3,11 @@
 """`neph study light` as a user runs it, in tiny pictures: tables, files, reuse, a fit, refusals."""
 import csv
 import json
-import os
-import pathlib
-import subprocess
-import tempfile
 import unittest
 import xml.etree.ElementTree
 
 import night
-
-NEPH = os.environ["NEPH"]
-ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
+from study_case import StudyCase
 
 # Optical depth 6 straight down: half of the view is dense.
 SLAB = """
@@ -31,32 +25,24 @@ media:
       bounds: {min_m: [-1000, -3, -1000], max_m: [1000, 0, 1000]}
 """
 DARK = SLAB.replace("slab", "dark").replace("sun:", "# sun:")
+LITTLE = ("--size", "12x8", "--steps", "32", "--noise", "0.5", "--samples", "4")
 
 
-class StudyLight(unittest.TestCase):
+class StudyLight(StudyCase):
+    words = ("study", "light", *LITTLE)
+
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        self.slab, self.dark = self.folder / "slab.yaml", self.folder / "dark.yaml"
-        self.slab.write_text(SLAB)
-        self.dark.write_text(DARK)
-
-    def run_neph(self, *arguments):
-        return subprocess.run(
-            [NEPH, "study", "light", *map(str, arguments), "--size", "12x8", "--steps", "32",
-             "--noise", "0.5", "--samples", "4", "-o", str(self.folder / "out")],
-            capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        super().setUp()
+        (self.folder / "slab.yaml").write_text(SLAB)
+        (self.folder / "dark.yaml").write_text(DARK)
 
     def test_models_files_and_reuse(self):
         table, lines = self.folder / "light.md", self.folder / "light.csv"
         fit = self.folder / "fit.inc"
         models = "march,march_horizon"
-        arguments = (self.slab, "--models", models, "--suns", "50:180", "--albedo", "1,0.9",
-                     "--csv", lines, "--markdown", table, "--fit", fit, "--json")
-        done = self.run_neph(*arguments)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        found = json.loads(done.stdout)
+        arguments = ("slab.yaml", "--models", models, "--suns", "50:180", "--albedo", "1,0.9",
+                     "--csv", lines, "--markdown", table, "--fit", fit)
+        found = self.measure(*arguments)
         self.assertEqual([c["albedo"] for c in found["cells"]], [1, 0.9])
         bias = {}
         for cell in found["cells"]:
@@ -86,18 +72,24 @@ class StudyLight(unittest.TestCase):
         self.assertIn(".attenuation = {", fit.read_text())
         store = self.folder / "out" / "store" / "frames"
         before = sorted((p.name, p.stat().st_mtime_ns) for p in store.iterdir())
-        again = self.run_neph(*arguments)
-        self.assertEqual(json.loads(again.stdout), found)
+        self.assertEqual(self.measure(*arguments), found)
         self.assertEqual(sorted((p.name, p.stat().st_mtime_ns) for p in store.iterdir()), before)
+
+    def test_results_do_not_depend_on_the_number_of_jobs(self):
+        def results(jobs):
+            found = self.measure("slab.yaml", "--models", "march", "--albedo", "1,0.9", "--jobs",
+                                 jobs, "-o", f"out{jobs}")
+            for cell in found["cells"]:
+                del cell["tracer_s"], cell["models"][0]["render_s"]
+            return found, (self.folder / f"out{jobs}" / "light.svg").read_bytes()
+        self.assertEqual(results(1), results(2))
 
     @night.of_the_night
     def test_a_sun_that_sinks_is_seen_by_who_remembers(self):
         bias = {}
         for speed in (0, 50):
-            done = self.run_neph(self.slab, "--models", "realtime+lighting=octaves,march_octaves",
-                                 "--suns", "8:0", "--sun-speed", speed, "--json")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            found = json.loads(done.stdout)
+            found = self.measure("slab.yaml", "--models", "realtime+lighting=octaves,march_octaves",
+                                 "--suns", "8:0", "--sun-speed", speed)
             self.assertEqual(found["sun_speed_deg_per_s"], speed)
             bias[speed] = [m["all"]["bias"] for m in found["cells"][0]["models"]]
         self.assertEqual(bias[0][1], bias[50][1])
@@ -105,27 +97,23 @@ class StudyLight(unittest.TestCase):
         self.assertGreater(bias[50][0], bias[0][0] + 0.02)
 
     def test_refusals(self):
-        for arguments, words in (
-                (("--suite", "both"), "there is no suite 'both'"),
-                (("--suite", "test", self.slab), "a suite or scenes by name"),
-                (("--fit", "x.inc"), "what a fit is judged by"),
-                (("--suns", "50:180"), "are of a SCENE"),
-                ((self.slab, "--suns", "50"), "no elevation and azimuth"),
-                ((self.slab, "--sun-speed", "51"), "--sun-speed"),
-                ((self.slab, "--g", "much"), "is no number"),
-                ((self.slab, "--models", "tracer"), "is no lighting model"),
-                ((self.slab, "--g", "1.5"), "outside -0.999..0.999"),
-                (("nowhere",), "nowhere")):
-            done = self.run_neph(*arguments)
-            self.assertNotEqual(done.returncode, 0, arguments)
-            self.assertIn(words, " ".join(done.stderr.split()), arguments)
-            self.assertEqual(done.stdout, "")
+        self.check_refusals(
+            (64, "there is no suite 'both'", ("--suite", "both")),
+            (64, "a suite or scenes by name", ("--suite", "test", "slab.yaml")),
+            (64, "what a fit is judged by", ("--fit", "x.inc")),
+            (64, "are of a SCENE", ("--suns", "50:180")),
+            (64, "no elevation and azimuth", ("slab.yaml", "--suns", "50")),
+            (64, "--sun-speed", ("slab.yaml", "--sun-speed", "51")),
+            (64, "is no number", ("slab.yaml", "--g", "much")),
+            (64, "is no lighting model", ("slab.yaml", "--models", "tracer")),
+            (64, "outside -0.999..0.999", ("slab.yaml", "--g", "1.5")),
+            (66, "nowhere", ("nowhere",)))
 
     def test_what_cannot_be_lit_is_left_out_and_laws_hold_of_models_alone(self):
         table = self.folder / "laws.md"
-        done = self.run_neph(self.dark, "--models", "march_octaves_fitted,march_horizon", "--laws",
-                             "--markdown", table, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.succeed("dark.yaml", "--models", "march_octaves_fitted,march_horizon", "--laws",
+                            "--markdown", table, "--json", "--jobs", 2)
+        self.assertIn("[2/2] part", done.stderr)  # the laws are a part, too
         found = json.loads(done.stdout)
         cell, = found["cells"]
         self.assertIn("no sun", cell["left_out"])

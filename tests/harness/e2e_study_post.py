@@ -2,39 +2,23 @@
 # SPDX-License-Identifier: MIT
 """`neph study post` as a user runs it: tables, files, refusals."""
 import csv
-import json
 import math
-import os
-import pathlib
-import subprocess
-import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 
 import night
+from study_case import StudyCase
 
-NEPH = os.environ["NEPH"]
-ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
 LITTLE = ("--size", "32x18", "--frames", "16", "--warm-up", "4", "--steps", "4")
 
 
-class StudyPost(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
-    def run_neph(self, *arguments):
-        return subprocess.run([NEPH, *map(str, arguments)], cwd=self.folder, env=ENVIRONMENT,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                              timeout=170)
+class StudyPost(StudyCase):
+    words = ("study", "post")
 
     @night.of_the_night
     def test_a_table_and_its_files(self):
-        done = self.run_neph("study", "post", "railings", *LITTLE, "-q", "--json", "--csv", "a.csv",
-                             "--markdown", "a.md")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        [scene] = json.loads(done.stdout)["scenes"]
+        [scene] = self.measure("railings", *LITTLE, "-q", "--csv", "a.csv", "--markdown",
+                               "a.md")["scenes"]
         chains = {chain["name"]: chain for chain in scene["chains"]}
         curve, additive = chains["Unreal's curve"], chains["bloom, additive"]
         self.assertGreater(curve["scene_error"], 0)
@@ -62,10 +46,8 @@ class StudyPost(unittest.TestCase):
     def test_a_few_chains_of_another_seed(self):
         """The curve is always there; the frames are those of the seed."""
         def curve_and_grain(seed):
-            done = self.run_neph("study", "post", "railings", *LITTLE, "--chains", "grain",
-                                 "--seed", seed, "-q", "--json", "-o", f"out{seed}")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            found = json.loads(done.stdout)
+            found = self.measure("railings", *LITTLE, "--chains", "grain", "--seed", seed, "-q",
+                                 "-o", f"out{seed}")
             chains = found["scenes"][0]["chains"]
             self.assertEqual([chain["name"] for chain in chains],
                              ["Unreal's curve", "grain", "without grain"])
@@ -81,15 +63,12 @@ class StudyPost(unittest.TestCase):
         self.assertLess(abs(first - other), 0.3 * first)
 
     def test_what_makes_no_sense_is_refused(self):
-        for words, code, said in (
-                ([], 64, "which scenes"),
-                (["railings", "--frames", "18"], 64, "multiples of 4"),
-                (["railings", "--chains", "grain,nonsense"], 64, "'nonsense'"),
-                (["railings", "--preset", "none_such", *LITTLE], 64, "none_such"),
-                (["no_such_scene", *LITTLE], 66, "no_such_scene")):
-            done = self.run_neph("study", "post", *words)
-            self.assertEqual(done.returncode, code, done.stderr)
-            self.assertIn(said, done.stderr)
+        self.check_refusals(
+            (64, "which scenes", ()),
+            (64, "multiples of 4", ("railings", "--frames", "18")),
+            (64, "'nonsense'", ("railings", "--chains", "grain,nonsense")),
+            (64, "none_such", ("railings", "--preset", "none_such", *LITTLE)),
+            (66, "no_such_scene", ("no_such_scene", *LITTLE)))
 
 
 if __name__ == "__main__":

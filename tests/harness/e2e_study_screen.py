@@ -2,41 +2,27 @@
 # SPDX-License-Identifier: MIT
 """`neph study screen` as a user runs it, in tiny pictures: tables, files, reuse, refusals."""
 import json
-import os
 import pathlib
-import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
 import night  # noqa: E402
-
-NEPH = os.environ["NEPH"]
-ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
+from study_case import StudyCase  # noqa: E402
 
 
-class StudyScreen(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
 
-    def run_neph(self, *arguments):
-        return subprocess.run([NEPH, "study", "screen", *arguments], cwd=self.folder,
-                              env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              text=True, timeout=120)
+class StudyScreen(StudyCase):
+    words = ("study", "screen")
 
     def test_a_table_and_its_files(self):
         # Slices know the step, whose foot is in the picture; nothing of it is behind anything.
         words = ("surface_step", "surface_rough", "--size", "24x14", "--samples", "64", "--models",
                  "screen+gi=off+warm_up=0+ssr_rays=1,screen+preset=slices+gi=off+ssr=off+warm_up=0",
                  "--markdown", "a.md", "--quiet")
-        done = self.run_neph(*words, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        found = json.loads(done.stdout)["scenes"]
+        found = self.measure(*words)["scenes"]
         step = found["surface_step"]["ambient occlusion"]
         few, many = step["models"].values()
         self.assertLess(many["error"], 0.03)
@@ -91,20 +77,18 @@ class StudyScreen(unittest.TestCase):
     def test_turned_solids_hide_as_they_stand(self):
         """The blocks of the room are turned: where what a ray meets is on no screen, a ray says
         why."""
-        done = self.run_neph("surface_room", "--size", "32x18", "--samples", "64", "--models",
-                             "screen+gi=off+ssr=off+warm_up=0", "--rays", "64", "--quiet", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        truth = json.loads(done.stdout)["scenes"]["surface_room"]["ambient occlusion"]
+        found = self.measure("surface_room", "--size", "32x18", "--samples", "64", "--models",
+                             "screen+gi=off+ssr=off+warm_up=0", "--rays", "64", "--quiet")
+        truth = found["scenes"]["surface_room"]["ambient occlusion"]
         self.assertGreater(truth["lost"], 40)
         self.assertLess(truth["lost_by"]["else"], 0.02 * truth["lost"])
 
     def test_pictures_flicker_by_what_rays_leave(self):
         """One ray and no memory is another picture each frame; what stands still has one truth."""
         calm, raw = "screen+gi=off", "screen+gi=off+ssr_rays=1+ssr_history=0+ssr_smooth=0"
-        done = self.run_neph("surface_rough", "--size", "24x14", "--samples", "32", "--models",
-                             f"{calm},{raw}", "--frames", "16", "--quiet", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        over = json.loads(done.stdout)["scenes"]["surface_rough"]["over_frames"]
+        found = self.measure("surface_rough", "--size", "24x14", "--samples", "32", "--models",
+                             f"{calm},{raw}", "--frames", "16", "--quiet")
+        over = found["scenes"]["surface_rough"]["over_frames"]
         self.assertEqual(over["frames"], 16)
         for number, times in (("change", 2.0), ("seen", 1.2), ("luma_change", 2.0)):
             self.assertGreater(over["models"][raw][number], times * over["models"][calm][number])
@@ -121,16 +105,14 @@ class StudyScreen(unittest.TestCase):
         self.assertIn("screen.svg", (self.folder / "out/screen/index.html").read_text())
 
     def test_a_scene_that_moves_has_a_truth_a_frame(self):
-        done = self.run_neph("surface_ground", "--size", "8x5", "--samples", "2", "--models",
-                             "screen+gi=off", "--frames", "64", "--quiet", "--markdown", "a.md")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.succeed("surface_ground", "--size", "8x5", "--samples", "2", "--models",
+                     "screen+gi=off", "--frames", "64", "--quiet", "--markdown", "a.md")
         self.assertIn("| surface_ground | screen+gi=off | 32 |", (self.folder / "a.md").read_text())
 
     def test_a_scene_of_one_frame_has_one_truth_for_all(self):
-        done = self.run_neph("surface_room", "--size", "8x5", "--samples", "2", "--models",
-                             "screen+gi=off", "--frames", "16", "--quiet", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        over = json.loads(done.stdout)["scenes"]["surface_room"]["over_frames"]
+        found = self.measure("surface_room", "--size", "8x5", "--samples", "2", "--models",
+                             "screen+gi=off", "--frames", "16", "--quiet")
+        over = found["scenes"]["surface_room"]["over_frames"]
         self.assertEqual(over["frames"], 16)
         self.assertGreater(over["models"]["screen+gi=off"]["error"], 0.0)
 
@@ -138,10 +120,8 @@ class StudyScreen(unittest.TestCase):
     def test_cycles_is_a_witness(self):
         """Another program says the same, of the truth and so of a screen: within 4.5 standard
         errors, which docs/surfaces.md has for four times as many pixels."""
-        done = self.run_neph("surface_rough", "surface_mirror", "--size", "48x27", "--samples",
-                             "1024", "--cycles", "1024", "--models", "screen", "--quiet", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        found = json.loads(done.stdout)["scenes"]
+        found = self.measure("surface_rough", "surface_mirror", "--size", "48x27", "--samples",
+                             "1024", "--cycles", "1024", "--models", "screen", "--quiet")["scenes"]
         for part, noise in (("ambient occlusion", 0.002), ("indirect light", 0.072),
                             ("reflections", 0.042)):
             against = found["surface_rough"]["against_cycles"][part]
@@ -151,14 +131,24 @@ class StudyScreen(unittest.TestCase):
         refused = found["surface_mirror"]["against_cycles"]["reflections"]["cycles"]
         self.assertIsNone(refused["bias"])
 
+    def test_results_do_not_depend_on_the_number_of_jobs(self):
+        results = []
+        for jobs in ("1", "2"):
+            done = self.succeed("surface_step", "surface_rough", "--size", "8x5", "--samples", "2",
+                                "--rays", "4", "--models", "screen+gi=off+warm_up=0", "--jobs",
+                                jobs, "-o", f"out{jobs}", "--json")
+            pages = sorted((self.folder / f"out{jobs}/screen").iterdir())
+            results.append((json.loads(done.stdout),
+                            [(page.name, page.read_bytes()) for page in pages]))
+        self.assertEqual(results[0], results[1])
+        self.assertIn("[2/2] part", done.stderr)
+
     def test_refusals(self):
-        for code, words, arguments in ((64, "no screen", ("--models", "march")),
-                                       (2, "without solids", ("height_fog_up",)),
-                                       (64, "16 frames", ("--frames", "3")),
-                                       (66, "nowhere", ("nowhere",))):
-            done = self.run_neph("--size", "4x4", "--samples", "2", *arguments)
-            self.assertEqual(done.returncode, code, done.stderr)
-            self.assertIn(words, done.stderr)
+        little = ("--size", "4x4", "--samples", "2")
+        self.check_refusals((64, "no screen", (*little, "--models", "march")),
+                            (2, "without solids", (*little, "height_fog_up")),
+                            (64, "16 frames", (*little, "--frames", "3")),
+                            (66, "nowhere", (*little, "nowhere")))
 
     def test_a_folder_with_other_files_is_left_alone(self):
         page = self.folder / "out/screen/index.html"

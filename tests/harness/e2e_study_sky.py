@@ -2,27 +2,16 @@
 # SPDX-License-Identifier: MIT
 """`neph study sky` as a user runs it, in tiny pictures: tables, files, reuse, refusals."""
 import json
-import os
-import pathlib
-import subprocess
-import tempfile
 import unittest
 
-NEPH = os.environ["NEPH"]
+from study_case import StudyCase
+
 TABLES = "altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4"
 
 
-class StudySky(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
-    def run_neph(self, *arguments):
-        return subprocess.run(
-            [NEPH, "study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64",
-             "--suns", "30", "-o", str(self.folder / "out"), *map(str, arguments)],
-            capture_output=True, text=True, timeout=60)
+class StudySky(StudyCase):
+    words = ("study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64", "--suns",
+             "30")
 
     def test_cells_files_and_reuse(self):
         models = (f"sky+{TABLES},sky+multiple=closure+{TABLES},march,"
@@ -30,8 +19,7 @@ class StudySky(unittest.TestCase):
         table = self.folder / "sky.md"
         arguments = ("--suns", "30,-30", "--altitudes", "2", "--models", models, "--markdown",
                      table, "--json")
-        done = self.run_neph(*arguments)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.succeed(*arguments)
         found = json.loads(done.stdout)
         day, night = found["cells"]
         self.assertEqual([day["held"], night["held"]], [True, False])
@@ -51,25 +39,34 @@ class StudySky(unittest.TestCase):
         again = self.run_neph(*arguments)
         self.assertEqual(again.stdout, done.stdout)
 
+    def test_results_do_not_depend_on_the_number_of_jobs(self):
+        def results(jobs):
+            done = self.succeed("--suns", "30,5", "--altitudes", "2", "--samples", 2, "--models",
+                                f"sky+degree=0+{TABLES}", "--jobs", jobs, "-o", f"out{jobs}",
+                                "--json")
+            found = json.loads(done.stdout)
+            for cell in found["cells"]:
+                for model in cell["models"].values():
+                    del model["render_s"]
+            return found, done.stderr
+        one, two = results(1), results(2)
+        self.assertEqual(one[0], two[0])
+        self.assertIn("[2/2] part", two[1])
+
     def test_finer_tables_are_a_truth(self):
-        done = self.run_neph("--altitudes", "2", "--truth", f"sky+{TABLES}", "--models",
-                             f"sky+{TABLES},sky+{TABLES}+degree=0", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        cell = json.loads(done.stdout)["cells"][0]
+        cell, = self.measure("--altitudes", "2", "--truth", f"sky+{TABLES}", "--models",
+                             f"sky+{TABLES},sky+{TABLES}+degree=0")["cells"]
         same, coarser = cell["models"].values()
         self.assertEqual([cell["noise"], same["mean"], same["worst"]], [0, 0, 0])
         self.assertGreater(coarser["mean"], 0.001)
 
     def test_refusals(self):
-        for arguments, words in ((("--suns", "high"), "no number"),
-                                 (("--suns", "91"), "sun 91 degrees"),
-                                 (("--altitudes", "0"), "altitude of 0 m"),
-                                 (("--truth", "march"), "no truth"),
-                                 (("--models", "sky+degree=9"), "degree"),
-                                 (("fence_backlit",), "no planet")):
-            done = self.run_neph(*arguments)
-            self.assertNotEqual(done.returncode, 0, arguments)
-            self.assertIn(words, done.stderr)
+        self.check_refusals((64, "no number", ("--suns", "high")),
+                            (64, "sun 91 degrees", ("--suns", "91")),
+                            (64, "altitude of 0 m", ("--altitudes", "0")),
+                            (64, "no truth", ("--truth", "march")),
+                            (64, "degree", ("--models", "sky+degree=9")),
+                            (2, "no planet", ("fence_backlit",)))
 
 
 if __name__ == "__main__":

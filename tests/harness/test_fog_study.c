@@ -5,7 +5,7 @@
  */
 #include "tests/scene_builders.h"
 
-#include "harness/study/fog_study_output.h"
+#include "harness/study/fog_study.h"
 
 static struct neph_fog_study study;
 
@@ -155,38 +155,6 @@ static void test_near_fog_by_physics(void **state)
     assert_true(mended->transmittance_worst < 1e-5 && fabs(mended->fog_light) < 1e-5);
 }
 
-static int lines_of(const char *text)
-{
-    int lines = 0;
-    for (; *text; text++)
-        lines += *text == '\n';
-    return lines;
-}
-
-static void test_results_have_every_row(void **state)
-{
-    (void)state;
-    struct neph_diag diag = {0};
-    struct test_scene test;
-    char *csv = NULL, *text = NULL;
-    set_stage(&test, 0.01, 0.02);
-    test.scene.fog_look.max_opacity = 0.5;
-    run(&test);
-    neph_assert_ok(neph_fog_study_csv(&study, &csv, &diag), &diag);
-    neph_assert_ok(neph_fog_study_text(&study, &text, &diag), &diag);
-    json_t *json = neph_fog_study_json(&study);
-    assert_int_equal(lines_of(csv), 1 + study.row_count);
-    for (int i = 0; i < study.row_count; i++)
-        assert_non_null(strstr(text, study.rows[i].name));
-    const json_t *rows = json_object_get(json, "rows");
-    assert_int_equal(json_array_size(rows), study.row_count);
-    assert_true(json_real_value(json_object_get(json_array_get(rows, 1), "transmittance_worst")) ==
-                study.rows[1].transmittance_worst);
-    json_decref(json);
-    free(csv);
-    free(text);
-}
-
 static void test_refusals(void **state)
 {
     (void)state;
@@ -213,7 +181,6 @@ int main(void)
         cmocka_unit_test(test_the_seam_of_a_series_is_found),
         cmocka_unit_test(test_a_lobe_beside_the_suns_light),
         cmocka_unit_test(test_near_fog_by_physics),
-        cmocka_unit_test(test_results_have_every_row),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

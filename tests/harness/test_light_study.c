@@ -6,7 +6,7 @@
 #include "tests/scene_builders.h"
 
 #include "harness/data.h"
-#include "harness/study/light_fit.h"
+#include "harness/experiments/light.h"
 #include "scenes/media.h"
 
 /* ---- statistics ------------------------------------------------------------------------------ */
@@ -265,10 +265,11 @@ static void test_suites_cover(void **state)
     static const char *const names[] = {"tuning", "test", "test2"};
     for (size_t suite = 0; suite < COUNT(names); suite++) {
         struct neph_light_entry *entries;
+        struct neph_arena arena = {.last = NULL};
         struct neph_diag diag = {.line = 0};
         int count, behind = 0, beside = 0, ahead = 0;
         double g_least = 1.0, g_most = 0.0, albedo_least = 1.0, albedo_most = 0.0;
-        neph_assert_ok(neph_light_suite_find(names[suite], &entries, &count, &diag), &diag);
+        neph_assert_ok(neph_light_suite_find(names[suite], &arena, &entries, &count, &diag), &diag);
         for (int i = 0; i < count; i++)
             for (int cell = 0; cell < neph_light_entry_count(&entries[i]); cell++) {
                 const struct neph_relight light = neph_light_entry_at(&entries[i], cell);
@@ -284,7 +285,7 @@ static void test_suites_cover(void **state)
         assert_true(behind >= 15 && beside >= 15 && ahead >= 15);
         assert_true(g_least == 0.0 && g_most == 0.9 && albedo_most == 1.0);
         assert_true(albedo_least >= 0.9 && albedo_least <= 0.93);
-        neph_light_entries_free(entries, count);
+        neph_arena_finish(&arena);
     }
 }
 
@@ -397,10 +398,12 @@ static void test_suites_share_nothing(void **state)
     enum { SUITES = 3 };
     static const char *const names[SUITES] = {"tuning", "test", "test2"};
     struct neph_diag diag = {.line = 0};
+    struct neph_arena arena = {.last = NULL};
     struct neph_light_entry *suites[SUITES], *none;
     int counts[SUITES], none_count;
     for (int s = 0; s < SUITES; s++) {
-        neph_assert_ok(neph_light_suite_find(names[s], &suites[s], &counts[s], &diag), &diag);
+        neph_assert_ok(neph_light_suite_find(names[s], &arena, &suites[s], &counts[s], &diag),
+                       &diag);
         if (s < neph_test_by_day(2, SUITES))
             check_suite(suites[s], counts[s]);
         for (int other = 0; other < s; other++)
@@ -408,10 +411,10 @@ static void test_suites_share_nothing(void **state)
                 for (int j = 0; j < counts[other]; j++)
                     assert_string_not_equal(suites[s][i].scene, suites[other][j].scene);
     }
-    assert_int_equal(neph_light_suite_find("both", &none, &none_count, &diag), NEPH_ERR_USAGE);
+    assert_int_equal(neph_light_suite_find("both", &arena, &none, &none_count, &diag),
+                     NEPH_ERR_USAGE);
     assert_non_null(strstr(diag.hint, "tuning"));
-    for (int s = 0; s < SUITES; s++)
-        neph_light_entries_free(suites[s], counts[s]);
+    neph_arena_finish(&arena);
 }
 
 int main(void)

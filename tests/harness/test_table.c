@@ -128,12 +128,42 @@ static void test_columns_of_a_width(void **state)
     neph_table_finish(&table);
 }
 
+static void test_a_row_may_end_early(void **state)
+{
+    (void)state;
+    const struct neph_field field = {{.key = "b", .title = "b", .format = "%g"}, 0};
+    const double value = 0.5;
+    struct neph_table table = {.cells = NULL};
+    char *text, *csv;
+    neph_table_columns(&table, &(struct neph_column){.key = "a", .title = "a"}, 1);
+    neph_table_fields(&table, &field, 1);
+    neph_table_word(&table, "left out");
+    neph_table_end_row(&table);
+    neph_table_word(&table, "there");
+    neph_table_field_cells(&table, &field, 1, &value);
+    neph_table_end_row(&table);
+    assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
+    assert_int_equal(neph_written(print_csv, &table, &csv, NULL), NEPH_OK);
+    assert_string_equal(text, "| a | b |\n| --- | ---: |\n| left out |\n| there | 0.5 |\n");
+    assert_string_equal(csv, "a,b\r\nleft out,\r\nthere,0.5\r\n");
+    json_t *rows = neph_table_json(&table),
+           *object = neph_fields_json(json_object(), &field, 1, &value);
+    assert_true(json_is_null(json_object_get(json_array_get(rows, 0), "b")));
+    assert_true(json_real_value(json_object_get(object, "b")) == value);
+    json_decref(object);
+    json_decref(rows);
+    free(csv);
+    free(text);
+    neph_table_finish(&table);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_table_is_written_in_three_forms),
         cmocka_unit_test(test_columns_of_a_width),
         cmocka_unit_test(test_words_are_cleaned),
+        cmocka_unit_test(test_a_row_may_end_early),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/study/light_fit.h"
+#include "harness/experiments/light.h"
 
 #include "scenes/media.h"
 
@@ -129,8 +129,8 @@ struct search {
     struct neph_octaves_fit fit;
     double damping, squares;
     int count;                 /* of residuals */
-    double *residuals, *moved; /* at `fit`, and at another; owned */
-    double *slopes[UNKNOWNS];  /* of all residuals by each unknown; owned */
+    double *residuals, *moved; /* at `fit`, and at another */
+    double *slopes[UNKNOWNS];  /* of all residuals by each unknown */
 };
 
 static struct neph_octaves_fit moved_by(const struct neph_octaves_fit *fit, const double *step)
@@ -227,29 +227,17 @@ static size_t room_of(const struct neph_light_study *study)
     return room;
 }
 
-static bool make_room(struct search *search)
-{
-    const size_t size = room_of(search->study);
-    bool is_there = (search->residuals = calloc(size, sizeof(double))) != NULL;
-    is_there = (search->moved = calloc(size, sizeof(double))) && is_there;
-    for (int k = 0; k < UNKNOWNS; k++)
-        is_there = (search->slopes[k] = calloc(size, sizeof(double))) && is_there;
-    return is_there;
-}
-
-static void finish(struct search *search)
-{
-    for (int k = 0; k < UNKNOWNS; k++)
-        free(search->slopes[k]);
-    free(search->moved);
-    free(search->residuals);
-}
-
 enum neph_status neph_light_fit(const struct neph_light_study *study, struct neph_octaves_fit *fit,
                                 struct neph_diag *diag)
 {
+    struct neph_arena arena = {.last = NULL};
     struct search search = {.study = study, .damping = 1e-2};
-    enum neph_status status = make_room(&search) ? NEPH_OK : neph_fail_memory(diag);
+    const size_t room = room_of(study);
+    search.residuals = neph_arena_zeroed(&arena, room, sizeof(double));
+    search.moved = neph_arena_zeroed(&arena, room, sizeof(double));
+    for (int k = 0; k < UNKNOWNS; k++)
+        search.slopes[k] = neph_arena_zeroed(&arena, room, sizeof(double));
+    enum neph_status status = neph_arena_check(&arena, diag);
     if (!status) {
         search.count = residuals_of(study, &search.fit, search.residuals);
         search.squares = squares_of(search.residuals, search.count);
@@ -261,7 +249,7 @@ enum neph_status neph_light_fit(const struct neph_light_study *study, struct nep
             break;
     if (!status)
         *fit = search.fit;
-    finish(&search);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -286,33 +274,22 @@ static void print_factors(const char *name, const double k[NEPH_OCTAVES_FEATURES
     fprintf(out, ".%s = {%.6g, %.6g, %.6g, %.6g, %.6g},\n", name, k[0], k[1], k[2], k[3], k[4]);
 }
 
-enum neph_status neph_light_fit_text(const struct neph_light_study *study,
-                                     const struct neph_octaves_fit *fit, char **text,
-                                     struct neph_diag *diag)
+void neph_light_fit_print(const struct neph_light_study *study, const struct neph_octaves_fit *fit,
+                          FILE *out)
 {
-    const struct neph_light_study_params *params = study->params;
+    const struct neph_light_request *request = study->request;
     const struct neph_light_verdict dense = neph_light_fit_verdict(study, fit, NEPH_LIGHT_DENSE),
                                     whole = neph_light_fit_verdict(study, fit, NEPH_LIGHT_WHOLE);
-    *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(text, &size);
-    if (!out)
-        return neph_fail_memory(diag);
     fprintf(
         out,
         "/* Written by `neph study light --suite tuning --fit`: %d cells at %dx%d, the tracer's "
         "noise %g.\n * Mean of abs(bias) %.1f %% (worst %.1f %%), mean rms %.1f %%; in the "
         "dense parts of %d cells %.1f %%\n * (worst %.1f %%), %.1f %%. */\n",
-        whole.cell_count, params->width_px, params->height_px, params->noise,
-        100.0 * whole.mean_bias, 100.0 * whole.worst_bias, 100.0 * whole.mean_rms, dense.cell_count,
-        100.0 * dense.mean_bias, 100.0 * dense.worst_bias, 100.0 * dense.mean_rms);
+        whole.cell_count, request->shared.size.width_px, request->shared.size.height_px,
+        request->noise, 100.0 * whole.mean_bias, 100.0 * whole.worst_bias, 100.0 * whole.mean_rms,
+        dense.cell_count, 100.0 * dense.mean_bias, 100.0 * dense.worst_bias,
+        100.0 * dense.mean_rms);
     print_factors("contribution", fit->contribution, out);
     print_factors("attenuation", fit->attenuation, out);
     print_factors("eccentricity", fit->eccentricity, out);
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (!cut && closed)
-        return NEPH_OK;
-    free(*text);
-    *text = NULL;
-    return neph_fail_memory(diag);
 }

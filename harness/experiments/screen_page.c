@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/study/screen_page.h"
+#include "harness/experiments/screen.h"
 
 #include "base/files.h"
 #include "base/owned.h"
@@ -16,7 +16,7 @@
 _Static_assert(NEPH_SCREEN_LOSSES == 3, "a new kind");
 _Static_assert(NEPH_SCREEN_PARTS == 3, "a new kind");
 
-/* Pictures are small: each of their pixels is a square of so many. */
+/* Frames are small: each of their pixels is a square of so many. */
 enum { SQUARE_PX = 4 };
 
 /* Okabe's and Ito's, and so that they differ in grey, too. */
@@ -45,7 +45,7 @@ static const char *const part_files[NEPH_SCREEN_PARTS] = {
     [NEPH_SCREEN_GLOSSY] = "reflections",
 };
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 /* A lost pixel shows through a little. */
 static void paint(uint8_t grey, uint8_t mark, uint8_t rgb[3])
@@ -54,36 +54,36 @@ static void paint(uint8_t grey, uint8_t mark, uint8_t rgb[3])
         rgb[c] = mark == 0 ? grey : (uint8_t)((3 * reasons[mark - 1].rgb[c] + grey) / 4);
 }
 
-static enum neph_status write_picture(const struct neph_screen_scene *scene, int part,
-                                      const struct neph_screen_study_params *params,
-                                      const char *path, struct neph_diag *diag)
+static enum neph_status write_frame(const struct neph_screen_scene *scene, int part, int width_px,
+                                    int height_px, const char *path, struct neph_diag *diag)
 {
-    const int width_px = params->width_px * SQUARE_PX, height_px = params->height_px * SQUARE_PX;
-    uint8_t *rgb = malloc(3 * (size_t)width_px * (size_t)height_px);
+    const int wide_px = width_px * SQUARE_PX, high_px = height_px * SQUARE_PX;
+    uint8_t *rgb = malloc(3 * (size_t)wide_px * (size_t)high_px);
     if (!rgb)
         return neph_fail_memory(diag);
-    for (int y = 0; y < height_px; y++)
-        for (int x = 0; x < width_px; x++) {
-            const int p = y / SQUARE_PX * params->width_px + x / SQUARE_PX;
-            paint(scene->seen[p], scene->marks[part][p], rgb + 3 * ((size_t)y * width_px + x));
+    for (int y = 0; y < high_px; y++)
+        for (int x = 0; x < wide_px; x++) {
+            const int p = y / SQUARE_PX * width_px + x / SQUARE_PX;
+            paint(scene->seen[p], scene->marks[part][p], rgb + 3 * ((size_t)y * wide_px + x));
         }
-    const enum neph_status status = neph_png_write_rgb8(path, width_px, height_px, rgb, diag);
+    const enum neph_status status = neph_png_write_rgb8(path, wide_px, high_px, rgb, diag);
     free(rgb);
     return status;
 }
 
-static enum neph_status write_pictures(const struct neph_screen_study *study, const char *folder,
-                                       struct neph_diag *diag)
+static enum neph_status write_frames(const struct neph_screen_study *study, const char *folder,
+                                     struct neph_diag *diag)
 {
-    const struct neph_screen_study_params *params = study->params;
+    const struct neph_cli_size *size = &study->request->shared.size;
     enum neph_status status = NEPH_OK;
-    for (int s = 0; s < params->scene_count; s++)
+    for (int s = 0; s < study->request->scene_count; s++)
         for (int part = 0; part < NEPH_SCREEN_PARTS && !status; part++) {
             if (study->scenes[s].truths[part].pixels == 0)
                 continue;
-            char *path = neph_format("%s/%s_%s.png", folder, params->scenes[s]->name,
+            char *path = neph_format("%s/%s_%s.png", folder, study->request->scenes[s]->name,
                                      part_files[part]);
-            status = path ? write_picture(&study->scenes[s], part, params, path, diag)
+            status = path ? write_frame(&study->scenes[s], part, size->width_px, size->height_px,
+                                        path, diag)
                           : neph_fail_memory(diag);
             free(path);
         }
@@ -102,39 +102,25 @@ static const char *short_name(const char *model, const char *first)
     return strncmp(model, engine, name) == 0 ? model + name : model;
 }
 
-static void draw(const void *plot, FILE *out)
+static void draw_chart(const void *what, FILE *out)
 {
-    neph_numbers_plot(plot, out);
-}
-
-static enum neph_status write_chart(const struct neph_screen_study *study, const char *folder,
-                                    struct neph_diag *diag)
-{
-    const struct neph_screen_study_params *params = study->params;
+    const struct neph_screen_study *study = what;
+    const struct neph_screen_request *request = study->request;
     struct neph_post_row rows[NEPH_LIGHT_MODELS_MAX + 1] = {{.name = NULL}};
-    struct neph_post_numbers numbers[NEPH_SCREEN_SCENES_MAX][NEPH_LIGHT_MODELS_MAX];
     const char *scenes[NEPH_SCREEN_SCENES_MAX];
-    char *svg = NULL, *path = neph_path_join(folder, "screen.svg");
-    for (int m = 0; m < params->model_count; m++)
-        rows[m].name = short_name(params->models[m], params->models[0]);
-    for (int s = 0; s < params->scene_count; s++) {
-        scenes[s] = params->scenes[s]->name;
-        memcpy(numbers[s], study->scenes[s].flicker, sizeof(numbers[s]));
-    }
+    for (int m = 0; m < request->models.count; m++)
+        rows[m].name = short_name(request->models.words[m], request->models.words[0]);
+    for (int s = 0; s < request->scene_count; s++)
+        scenes[s] = request->scenes[s]->name;
     const struct neph_numbers_plot plot = {
         .rows = rows,
         .over = rows[0].name,
-        .scene_count = params->scene_count,
+        .scene_count = request->scene_count,
         .scenes = scenes,
-        .numbers = numbers[0],
+        .numbers = study->flicker[0],
         .stride = NEPH_LIGHT_MODELS_MAX,
     };
-    enum neph_status status = path ? neph_written(draw, &plot, &svg, diag) : neph_fail_memory(diag);
-    if (!status)
-        status = neph_file_write(path, svg, strlen(svg), diag);
-    free(svg);
-    free(path);
-    return status;
+    neph_numbers_plot(&plot, out);
 }
 
 /* ---- the page -------------------------------------------------------------------------------- */
@@ -195,19 +181,19 @@ static void print_scene(const struct neph_scene *scene, const struct neph_screen
 static void print_page(const void *what, FILE *out)
 {
     const struct neph_screen_study *study = what;
-    const struct neph_screen_study_params *params = study->params;
+    const struct neph_screen_request *request = study->request;
     fprintf(out,
             "%s<p>Coloured pixels are lost to every method that looks at this picture alone: what "
             "the picture shows of their truth is off by more than %g %% of it (ambient occlusion "
             "within %g m: of the hemisphere, %g %%). The colour says by what most of their rays "
             "are lost; those of reflections are the ray that a mirror would send. Engine surfaces, "
             "%d samples a pixel, neph %s.</p>\n",
-            head, 100.0 * NEPH_SCREEN_LOST, params->radius_m, 50.0 * NEPH_SCREEN_LOST,
-            params->samples, NEPH_VERSION);
+            head, 100.0 * NEPH_SCREEN_LOST, request->radius_m, 50.0 * NEPH_SCREEN_LOST,
+            request->samples, NEPH_VERSION);
     print_key(out);
-    for (int s = 0; s < params->scene_count; s++)
-        print_scene(params->scenes[s], &study->scenes[s], out);
-    if (params->frame_count > 0)
+    for (int s = 0; s < request->scene_count; s++)
+        print_scene(request->scenes[s], &study->scenes[s], out);
+    if (request->frame_count > 0)
         fprintf(out,
                 "<h2>Over frames</h2>\n<p>What is switched, over the first; a mark a scene.</p>\n"
                 "<img class=\"chart\" src=\"screen.svg\" alt=\"error, flicker, milliseconds\">\n");
@@ -220,18 +206,24 @@ enum neph_status neph_screen_page_claim(const char *folder, struct neph_diag *di
     return neph_owned_claim(folder, &kind, diag);
 }
 
-enum neph_status neph_screen_page_write(const struct neph_screen_study *study, const char *folder,
-                                        struct neph_diag *diag)
+static enum neph_status write_text(const struct neph_screen_study *study, neph_writer *write,
+                                   const char *folder, const char *name, struct neph_diag *diag)
 {
-    char *text = NULL, *path = neph_path_join(folder, "index.html");
-    enum neph_status status = path ? write_pictures(study, folder, diag) : neph_fail_memory(diag);
-    if (!status && study->params->frame_count > 0)
-        status = write_chart(study, folder, diag);
-    if (!status)
-        status = neph_written(print_page, study, &text, diag);
+    char *text = NULL, *path = neph_path_join(folder, name);
+    enum neph_status status = path ? neph_written(write, study, &text, diag)
+                                   : neph_fail_memory(diag);
     if (!status)
         status = neph_file_write(path, text, strlen(text), diag);
     free(text);
     free(path);
     return status;
+}
+
+enum neph_status neph_screen_page_write(const struct neph_screen_study *study, const char *folder,
+                                        struct neph_diag *diag)
+{
+    enum neph_status status = write_frames(study, folder, diag);
+    if (!status && study->request->frame_count > 0)
+        status = write_text(study, draw_chart, folder, "screen.svg", diag);
+    return status ? status : write_text(study, print_page, folder, "index.html", diag);
 }

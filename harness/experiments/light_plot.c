@@ -2,7 +2,7 @@
  *
  * The plot is drawn here and not by Vega, so that a study on a machine without node has it.
  */
-#include "harness/study/light_study_output.h"
+#include "harness/experiments/light.h"
 
 #include "harness/study/svg.h"
 
@@ -79,21 +79,15 @@ static void draw_model(const struct neph_light_study *study, int model, FILE *ou
 {
     const int left_px = LEFT + model * (SQUARE + ACROSS);
     fprintf(out, "<text x=\"%d\" y=\"%d\" font-size=\"15\">", left_px, TOP - 12);
-    neph_svg_print_escaped(study->params->models[model], out);
+    neph_svg_print_escaped(study->request->models.words[model], out);
     fprintf(out, "</text>\n");
     draw_map(&study->eye_sun[model], NEPH_LIGHT_SUN, left_px, TOP, out);
     draw_map(&study->eye_angle[model], NEPH_LIGHT_ANGLE, left_px, TOP + SQUARE + BELOW, out);
 }
 
-enum neph_status neph_light_study_plot(const struct neph_light_study *study, char **svg,
-                                       struct neph_diag *diag)
+void neph_light_plot(const struct neph_light_study *study, FILE *out)
 {
-    const int model_count = study->params->model_count;
-    size_t size;
-    *svg = NULL;
-    FILE *out = open_memstream(svg, &size);
-    if (!out)
-        return neph_fail_memory(diag);
+    const int model_count = study->request->models.count;
     fprintf(out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" font-family="
             "\"sans-serif\" font-size=\"12\">\n<rect width=\"100%%\" height=\"100%%\" "
@@ -103,10 +97,4 @@ enum neph_status neph_light_study_plot(const struct neph_light_study *study, cha
     for (int model = 0; model < model_count; model++)
         draw_model(study, model, out);
     fprintf(out, "</svg>\n");
-    const bool cut = ferror(out) != 0, closed = fclose(out) == 0;
-    if (!cut && closed)
-        return NEPH_OK;
-    free(*svg);
-    *svg = NULL;
-    return neph_fail_memory(diag);
 }

@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph study fog SCENE`: the error of each control of a scene's fog_look against engine exact.
+ */
+#include "harness/experiments/experiments.h"
+
+#include "harness/data.h"
+#include "harness/document/table.h"
+#include "harness/study/fog_study.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct request {
+    struct neph_cli_shared shared; /* operand: the scene */
+    const char *model;
+    struct neph_fog_study_params study;
+    struct neph_scene *scene; /* owned */
+};
+
+static const struct neph_cli_option options[] = {
+    {.name = "size", .otherwise = "96x54"},
+    {"model", 0, "NAME", "unreal or filament (default: all that know the scene's fog)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, model)},
+    {"directions", 0, "N", "Over the sphere around the camera", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, study.directions), .otherwise = "4096", .minimum = 16,
+     .maximum = 1 << 20},
+    {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
+    {.name = "csv", .help = "A line for each row"},
+    {.name = "markdown", .help = "The table into a file, too"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &neph_cli_one_scene,
+    .doc =
+        "Switch each control of a scene's fog_look on alone, in the formulas of Unreal Engine and "
+        "of Filament, and say what it is off by against engine exact: transmittance and radiance "
+        "of the picture, light that it gives or takes over the sphere of directions around the "
+        "camera, and the steps that it makes as things come nearer.\v"
+        "Row `none` has all controls off; `of physics` is the look that the medium and the sun "
+        "would have where the fog is thin. All in double precision, on the CPU.\n\n"
+        "Examples:\n"
+        "  neph study fog fog_look_evening\n"
+        "  neph study fog my_fog.yaml --model filament --markdown fog.md --csv fog.csv",
+};
+
+static enum neph_status read_model(const char *word, int *model, struct neph_diag *diag)
+{
+    *model = -1;
+    for (int m = 0; word && m < NEPH_FOG_MODEL_COUNT; m++)
+        if (strcmp(word, neph_fog_model_words[m]) == 0)
+            *model = m;
+    if (!word || *model >= 0)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "--model: there is no model '%s'", word);
+    neph_hint(diag, "unreal or filament");
+    return NEPH_ERR_USAGE;
+}
+
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
+{
+    struct request *request = request_;
+    struct neph_fog_study_params *study = &request->study;
+    study->width_px = request->shared.size.width_px;
+    study->height_px = request->shared.size.height_px;
+    enum neph_status status = read_model(request->model, &study->model, diag);
+    if (!status)
+        status = neph_data_load_scene(request->shared.operands[0], &request->scene, diag);
+    study->scene = request->scene;
+    return status;
+}
+
+static void finish(void *request)
+{
+    neph_scene_destroy(((struct request *)request)->scene);
+}
+
+/* ---- results --------------------------------------------------------------------------------- */
+
+#define AT(member) offsetof(struct neph_fog_row, member)
+static const struct neph_field numbers[] = {
+    {{"transmittance_bias", "transmittance: bias", .format = "%+.4f"}, AT(transmittance_bias)},
+    {{"transmittance_worst", "worst", .format = "%.4f"}, AT(transmittance_worst)},
+    {{"radiance_bias", "radiance: bias, %", .format = "%+.1f", .scale = 100.0}, AT(radiance_bias)},
+    {{"radiance_rms", "rms, %", .format = "%+.1f", .scale = 100.0}, AT(radiance_rms)},
+    {{"fog_light", "fog's light over the sphere, %", .format = "%+.1f", .scale = 100.0},
+     AT(fog_light)},
+    {{.key = "all_light"}, AT(all_light)},
+    {{"fog_light_alone", "by the control alone", .format = "%+.1f", .scale = 100.0},
+     AT(fog_light_alone)},
+    {{"all_light_alone", "all light by it", .format = "%+.1f", .scale = 100.0},
+     AT(all_light_alone)},
+    {{"transmittance_jump", "jump of transmittance", "%g", .none = ""}, AT(transmittance_jump)},
+    {{.key = "transmittance_jump_m"}, AT(transmittance_jump_m)},
+    {{"light_jump", "jump of light, W/m2/sr", "%g", .none = ""}, AT(light_jump)},
+    {{.key = "light_jump_m"}, AT(light_jump_m)},
+    {{"lobe_over_sun", "lobe over sun", .format = "%.3f"}, AT(lobe_over_sun)},
+};
+#undef AT
+/* Numbers up to each of the two jumps, with it, and all. */
+enum { TO_JUMP = 9, TO_LIGHT_JUMP = 11, NUMBERS = sizeof(numbers) / sizeof(numbers[0]) };
+
+/* The text of a jump that was just added. Smaller ones are rounding errors. */
+static void show_jump(struct neph_table *table, double jump, double at_m)
+{
+    const double least_jump = 1e-9;
+    if (jump < least_jump)
+        neph_table_shown(table, "-");
+    else if (!isnan(jump))
+        neph_table_shown(table, "%.2g at %.4g m", jump, at_m);
+}
+
+static void add_row(const char *scene, const struct neph_fog_row *row, struct neph_table *table)
+{
+    neph_table_word(table, scene);
+    neph_table_word(table, neph_fog_model_words[row->model]);
+    neph_table_word(table, row->name);
+    neph_table_field_cells(table, numbers, TO_JUMP, row);
+    show_jump(table, row->transmittance_jump, row->transmittance_jump_m);
+    neph_table_field_cells(table, numbers + TO_JUMP, TO_LIGHT_JUMP - TO_JUMP, row);
+    show_jump(table, row->light_jump, row->light_jump_m);
+    neph_table_field_cells(table, numbers + TO_LIGHT_JUMP, NUMBERS - TO_LIGHT_JUMP, row);
+}
+
+static void fill(const struct neph_fog_study *study, struct neph_table *table)
+{
+    static const struct neph_column words[] = {
+        {.key = "scene", .forms = NEPH_TABLE_CSV},
+        {.key = "model", .title = "model"},
+        {.key = "controls", .title = "controls"},
+    };
+    neph_table_columns(table, words, 3);
+    neph_table_fields(table, numbers, NUMBERS);
+    for (int i = 0; i < study->row_count; i++)
+        add_row(study->params->scene->name, &study->rows[i], table);
+}
+
+static void print_head(const struct neph_fog_study *study, FILE *out)
+{
+    const struct neph_fog_study_params *params = study->params;
+    fprintf(out,
+            "neph %s, %s: the controls of its fog_look, each alone, against engine exact; %dx%d "
+            "pixels and %d\ndirections over the sphere around the camera. Exact has a mean "
+            "radiance of %.4g W/m2/sr in the picture; over the\nsphere %.4g, of which the fog's "
+            "own light is %.4g.\n\n",
+            NEPH_VERSION, params->scene->name, params->width_px, params->height_px,
+            params->directions, study->exact_radiance, study->exact_all_light,
+            study->exact_fog_light);
+}
+
+static enum neph_status run(void *request, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct neph_fog_study_params *params = &((struct request *)request)->study;
+    struct neph_table table = {.cells = NULL};
+    struct neph_fog_study study;
+    const enum neph_status status = neph_fog_study_run(params, &study, diag);
+    (void)run;
+    if (status)
+        return status;
+    fill(&study, &table);
+    if (publication->text)
+        print_head(&study, publication->text);
+    if (publication->csv)
+        neph_table_print_csv(&table, "\r\n", publication->csv);
+    publication->json = json_pack(
+        "{s:s, s:s, s:s, s:[i, i], s:i, s:f, s:f, s:f, s:o}", "format", "neph-fog-study-1",
+        "version", NEPH_VERSION, "scene", params->scene->name, "size_px", params->width_px,
+        params->height_px, "directions", params->directions, "exact_radiance", study.exact_radiance,
+        "exact_fog_light", study.exact_fog_light, "exact_all_light", study.exact_all_light, "rows",
+        neph_table_json(&table));
+    neph_publication_table(publication, &table);
+    return NEPH_OK;
+}
+
+const struct neph_experiment neph_experiment_fog = {.syntax = &syntax,
+                                                    .request_size = sizeof(struct request),
+                                                    .prepare = prepare,
+                                                    .run = run,
+                                                    .finish = finish};

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph study light [SCENE...]`: lighting models against the tracer (light.h).
+ */
+#include "harness/experiments/light.h"
+
+#include "base/files.h"
+#include "base/written.h"
+#include "harness/data.h"
+#include "harness/experiments/experiments.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct neph_cli_option options[] = {
+    {"models", 0, "A,B",
+     "Lighting models to hold against the tracer, by their engines; ENGINE+KEY=VALUE changes one, "
+     "and ENGINE+preset=NAME has a preset's values (default: all that engines offer)",
+     NEPH_CLI_LIST, .at = offsetof(struct neph_light_request, models),
+     .maximum = NEPH_LIGHT_MODELS_MAX},
+    {"suite", 0, "NAME",
+     "tuning: what models were fitted on; test: others (default, without a SCENE: test); test2: "
+     "others again",
+     NEPH_CLI_WORD, .at = offsetof(struct neph_light_request, suite)},
+    {"suns", 0, "E:A,E:A",
+     "Elevations and azimuths of the sun in degrees; azimuth 0 is ahead of the camera, against the "
+     "light, 180 behind it (default: as each SCENE has it; so are the next three)",
+     NEPH_CLI_LIST, .at = offsetof(struct neph_light_request, suns), .group = 1,
+     .maximum = NEPH_LIGHT_SWEEP_MAX},
+    {"g", 0, "A,B", "Mean cosines of Henyey-Greenstein", NEPH_CLI_NUMBERS,
+     .at = offsetof(struct neph_light_request, g), .group = 1, .maximum = NEPH_LIGHT_SWEEP_MAX},
+    {"albedo", 0, "A,B", "Albedos", NEPH_CLI_NUMBERS,
+     .at = offsetof(struct neph_light_request, albedo), .group = 1,
+     .maximum = NEPH_LIGHT_SWEEP_MAX},
+    {"density", 0, "A,B", "Factors of the extinction", NEPH_CLI_NUMBERS,
+     .at = offsetof(struct neph_light_request, density), .group = 1,
+     .maximum = NEPH_LIGHT_SWEEP_MAX},
+    {"sun-speed", 0, "DEG",
+     "What remembers pictures sees the sun sink to its place by so many degrees a second, in 32 "
+     "pictures, 60 a second",
+     NEPH_CLI_REAL, .at = offsetof(struct neph_light_request, sun_speed_deg_per_s),
+     .otherwise = "0", .minimum = 0, .maximum = 50},
+    {.name = "size", .otherwise = "48x27"},
+    {"steps", 0, "N", "Steps of every view ray", NEPH_CLI_INTEGER,
+     .at = offsetof(struct neph_light_request, steps), .otherwise = "128", .minimum = 1,
+     .maximum = 65536},
+    {"noise", 0, "X",
+     "The tracer stops at this rms standard error over rms radiance; its noise is taken out of "
+     "what is reported",
+     NEPH_CLI_REAL, .at = offsetof(struct neph_light_request, noise), .otherwise = "0.2",
+     .minimum = 1e-6, .maximum = 10},
+    {"samples", 0, "N", "Or at so many samples a pixel", NEPH_CLI_INTEGER,
+     .at = offsetof(struct neph_light_request, samples), .otherwise = "1024", .minimum = 2,
+     .maximum = 1 << 28},
+    {.name = "jobs", .otherwise = "1"},
+    {.name = "output", .help = "Folder of the store and of light.svg", .otherwise = "out"},
+    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "csv", .help = "A line for each cell and model"},
+    {.name = "markdown"},
+    {"laws", 0, NULL,
+     "Also hold the models to what they owe whatever the cloud: a white furnace, the balance of "
+     "energy and reciprocity, against closed forms",
+     NEPH_CLI_FLAG, .at = offsetof(struct neph_light_request, laws)},
+    {"fit", 0, "FILE",
+     "Also fit octaves to what the tracer found, and write their coefficients as the file that "
+     "renderer/octaves_fitted.c includes; not on the suite that they are judged by",
+     NEPH_CLI_FILE, .at = offsetof(struct neph_light_request, fit)},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
+
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct neph_light_request *request = request_;
+    const bool has_sweep = request->suns.argument || request->g.argument ||
+                           request->albedo.argument || request->density.argument;
+    const char *suite = request->suite ? request->suite : "test";
+    if (request->fit && request->shared.operand_count == 0 && strncmp(suite, "test", 4) == 0)
+        argp_error(state, "the suite %s is what a fit is judged by: --fit has --suite tuning",
+                   suite);
+    if (request->suite && request->shared.operand_count > 0)
+        argp_error(state, "a suite or scenes by name, not both");
+    if (has_sweep && request->shared.operand_count == 0)
+        argp_error(state, "--suns, --g, --albedo and --density are of a SCENE: suites have their "
+                          "own");
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check,
+    .doc =
+        "Render clouds with the lighting models of the ray marcher and with the tracer, and say "
+        "how far each model is from all orders of scattering: by optical depth towards the eye and "
+        "the sun, by the angle to the sun, and in the dense parts of every cell, which is a cloud "
+        "with a sun, g and albedo.\v"
+        "The light is a sun of 1 W/m2 alone: solids are black, and the sky is dark. The optical "
+        "depth towards the sun is that of the first place before which half of the light is lost "
+        "that the medium takes from the ray. Dense parts are pixels that less than a tenth comes "
+        "through. The tracer renders twice, with two seeds, so that its noise can be taken out. "
+        "NEPH_VULKAN_DEVICE names the device. What is finished stays in DIR/store, and the same "
+        "command goes on from there.\n\n"
+        "Examples:\n"
+        "  neph study light --suite test --markdown light.md\n"
+        "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85 --albedo 1,0.9\n"
+        "  neph study light gaussian_blob --density 10 --models march_octaves",
+};
+
+/* ---- cells ----------------------------------------------------------------------------------- */
+
+/* Elevation and azimuth. */
+static enum neph_status read_sun(const char *word, double sun_deg[2], struct neph_diag *diag)
+{
+    char *end;
+    sun_deg[0] = strtod(word, &end);
+    if (end == word || *end != ':' || !isfinite(sun_deg[0]))
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--suns: '%s' is no elevation and azimuth, such as 50:180", word);
+    const char *second = end + 1;
+    sun_deg[1] = strtod(second, &end);
+    if (end == second || *end || !isfinite(sun_deg[1]))
+        return neph_fail(diag, NEPH_ERR_USAGE, "--suns: '%s' is no number", second);
+    return NEPH_OK;
+}
+
+static int copy_numbers(const struct neph_cli_list *list, double numbers[NEPH_LIGHT_SWEEP_MAX])
+{
+    memcpy(numbers, list->numbers, (size_t)list->count * sizeof(*numbers));
+    return list->count;
+}
+
+/* The scenes that were named, each with the sweep. */
+static enum neph_status list_entries(struct neph_light_request *request, struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    struct neph_light_sweep sweep = {.sun_count = request->suns.count};
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < sweep.sun_count && !status; i++)
+        status = read_sun(request->suns.words[i], sweep.suns_deg[i], diag);
+    if (!status)
+        status = neph_data_check_scenes(shared->operands, shared->operand_count, diag);
+    if (status)
+        return status;
+    sweep.g_count = copy_numbers(&request->g, sweep.g);
+    sweep.albedo_count = copy_numbers(&request->albedo, sweep.albedo);
+    sweep.density_count = copy_numbers(&request->density, sweep.density);
+    request->entry_count = shared->operand_count;
+    request->entries = neph_arena_zeroed(&request->arena, (size_t)shared->operand_count,
+                                         sizeof(*request->entries));
+    for (int i = 0; request->entries && i < shared->operand_count; i++)
+        request->entries[i] = (struct neph_light_entry){
+            .scene = shared->operands[i], .sweep_count = 1, .sweeps = {sweep}};
+    return neph_arena_check(&request->arena, diag);
+}
+
+static enum neph_status offer_models(struct neph_cli_list *models, struct neph_diag *diag)
+{
+    models->text = neph_light_models_offered();
+    return models->text ? neph_cli_split(models->text, "models", NEPH_LIGHT_MODELS_MAX,
+                                         models->words, &models->count, diag)
+                        : neph_fail_memory(diag);
+}
+
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
+{
+    struct neph_light_request *request = request_;
+    enum neph_status status = request->models.argument ? NEPH_OK
+                                                       : offer_models(&request->models, diag);
+    request->only_cell = -1;
+    if (status)
+        return status;
+    return request->shared.operand_count > 0
+               ? list_entries(request, diag)
+               : neph_light_suite_find(request->suite ? request->suite : "test", &request->arena,
+                                       &request->entries, &request->entry_count, diag);
+}
+
+static void finish(void *request)
+{
+    neph_arena_finish(&((struct neph_light_request *)request)->arena);
+}
+
+/* A cell; the laws are one more. */
+static bool part(void *request_, int index)
+{
+    struct neph_light_request *request = request_;
+    const int cell_count = neph_light_cell_count(request);
+    request->laws &= index == cell_count;
+    request->only_cell = index;
+    request->fit = NULL;
+    return index < cell_count || request->laws;
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+struct fitted {
+    const struct neph_light_study *study;
+    struct neph_octaves_fit fit;
+};
+
+static void print_fit(const void *what, FILE *out)
+{
+    const struct fitted *fitted = what;
+    neph_light_fit_print(fitted->study, &fitted->fit, out);
+}
+
+static enum neph_status write_fit(const struct neph_light_study *study, struct neph_diag *diag)
+{
+    struct fitted fitted = {.study = study};
+    char *text = NULL;
+    enum neph_status status = neph_light_fit(study, &fitted.fit, diag);
+    if (!status)
+        status = neph_written(print_fit, &fitted, &text, diag);
+    if (!status)
+        status = neph_file_write(study->request->fit, text, strlen(text), diag);
+    free(text);
+    return status;
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct neph_light_request *request = request_;
+    struct neph_light_study *study = calloc(1, sizeof(*study));
+    if (!study)
+        return neph_fail_memory(diag);
+    study->request = request;
+    study->run = run;
+    enum neph_status status = neph_light_measure(study, diag);
+    if (!status && request->laws)
+        status = neph_light_laws_run(request->models.words, request->models.count, request->steps,
+                                     run->device, run->store, &study->laws, diag);
+    if (!status && request->only_cell < 0)
+        status = neph_light_publish(study, publication, diag);
+    if (!status && request->fit)
+        publication->verdict = write_fit(study, &publication->reason);
+    neph_light_study_finish(study);
+    free(study);
+    return status;
+}
+
+const struct neph_experiment neph_experiment_light = {
+    .syntax = &syntax,
+    .request_size = sizeof(struct neph_light_request),
+    .chart = "light.svg",
+    .prepare = prepare,
+    .part = part,
+    .run = run,
+    .finish = finish};

@@ -1,0 +1,405 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/experiments/light.h"
+
+#include "base/clock.h"
+#include "harness/data.h"
+#include "harness/engines/engines.h"
+#include "harness/run/noise.h"
+#include "harness/run/seed.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_LIGHT_PARTS == 2, "a new kind");
+
+/* A guess before the first is over, on two cores. */
+static const double cell_typical_s = 15.0;
+
+/* What the issue of light asks for. */
+static const double bias_wanted = 0.05, worst_bias_wanted = 0.15, rms_wanted = 0.15;
+
+static struct neph_shot shot_of(const struct neph_light_study *study,
+                                const struct neph_scene *scene)
+{
+    return (struct neph_shot){.scene = scene,
+                              .width_px = study->request->shared.size.width_px,
+                              .height_px = study->request->shared.size.height_px,
+                              .layers = NEPH_LAYERS_ALL,
+                              .seed = 1,
+                              .device = study->run->device};
+}
+
+/* Radiance of the media in a pixel. */
+static double radiance_of(float *const volume[3], int pixel)
+{
+    return ((double)volume[0][pixel] + (double)volume[1][pixel] + (double)volume[2][pixel]) / 3.0;
+}
+
+/* ---- a model in a cell ----------------------------------------------------------------------- */
+
+static void add_pixel(struct neph_light_study *study, int model,
+                      const struct neph_light_pixel *pixel, double radiance,
+                      struct neph_light_gap *gap)
+{
+    const int eye = neph_light_bin(NEPH_LIGHT_EYE, pixel->view.eye_depth);
+    const int sun = neph_light_bin(NEPH_LIGHT_SUN, pixel->view.sun_depth);
+    const int angle = neph_light_bin(NEPH_LIGHT_ANGLE, pixel->view.angle_rad / NEPH_RAD_PER_DEG);
+    if (eye < 0)
+        return;
+    neph_light_sums_add(&gap->all, radiance, pixel->first, pixel->second);
+    if (exp(-pixel->view.eye_depth) < NEPH_LIGHT_DENSE_TRANSMITTANCE)
+        neph_light_sums_add(&gap->dense, radiance, pixel->first, pixel->second);
+    if (sun >= 0)
+        neph_light_sums_add(&study->eye_sun[model].bins[eye][sun], radiance, pixel->first,
+                            pixel->second);
+    if (angle >= 0)
+        neph_light_sums_add(&study->eye_angle[model].bins[eye][angle], radiance, pixel->first,
+                            pixel->second);
+}
+
+static enum neph_status measure_model(struct neph_light_study *study,
+                                      const struct neph_light_cell *cell, int model,
+                                      const struct neph_image *frame, struct neph_light_gap *gap,
+                                      struct neph_diag *diag)
+{
+    float *volume[3];
+    if (!neph_image_rgb(frame, "volume", volume))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "its picture has no light of media");
+    for (int p = 0; p < cell->pixel_count; p++)
+        add_pixel(study, model, &cell->pixels[p], radiance_of(volume, p), gap);
+    return NEPH_OK;
+}
+
+/* A cell's scene: with all orders of scattering, with one, and with all under a sun that has sunk
+ * to its place; NULL where it stands still. */
+struct scenes {
+    struct neph_scene *multiple, *single, *moving;
+};
+
+/* With all orders of scattering, if the model takes that, else with one, if that. A model with a
+ * warm-up keeps frames, and may see a sun that sinks. */
+static enum neph_status run_model(struct neph_light_study *study, struct neph_light_cell *cell,
+                                  int index, const struct scenes *scenes, struct neph_diag *diag)
+{
+    const struct neph_light_model *model = &study->models[index];
+    struct neph_light_gap *gap = &cell->gaps[index];
+    struct neph_image *frame = NULL;
+    char why[NEPH_LIGHT_WHY_SIZE];
+    gap->once = !model->engine->can_render(scenes->multiple, &model->settings, gap->because,
+                                           sizeof(gap->because));
+    if (gap->once &&
+        !model->engine->can_render(scenes->single, &model->settings, why, sizeof(why))) {
+        gap->once = false;
+        return NEPH_OK;
+    }
+    gap->because[0] = '\0';
+    const bool is_moved = scenes->moving && !gap->once &&
+                          neph_option_find(model->engine->options, "warm_up") >= 0;
+    struct neph_shot shot = shot_of(study, is_moved    ? scenes->moving
+                                           : gap->once ? scenes->single
+                                                       : scenes->multiple);
+    shot.frame = is_moved ? NEPH_RELIT_FRAMES - 1 : 0;
+    enum neph_status status = neph_light_model_render(model, &shot, study->run->store, &frame,
+                                                      &gap->render_s, diag);
+    if (!status)
+        status = measure_model(study, cell, index, frame, gap, diag);
+    neph_image_destroy(frame);
+    return status;
+}
+
+/* ---- a cell ---------------------------------------------------------------------------------- */
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double first = *(const double *)a, second = *(const double *)b;
+    return (first > second) - (first < second);
+}
+
+/* What a tenth of the pixels with media have more of; NaN where none has. */
+static enum neph_status find_depth(struct neph_light_cell *cell, struct neph_diag *diag)
+{
+    int count = 0;
+    double *depths = calloc((size_t)cell->pixel_count, sizeof(*depths));
+    if (!depths)
+        return neph_fail_memory(diag);
+    for (int p = 0; p < cell->pixel_count; p++)
+        if (neph_light_bin(NEPH_LIGHT_EYE, cell->pixels[p].view.eye_depth) >= 0)
+            depths[count++] = cell->pixels[p].view.eye_depth;
+    qsort(depths, (size_t)count, sizeof(*depths), compare_doubles);
+    cell->optical_depth = count > 0 ? depths[(count - 1) * 9 / 10] : NAN;
+    free(depths);
+    return NEPH_OK;
+}
+
+static enum neph_status find_pixels(const struct neph_light_study *study,
+                                    const struct neph_scene *scene, float *const first[3],
+                                    float *const second[3], struct neph_light_cell *cell,
+                                    struct neph_diag *diag)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    const struct neph_cli_size *size = &study->request->shared.size;
+    const int width_px = size->width_px, height_px = size->height_px;
+    cell->pixel_count = width_px * height_px;
+    cell->pixels = calloc((size_t)cell->pixel_count, sizeof(*cell->pixels));
+    if (!cell->pixels)
+        return neph_fail_memory(diag);
+    for (int p = 0; p < cell->pixel_count; p++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, width_px, height_px,
+                                                          p % width_px, p / width_px);
+        cell->pixels[p] = (struct neph_light_pixel){
+            .view = neph_light_view_of(scene, &ray, study->request->fit != NULL),
+            .first = radiance_of(first, p),
+            .second = radiance_of(second, p)};
+    }
+    return find_depth(cell, diag);
+}
+
+static enum neph_status trace_cell(const struct neph_light_study *study,
+                                   const struct neph_scene *scene, struct neph_light_cell *cell,
+                                   struct neph_diag *diag)
+{
+    struct neph_image *frames[2] = {NULL, NULL};
+    float *first[3], *second[3];
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < 2 && !status; i++) {
+        struct neph_shot shot = shot_of(study, scene);
+        shot.seed = neph_seed_of(scene, i + 1);
+        status = neph_light_model_render(&study->tracer, &shot, study->run->store, &frames[i],
+                                         &cell->tracer_s, diag);
+    }
+    if (!status && !(neph_image_rgb(frames[0], "volume", first) &&
+                     neph_image_rgb(frames[1], "volume", second)))
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "the tracer's picture has no light of media");
+    if (!status && study->request->only_cell < 0) {
+        cell->noise = neph_noise_of_two(frames[0], frames[1]);
+        status = find_pixels(study, scene, first, second, cell, diag);
+    }
+    neph_image_destroy(frames[0]);
+    neph_image_destroy(frames[1]);
+    return status;
+}
+
+static enum neph_status run_cell(struct neph_light_study *study, const struct scenes *scenes,
+                                 struct neph_light_cell *cell, struct neph_diag *diag)
+{
+    cell->light = neph_relight_of(scenes->multiple);
+    if (!study->tracer.engine->can_render(scenes->multiple, NULL, cell->left_out,
+                                          sizeof(cell->left_out)))
+        return NEPH_OK;
+    cell->left_out[0] = '\0';
+    enum neph_status status = trace_cell(study, scenes->multiple, cell, diag);
+    for (int model = 0; model < study->request->models.count && !status; model++)
+        status = run_model(study, cell, model, scenes, diag);
+    if (!study->request->fit) {
+        free(cell->pixels);
+        cell->pixels = NULL;
+    }
+    return status;
+}
+
+static enum neph_status light_anew(const struct neph_light_study *study,
+                                   const struct neph_scene *scene, const struct neph_relight *light,
+                                   struct scenes *scenes, struct neph_diag *diag)
+{
+    struct neph_relight sinking = *light;
+    sinking.sun_sinks_rad = study->request->sun_speed_deg_per_s * NEPH_RAD_PER_DEG *
+                            (NEPH_RELIT_FRAMES - 1) / 60.0;
+    enum neph_status status = neph_scene_relit(scene, light, NEPH_SCATTERING_MULTIPLE,
+                                               &scenes->multiple, diag);
+    if (!status)
+        status = neph_scene_relit(scene, light, NEPH_SCATTERING_SINGLE, &scenes->single, diag);
+    if (!status && sinking.sun_sinks_rad > 0.0)
+        status = neph_scene_relit(scene, &sinking, NEPH_SCATTERING_MULTIPLE, &scenes->moving, diag);
+    return status;
+}
+
+/* What breaks is news of one cell; what ends the run goes on. */
+static enum neph_status try_cell(struct neph_light_study *study, const struct neph_scene *scene,
+                                 const struct neph_relight *light, struct neph_light_cell *cell,
+                                 struct neph_diag *diag)
+{
+    char what[200];
+    struct neph_diag why = {.line = 0};
+    struct scenes scenes = {.multiple = NULL};
+    const double start_s = neph_wall_s();
+    enum neph_status status = light_anew(study, scene, light, &scenes, &why);
+    snprintf(what, sizeof(what), "%s, cell %d of %d", cell->scene, (int)(cell - study->cells) + 1,
+             study->cell_count);
+    neph_progress_begin(&study->progress, what);
+    if (!status)
+        status = run_cell(study, &scenes, cell, &why);
+    if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED) {
+        study->failed_count += status == NEPH_ERR_ENGINE;
+        snprintf(cell->left_out, sizeof(cell->left_out), "%.*s", NEPH_LIGHT_WHY_SIZE - 1,
+                 why.message);
+        status = NEPH_OK;
+    }
+    if (status && diag)
+        *diag = why;
+    if (!status)
+        neph_progress_step(&study->progress, what, cell->left_out[0] ? "left out" : "measured",
+                           neph_wall_s() - start_s);
+    neph_scene_destroy(scenes.moving);
+    neph_scene_destroy(scenes.single);
+    neph_scene_destroy(scenes.multiple);
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+int neph_light_cell_count(const struct neph_light_request *request)
+{
+    int count = 0;
+    for (int i = 0; i < request->entry_count; i++)
+        count += neph_light_entry_count(&request->entries[i]);
+    return count;
+}
+
+static enum neph_status prepare(struct neph_light_study *study, struct neph_diag *diag)
+{
+    const struct neph_light_request *request = study->request;
+    struct neph_shared_device *device = study->run->device;
+    study->tracer = neph_light_model_of(neph_engine_find("tracer"), device);
+    enum neph_status status = neph_light_model_set(&study->tracer, "target_error", request->noise,
+                                                   diag);
+    if (!status)
+        status = neph_light_model_set(&study->tracer, "samples", request->samples, diag);
+    for (int model = 0; model < request->models.count && !status; model++)
+        status = neph_light_model_parse(request->models.words[model], request->steps, device,
+                                        &study->models[model], diag);
+    if (status)
+        return status;
+    study->cell_count = neph_light_cell_count(request);
+    neph_progress_expect(&study->progress, 0, study->cell_count, cell_typical_s);
+    study->cells = calloc((size_t)study->cell_count, sizeof(*study->cells));
+    return study->cells ? NEPH_OK : neph_fail_memory(diag);
+}
+
+static enum neph_status run_cells(struct neph_light_study *study,
+                                  const struct neph_light_entry *entry,
+                                  const struct neph_scene *scene, const char *absent,
+                                  struct neph_light_cell *cells, struct neph_diag *diag)
+{
+    const int only = study->request->only_cell;
+    char *name = neph_scene_name_of(scene ? scene->path : entry->scene);
+    const char *kept = neph_arena_text(&study->arena, name);
+    enum neph_status status = name ? neph_arena_check(&study->arena, diag) : neph_fail_memory(diag);
+    free(name);
+    for (int i = 0; i < neph_light_entry_count(entry) && !status; i++) {
+        struct neph_light_cell *cell = &cells[i];
+        const struct neph_relight light = neph_light_entry_at(entry, i);
+        if (only >= 0 && cell - study->cells != only)
+            continue;
+        cell->scene = kept;
+        cell->light = light;
+        cell->optical_depth = NAN;
+        if (scene)
+            status = try_cell(study, scene, &light, cell, diag);
+        else
+            snprintf(cell->left_out, sizeof(cell->left_out), "%.*s", NEPH_LIGHT_WHY_SIZE - 1,
+                     absent);
+    }
+    return status;
+}
+
+/* All cells of an entry have one scene; data that is not here is news of them all. */
+static enum neph_status run_entry(struct neph_light_study *study,
+                                  const struct neph_light_entry *entry,
+                                  struct neph_light_cell *cells, struct neph_diag *diag)
+{
+    struct neph_scene *scene = NULL;
+    struct neph_diag why = {.line = 0};
+    enum neph_status status = neph_data_load_scene(entry->scene, &scene, &why);
+    if (status == NEPH_ERR_NOT_FOUND && entry->may_be_absent)
+        status = NEPH_OK;
+    if (status && diag)
+        *diag = why;
+    if (!status)
+        status = run_cells(study, entry, scene, why.message, cells, diag);
+    neph_scene_destroy(scene);
+    return status;
+}
+
+enum neph_status neph_light_measure(struct neph_light_study *study, struct neph_diag *diag)
+{
+    const struct neph_light_request *request = study->request;
+    study->progress = neph_progress_start(study->run->quiet, 0);
+    enum neph_status status = prepare(study, diag);
+    int first = 0; /* cell of the entry */
+    for (int i = 0; i < request->entry_count && !status; i++) {
+        const int end = first + neph_light_entry_count(&request->entries[i]);
+        if (request->only_cell < 0 || (request->only_cell >= first && request->only_cell < end))
+            status = run_entry(study, &request->entries[i], study->cells + first, diag);
+        first = end;
+    }
+    neph_progress_end(&study->progress);
+    if (status == NEPH_ERR_INTERRUPTED)
+        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+    return status;
+}
+
+void neph_light_study_finish(struct neph_light_study *study)
+{
+    for (int i = 0; i < study->cell_count && study->cells; i++)
+        free(study->cells[i].pixels);
+    free(study->cells);
+    neph_arena_finish(&study->arena);
+}
+
+/* ---- verdicts -------------------------------------------------------------------------------- */
+
+const struct neph_light_sums *neph_light_part_of(const struct neph_light_gap *gap,
+                                                 enum neph_light_part part)
+{
+    return part == NEPH_LIGHT_DENSE ? &gap->dense : &gap->all;
+}
+
+bool neph_light_counts(const struct neph_light_sums *sums)
+{
+    return sums->count >= NEPH_LIGHT_PIXELS_MIN && !isnan(neph_light_bias(sums));
+}
+
+void neph_light_verdict_add(struct neph_light_verdict *verdict, const struct neph_light_sums *sums)
+{
+    const double bias = fabs(neph_light_bias(sums)), rms = neph_light_rms(sums);
+    verdict->cell_count++;
+    verdict->mean_bias += bias;
+    verdict->mean_signed_bias += neph_light_bias(sums);
+    verdict->worst_bias = fmax(verdict->worst_bias, bias);
+    verdict->mean_rms += rms;
+    verdict->share_within += bias <= bias_wanted;
+    verdict->share_near += bias <= worst_bias_wanted;
+    verdict->share_smooth += rms <= rms_wanted;
+}
+
+void neph_light_verdict_end(struct neph_light_verdict *verdict)
+{
+    const double count = verdict->cell_count; /* 0 makes NaN of all but the worst */
+    verdict->mean_bias /= count;
+    verdict->mean_signed_bias /= count;
+    verdict->mean_rms /= count;
+    verdict->share_within /= count;
+    verdict->share_near /= count;
+    verdict->share_smooth /= count;
+    if (verdict->cell_count == 0)
+        verdict->worst_bias = NAN;
+}
+
+struct neph_light_verdict
+neph_light_verdict_of(const struct neph_light_study *study, int model, enum neph_light_part part,
+                      bool (*counts)(const struct neph_light_cell *cell, const void *context),
+                      const void *context)
+{
+    struct neph_light_verdict verdict = {.cell_count = 0};
+    for (int i = 0; i < study->cell_count; i++) {
+        const struct neph_light_cell *cell = &study->cells[i];
+        const struct neph_light_sums *sums = neph_light_part_of(&cell->gaps[model], part);
+        if (neph_light_counts(sums) && (!counts || counts(cell, context)))
+            neph_light_verdict_add(&verdict, sums);
+    }
+    neph_light_verdict_end(&verdict);
+    return verdict;
+}

@@ -1,0 +1,535 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph study sky [SCENE]`: models of a planet's atmosphere side by side with a tracer's light of
+ * all orders, by elevation of the sun, altitude of the camera and direction. In each cell, a sun
+ * and an altitude, two wide frames look towards the sun and away from it; tiles of their pixels are
+ * directions.
+ *
+ * A direction is off by the sum over the channels of |model - truth| over the sum of the truth, so
+ * that colours count, and dark ones by what they are. The truth is rendered twice, with two seeds;
+ * what a direction of it would be off by its own noise is half their difference.
+ */
+#include "harness/experiments/experiments.h"
+
+#include "base/clock.h"
+#include "harness/data.h"
+#include "harness/document/table.h"
+#include "harness/engines/engines.h"
+#include "harness/progress.h"
+#include "harness/run/seed.h"
+#include "harness/study/light_models.h"
+#include "scenes/skyward.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LIST_MAX = 16, VIEWS = 2, WHY_SIZE = 200 };
+
+/* Towards the sun and away from it; from -35 to 75 degrees in the middle of a frame, in its
+ * corners to the zenith. */
+static const double view_azimuths_deg[VIEWS] = {0.0, 180.0};
+static const double view_pitch_deg = 20.0, view_fov_deg = 110.0;
+static const double cell_typical_s = 20.0;
+
+/* What issue and design ask for, down to a sun of so many degrees. */
+static const double mean_wanted = 0.02, worst_wanted = 0.10, lowest_sun_deg = 5.0;
+
+struct request {
+    struct neph_cli_shared shared; /* operands: a scene */
+    struct neph_cli_list models, suns, altitudes;
+    const char *truth; /* tracer, oracle, exact; or a model with finer settings, for what its tables
+                          leave, without noise: ENGINE+KEY=VALUE+... */
+    int samples, steps, tile_px;
+    struct neph_scene *scene; /* owned */
+};
+
+static const struct neph_cli_option options[] = {
+    {"models", 0, "A,B", "Models to hold against the truth; ENGINE+KEY=VALUE changes one",
+     NEPH_CLI_LIST, .at = offsetof(struct request, models), .otherwise = "sky,sky+multiple=closure",
+     .maximum = NEPH_LIGHT_MODELS_MAX},
+    {"truth", 0, "ENGINE",
+     "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for what its "
+     "tables leave, without noise",
+     NEPH_CLI_WORD, .at = offsetof(struct request, truth), .otherwise = "tracer"},
+    {"suns", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS,
+     .at = offsetof(struct request, suns), .otherwise = "90,60,30,15,10,5,2,0,-1,-2",
+     .maximum = LIST_MAX},
+    {"altitudes", 0, "A,B", "Altitudes of the camera [m]", NEPH_CLI_NUMBERS,
+     .at = offsetof(struct request, altitudes), .otherwise = "2,10000", .maximum = LIST_MAX},
+    {.name = "size", .otherwise = "48x32"},
+    {"tile", 0, "N", "Pixels along a side of a direction", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, tile_px), .otherwise = "4", .minimum = 1, .maximum = 64},
+    {"steps", 0, "N", "Steps of every view ray, unless a model says otherwise", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, steps), .otherwise = "48", .minimum = 2, .maximum = 4096},
+    {"samples", 0, "N", "Samples a pixel of the truth, twice", NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, samples), .otherwise = "4096", .minimum = 2,
+     .maximum = 1 << 28},
+    {.name = "jobs", .otherwise = "1"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "markdown"},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_operands operands = {
+    .shown = "[SCENE]", .maximum = 1, .surplus = "one scene"};
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .doc =
+        "Render the sky of a planet (default: sky_earth) with models and with a tracer, and say "
+        "how far each model is from all orders of scattering: by elevation of the sun, altitude "
+        "of the camera, and direction.\v"
+        "Each cell is two wide pictures, towards the sun and away from it. The truth is rendered "
+        "twice, with two seeds, for its noise. What is finished stays in DIR/store, and the same "
+        "command goes on from there.\n\n"
+        "Examples:\n"
+        "  neph study sky --markdown sky.md\n"
+        "  neph study sky --suns 10,5 --truth oracle --samples 1024\n"
+        "  neph study sky --models sky+degree=0,sky+view=table --truth sky+degree=4+steps=96",
+};
+
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
+{
+    struct request *request = request_;
+    const struct neph_cli_shared *shared = &request->shared;
+    return neph_data_load_scene(shared->operand_count > 0 ? shared->operands[0] : "sky_earth",
+                                &request->scene, diag);
+}
+
+static void finish(void *request)
+{
+    neph_scene_destroy(((struct request *)request)->scene);
+}
+
+/* A cell; altitudes run fastest. */
+static bool part(void *request_, int index)
+{
+    struct request *request = request_;
+    struct neph_cli_list *suns = &request->suns, *altitudes = &request->altitudes;
+    if (index >= suns->count * altitudes->count)
+        return false;
+    suns->numbers[0] = suns->numbers[index / altitudes->count];
+    altitudes->numbers[0] = altitudes->numbers[index % altitudes->count];
+    suns->count = altitudes->count = 1;
+    return true;
+}
+
+/* Over the directions of a cell, weighted by their solid angles. */
+struct gap {
+    double mean, worst; /* of what directions are off by */
+    double bias;        /* sum of the model over sum of the truth, less 1 */
+    double worst_elevation_deg, worst_azimuth_deg; /* of that direction; azimuth from the sun's */
+    double worst_noise;                            /* of the truth there */
+    double render_s;                               /* of both frames */
+    char because[WHY_SIZE];                        /* why there is nothing; "" when there is */
+};
+
+struct cell {
+    double sun_deg, altitude_m;
+    int direction_count;
+    double noise;   /* of the truth, mean over directions */
+    double truth_s; /* that both frames of each view took */
+    struct gap gaps[NEPH_LIGHT_MODELS_MAX];
+};
+
+struct study {
+    const struct request *request;
+    const struct neph_experiment_run *run;
+    struct neph_progress progress;
+    struct neph_light_model truth; /* of any rung */
+    struct neph_light_model models[NEPH_LIGHT_MODELS_MAX];
+    char settings[NEPH_LIGHT_MODELS_MAX][400]; /* of the models, in full */
+    struct cell *cells;                        /* owned */
+    int cell_count;
+};
+
+/* A cell at work: the scenes of its views, and the truth of two seeds in each. */
+struct sight {
+    struct neph_scene *scenes[VIEWS];
+    struct neph_image *truths[VIEWS][2];
+};
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+static enum neph_status render(const struct study *study, const struct neph_light_model *by,
+                               const struct neph_scene *scene, int seed, struct neph_image **frame,
+                               double *seconds, struct neph_diag *diag)
+{
+    const struct neph_cli_size *size = &study->request->shared.size;
+    const struct neph_shot shot = {.scene = scene,
+                                   .width_px = size->width_px,
+                                   .height_px = size->height_px,
+                                   .layers = NEPH_LAYER_RADIANCE,
+                                   .seed = neph_seed_of(scene, seed),
+                                   .device = study->run->device};
+    return neph_light_model_render(by, &shot, study->run->store, frame, seconds, diag);
+}
+
+/* A truth without chance is its own second. */
+static enum neph_status trace(const struct study *study, struct sight *sight, struct cell *cell,
+                              struct neph_diag *diag)
+{
+    const bool is_stochastic = study->truth.engine->stochastic;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < 2 * VIEWS && !status; i++)
+        status = render(study, &study->truth, sight->scenes[i / 2], is_stochastic ? i % 2 + 1 : 1,
+                        &sight->truths[i / 2][i % 2], &cell->truth_s, diag);
+    return status;
+}
+
+/* ---- directions ------------------------------------------------------------------------------ */
+
+struct tile {
+    double light[3];
+    double solid_angle; /* in units of its own */
+    struct neph_vec3 direction;
+};
+
+/* The mean of a tile's pixels. */
+static struct tile tile_of(const struct study *study, const struct neph_scene *scene,
+                           const struct neph_image *frame, int column, int row)
+{
+    const struct neph_cli_size *size = &study->request->shared.size;
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    const int side = study->request->tile_px;
+    float *rgb[3];
+    struct tile tile = {.light = {0, 0, 0}};
+    if (!neph_image_rgb(frame, NULL, rgb))
+        return tile;
+    for (int i = 0; i < side * side; i++) {
+        const size_t x = (size_t)(column * side + i % side), y = (size_t)(row * side + i / side);
+        for (int c = 0; c < 3; c++)
+            tile.light[c] += (double)rgb[c][y * (size_t)size->width_px + x] / (side * side);
+    }
+    const double middle = 0.5 * (side - 1);
+    const struct neph_pixel_ray ray = neph_camera_ray(&camera, size->width_px, size->height_px,
+                                                      column * side + middle, row * side + middle);
+    tile.direction = ray.direction;
+    tile.solid_angle = pow(neph_vec3_dot(ray.direction, camera.forward), 3.0);
+    return tile;
+}
+
+/* Sum over channels of |a - b|, and of a. */
+static double distance_of(const double a[3], const double b[3])
+{
+    return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2]);
+}
+
+static double sum_of(const double a[3])
+{
+    return a[0] + a[1] + a[2];
+}
+
+struct sums {
+    double weight, off, noise, model, truth;
+};
+
+/* `model` NULL: the truth's own noise alone. */
+static void add_tile(const struct tile *first, const struct tile *second, const struct tile *model,
+                     struct sums *sums, struct gap *gap)
+{
+    double truth[3];
+    for (int c = 0; c < 3; c++)
+        truth[c] = 0.5 * (first->light[c] + second->light[c]);
+    const double light = sum_of(truth);
+    if (!(light > 0.0))
+        return;
+    const double noise = 0.5 * distance_of(first->light, second->light) / light;
+    sums->weight += first->solid_angle;
+    sums->noise += first->solid_angle * noise;
+    if (!model)
+        return;
+    const double off = distance_of(model->light, truth) / light;
+    sums->off += first->solid_angle * off;
+    sums->truth += first->solid_angle * light;
+    sums->model += first->solid_angle * sum_of(model->light);
+    if (off <= gap->worst)
+        return;
+    gap->worst = off;
+    gap->worst_noise = noise;
+    gap->worst_elevation_deg = asin(first->direction.y) / NEPH_RAD_PER_DEG;
+    gap->worst_azimuth_deg = fabs(atan2(first->direction.x, -first->direction.z)) /
+                             NEPH_RAD_PER_DEG;
+}
+
+/* `frame` NULL: the truth's own noise alone. */
+static int add_view(const struct study *study, const struct sight *sight, int view,
+                    const struct neph_image *frame, struct sums *sums, struct gap *gap)
+{
+    const struct neph_cli_size *size = &study->request->shared.size;
+    const int columns = size->width_px / study->request->tile_px;
+    const int rows = size->height_px / study->request->tile_px;
+    const struct neph_scene *scene = sight->scenes[view];
+    for (int i = 0; i < columns * rows; i++) {
+        const int x = i % columns, y = i / columns;
+        const struct tile first = tile_of(study, scene, sight->truths[view][0], x, y);
+        const struct tile second = tile_of(study, scene, sight->truths[view][1], x, y);
+        const struct tile model = frame ? tile_of(study, scene, frame, x, y) : first;
+        add_tile(&first, &second, frame ? &model : NULL, sums, gap);
+    }
+    return columns * rows;
+}
+
+/* ---- a cell ---------------------------------------------------------------------------------- */
+
+static enum neph_status run_model(struct study *study, const struct sight *sight, int model,
+                                  struct gap *gap, struct neph_diag *diag)
+{
+    struct sums sums = {0};
+    enum neph_status status = NEPH_OK;
+    const struct neph_light_model *of = &study->models[model];
+    if (!of->engine->can_render(sight->scenes[0], &of->settings, gap->because,
+                                sizeof(gap->because)))
+        return NEPH_OK;
+    gap->because[0] = '\0';
+    for (int view = 0; view < VIEWS && !status; view++) {
+        struct neph_image *frame = NULL;
+        status = render(study, of, sight->scenes[view], 1, &frame, &gap->render_s, diag);
+        if (!status)
+            add_view(study, sight, view, frame, &sums, gap);
+        neph_image_destroy(frame);
+    }
+    gap->mean = sums.off / sums.weight;
+    gap->bias = sums.model / sums.truth - 1.0;
+    return status;
+}
+
+static enum neph_status see(const struct study *study, const struct cell *cell, struct sight *sight,
+                            struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int view = 0; view < VIEWS && !status; view++) {
+        const struct neph_skyward skyward = {
+            .sun_elevation_rad = cell->sun_deg * NEPH_RAD_PER_DEG,
+            .altitude_m = cell->altitude_m,
+            .azimuth_rad = view_azimuths_deg[view] * NEPH_RAD_PER_DEG,
+            .pitch_rad = view_pitch_deg * NEPH_RAD_PER_DEG,
+            .vertical_fov_rad = view_fov_deg * NEPH_RAD_PER_DEG,
+        };
+        status = neph_scene_skyward(study->request->scene, &skyward, &sight->scenes[view], diag);
+    }
+    return status;
+}
+
+static enum neph_status run_cell(struct study *study, struct cell *cell, struct neph_diag *diag)
+{
+    char what[120];
+    struct sight sight = {0};
+    struct sums noise = {0};
+    const double start_s = neph_wall_s();
+    snprintf(what, sizeof(what), "sun at %g degrees, %g m up", cell->sun_deg, cell->altitude_m);
+    neph_progress_begin(&study->progress, what);
+    enum neph_status status = see(study, cell, &sight, diag);
+    if (!status)
+        status = trace(study, &sight, cell, diag);
+    for (int view = 0; view < VIEWS && !status; view++)
+        cell->direction_count += add_view(study, &sight, view, NULL, &noise, NULL);
+    cell->noise = noise.noise / noise.weight;
+    for (int model = 0; model < study->request->models.count && !status; model++)
+        status = run_model(study, &sight, model, &cell->gaps[model], diag);
+    if (!status)
+        neph_progress_step(&study->progress, what, "measured", neph_wall_s() - start_s);
+    for (int i = 0; i < VIEWS; i++) {
+        neph_image_destroy(sight.truths[i][0]);
+        neph_image_destroy(sight.truths[i][1]);
+        neph_scene_destroy(sight.scenes[i]);
+    }
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static enum neph_status parse_truth(struct study *study, struct neph_diag *diag)
+{
+    char *copy = strdup(study->request->truth), *rest = copy;
+    struct neph_light_model *truth = &study->truth;
+    if (!copy)
+        return neph_fail_memory(diag);
+    const struct neph_engine *engine = neph_engine_find(strsep(&rest, "+"));
+    enum neph_status status = NEPH_OK;
+    if (!engine || (engine->rung > NEPH_RUNG_TRACER && !rest))
+        status = neph_fail(diag, NEPH_ERR_USAGE,
+                           "'%s' is no truth: exact, oracle and tracer are, or a model with finer "
+                           "settings",
+                           study->request->truth);
+    else
+        *truth = neph_light_model_of(engine, study->run->device);
+    if (!status && neph_engine_samples(engine) >= 0)
+        status = neph_light_model_set(truth, "samples", study->request->samples, diag);
+    while (rest && !status)
+        status = neph_settings_set(engine, &truth->settings, strsep(&rest, "+"), diag);
+    free(copy);
+    return status;
+}
+
+static enum neph_status parse_model(struct study *study, int index, struct neph_diag *diag)
+{
+    struct neph_light_model *model = &study->models[index];
+    enum neph_status status = neph_light_model_parse(study->request->models.words[index],
+                                                     study->request->steps, study->run->device,
+                                                     model, diag);
+    char *text = status ? NULL : neph_settings_text(model->engine, &model->settings);
+    if (!status && !text)
+        status = neph_fail_memory(diag);
+    if (!status)
+        snprintf(study->settings[index], sizeof(study->settings[index]), "%s", text);
+    free(text);
+    return status;
+}
+
+static enum neph_status run_cells(struct study *study, struct neph_diag *diag)
+{
+    const struct neph_cli_list *suns = &study->request->suns;
+    const struct neph_cli_list *altitudes = &study->request->altitudes;
+    enum neph_status status = parse_truth(study, diag);
+    for (int model = 0; model < study->request->models.count && !status; model++)
+        status = parse_model(study, model, diag);
+    if (status)
+        return status;
+    study->cell_count = suns->count * altitudes->count;
+    study->cells = calloc((size_t)study->cell_count, sizeof(*study->cells));
+    if (!study->cells)
+        return neph_fail_memory(diag);
+    neph_progress_expect(&study->progress, 0, study->cell_count, cell_typical_s);
+    for (int i = 0; i < study->cell_count && !status; i++) {
+        study->cells[i].sun_deg = suns->numbers[i / altitudes->count];
+        study->cells[i].altitude_m = altitudes->numbers[i % altitudes->count];
+        status = run_cell(study, &study->cells[i], diag);
+    }
+    neph_progress_end(&study->progress);
+    if (status == NEPH_ERR_INTERRUPTED)
+        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+    return status;
+}
+
+/* ---- results --------------------------------------------------------------------------------- */
+
+/* Whether a cell is one of those that a model must be good in; and whether it is. */
+static bool is_limited(const struct cell *cell)
+{
+    return cell->sun_deg >= lowest_sun_deg;
+}
+
+static bool is_good(const struct gap *gap)
+{
+    return gap->mean <= mean_wanted && gap->worst <= worst_wanted;
+}
+
+static void add_gap_row(const struct cell *cell, const struct gap *gap, struct neph_table *table)
+{
+    const bool has_numbers = !gap->because[0] && !isnan(gap->mean);
+    const double numbers[] = {gap->mean,        gap->worst, gap->worst_elevation_deg,
+                              gap->worst_noise, gap->bias,  cell->noise};
+    neph_table_number(table, cell->sun_deg);
+    neph_table_number(table, cell->altitude_m / 1000.0);
+    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]); i++) {
+        neph_table_number(table, has_numbers ? numbers[i] : NAN);
+        if (i == 2 && has_numbers)
+            neph_table_shown(table, "%+.0f, %.0f", numbers[i], gap->worst_azimuth_deg);
+    }
+    neph_table_word(table, !has_numbers       ? "no light"
+                           : is_good(gap)     ? "holds"
+                           : is_limited(cell) ? "**fails**"
+                                              : "no limit");
+    if (gap->because[0])
+        neph_table_shown(table, "cannot: %s", gap->because);
+}
+
+static void print_model(const struct study *study, int model, struct neph_publication *publication)
+{
+    static const struct neph_column columns[] = {
+        {.title = "sun [degrees]", .format = "%g"},
+        {.title = "altitude [km]", .format = "%g"},
+        {.title = "mean [%]", .format = "%.2f", .scale = 100.0},
+        {.title = "worst [%]", .format = "%.1f", .scale = 100.0},
+        {.title = "at elevation, azimuth", .format = "%+.0f"},
+        {.title = "noise there [%]", .format = "%.1f", .scale = 100.0},
+        {.title = "bias [%]", .format = "%+.2f", .scale = 100.0},
+        {.title = "noise, mean [%]", .format = "%.2f", .scale = 100.0},
+        {.title = ""},
+    };
+    struct neph_table table = {.cells = NULL};
+    FILE *out = publication->text;
+    double seconds = 0.0;
+    neph_table_columns(&table, columns, sizeof(columns) / sizeof(columns[0]));
+    for (int i = 0; i < study->cell_count; i++) {
+        add_gap_row(&study->cells[i], &study->cells[i].gaps[model], &table);
+        seconds += study->cells[i].gaps[model].render_s;
+    }
+    fprintf(out, "\n**%s**\n\n`%s`\n\n", study->request->models.words[model],
+            study->settings[model]);
+    neph_publication_table(publication, &table);
+    fprintf(out, "\n%.3g s a picture, tables included.\n",
+            seconds / (2.0 * fmax(1.0, study->cell_count)));
+}
+
+static void print_text(const struct study *study, struct neph_publication *publication)
+{
+    const struct request *request = study->request;
+    const struct neph_cli_size *size = &request->shared.size;
+    fprintf(publication->text,
+            "neph %s, %s of %s on %s: %d samples, %dx%d, directions of %dx%d pixels.\n"
+            "A direction is off by the sum over channels of abs(model - truth) over the sum of the "
+            "truth; means over directions by\ntheir solid angles; noise is what the truth is off "
+            "by itself. Wanted from %g degrees on: mean <= %g %%, worst <= %g %%.\n",
+            NEPH_VERSION, request->scene->name, request->truth, study->truth.info.device,
+            request->samples, size->width_px, size->height_px, request->tile_px, request->tile_px,
+            lowest_sun_deg, 100.0 * mean_wanted, 100.0 * worst_wanted);
+    for (int model = 0; model < request->models.count; model++)
+        print_model(study, model, publication);
+}
+
+static json_t *gap_json(const struct gap *gap)
+{
+    if (gap->because[0])
+        return json_pack("{s:s}", "cannot", gap->because);
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "mean", neph_json_number(gap->mean), "worst",
+        neph_json_number(gap->worst), "bias", neph_json_number(gap->bias), "worst_elevation_deg",
+        neph_json_number(gap->worst_elevation_deg), "worst_azimuth_deg",
+        neph_json_number(gap->worst_azimuth_deg), "worst_noise", neph_json_number(gap->worst_noise),
+        "render_s", neph_json_number(gap->render_s), "good", is_good(gap));
+}
+
+static json_t *cell_json(const struct study *study, const struct cell *cell)
+{
+    json_t *models = json_object();
+    for (int m = 0; m < study->request->models.count; m++)
+        neph_json_set(&models, study->request->models.words[m], gap_json(&cell->gaps[m]));
+    return json_pack("{s:f, s:f, s:i, s:o, s:b, s:o}", "sun_deg", cell->sun_deg, "altitude_m",
+                     cell->altitude_m, "directions", cell->direction_count, "noise",
+                     neph_json_number(cell->noise), "held", is_limited(cell), "models", models);
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct request *request = request_;
+    struct study study = {
+        .request = request, .run = run, .progress = neph_progress_start(run->quiet, 0)};
+    enum neph_status status = run_cells(&study, diag);
+    if (!status) {
+        json_t *cells = json_array();
+        if (publication->text)
+            print_text(&study, publication);
+        for (int i = 0; i < study.cell_count; i++)
+            neph_json_add(&cells, cell_json(&study, &study.cells[i]));
+        publication->json = json_pack("{s:s, s:s, s:s, s:o}", "scene", request->scene->name,
+                                      "truth", request->truth, "device", study.truth.info.device,
+                                      "cells", cells);
+    }
+    free(study.cells);
+    return status;
+}
+
+const struct neph_experiment neph_experiment_sky = {.syntax = &syntax,
+                                                    .request_size = sizeof(struct request),
+                                                    .prepare = prepare,
+                                                    .part = part,
+                                                    .run = run,
+                                                    .finish = finish};
