@@ -55,7 +55,9 @@ static const struct neph_cli_option options[] = {
      "Of the failure suite: only count bad values, in all images of every frame, on the device "
      "(preset off, which has none: in its pictures); nothing is kept",
      NEPH_CLI_FLAG, .at = offsetof(struct request, on_device)},
-    {"jobs", 0, "N", "Of the failure suite: processes that render at the same time (default: 1)",
+    {"jobs", 'j', "N",
+     "Processes that render at the same time: scenes, or trials of the failure suite; results do "
+     "not depend on it (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, jobs), .minimum = 1,
      .maximum = NEPH_FAILURE_JOBS_MAX},
     {"pictures", 0, "WHICH",
@@ -106,10 +108,10 @@ static void check_failure(const struct request *request, const struct argp_state
 {
     const struct neph_cli_shared *shared = &request->shared;
     if (!is_failure(request)) {
-        if (request->only.count > 0 || request->presets.count > 0 || request->jobs >= 0 ||
-            request->pictures || request->page_limit_mb >= 0 || request->on_device)
-            argp_error(state, "--only, --preset, --jobs, --pictures, --page-limit and --on-device "
-                              "belong to --suite failure");
+        if (request->only.count > 0 || request->presets.count > 0 || request->pictures ||
+            request->page_limit_mb >= 0 || request->on_device)
+            argp_error(state, "--only, --preset, --pictures, --page-limit and --on-device belong "
+                              "to --suite failure");
         return;
     }
     if (shared->operand_count > 0)
@@ -138,6 +140,8 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "--check needs a part of the name of a check or rung");
     if (is_physics(request) && shared->settings.count > 0)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
+    if (is_physics(request) && request->jobs >= 0)
+        argp_error(state, "--jobs is of scenes and of the failure suite");
     if (request->seed > 0 && (is_physics(request) || is_failure(request)))
         argp_error(state, "--seed is of scenes; the suites have their own");
     if (!is_physics(request) && (request->check || request->samples >= 0))
@@ -229,6 +233,7 @@ static void make_params(const struct request *request, const struct neph_tier *t
                                             .height_px = tier->height_px,
                                             .seed = request->seed > 0 ? request->seed : 1,
                                             .budget_s = budget_s,
+                                            .jobs = request->jobs,
                                             .quiet = shared->quiet,
                                             .skip_absent = !names_scenes,
                                             .over_time = is_whole,

@@ -87,12 +87,14 @@ static bool has_own_step(const struct neph_job *job)
     return chosen != usual && !(isnan(chosen) && isnan(usual));
 }
 
-/* Other people's renderers march in steps of our choice: a study chooses them, one that comes with
- * neph or one that is made now. `*chosen` tells whether there was one. */
+/* External renderers march in steps of our choice: a study chooses them, one that comes with neph
+ * or one that is made now. `*chosen` tells whether there was one, `*is_late` whether the budget
+ * ended one. */
 static enum neph_status choose_step(const struct neph_scene_run *run, struct neph_job *job,
-                                    struct neph_study *study, bool *chosen, struct neph_diag *diag)
+                                    struct neph_study *study, bool *chosen, bool *is_late,
+                                    struct neph_diag *diag)
 {
-    *chosen = false;
+    *chosen = *is_late = false;
     if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
         !neph_study_applies(job->engine, job->shot.scene) || has_own_step(job))
         return NEPH_OK;
@@ -104,6 +106,7 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
         limited.shot.time_limit_s = run->budget_s;
         status = neph_studies_make(&limited, run->store, study, &outcome, reason, diag);
         *chosen = !status && outcome == NEPH_OUTCOME_RENDERED;
+        *is_late = outcome == NEPH_OUTCOME_TIMEOUT;
     }
     if (*chosen)
         neph_study_apply(study, job->engine, &job->shot.settings);
@@ -119,16 +122,17 @@ static void warn_of_steps(const struct neph_job *job, double depth)
     free(warning);
 }
 
-/* A step of progress, which is one picture. */
+/* A step of progress, which is one frame. */
 struct step {
     char what[256];
+    int kind;
     double start_s;
 };
 
 static struct step begin_step(const struct neph_scene_run *run, const struct neph_job *job,
                               int kind)
 {
-    struct step step = {.start_s = neph_wall_s()};
+    struct step step = {.kind = kind, .start_s = neph_wall_s()};
     snprintf(step.what, sizeof(step.what), "%s with %s%s", job->shot.scene->name, job->engine->name,
              kind >= KIND_SECOND_SEED ? ", second seed" : "");
     run->progress->kind = kind;
@@ -136,21 +140,32 @@ static struct step begin_step(const struct neph_scene_run *run, const struct nep
     return step;
 }
 
+static uint64_t bit_of(const struct step *step)
+{
+    return UINT64_C(1) << step->kind;
+}
+
+/* A frame that a worker told of was a step then, and is not one that this run reused. */
 static void end_step(const struct neph_scene_run *run, const struct step *step,
                      const struct neph_job_result *result)
 {
-    neph_progress_step(run->progress, step->what,
-                       result->reused ? "reused" : neph_outcome_name(result->outcome),
-                       neph_wall_s() - step->start_s);
+    const double seconds = neph_wall_s() - step->start_s;
+    const bool is_counted = result->reused && (run->told.steps & bit_of(step));
+    if (run->tell && result->frame_path)
+        run->tell(run, step->what, result->reused, seconds);
+    if (!is_counted)
+        neph_progress_step(run->progress, step->what,
+                           result->reused ? "reused" : neph_outcome_name(result->outcome), seconds);
 }
 
-/* Witnesses within their budget. */
+/* External renderers within their budget. */
 static enum neph_status render(const struct neph_scene_run *run, struct neph_job *job,
                                struct neph_job_result *result, struct neph_diag *diag)
 {
-    return job->engine->rung == NEPH_RUNG_WITNESS
-               ? neph_budget_run(job, run->budget_s, run->store, result, diag)
-               : neph_job_run(job, run->store, result, diag);
+    if (job->engine->rung != NEPH_RUNG_WITNESS)
+        return neph_job_run(job, run->store, result, diag);
+    return run->tell ? neph_budget_try(job, run->budget_s, run->store, result, diag)
+                     : neph_budget_run(job, run->budget_s, run->store, result, diag);
 }
 
 /* What a frame gave up, or a look that its settings made of it: limits are those of physics. */
@@ -172,7 +187,6 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
         .note = note_of(run, job, result),
         .is_look = neph_is_look(job->engine, &job->shot.settings),
         .settings = neph_arena_text(run->arena, result->settings),
-        .reused = result->reused,
         .cost = result->cost,
         .seed = job->shot.seed,
         .step_optical_depth = neph_step_depth(&job->shot, job->engine),
@@ -188,17 +202,21 @@ static enum neph_status run_frame(const struct neph_scene_run *run, int index,
     struct neph_job job = job_of(run, index, scene, false);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     struct neph_study study;
-    bool is_studied = false;
+    bool is_studied, is_late;
     const struct step step = begin_step(run, &job, KIND_FRAME + index);
-    enum neph_status status = choose_step(run, &job, &study, &is_studied, diag);
-    if (!status)
+    enum neph_status status = choose_step(run, &job, &study, &is_studied, &is_late, diag);
+    if (run->tell && is_late)
+        result.outcome = NEPH_OUTCOME_TIMEOUT;
+    else if (!status)
         status = render(run, &job, &result, diag);
     *chosen = job.shot.settings;
     if (!status) {
         take_result(run, &job, &result, frame);
+        frame->reused = result.reused && !(run->told.made & bit_of(&step));
         if (is_studied)
             frame->study = neph_arena_copy(run->arena, &study, sizeof(study));
-        warn_of_steps(&job, frame->step_optical_depth);
+        if (!run->tell)
+            warn_of_steps(&job, frame->step_optical_depth);
         end_step(run, &step, &result);
     }
     neph_job_result_finish(&result);
@@ -218,6 +236,8 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
     const enum neph_status status = neph_job_run(&job, run->store, &result, diag);
     if (!status) {
         frame->second_path = neph_arena_text(run->arena, result.frame_path);
+        if (run->tell && result.outcome == NEPH_OUTCOME_TIMEOUT)
+            frame->outcome = NEPH_OUTCOME_TIMEOUT; /* the worker's result tells that it is late */
         end_step(run, &step, &result);
     }
     neph_job_result_finish(&result);
@@ -324,18 +344,34 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
 }
 
-enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
-                                struct neph_scene_result *result, struct neph_diag *diag)
+static enum neph_status render_all(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                   struct neph_scene_result *result, struct neph_diag *diag)
 {
     struct neph_settings chosen[NEPH_FIELD_MAX];
     const size_t count = (size_t)run->field->count;
     result->frames = neph_arena_zeroed(run->arena, count, sizeof(*result->frames));
     enum neph_status status = neph_arena_check(run->arena, diag);
-    describe(run, scene, result);
     for (int i = 0; i < run->field->count && !status; i++, result->frame_count++)
         status = run_frame(run, i, scene, &result->frames[i], &chosen[i], diag);
-    if (!status)
-        status = run_second_seeds(run, scene, chosen, result, diag);
+    return status ? status : run_second_seeds(run, scene, chosen, result, diag);
+}
+
+enum neph_status neph_scene_render(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                   struct neph_scene_result *result, bool *is_late,
+                                   struct neph_diag *diag)
+{
+    const enum neph_status status = render_all(run, scene, result, diag);
+    *is_late = false;
+    for (int f = 0; f < result->frame_count; f++)
+        *is_late |= result->frames[f].outcome == NEPH_OUTCOME_TIMEOUT;
+    return status;
+}
+
+enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                struct neph_scene_result *result, struct neph_diag *diag)
+{
+    describe(run, scene, result);
+    enum neph_status status = render_all(run, scene, result, diag);
     if (!status)
         status = attribute(run, result, diag);
     result->truth = find_truth(result);

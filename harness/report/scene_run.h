@@ -6,8 +6,18 @@
 #ifndef NEPH_HARNESS_REPORT_SCENE_RUN_H
 #define NEPH_HARNESS_REPORT_SCENE_RUN_H
 
+#include "harness/experiment/pool.h"
 #include "harness/progress.h"
 #include "harness/report/validation.h"
+
+enum { NEPH_SCENE_RUN_KINDS = 2 * NEPH_FIELD_MAX };
+
+/* Steps of a scene that worker processes have told of, as bits by their kind. */
+struct neph_scene_told {
+    uint64_t steps; /* all whose frames are in the store */
+    uint64_t made;  /* those that a worker rendered for this run */
+};
+_Static_assert((int)NEPH_SCENE_RUN_KINDS <= 64, "a bit for each kind");
 
 /* What all scenes of a run have in common; borrowed. */
 struct neph_scene_run {
@@ -20,9 +30,12 @@ struct neph_scene_run {
     struct neph_store *store;
     struct neph_progress *progress; /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
     struct neph_arena *arena;       /* of the results */
+    /* Of a worker: called after each step whose frame is in the store. NULL: not a worker. */
+    void (*tell)(const struct neph_scene_run *run, const char *what, bool reused, double seconds);
+    const struct neph_worker *worker; /* for `tell` */
+    int scene;                        /* the same: its index */
+    struct neph_scene_told told;      /* by workers, of the scene at hand; its steps are counted */
 };
-
-enum { NEPH_SCENE_RUN_KINDS = 2 * NEPH_FIELD_MAX };
 
 /* There will be `count` more scenes; negative: fewer. */
 void neph_scene_run_expect(const struct neph_scene_run *run, int count);
@@ -30,5 +43,12 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count);
 /* Run one. `*result`, {0} before, is for neph_scene_result_finish() in any case. */
 enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
                                 struct neph_scene_result *result, struct neph_diag *diag);
+
+/* In a worker: only render, into the store, where neph_scene_run() finds the frames. A picture of an
+ * external renderer that does not fit into its budget beside those of other workers is left to
+ * neph_scene_run(), and `*is_late`. `result` as there. */
+enum neph_status neph_scene_render(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                   struct neph_scene_result *result, bool *is_late,
+                                   struct neph_diag *diag);
 
 #endif

@@ -24,6 +24,7 @@ struct neph_validate_params {
     int seed;        /* the how-manieth of engines that draw paths, from 1; 0: 1 */
     double budget_s; /* of each picture of another project's renderer: see budget.h */
     struct neph_shared_device *device; /* as neph_shot.device */
+    int jobs; /* processes that render scenes at the same time; results do not depend on it */
     bool quiet;
     bool skip_absent; /* a scene whose data is not there goes into `absent` */
     const struct neph_charts_params *charts; /* NULL: none */

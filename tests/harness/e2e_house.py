@@ -25,7 +25,7 @@ ROOMS = {
     "study": {"document", "engines", "compare", "run"},
     "physics": {"document", "engines", "compare", "run", "study"},
     "fly": {"engines", "compare", "run", "study"},
-    "report": {"document", "engines", "compare", "run", "study", "physics"},
+    "report": {"document", "engines", "compare", "run", "experiment", "study", "physics"},
     "night": {"document", "engines", "compare", "run", "physics", "report"},
     "failure": {"document", "engines", "compare", "run", "experiment", "study", "report"},
     "sweep": {"document", "engines", "compare", "run", "study", "report"},
