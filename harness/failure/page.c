@@ -7,22 +7,15 @@
 #include "harness/failure/output.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
-#include "metrics/display.h"
 
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILURE_STATE_COUNT == 3, "a new kind");
 
-static const struct neph_page_file page_files[] = {
-    {"failure.html", "index.html"},
-    {"report.css", "report.css"},
-    {"failure.js", "failure.js"},
-    {NULL, NULL},
-};
+static const struct neph_page_parts parts = {.files = {"failure.html", "failure.js"}};
 
 struct neph_failure_page {
     struct neph_report_folder *folder;
@@ -48,21 +41,12 @@ struct gallery {
     size_t bytes;
 };
 
-static size_t file_size(const char *folder, const char *name)
-{
-    char *path = neph_path_join(folder, name);
-    struct stat stat_of;
-    const bool is_there = path && stat(path, &stat_of) == 0;
-    free(path);
-    return is_there ? (size_t)stat_of.st_size : 0;
-}
-
 static size_t pictures_size(const char *folder, const json_t *record)
 {
     const json_t *names = json_object_get(record, "pictures");
     size_t sum = 0;
     for (size_t i = 0; i < json_array_size(names); i++)
-        sum += file_size(folder, json_string_value(json_array_get(names, i)));
+        sum += neph_page_file_size(folder, json_string_value(json_array_get(names, i)));
     return sum;
 }
 
@@ -225,17 +209,6 @@ static json_t *commands_json(const struct neph_failure_suite *suite, const struc
     return all;
 }
 
-static json_t *colours_json(void)
-{
-    const struct neph_display_legend *legend = neph_display_difference_legend();
-    json_t *colours = json_array();
-    for (int i = 0; i < legend->stop_count; i++) {
-        const uint8_t *rgb = legend->stops[i].rgb;
-        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
-    }
-    return colours;
-}
-
 static json_t *document_of(const struct neph_failure_suite *suite, const struct gallery *gallery,
                            size_t limit_bytes)
 {
@@ -252,7 +225,7 @@ static json_t *document_of(const struct neph_failure_suite *suite, const struct 
     neph_json_set(&document, "pictures",
                   json_pack("{s:I, s:I, s:i}", "limit_bytes", (json_int_t)limit_bytes, "bytes",
                             (json_int_t)gallery->bytes, "left_out", gallery->left_out));
-    neph_json_set(&document, "difference_colours", colours_json());
+    neph_json_set(&document, "difference_colours", neph_page_difference_colours());
     neph_json_set(&document, "evidence", evidence_json(suite, gallery));
     neph_json_set(&document, "commands", commands_json(suite, gallery));
     return document;
@@ -298,10 +271,8 @@ static size_t room_for_evidence(const struct neph_failure_page *page,
 {
     const char *work = neph_report_folder_work(page->folder);
     json_t *document = document_of(suite, gallery, page->limit_bytes);
-    size_t taken = data_size(document);
+    const size_t taken = data_size(document) + neph_page_size(work, &parts);
     json_decref(document);
-    for (const struct neph_page_file *file = page_files; file->from; file++)
-        taken += file_size(work, file->to);
     return page->limit_bytes > taken ? page->limit_bytes - taken : 0;
 }
 
@@ -331,7 +302,7 @@ enum neph_status neph_failure_page_open(const char *folder, size_t limit_bytes,
     opened->limit_bytes = limit_bytes;
     enum neph_status status = neph_report_folder_open(folder, &opened->folder, diag);
     if (!status)
-        status = neph_page_copy(neph_report_folder_work(opened->folder), page_files, diag);
+        status = neph_page_start(neph_report_folder_work(opened->folder), &parts, NULL, diag);
     if (status) {
         neph_failure_page_close(opened);
         return status;

@@ -3,16 +3,23 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "metrics/display.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-const struct neph_page_file neph_page_vendored[] = {
+/* Of scripts/report/, and their names in a page's folder. */
+static const char *const shared[][2] = {{"report.css", "report.css"}, {"page.js", "page.js"}};
+static const char *const vendored[][2] = {
     {"node_modules/vega/build/vega.min.js", "vendor/vega.min.js"},
     {"node_modules/vega-lite/build/vega-lite.min.js", "vendor/vega-lite.min.js"},
     {"node_modules/vega-embed/build/vega-embed.min.js", "vendor/vega-embed.min.js"},
     {"vendor-licences.txt", "vendor/LICENSES.txt"},
-    {NULL, NULL},
+};
+enum {
+    SHARED_COUNT = sizeof(shared) / sizeof(shared[0]),
+    VENDORED_COUNT = sizeof(vendored) / sizeof(vendored[0])
 };
 
 static char *source_path(const char *from)
@@ -23,28 +30,81 @@ static char *source_path(const char *from)
     return path;
 }
 
-bool neph_page_vendor_is_installed(void)
+static bool is_installed(void)
 {
     bool installed = true;
-    for (const struct neph_page_file *file = neph_page_vendored; file->from; file++) {
-        char *path = source_path(file->from);
+    for (int i = 0; i < VENDORED_COUNT; i++) {
+        char *path = source_path(vendored[i][0]);
         installed &= path && neph_path_exists(path);
         free(path);
     }
     return installed;
 }
 
-enum neph_status neph_page_copy(const char *folder, const struct neph_page_file *files,
-                                struct neph_diag *diag)
+static enum neph_status copy(const char *folder, const char *from, const char *to,
+                             struct neph_diag *diag)
+{
+    char *source = source_path(from), *target = neph_path_join(folder, to);
+    const enum neph_status status = source && target ? neph_file_copy(source, target, diag)
+                                                     : neph_fail_memory(diag);
+    free(source);
+    free(target);
+    return status;
+}
+
+static const char *name_of(const struct neph_page_parts *parts, int file)
+{
+    return file == 0 ? "index.html" : parts->files[file];
+}
+
+enum neph_status neph_page_start(const char *folder, const struct neph_page_parts *parts,
+                                 bool *is_interactive, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (const struct neph_page_file *file = files; file->from && !status; file++) {
-        char *from = source_path(file->from), *to = neph_path_join(folder, file->to);
-        status = from && to ? neph_file_copy(from, to, diag) : neph_fail_memory(diag);
-        free(from);
-        free(to);
+    if (is_interactive)
+        *is_interactive = is_installed();
+    for (int i = 0; i < NEPH_PAGE_FOLDERS_MAX && parts->folders[i] && !status; i++) {
+        char *path = neph_path_join(folder, parts->folders[i]);
+        status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
+        free(path);
     }
+    for (int i = 0; i < NEPH_PAGE_FILES_MAX && parts->files[i] && !status; i++)
+        status = copy(folder, parts->files[i], name_of(parts, i), diag);
+    for (int i = 0; i < SHARED_COUNT && !status; i++)
+        status = copy(folder, shared[i][0], shared[i][1], diag);
+    for (int i = 0; i < VENDORED_COUNT && !status && is_interactive && *is_interactive; i++)
+        status = copy(folder, vendored[i][0], vendored[i][1], diag);
     return status;
+}
+
+size_t neph_page_file_size(const char *folder, const char *name)
+{
+    char *path = neph_path_join(folder, name);
+    struct stat info;
+    const bool is_there = path && stat(path, &info) == 0;
+    free(path);
+    return is_there ? (size_t)info.st_size : 0;
+}
+
+size_t neph_page_size(const char *folder, const struct neph_page_parts *parts)
+{
+    size_t sum = 0;
+    for (int i = 0; i < NEPH_PAGE_FILES_MAX && parts->files[i]; i++)
+        sum += neph_page_file_size(folder, name_of(parts, i));
+    for (int i = 0; i < SHARED_COUNT; i++)
+        sum += neph_page_file_size(folder, shared[i][1]);
+    return sum;
+}
+
+json_t *neph_page_difference_colours(void)
+{
+    const struct neph_display_legend *legend = neph_display_difference_legend();
+    json_t *colours = json_array();
+    for (int i = 0; i < legend->stop_count; i++) {
+        const uint8_t *rgb = legend->stops[i].rgb;
+        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
+    }
+    return colours;
 }
 
 /* "</script>" and friends cannot end the script early: '<' is written as an escape. */

@@ -19,9 +19,14 @@
 /* What all viewers of a report may take: more would be a download. */
 static const double viewers_limit_bytes = 32e6;
 
+static const struct neph_page_parts parts = {
+    .files = {"report.html", "report.js"},
+    .folders = {"images", "charts", "vendor"},
+};
+
 struct neph_report {
     struct neph_report_folder *folder;
-    bool with_vendor;
+    bool is_interactive;
     bool has_screen;      /* what `neph study screen` left beside it */
     double viewers_bytes; /* so far */
 };
@@ -233,13 +238,6 @@ static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
 
 /* ---- the page -------------------------------------------------------------------------------- */
 
-static const struct neph_page_file page_files[] = {
-    {"index.html", "index.html"},
-    {"report.css", "report.css"},
-    {"report.js", "report.js"},
-    {NULL, NULL},
-};
-
 /* All but the data, into the folder that is kept between publications. */
 static enum neph_status draw(struct neph_report *report, struct neph_validation *validation,
                              struct neph_diag *diag)
@@ -255,29 +253,11 @@ static enum neph_status draw(struct neph_report *report, struct neph_validation 
         status = neph_over_time_pictures(validation->over_time, folder, arena, diag);
     for (int c = 0; c < validation->chart_count && !status; c++)
         status = draw_chart(folder, &validation->charts[c], arena, diag);
-    validation->interactive = report->with_vendor;
+    validation->interactive = report->is_interactive;
     if (!status && !report->has_screen)
         status = neph_report_folder_take(report->folder, "screen", &report->has_screen, diag);
     validation->has_screen = report->has_screen;
     return status ? status : neph_arena_check(arena, diag);
-}
-
-/* What is the same in every publication. */
-static enum neph_status start_folder(struct neph_report *report, struct neph_diag *diag)
-{
-    static const char *const folders[] = {"images", "charts", "vendor"};
-    const char *folder = neph_report_folder_work(report->folder);
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < 3 && !status; i++) {
-        char *path = neph_path_join(folder, folders[i]);
-        status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
-        free(path);
-    }
-    report->with_vendor = neph_page_vendor_is_installed();
-    if (!status)
-        status = neph_page_copy(folder, page_files, diag);
-    return status || !report->with_vendor ? status
-                                          : neph_page_copy(folder, neph_page_vendored, diag);
 }
 
 enum neph_status neph_report_open(const char *folder, struct neph_report **report,
@@ -288,7 +268,8 @@ enum neph_status neph_report_open(const char *folder, struct neph_report **repor
         return neph_fail_memory(diag);
     enum neph_status status = neph_report_folder_open(folder, &opened->folder, diag);
     if (!status)
-        status = start_folder(opened, diag);
+        status = neph_page_start(neph_report_folder_work(opened->folder), &parts,
+                                 &opened->is_interactive, diag);
     if (status) {
         neph_report_close(opened);
         return status;

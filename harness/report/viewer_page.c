@@ -19,14 +19,9 @@
 /* Colours of differences end here; of radiance in values of the display. */
 static const double display_scale = 0.02, share_scale = 0.02, depth_scale_m = 1.0;
 
-static const struct neph_page_file page_files[] = {
-    {"view.html", "index.html"},
-    {"report.css", "report.css"},
-    {"view.css", "view.css"},
-    {"view.js", "view.js"},
-    {"view_planes.js", "view_planes.js"},
-    {"view_paint.js", "view_paint.js"},
-    {NULL, NULL},
+static const struct neph_page_parts parts = {
+    .files = {"view.html", "view.css", "view.js", "view_planes.js", "view_paint.js"},
+    .folders = {"frames"},
 };
 
 /* ---- what all frames have in common ---------------------------------------------------------- */
@@ -385,14 +380,6 @@ static json_t *document_json(const struct shop *shop, json_t *sets, json_t *over
     return document;
 }
 
-static enum neph_status start_folder(const char *folder, struct neph_diag *diag)
-{
-    char *frames = neph_path_join(folder, "frames");
-    enum neph_status status = frames ? neph_dir_create(frames, diag) : neph_fail_memory(diag);
-    free(frames);
-    return status ? status : neph_page_copy(folder, page_files, diag);
-}
-
 enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *folder,
                                    struct neph_viewer_made *made, struct neph_diag *diag)
 {
@@ -410,7 +397,7 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
         total += frames_of(&shop, s);
     shop.progress = neph_progress_start(view->quiet || total < 4, total);
     if (!status)
-        status = start_folder(folder, diag);
+        status = neph_page_start(folder, &parts, NULL, diag);
     if (!status)
         status = ship_sets(&shop, &sets, diag);
     neph_progress_end(&shop.progress);

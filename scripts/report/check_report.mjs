@@ -638,7 +638,7 @@ function checkContent(data, seen) {
   for (const scene of data.scenes)
     if (scene.viewer && !seen.links.includes(scene.viewer))
       find(`no link leads to the viewer ${scene.viewer}`);
-  const known = /^(data|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
+  const known = /^(data|page|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
   for (const script of seen.scripts) if (!known.test(script)) find(`an unknown script: ${script}`);
   for (const link of seen.links)
     if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$/.test(link)
@@ -787,7 +787,7 @@ async function main() {
     return 2;
   }
   const { folder } = options;
-  for (const name of ["index.html", "report.css", "report.js", "data.json", "data.js"])
+  for (const name of ["index.html", "report.css", "page.js", "report.js", "data.json", "data.js"])
     if (!existsSync(join(folder, name))) find(`${name} is missing from ${folder}`);
   let data = null;
   if (existsSync(join(folder, "data.json"))) {

@@ -120,9 +120,9 @@ def build(folder, data=None):
     """Lay a page out as the C program does."""
     data = data or page_data()
     folder.mkdir(parents=True, exist_ok=True)
-    for source, name in (("failure.html", "index.html"), ("report.css", "report.css"),
-                         ("failure.js", "failure.js")):
-        shutil.copy(PAGE / source, folder / name)
+    shutil.copy(PAGE / "failure.html", folder / "index.html")
+    for source in ("report.css", "page.js", "failure.js"):
+        shutil.copy(PAGE / source, folder)
     for item in data["evidence"]:
         for name in item["pictures"]:
             height = SLICE if name.startswith("slice") else HEIGHT

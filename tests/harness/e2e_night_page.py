@@ -142,9 +142,9 @@ def write_data(folder, data):
 def build(folder, data=None):
     """Lay a page out as the C program does."""
     folder.mkdir(parents=True, exist_ok=True)
-    for source, name in (("night.html", "index.html"), ("report.css", "report.css"),
-                         ("night.js", "night.js")):
-        shutil.copy(PAGE / source, folder / name)
+    shutil.copy(PAGE / "night.html", folder / "index.html")
+    for source in ("report.css", "page.js", "night.js"):
+        shutil.copy(PAGE / source, folder)
     for name, shade in (("a", 60), ("b", 90), ("c", 200)):
         write_png(folder / "images" / f"{name}.png",
                   lambda i, j, shade=shade: (shade + i // 2, shade, 160 - j), *SIZE)

@@ -414,7 +414,8 @@ def build(folder, data=None):
     """Lay a report out as the C program does."""
     data = data or report_data()
     folder.mkdir(parents=True, exist_ok=True)
-    for name in ("index.html", "report.css", "report.js"):
+    shutil.copy(PAGE / "report.html", folder / "index.html")
+    for name in ("report.css", "page.js", "report.js"):
         shutil.copy(PAGE / name, folder)
     (folder / "vendor").mkdir(exist_ok=True)
     for name, source in VENDORED.items():
