@@ -3,15 +3,14 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "base/png.h"
 #include "harness/data.h"
-#include "metrics/display.h"
+#include "harness/document/drawing.h"
+#include "harness/report/page.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* The share of pixels whose difference may lie beyond the scale. */
 static const double beyond_share = 0.01;
@@ -110,8 +109,7 @@ static double luminance(const struct frame *frame, size_t pixel)
 static enum neph_status count_picture(struct neph_night_pictures *pictures, const char *name,
                                       const char *path, bool *fits, struct neph_diag *diag)
 {
-    struct stat info;
-    const size_t bytes = stat(path, &info) == 0 ? (size_t)info.st_size : 0;
+    const size_t bytes = neph_page_file_size(pictures->folder, name);
     *fits = json_object_get(pictures->counted, name) ||
             pictures->bytes + bytes <= pictures->limit_bytes;
     if (!*fits) {
@@ -124,37 +122,24 @@ static enum neph_status count_picture(struct neph_night_pictures *pictures, cons
     return neph_json_put(pictures->counted, name, json_true(), diag);
 }
 
-/* Draw unless it is there: `reference` NULL: the frame as it is, else its difference from it. */
-static enum neph_status draw(const char *path, const struct frame *frame,
-                             const struct frame *reference, double exposure_or_scale,
-                             struct neph_diag *diag)
-{
-    const size_t count = neph_image_pixel_count(frame->image);
-    uint8_t *rgb = neph_path_exists(path) ? NULL : malloc(3 * count);
-    if (!rgb)
-        return neph_path_exists(path) ? NEPH_OK : neph_fail_memory(diag);
-    enum neph_status status = reference
-                                  ? neph_display_difference((const float *const *)reference->planes,
-                                                            (const float *const *)frame->planes, 3,
-                                                            count, exposure_or_scale, rgb, diag)
-                                  : neph_display_encode((const float *const *)frame->planes, count,
-                                                        exposure_or_scale, rgb, diag);
-    if (!status)
-        status = neph_png_write_rgb8(path, frame->image->width_px, frame->image->height_px, rgb,
-                                     diag);
-    free(rgb);
-    return status;
-}
-
-/* `*picture`: its name in the page's folder, or JSON null where the limit leaves no room. */
+/* Draw it unless it is there: `reference` NULL: the frame as it is, else its difference. `*picture`:
+ * its name in the page's folder, or JSON null where the limit leaves no room. */
 static enum neph_status hang(struct neph_night_pictures *pictures, const char *name,
                              const struct frame *frame, const struct frame *reference,
                              double exposure_or_scale, json_t **picture, struct neph_diag *diag)
 {
+    struct neph_drawing drawing = {.width_px = frame->image->width_px,
+                                   .height_px = frame->image->height_px,
+                                   .exposure_ev = exposure_or_scale,
+                                   .scale = exposure_or_scale};
     bool fits = false;
     char *path = neph_path_join(pictures->folder, name);
-    enum neph_status status = path ? draw(path, frame, reference, exposure_or_scale, diag)
-                                   : neph_fail_memory(diag);
+    enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
+    memcpy(drawing.rgb, frame->planes, sizeof(drawing.rgb));
+    if (reference)
+        memcpy(drawing.reference, reference->planes, sizeof(drawing.reference));
+    if (!status && !neph_path_exists(path))
+        status = neph_drawing_write(&drawing, pictures->folder, name, diag);
     if (!status)
         status = count_picture(pictures, name, path, &fits, diag);
     free(path);

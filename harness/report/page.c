@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Of scripts/report/, and their names in a page's folder. */
+/* Files of scripts/report/, and their names in a page's folder. */
 static const char *const shared[][2] = {{"report.css", "report.css"}, {"page.js", "page.js"}};
 static const char *const vendored[][2] = {
     {"node_modules/vega/build/vega.min.js", "vendor/vega.min.js"},

@@ -3,14 +3,13 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "base/png.h"
+#include "harness/document/drawing.h"
 #include "harness/engines/engines.h"
 #include "harness/physics/pictures.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
 #include "harness/report/vega.h"
 #include "harness/report/viewer_page.h"
-#include "metrics/display.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,58 +35,39 @@ struct neph_report {
 /* One scene at its exposure. */
 struct gallery {
     const char *folder; /* the report's */
-    const struct neph_scene_result *scene;
+    struct neph_scene_result *scene;
     struct neph_arena *arena;
     const struct neph_image *truth; /* NULL: no difference maps */
 };
 
-/* Write an 8-bit picture under the report; `relative` is its path there. */
-static enum neph_status write_picture(const struct gallery *gallery, const char *relative,
-                                      const struct neph_image *image, const uint8_t *rgb,
-                                      struct neph_diag *diag)
+static enum neph_status draw_beauty(const struct gallery *gallery, const struct neph_image *image,
+                                    struct neph_frame_result *frame, struct neph_diag *diag)
 {
-    char *path = neph_path_join(gallery->folder, relative);
-    const enum neph_status status = path ? neph_png_write_rgb8(path, image->width_px,
-                                                               image->height_px, rgb, diag)
-                                         : neph_fail_memory(diag);
-    free(path);
-    return status;
-}
-
-static enum neph_status write_beauty(const struct gallery *gallery, const struct neph_image *image,
-                                     uint8_t *rgb, struct neph_frame_result *frame,
-                                     struct neph_diag *diag)
-{
-    float *planes[3];
-    if (!neph_image_rgb(image, NULL, planes))
+    struct neph_drawing drawing = {.width_px = image->width_px,
+                                   .height_px = image->height_px,
+                                   .exposure_ev = gallery->scene->viewing.exposure_ev};
+    if (!neph_image_rgb(image, NULL, drawing.rgb))
         return NEPH_OK;
-    const float *const constant[3] = {planes[0], planes[1], planes[2]};
-    const enum neph_status status = neph_display_encode(
-        constant, neph_image_pixel_count(image), gallery->scene->viewing.exposure_ev, rgb, diag);
     frame->picture = neph_arena_format(gallery->arena, "images/%s/%s.png", gallery->scene->name,
                                        frame->engine->name);
-    return status ? status : write_picture(gallery, frame->picture, image, rgb, diag);
+    return neph_drawing_write(&drawing, gallery->folder, frame->picture, diag);
 }
 
-static enum neph_status write_difference(const struct gallery *gallery,
-                                         const struct neph_image *image, enum neph_shown which,
-                                         uint8_t *rgb, struct neph_frame_result *frame,
-                                         struct neph_diag *diag)
+static enum neph_status draw_difference(const struct gallery *gallery,
+                                        const struct neph_image *image, enum neph_shown which,
+                                        struct neph_frame_result *frame, struct neph_diag *diag)
 {
     const char *layer = which == NEPH_SHOWN_RADIANCE ? NULL : neph_shown_name(which);
-    float *test[3], *truth[3];
-    if (!gallery->truth || !neph_image_rgb(image, layer, test) ||
-        !neph_image_rgb(gallery->truth, layer, truth))
+    struct neph_drawing drawing = {.width_px = image->width_px,
+                                   .height_px = image->height_px,
+                                   .scale = gallery->scene->difference_scales[which]};
+    if (!gallery->truth || !neph_image_rgb(image, layer, drawing.rgb) ||
+        !neph_image_rgb(gallery->truth, layer, drawing.reference))
         return NEPH_OK;
-    const float *const a[3] = {truth[0], truth[1], truth[2]};
-    const float *const b[3] = {test[0], test[1], test[2]};
-    const enum neph_status status = neph_display_difference(
-        a, b, 3, neph_image_pixel_count(image), gallery->scene->difference_scales[which], rgb,
-        diag);
     frame->differences[which] = neph_arena_format(gallery->arena, "images/%s/%s_difference_%s.png",
                                                   gallery->scene->name, frame->engine->name,
                                                   neph_shown_name(which));
-    return status ? status : write_picture(gallery, frame->differences[which], image, rgb, diag);
+    return neph_drawing_write(&drawing, gallery->folder, frame->differences[which], diag);
 }
 
 static enum neph_status draw_frame(const struct gallery *gallery, struct neph_frame_result *frame,
@@ -95,28 +75,26 @@ static enum neph_status draw_frame(const struct gallery *gallery, struct neph_fr
 {
     struct neph_image *image = NULL;
     enum neph_status status = neph_exr_read(frame->path, &image, diag);
-    if (status)
-        return status;
-    uint8_t *rgb = malloc(neph_image_pixel_count(image) * 3);
-    status = rgb ? write_beauty(gallery, image, rgb, frame, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = draw_beauty(gallery, image, frame, diag);
     for (int d = 0; d < NEPH_SHOWN_COUNT && !status && !is_truth; d++)
-        status = write_difference(gallery, image, (enum neph_shown)d, rgb, frame, diag);
-    free(rgb);
+        status = draw_difference(gallery, image, (enum neph_shown)d, frame, diag);
     neph_image_destroy(image);
     return status;
 }
 
-static enum neph_status draw_frames(struct gallery *gallery, struct neph_scene_result *scene,
-                                    struct neph_diag *diag)
+static enum neph_status draw_frames(const char *folder, struct neph_scene_result *scene,
+                                    struct neph_arena *arena, struct neph_diag *diag)
 {
     struct neph_image *truth = NULL;
     enum neph_status status = NEPH_OK;
     if (scene->truth >= 0)
         status = neph_exr_read(scene->frames[scene->truth].path, &truth, diag);
-    gallery->truth = truth;
+    const struct gallery gallery = {
+        .folder = folder, .scene = scene, .arena = arena, .truth = truth};
     for (int f = 0; f < scene->frame_count && !status; f++)
         if (scene->frames[f].path)
-            status = draw_frame(gallery, &scene->frames[f], f == scene->truth, diag);
+            status = draw_frame(&gallery, &scene->frames[f], f == scene->truth, diag);
     neph_image_destroy(truth);
     return status;
 }
@@ -195,14 +173,12 @@ static enum neph_status draw_scene(struct neph_report *report, struct neph_scene
                                    struct neph_validation *validation, struct neph_diag *diag)
 {
     const char *folder = neph_report_folder_work(report->folder);
-    struct neph_arena *arena = &validation->arena;
-    struct gallery gallery = {.folder = folder, .scene = scene, .arena = arena};
     if (scene->is_drawn)
         return NEPH_OK;
     char *images = neph_format("%s/images/%s", folder, scene->name);
     enum neph_status status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
     if (!status)
-        status = draw_frames(&gallery, scene, diag);
+        status = draw_frames(folder, scene, &validation->arena, diag);
     if (!status)
         status = draw_viewer(report, scene, validation, diag);
     scene->is_drawn = !status;

@@ -30,10 +30,10 @@ struct neph_scene_run {
     struct neph_store *store;
     struct neph_progress *progress; /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
     struct neph_arena *arena;       /* of the results */
-    /* Of a worker: called after each step whose frame is in the store. NULL: not a worker. */
-    void (*tell)(const struct neph_scene_run *run, const char *what, bool reused, double seconds);
-    const struct neph_worker *worker; /* for `tell` */
-    int scene;                        /* the same: its index */
+    /* A worker's: called after each step whose frame is in the store; else NULL. */
+    void (*tell)(const struct neph_scene_run *run, const char *step, bool reused, double seconds);
+    const struct neph_worker *worker; /* for `tell`: itself .. */
+    int scene;                        /* .. and the index of its scene */
     struct neph_scene_told told;      /* by workers, of the scene at hand; its steps are counted */
 };
 
@@ -44,7 +44,7 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count);
 enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
                                 struct neph_scene_result *result, struct neph_diag *diag);
 
-/* In a worker: only render, into the store, where neph_scene_run() finds the frames. A picture of an
+/* In a worker: only render, into the store, where neph_scene_run() finds the frames. A frame of an
  * external renderer that does not fit into its budget beside those of other workers is left to
  * neph_scene_run(), and `*is_late`. `result` as there. */
 enum neph_status neph_scene_render(const struct neph_scene_run *run, const struct neph_scene *scene,
