@@ -49,46 +49,34 @@ static json_t *point_json(struct neph_query *q)
                      "judgement", neph_query_text(q, 4));
 }
 
-/* The last nights, oldest first. */
-static enum neph_status trend_of_series(struct work *work, const char *series, json_t **trend,
-                                        struct neph_diag *diag)
+static json_t *mean_json(int64_t night, double value)
 {
-    struct neph_query *query = NULL;
-    json_t *points = json_array();
-    enum neph_status status = neph_query_begin(
-        work->index, &query, diag,
-        "SELECT * FROM (SELECT night, value, standard_error, environment, judgement FROM "
-        "measurements JOIN series ON series.id = series WHERE name = ? AND night <= ? ORDER BY "
-        "night DESC LIMIT ?) ORDER BY night",
-        "sii", series, work->night->id, (int64_t)TREND_NIGHTS);
-    while (!status && neph_query_next(query, &status, diag))
-        neph_json_add(&points, point_json(query));
-    neph_query_end(query);
-    if (!status)
-        status = neph_json_check(points, diag);
-    if (status)
-        json_decref(points);
-    else
-        *trend = points;
-    return status;
+    return json_pack("{s:I, s:o, s:n, s:s, s:s}", "night", (json_int_t)night, "value",
+                     neph_json_number(value), "standard_error", "environment", "", "judgement", "");
 }
 
-static enum neph_status trend_of_mean(struct work *work, const struct neph_finding *f,
-                                      json_t **trend, struct neph_diag *diag)
+/* The last nights, oldest first. The mean of a finding has a value for each night, but no more. */
+static enum neph_status read_trend(struct work *work, const struct neph_finding *f, json_t **trend,
+                                   struct neph_diag *diag)
 {
     struct neph_query *query = NULL;
     json_t *points = json_array();
-    int at = 0;
-    enum neph_status status = neph_query_begin(
-        work->index, &query, diag,
-        "SELECT id FROM nights WHERE id >= ? AND (ended_utc != '' OR id = ?) AND id <= ? ORDER BY "
-        "id",
-        "iii", f->accepted, work->night->id, work->night->id);
-    while (!status && at < f->trend_count && neph_query_next(query, &status, diag))
-        neph_json_add(&points, json_pack("{s:I, s:o, s:n, s:s, s:s}", "night",
-                                         (json_int_t)neph_query_integer(query, 0), "value",
-                                         neph_json_number(f->trend[at++]), "standard_error",
-                                         "environment", "", "judgement", ""));
+    const int64_t tonight = work->night->id;
+    enum neph_status status =
+        f->trend ? neph_query_begin(
+                       work->index, &query, diag,
+                       "SELECT id FROM nights WHERE id >= ? AND (ended_utc != '' OR id = ?) AND "
+                       "id <= ? ORDER BY id LIMIT ?",
+                       "iiii", f->accepted, tonight, tonight, (int64_t)f->trend_count)
+                 : neph_query_begin(
+                       work->index, &query, diag,
+                       "SELECT * FROM (SELECT night, value, standard_error, environment, judgement "
+                       "FROM measurements JOIN series ON series.id = series WHERE name = ? AND "
+                       "night <= ? ORDER BY night DESC LIMIT ?) ORDER BY night",
+                       "sii", f->example, tonight, (int64_t)TREND_NIGHTS);
+    for (int at = 0; !status && neph_query_next(query, &status, diag); at++)
+        neph_json_add(&points, f->trend ? mean_json(neph_query_integer(query, 0), f->trend[at])
+                                        : point_json(query));
     neph_query_end(query);
     if (!status)
         status = neph_json_check(points, diag);
@@ -197,8 +185,7 @@ static enum neph_status set_trend(struct work *work, const struct neph_finding *
 {
     json_t *trend = NULL;
     const char *kind = "";
-    enum neph_status status = f->trend ? trend_of_mean(work, f, &trend, diag)
-                                       : trend_of_series(work, f->example, &trend, diag);
+    enum neph_status status = read_trend(work, f, &trend, diag);
     if (!status)
         status = read_text(work, &kind, diag,
                            "SELECT kind FROM measurements JOIN series ON series.id = series WHERE "

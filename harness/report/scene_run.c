@@ -5,7 +5,6 @@
 #include "base/exr.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/look.h"
-#include "harness/report/gates.h"
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/budget.h"
@@ -51,29 +50,22 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count)
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
-/* The frame that is rendered: the one that was asked for, or the last. */
-static int frame_of(const struct neph_scene_run *run, const struct neph_scene *scene)
-{
-    return run->frame < scene->frame_count ? run->frame : scene->frame_count - 1;
-}
-
-/* `second` of the two pictures of an engine that draws paths; `run->seed` has two of its own. */
+/* `second` of the two pictures of an engine that draws paths; each seed of the run has two of its own. */
 static struct neph_job job_of(const struct neph_scene_run *run, int index,
                               const struct neph_scene *scene, bool second)
 {
     const struct neph_engine *engine = run->field->engines[index];
-    const int seed = 1 + second + (neph_engine_draws(engine) ? 2 * (run->seed - 1) : 0);
+    const int seed = 1 + second + (neph_engine_draws(engine) ? 2 * (run->params->seed - 1) : 0);
     return (struct neph_job){
         .engine = engine,
         .info = &run->field->infos[index],
         .shot = {.scene = scene,
                  .settings = run->field->settings[index],
-                 .width_px = run->width_px,
-                 .height_px = run->height_px,
-                 .frame = frame_of(run, scene),
+                 .width_px = run->params->width_px,
+                 .height_px = run->params->height_px,
                  .layers = NEPH_LAYERS_ALL,
                  .seed = neph_seed_of(scene, seed),
-                 .device = run->device},
+                 .device = run->params->device},
     };
 }
 
@@ -103,7 +95,7 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
         enum neph_outcome outcome;
         char reason[1600]; /* the frame itself will say why */
         struct neph_job limited = *job;
-        limited.shot.time_limit_s = run->budget_s;
+        limited.shot.time_limit_s = run->params->budget_s;
         status = neph_studies_make(&limited, run->store, study, &outcome, reason, diag);
         *chosen = !status && outcome == NEPH_OUTCOME_RENDERED;
         *is_late = outcome == NEPH_OUTCOME_TIMEOUT;
@@ -164,8 +156,8 @@ static enum neph_status render(const struct neph_scene_run *run, struct neph_job
 {
     if (job->engine->rung != NEPH_RUNG_WITNESS)
         return neph_job_run(job, run->store, result, diag);
-    return run->tell ? neph_budget_try(job, run->budget_s, run->store, result, diag)
-                     : neph_budget_run(job, run->budget_s, run->store, result, diag);
+    return run->tell ? neph_budget_try(job, run->params->budget_s, run->store, result, diag)
+                     : neph_budget_run(job, run->params->budget_s, run->store, result, diag);
 }
 
 /* What a frame gave up, or a look that its settings made of it: limits are those of physics. */
@@ -231,7 +223,7 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
     struct neph_job job = job_of(run, index, scene, true);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     job.shot.settings = *chosen;
-    job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->budget_s;
+    job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->params->budget_s;
     const struct step step = begin_step(run, &job, KIND_SECOND_SEED + index);
     const enum neph_status status = neph_job_run(&job, run->store, &result, diag);
     if (!status) {
@@ -321,7 +313,7 @@ static enum neph_status measure_all(const struct neph_scene_run *run,
     if (result->truth >= 0)
         status = neph_exr_read(result->frames[result->truth].path, &truth, diag);
     if (truth)
-        status = neph_scene_layers_add(scene, frame_of(run, scene), truth, diag);
+        status = neph_scene_layers_add(scene, 0, truth, diag);
     for (int f = 0; f < result->frame_count && !status; f++)
         status = measure_frame(run, f == result->truth ? NULL : truth, &result->viewing,
                                &result->frames[f], diag);

@@ -8,7 +8,7 @@
 
 #include "harness/experiment/pool.h"
 #include "harness/progress.h"
-#include "harness/report/validation.h"
+#include "harness/report/validate.h"
 
 enum { NEPH_SCENE_RUN_KINDS = 2 * NEPH_FIELD_MAX };
 
@@ -21,12 +21,8 @@ _Static_assert((int)NEPH_SCENE_RUN_KINDS <= 64, "a bit for each kind");
 
 /* What all scenes of a run have in common; borrowed. */
 struct neph_scene_run {
+    const struct neph_validate_params *params;
     const struct neph_field *field;
-    int width_px, height_px;
-    int frame;       /* of every scene; the last frame of a shorter one */
-    int seed;        /* the how-manieth of engines that draw paths, from 1 */
-    double budget_s; /* of each picture of another project's renderer: see budget.h */
-    struct neph_shared_device *device; /* as neph_shot.device */
     struct neph_store *store;
     struct neph_progress *progress; /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
     struct neph_arena *arena;       /* of the results */

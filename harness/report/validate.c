@@ -97,13 +97,8 @@ static enum neph_status begin(struct run *run, struct neph_diag *diag)
     made->scenes = neph_arena_zeroed(&made->arena, count, sizeof(*made->scenes));
     made->absent = neph_arena_zeroed(&made->arena, count, sizeof(*made->absent));
     run->told = neph_arena_zeroed(&made->arena, count, sizeof(*run->told));
-    run->scenes = (struct neph_scene_run){.field = &made->field,
-                                          .width_px = params->width_px,
-                                          .height_px = params->height_px,
-                                          .frame = params->frame,
-                                          .seed = params->seed > 0 ? params->seed : 1,
-                                          .budget_s = params->budget_s,
-                                          .device = params->device,
+    run->scenes = (struct neph_scene_run){.params = params,
+                                          .field = &made->field,
                                           .store = run->store,
                                           .progress = &run->progress,
                                           .arena = &made->arena};

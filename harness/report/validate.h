@@ -20,8 +20,7 @@ struct neph_validate_params {
     const char *const *settings; /* "ENGINE:KEY=VALUE"; charts and the sequence have their own */
     int setting_count;
     int width_px, height_px;
-    int frame;       /* of every scene; the last frame of a shorter one */
-    int seed;        /* the how-manieth of engines that draw paths, from 1; 0: 1 */
+    int seed;        /* the how-manieth of engines that draw paths, from 1 */
     double budget_s; /* of each picture of another project's renderer: see budget.h */
     struct neph_shared_device *device; /* as neph_shot.device */
     int jobs; /* processes that render scenes at the same time; results do not depend on it */
