@@ -84,11 +84,7 @@ static enum neph_status copy_pictures(const struct shown *shown, const char *fol
     enum neph_status status = neph_dir_create(folder, diag);
     for (size_t i = 0; i < json_array_size(names) && !status; i++) {
         const char *name = json_string_value(json_array_get(names, i));
-        char *from = neph_path_join(exhibit_of(shown->spot), name);
-        char *to = neph_path_join(folder, name);
-        status = from && to ? neph_file_copy(from, to, diag) : neph_fail_memory(diag);
-        free(from);
-        free(to);
+        status = neph_page_copy(exhibit_of(shown->spot), name, folder, name, diag);
     }
     return status;
 }

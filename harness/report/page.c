@@ -9,8 +9,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Files of scripts/report/, and their names in a page's folder. */
-static const char *const shared[][2] = {{"report.css", "report.css"}, {"page.js", "page.js"}};
+/* Files of scripts/report/, some with another name in a page's folder. */
+static const char *const shared[] = {"report.css", "page.js"};
 static const char *const vendored[][2] = {
     {"node_modules/vega/build/vega.min.js", "vendor/vega.min.js"},
     {"node_modules/vega-lite/build/vega-lite.min.js", "vendor/vega-lite.min.js"},
@@ -22,29 +22,18 @@ enum {
     VENDORED_COUNT = sizeof(vendored) / sizeof(vendored[0])
 };
 
-static char *source_path(const char *from)
-{
-    char *name = neph_path_join("scripts/report", from);
-    char *path = name ? neph_data_path(name) : NULL;
-    free(name);
-    return path;
-}
-
-static bool is_installed(void)
+static bool is_installed(const char *source)
 {
     bool installed = true;
-    for (int i = 0; i < VENDORED_COUNT; i++) {
-        char *path = source_path(vendored[i][0]);
-        installed &= path && neph_path_exists(path);
-        free(path);
-    }
+    for (int i = 0; i < VENDORED_COUNT; i++)
+        installed &= neph_page_file_size(source, vendored[i][0]) > 0;
     return installed;
 }
 
-static enum neph_status copy(const char *folder, const char *from, const char *to,
-                             struct neph_diag *diag)
+enum neph_status neph_page_copy(const char *from, const char *name, const char *folder,
+                                const char *as, struct neph_diag *diag)
 {
-    char *source = source_path(from), *target = neph_path_join(folder, to);
+    char *source = neph_path_join(from, name), *target = neph_path_join(folder, as);
     const enum neph_status status = source && target ? neph_file_copy(source, target, diag)
                                                      : neph_fail_memory(diag);
     free(source);
@@ -60,20 +49,22 @@ static const char *name_of(const struct neph_page_parts *parts, int file)
 enum neph_status neph_page_start(const char *folder, const struct neph_page_parts *parts,
                                  bool *is_interactive, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
+    char *source = neph_data_path("scripts/report");
+    enum neph_status status = source ? NEPH_OK : neph_fail_memory(diag);
     if (is_interactive)
-        *is_interactive = is_installed();
+        *is_interactive = source && is_installed(source);
     for (int i = 0; i < NEPH_PAGE_FOLDERS_MAX && parts->folders[i] && !status; i++) {
         char *path = neph_path_join(folder, parts->folders[i]);
         status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
         free(path);
     }
     for (int i = 0; i < NEPH_PAGE_FILES_MAX && parts->files[i] && !status; i++)
-        status = copy(folder, parts->files[i], name_of(parts, i), diag);
+        status = neph_page_copy(source, parts->files[i], folder, name_of(parts, i), diag);
     for (int i = 0; i < SHARED_COUNT && !status; i++)
-        status = copy(folder, shared[i][0], shared[i][1], diag);
+        status = neph_page_copy(source, shared[i], folder, shared[i], diag);
     for (int i = 0; i < VENDORED_COUNT && !status && is_interactive && *is_interactive; i++)
-        status = copy(folder, vendored[i][0], vendored[i][1], diag);
+        status = neph_page_copy(source, vendored[i][0], folder, vendored[i][1], diag);
+    free(source);
     return status;
 }
 
@@ -92,7 +83,7 @@ size_t neph_page_size(const char *folder, const struct neph_page_parts *parts)
     for (int i = 0; i < NEPH_PAGE_FILES_MAX && parts->files[i]; i++)
         sum += neph_page_file_size(folder, name_of(parts, i));
     for (int i = 0; i < SHARED_COUNT; i++)
-        sum += neph_page_file_size(folder, shared[i][1]);
+        sum += neph_page_file_size(folder, shared[i]);
     return sum;
 }
 

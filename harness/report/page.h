@@ -25,6 +25,10 @@ struct neph_page_parts {
 enum neph_status neph_page_start(const char *folder, const struct neph_page_parts *parts,
                                  bool *is_interactive, struct neph_diag *diag);
 
+/* Copy FROM/NAME to FOLDER/AS. */
+enum neph_status neph_page_copy(const char *from, const char *name, const char *folder,
+                                const char *as, struct neph_diag *diag);
+
 /* The bytes of these files there. */
 size_t neph_page_size(const char *folder, const struct neph_page_parts *parts);
 

@@ -153,8 +153,9 @@ static enum neph_status draw_viewer(struct neph_report *report, struct neph_scen
             viewers_limit_bytes / 1e6);
         return NEPH_OK;
     }
-    char *folder = neph_format("%s/view/%s", neph_report_folder_work(report->folder), scene->name);
-    enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
+    const char *folder = neph_arena_format(&validation->arena, "%s/view/%s",
+                                           neph_report_folder_work(report->folder), scene->name);
+    enum neph_status status = neph_dir_create(folder, diag);
     if (!status)
         status = neph_viewer_write(&viewer, folder, &made, diag);
     if (status == NEPH_ERR_GATE) { /* a frame that is no measurement: its numbers say so */
@@ -164,7 +165,6 @@ static enum neph_status draw_viewer(struct neph_report *report, struct neph_scen
         report->viewers_bytes += (double)made.bytes;
         scene->viewer = neph_arena_format(&validation->arena, "view/%s/index.html", scene->name);
     }
-    free(folder);
     return status;
 }
 
@@ -175,14 +175,13 @@ static enum neph_status draw_scene(struct neph_report *report, struct neph_scene
     const char *folder = neph_report_folder_work(report->folder);
     if (scene->is_drawn)
         return NEPH_OK;
-    char *images = neph_format("%s/images/%s", folder, scene->name);
-    enum neph_status status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
+    const char *images = neph_arena_format(&validation->arena, "%s/images/%s", folder, scene->name);
+    enum neph_status status = neph_dir_create(images, diag);
     if (!status)
         status = draw_frames(folder, scene, &validation->arena, diag);
     if (!status)
         status = draw_viewer(report, scene, validation, diag);
     scene->is_drawn = !status;
-    free(images);
     return status;
 }
 

@@ -9,8 +9,8 @@
 // alone.
 // Exit status: 0 the page holds, 1 it does not (findings on stdout), 2 wrong use.
 // $CHROMIUM names another browser than /usr/bin/chromium.
-import { faintTexts } from "./contrast.mjs";
-import { checkImages, conclude, find, inWindows, readArguments, readJson } from "./check_page.mjs";
+import { checkImages, conclude, faintTexts, find, inWindows, readArguments, readJson }
+  from "./check_page.mjs";
 
 /** What a reader sees; runs in the page. */
 function survey() {

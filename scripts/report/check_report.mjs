@@ -13,8 +13,8 @@
 import { existsSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { faintTexts } from "./contrast.mjs";
-import { address, browse, conclude, find, readArguments, readJson } from "./check_page.mjs";
+import { address, browse, conclude, faintTexts, find, readArguments, readJson }
+  from "./check_page.mjs";
 
 const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted",
   "over_budget"];

@@ -11,8 +11,8 @@
 //            "views": [{"set", "x", "y", "ev", "codes"}]}
 // Exit status: 0 all holds, 1 it does not (findings on stdout), 2 wrong use.
 import { join } from "node:path";
-import { faintTexts } from "./contrast.mjs";
-import { address, browse, conclude, find, readArguments, readJson } from "./check_page.mjs";
+import { address, browse, conclude, faintTexts, find, readArguments, readJson }
+  from "./check_page.mjs";
 
 const SHOWN_MOST = 200;
 
