@@ -122,8 +122,8 @@ static enum neph_status count_picture(struct neph_night_pictures *pictures, cons
     return neph_json_put(pictures->counted, name, json_true(), diag);
 }
 
-/* Draw it unless it is there: `reference` NULL: the frame as it is, else its difference. `*picture`:
- * its name in the page's folder, or JSON null where the limit leaves no room. */
+/* Draw it unless it is there. `reference` NULL: the frame as it is, else its difference from it.
+ * `*picture`: its name in the page's folder, or JSON null where the limit leaves no room. */
 static enum neph_status hang(struct neph_night_pictures *pictures, const char *name,
                              const struct frame *frame, const struct frame *reference,
                              double exposure_or_scale, json_t **picture, struct neph_diag *diag)

@@ -9,7 +9,6 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
 #include "harness/progress.h"
-#include "harness/report/scene_run.h"
 
 #include <stdio.h>
 #include <stdlib.h>
