@@ -50,7 +50,7 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count)
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
-/* `second` of the two frames of an engine that draws paths, of which each seed of the run has two. */
+/* `second` of the two frames that an engine which draws paths has for each seed of the run. */
 static struct neph_job job_of(const struct neph_scene_run *run, int index,
                               const struct neph_scene *scene, bool second)
 {
