@@ -147,27 +147,18 @@ static enum neph_status frame_of(struct work *work, const char *series, int64_t 
                      series, night);
 }
 
-/* A text, or null where there is none. */
-static json_t *word_json(const char *text)
+/* NULL where a text is empty: JSON null. */
+static const char *word(const char *text)
 {
-    return text[0] ? json_string(text) : json_null();
+    return text[0] ? text : NULL;
 }
 
-static enum neph_status set_names(struct work *work, const struct neph_finding *f, json_t *json,
-                                  struct neph_diag *diag)
+/* All of `more`, which is consumed, into an object. */
+static enum neph_status add_all(json_t *json, json_t *more, struct neph_diag *diag)
 {
-    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
-    const struct {
-        const char *key, *value;
-    } names[] = {{"suite", name.suite},
-                 {"scene", name.scene},
-                 {"engine", name.engine},
-                 {"metric", name.metric},
-                 {"truth", name.truth}};
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !status; i++)
-        status = neph_json_put(json, names[i].key, word_json(names[i].value), diag);
-    return status;
+    const bool is_added = more && json_object_update(json, more) == 0;
+    json_decref(more);
+    return neph_json_check(is_added ? json : NULL, diag);
 }
 
 /* A mean has the step of the scene that it is shown by. */
@@ -180,57 +171,43 @@ static const char *step_of(const struct work *work, const struct neph_finding *f
     return f->step;
 }
 
-static enum neph_status set_trend(struct work *work, const struct neph_finding *f, json_t *json,
-                                  struct neph_diag *diag)
-{
-    json_t *trend = NULL;
-    const char *kind = "";
-    enum neph_status status = read_trend(work, f, &trend, diag);
-    if (!status)
-        status = read_text(work, &kind, diag,
-                           "SELECT kind FROM measurements JOIN series ON series.id = series WHERE "
-                           "name = ? AND night <= ? ORDER BY night DESC LIMIT 1",
-                           f->example, work->night->id);
-    if (!status && (f->trend || strcmp(kind, "timed") == 0))
-        status = neph_json_put(json, "range", range_json(trend, f->accepted, work->night->id),
-                               diag);
-    if (!status)
-        status = neph_json_put(json, "kind", word_json(f->trend ? "mean" : kind), diag);
-    if (status)
-        json_decref(trend);
-    return status ? status : neph_json_put(json, "trend", trend, diag);
-}
-
-static enum neph_status set_pictures(struct work *work, const struct neph_finding *f, json_t *json,
-                                     struct neph_diag *diag)
-{
-    const char *accepted = "", *tonight = "";
-    json_t *shown = NULL;
-    enum neph_status status = frame_of(work, f->example, work->night->id, &tonight, diag);
-    if (!status && f->accepted > 0)
-        status = frame_of(work, f->example, f->accepted, &accepted, diag);
-    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
-    if (!status)
-        status = neph_night_pictures_pair(&work->pictures, name.scene, accepted, tonight, &shown,
-                                          diag);
-    return status ? status : neph_json_put(json, "shown", shown, diag);
-}
-
 /* What a reader needs of a finding, beside what nightly.json says. */
 static enum neph_status explain(struct work *work, const struct neph_finding *f, json_t *json,
                                 struct neph_diag *diag)
 {
+    const int64_t night = work->night->id;
+    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
+    const char *kind = "", *accepted = "", *tonight = "";
+    json_t *trend = NULL, *shown = NULL;
     char *command = neph_night_command(work->night, step_of(work, f));
-    enum neph_status status = command ? neph_json_put(json, "command", word_json(command), diag)
-                                      : neph_fail_memory(diag);
+    enum neph_status status = command ? read_trend(work, f, &trend, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = read_text(work, &kind, diag,
+                           "SELECT kind FROM measurements JOIN series ON series.id = series WHERE "
+                           "name = ? AND night <= ? ORDER BY night DESC LIMIT 1",
+                           f->example, night);
+    if (!status)
+        status = frame_of(work, f->example, night, &tonight, diag);
+    if (!status && f->accepted > 0)
+        status = frame_of(work, f->example, f->accepted, &accepted, diag);
+    if (!status)
+        status = neph_night_pictures_pair(&work->pictures, name.scene, accepted, tonight, &shown,
+                                          diag);
+    if (!status)
+        status = add_all(json,
+                         json_pack("{s:s?, s:s?, s:s?, s:s?, s:s?, s:s?, s:o, s:s?, s:O, s:O}",
+                                   "command", word(command), "suite", word(name.suite), "scene",
+                                   word(name.scene), "engine", word(name.engine), "metric",
+                                   word(name.metric), "truth", word(name.truth), "interval",
+                                   interval_json(f), "kind", word(f->trend ? "mean" : kind),
+                                   "trend", trend, "shown", shown),
+                         diag);
+    if (!status && (f->trend || strcmp(kind, "timed") == 0))
+        status = neph_json_put(json, "range", range_json(trend, f->accepted, night), diag);
+    json_decref(shown);
+    json_decref(trend);
     free(command);
-    if (!status)
-        status = set_names(work, f, json, diag);
-    if (!status)
-        status = neph_json_put(json, "interval", interval_json(f), diag);
-    if (!status)
-        status = set_trend(work, f, json, diag);
-    return status ? status : set_pictures(work, f, json, diag);
+    return status;
 }
 
 static enum neph_status explain_all(struct work *work, json_t *document, struct neph_diag *diag)
@@ -303,23 +280,12 @@ static enum neph_status set_head(const struct work *work, json_t *document, stru
     char created[32];
     neph_utc_now(created);
     char *summary = neph_night_summary(work->night, work->page->tier);
-    const struct {
-        const char *key;
-        json_t *value;
-    } head[] = {{"format", json_string("neph-night-page-1")},
-                {"state", json_string(state_of(work->night))},
-                {"created_utc", json_string(created)},
-                {"neph_version", json_string(NEPH_VERSION)},
-                {"summary", summary ? json_string(summary) : NULL},
-                {"difference_colours", neph_page_difference_colours()}};
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(head) / sizeof(head[0]); i++) {
-        const enum neph_status put = neph_json_put(document, head[i].key, head[i].value,
-                                                   status ? NULL : diag);
-        status = status ? status : put;
-    }
+    json_t *head = json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1",
+                             "state", state_of(work->night), "created_utc", created, "neph_version",
+                             NEPH_VERSION, "summary", summary, "difference_colours",
+                             neph_page_difference_colours());
     free(summary);
-    return status;
+    return add_all(document, head, diag);
 }
 
 static enum neph_status fill(struct work *work, json_t *document, struct neph_diag *diag)
