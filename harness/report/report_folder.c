@@ -34,9 +34,9 @@ struct neph_report_folder {
 /* What a report without a marker consists of. */
 static bool is_part(const char *name)
 {
-    static const char *const parts[] = {".",         "..",      "index.html", "report.css",
-                                        "report.js", "data.js", "data.json",  "images",
-                                        "charts",    "vendor"};
+    static const char *const parts[] = {".",       "..",        "index.html", "report.css",
+                                        "page.js", "report.js", "data.js",    "data.json",
+                                        "images",  "charts",    "vendor"};
     for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]); i++)
         if (strcmp(name, parts[i]) == 0)
             return true;
