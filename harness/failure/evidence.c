@@ -3,7 +3,8 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "harness/document/drawing.h"
+#include "base/png.h"
+#include "metrics/display.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,17 +20,20 @@ static const double scale_of_white = 0.1;
 /* A frame and its reference. */
 struct pair {
     struct neph_image *own[2]; /* read for it */
-    float *planes[2][3];       /* frame, reference */
+    const float *planes[2][3]; /* frame, reference */
     int width_px, height_px;
     bool has_reference;
 };
 
-static enum neph_status take_planes(const struct neph_image *image, float *planes[3],
+static enum neph_status take_planes(const struct neph_image *image, const float *planes[3],
                                     struct neph_diag *diag)
 {
-    return neph_image_rgb(image, NULL, planes)
-               ? NEPH_OK
-               : neph_fail(diag, NEPH_ERR_ENGINE, "a frame of the sequence has no radiance");
+    float *found[3];
+    if (!neph_image_rgb(image, NULL, found))
+        return neph_fail(diag, NEPH_ERR_ENGINE, "a frame of the sequence has no radiance");
+    for (int c = 0; c < 3; c++)
+        planes[c] = found[c];
+    return NEPH_OK;
 }
 
 static void close_pair(struct pair *pair)
@@ -179,36 +183,66 @@ enum neph_status neph_evidence_find(const struct neph_evidence_source *source,
 
 /* ---- drawing --------------------------------------------------------------------------------- */
 
+/* Pictures of one size, one after the other. */
 struct easel {
     const char *folder;
     double exposure_ev, scale;
+    int width_px, height_px;
     json_t *names; /* borrowed */
 };
 
-enum drawn { FRAME, REFERENCE, DIFFERENCE };
-
-static enum neph_status draw(const struct easel *easel, const struct pair *pair, enum drawn what,
-                             const char *name, struct neph_diag *diag)
+static size_t pixel_count(const struct easel *easel)
 {
-    struct neph_drawing drawing = {.width_px = pair->width_px,
-                                   .height_px = pair->height_px,
-                                   .exposure_ev = easel->exposure_ev,
-                                   .scale = easel->scale};
-    for (int c = 0; c < 3; c++) {
-        drawing.rgb[c] = pair->planes[what == REFERENCE][c];
-        drawing.reference[c] = what == DIFFERENCE ? pair->planes[1][c] : NULL;
-    }
-    const enum neph_status status = neph_drawing_write(&drawing, easel->folder, name, diag);
+    return (size_t)easel->width_px * (size_t)easel->height_px;
+}
+
+static enum neph_status write_picture(const struct easel *easel, const char *name,
+                                      const uint8_t *rgb, struct neph_diag *diag)
+{
+    char *path = neph_path_join(easel->folder, name);
+    enum neph_status status = path ? neph_png_write_rgb8(path, easel->width_px, easel->height_px,
+                                                         rgb, diag)
+                                   : neph_fail_memory(diag);
+    free(path);
     return status ? status : neph_json_append(easel->names, json_string(name), diag);
+}
+
+static enum neph_status draw_frame(const struct easel *easel, const float *const planes[3],
+                                   const char *name, struct neph_diag *diag)
+{
+    uint8_t *rgb = malloc(3 * pixel_count(easel));
+    enum neph_status status = rgb ? neph_display_encode(planes, pixel_count(easel),
+                                                        easel->exposure_ev, rgb, diag)
+                                  : neph_fail_memory(diag);
+    if (!status)
+        status = write_picture(easel, name, rgb, diag);
+    free(rgb);
+    return status;
+}
+
+static enum neph_status draw_difference(const struct easel *easel, const float *const reference[3],
+                                        const float *const test[3], const char *name,
+                                        struct neph_diag *diag)
+{
+    uint8_t *rgb = malloc(3 * pixel_count(easel));
+    enum neph_status status = rgb ? neph_display_difference(reference, test, 3, pixel_count(easel),
+                                                            easel->scale, rgb, diag)
+                                  : neph_fail_memory(diag);
+    if (!status)
+        status = write_picture(easel, name, rgb, diag);
+    free(rgb);
+    return status;
 }
 
 /* "worst" as worst.png, worst_reference.png and worst_difference.png. */
 static enum neph_status draw_three(const struct easel *easel, const struct pair *pair,
                                    const char *const names[3], struct neph_diag *diag)
 {
-    enum neph_status status = draw(easel, pair, FRAME, names[0], diag);
-    for (int i = REFERENCE; i <= DIFFERENCE && !status && pair->has_reference; i++)
-        status = draw(easel, pair, (enum drawn)i, names[i], diag);
+    enum neph_status status = draw_frame(easel, pair->planes[0], names[0], diag);
+    if (!status && pair->has_reference)
+        status = draw_frame(easel, pair->planes[1], names[1], diag);
+    if (!status && pair->has_reference)
+        status = draw_difference(easel, pair->planes[1], pair->planes[0], names[2], diag);
     return status;
 }
 
@@ -224,10 +258,10 @@ static enum neph_status draw_flip(const struct easel *easel, const struct pair *
 {
     char name[32];
     snprintf(name, sizeof(name), "flip_%d.png", number);
-    enum neph_status status = draw(easel, pair, FRAME, name, diag);
+    enum neph_status status = draw_frame(easel, pair->planes[0], name, diag);
     snprintf(name, sizeof(name), "flip_reference_%d.png", number);
     if (!status && with_reference)
-        status = draw(easel, pair, REFERENCE, name, diag);
+        status = draw_frame(easel, pair->planes[1], name, diag);
     return status;
 }
 
@@ -256,6 +290,16 @@ static void fill_slice(struct slice *slice, const struct pair *pair, int row, in
     for (size_t p = 0; p < (pair->has_reference ? 6 : 3); p++)
         memcpy(slice->samples + p * plane + (size_t)number * width,
                pair->planes[p / 3][p % 3] + (size_t)row * width, width * sizeof(float));
+}
+
+static enum neph_status draw_slice(const struct easel *frames, const struct slice *slice,
+                                   struct neph_diag *diag)
+{
+    static const char *const names[] = {"slice.png", "slice_reference.png", "slice_difference.png"};
+    struct easel easel = *frames;
+    easel.width_px = slice->rows.width_px;
+    easel.height_px = slice->rows.height_px;
+    return draw_three(&easel, &slice->rows, names, diag);
 }
 
 /* All that a frame is in. */
@@ -287,23 +331,23 @@ enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
     const bool has_slice = evidence->slice_count > 0;
     const int first = has_slice ? evidence->slice_first : evidence->worst_frame;
     const int last = first + (has_slice ? evidence->slice_count : 1);
-    const struct easel easel = {.folder = folder,
-                                .exposure_ev = source->exposure_ev,
-                                .scale = evidence->scale,
-                                .names = names};
-    static const char *const names_of_slice[] = {"slice.png", "slice_reference.png",
-                                                 "slice_difference.png"};
+    struct easel easel = {.folder = folder,
+                          .exposure_ev = source->exposure_ev,
+                          .scale = evidence->scale,
+                          .names = names};
     struct slice slice = {.samples = NULL};
     enum neph_status status = NEPH_OK;
     for (int i = first; i < last && !status; i++) {
         struct pair pair;
         status = open_pair(source, i, &pair, diag);
+        easel.width_px = pair.width_px;
+        easel.height_px = pair.height_px;
         if (!status)
             status = draw_pair(source, evidence, &easel, &pair, i, &slice, diag);
         close_pair(&pair);
     }
     if (!status && has_slice)
-        status = draw_three(&easel, &slice.rows, names_of_slice, diag);
+        status = draw_slice(&easel, &slice, diag);
     free(slice.samples);
     return status;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/failure/page.h"
 
-#include "base/arena.h"
 #include "base/clock.h"
 #include "base/files.h"
 #include "harness/failure/exhibit.h"
@@ -28,18 +27,16 @@ struct neph_failure_page {
 /* Evidence of a column of a scenario at its worst point. */
 struct shown {
     const struct neph_failure_spot *spot;
-    json_t *record;     /* owned */
-    const char *folder; /* of its images in the page, by the entry that they are of */
+    json_t *record; /* owned */
     size_t bytes;
     bool fits;
 };
 
 /* All of a run, the worst first. */
 struct gallery {
-    struct neph_arena arena;
     struct neph_failure_spot *spots; /* owned */
     int spot_count;
-    struct shown *shown;
+    struct shown *shown; /* owned */
     int shown_count, left_out;
     size_t bytes;
 };
@@ -71,11 +68,18 @@ static void finish_gallery(struct gallery *gallery)
 {
     for (int i = 0; i < gallery->shown_count; i++)
         json_decref(gallery->shown[i].record);
+    free(gallery->shown);
     free(gallery->spots);
-    neph_arena_finish(&gallery->arena);
 }
 
 /* ---- pictures -------------------------------------------------------------------------------- */
+
+/* Pictures are known by the entry that they are of, so that what is there is right. */
+static char *picture_folder(const struct shown *shown)
+{
+    const char *exhibit = exhibit_of(shown->spot);
+    return neph_format("images/%.24s", strrchr(exhibit, '/') + 1);
+}
 
 static enum neph_status copy_pictures(const struct shown *shown, const char *folder,
                                       struct neph_diag *diag)
@@ -91,11 +95,15 @@ static enum neph_status copy_pictures(const struct shown *shown, const char *fol
 
 static bool is_wanted(const struct gallery *gallery, const char *name)
 {
-    bool wanted = false;
-    for (int i = 0; i < gallery->shown_count && !wanted; i++)
-        wanted = gallery->shown[i].fits &&
-                 strcmp(gallery->shown[i].folder + strlen("images/"), name) == 0;
-    return wanted;
+    for (int i = 0; i < gallery->shown_count; i++) {
+        char *own = picture_folder(&gallery->shown[i]);
+        const bool same = own && gallery->shown[i].fits &&
+                          strcmp(own + strlen("images/"), name) == 0;
+        free(own);
+        if (same)
+            return true;
+    }
+    return false;
 }
 
 /* What worse cells took the place of. */
@@ -122,15 +130,17 @@ static enum neph_status hang_pictures(const struct gallery *gallery, const char 
     char *images = neph_path_join(work, "images");
     enum neph_status status = images ? remove_unwanted(gallery, images, diag)
                                      : neph_fail_memory(diag);
-    free(images);
     for (int i = 0; i < gallery->shown_count && !status; i++) {
-        char *folder = neph_path_join(work, gallery->shown[i].folder);
+        char *name = picture_folder(&gallery->shown[i]);
+        char *folder = name ? neph_path_join(work, name) : NULL;
         if (!folder)
             status = neph_fail_memory(diag);
         else if (gallery->shown[i].fits && !neph_path_is_dir(folder))
             status = copy_pictures(&gallery->shown[i], folder, diag);
+        free(name);
         free(folder);
     }
+    free(images);
     return status;
 }
 
@@ -151,12 +161,14 @@ static json_t *size_json(const struct neph_failure_suite *suite, const struct ne
 
 static json_t *shown_json(const struct neph_failure_suite *suite, const struct shown *shown)
 {
+    char *folder = picture_folder(shown);
     json_t *item = json_deep_copy(shown->record);
     neph_json_set(&item, "scene", json_string(shown->spot->row->scene->name));
     neph_json_set(&item, "column", json_string(suite->columns[shown->spot->column].name));
     neph_json_set(&item, "point", json_string(shown->spot->row->point));
     neph_json_set(&item, "size_px", size_json(suite, shown->spot->row->scene));
-    neph_json_set(&item, "folder", json_string(shown->folder));
+    neph_json_set(&item, "folder", folder ? json_string(folder) : NULL);
+    free(folder);
     return item;
 }
 
@@ -236,11 +248,8 @@ static enum neph_status add_shown(const struct neph_failure_suite *suite, struct
     if (!record) /* somebody cleans the store: there is nothing to show */
         return NEPH_OK;
     struct shown *shown = &gallery->shown[gallery->shown_count++];
-    *shown = (struct shown){.spot = spot,
-                            .record = record,
-                            .folder = neph_arena_format(&gallery->arena, "images/%.24s",
-                                                        strrchr(exhibit_of(spot), '/') + 1),
-                            .bytes = pictures_size(exhibit_of(spot), record)};
+    *shown = (struct shown){
+        .spot = spot, .record = record, .bytes = pictures_size(exhibit_of(spot), record)};
     json_t *entry = shown_json(suite, shown);
     const size_t bytes = shown->bytes + data_size(entry);
     json_decref(entry);
@@ -269,15 +278,13 @@ static enum neph_status make_gallery(const struct neph_failure_page *page,
 {
     *gallery = (struct gallery){.spots = NULL};
     gallery->spots = neph_failure_worst(suite, &gallery->spot_count);
-    gallery->shown = neph_arena_zeroed(&gallery->arena, (size_t)gallery->spot_count + 1,
-                                       sizeof(*gallery->shown));
-    enum neph_status status = gallery->spots ? neph_arena_check(&gallery->arena, diag)
-                                             : neph_fail_memory(diag);
+    gallery->shown = calloc((size_t)gallery->spot_count + 1, sizeof(*gallery->shown));
+    enum neph_status status = gallery->spots && gallery->shown ? NEPH_OK : neph_fail_memory(diag);
     size_t room_bytes = status ? 0 : room_for_evidence(page, suite, gallery);
     for (int i = 0; i < gallery->spot_count && !status; i++)
         if (exhibit_of(&gallery->spots[i]) && !is_shown(gallery, &gallery->spots[i]))
             status = add_shown(suite, gallery, &gallery->spots[i], &room_bytes, diag);
-    return status ? status : neph_arena_check(&gallery->arena, diag);
+    return status;
 }
 
 /* ---- the page -------------------------------------------------------------------------------- */

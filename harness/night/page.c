@@ -49,34 +49,46 @@ static json_t *point_json(struct neph_query *q)
                      "judgement", neph_query_text(q, 4));
 }
 
-static json_t *mean_json(int64_t night, double value)
-{
-    return json_pack("{s:I, s:o, s:n, s:s, s:s}", "night", (json_int_t)night, "value",
-                     neph_json_number(value), "standard_error", "environment", "", "judgement", "");
-}
-
-/* The last nights, oldest first. The mean of a finding has a value for each night, but no more. */
-static enum neph_status read_trend(struct work *work, const struct neph_finding *f, json_t **trend,
-                                   struct neph_diag *diag)
+/* The last nights, oldest first. */
+static enum neph_status trend_of_series(struct work *work, const char *series, json_t **trend,
+                                        struct neph_diag *diag)
 {
     struct neph_query *query = NULL;
     json_t *points = json_array();
-    const int64_t tonight = work->night->id;
-    enum neph_status status =
-        f->trend ? neph_query_begin(
-                       work->index, &query, diag,
-                       "SELECT id FROM nights WHERE id >= ? AND (ended_utc != '' OR id = ?) AND "
-                       "id <= ? ORDER BY id LIMIT ?",
-                       "iiii", f->accepted, tonight, tonight, (int64_t)f->trend_count)
-                 : neph_query_begin(
-                       work->index, &query, diag,
-                       "SELECT * FROM (SELECT night, value, standard_error, environment, judgement "
-                       "FROM measurements JOIN series ON series.id = series WHERE name = ? AND "
-                       "night <= ? ORDER BY night DESC LIMIT ?) ORDER BY night",
-                       "sii", f->example, tonight, (int64_t)TREND_NIGHTS);
-    for (int at = 0; !status && neph_query_next(query, &status, diag); at++)
-        neph_json_add(&points, f->trend ? mean_json(neph_query_integer(query, 0), f->trend[at])
-                                        : point_json(query));
+    enum neph_status status = neph_query_begin(
+        work->index, &query, diag,
+        "SELECT * FROM (SELECT night, value, standard_error, environment, judgement FROM "
+        "measurements JOIN series ON series.id = series WHERE name = ? AND night <= ? ORDER BY "
+        "night DESC LIMIT ?) ORDER BY night",
+        "sii", series, work->night->id, (int64_t)TREND_NIGHTS);
+    while (!status && neph_query_next(query, &status, diag))
+        neph_json_add(&points, point_json(query));
+    neph_query_end(query);
+    if (!status)
+        status = neph_json_check(points, diag);
+    if (status)
+        json_decref(points);
+    else
+        *trend = points;
+    return status;
+}
+
+static enum neph_status trend_of_mean(struct work *work, const struct neph_finding *f,
+                                      json_t **trend, struct neph_diag *diag)
+{
+    struct neph_query *query = NULL;
+    json_t *points = json_array();
+    int at = 0;
+    enum neph_status status = neph_query_begin(
+        work->index, &query, diag,
+        "SELECT id FROM nights WHERE id >= ? AND (ended_utc != '' OR id = ?) AND id <= ? ORDER BY "
+        "id",
+        "iii", f->accepted, work->night->id, work->night->id);
+    while (!status && at < f->trend_count && neph_query_next(query, &status, diag))
+        neph_json_add(&points, json_pack("{s:I, s:o, s:n, s:s, s:s}", "night",
+                                         (json_int_t)neph_query_integer(query, 0), "value",
+                                         neph_json_number(f->trend[at++]), "standard_error",
+                                         "environment", "", "judgement", ""));
     neph_query_end(query);
     if (!status)
         status = neph_json_check(points, diag);
@@ -147,18 +159,27 @@ static enum neph_status frame_of(struct work *work, const char *series, int64_t 
                      series, night);
 }
 
-/* NULL where a text is empty: JSON null. */
-static const char *word(const char *text)
+/* A text, or null where there is none. */
+static json_t *word_json(const char *text)
 {
-    return text[0] ? text : NULL;
+    return text[0] ? json_string(text) : json_null();
 }
 
-/* All of `more`, which is consumed, into an object. */
-static enum neph_status add_all(json_t *json, json_t *more, struct neph_diag *diag)
+static enum neph_status set_names(struct work *work, const struct neph_finding *f, json_t *json,
+                                  struct neph_diag *diag)
 {
-    const bool is_added = more && json_object_update(json, more) == 0;
-    json_decref(more);
-    return neph_json_check(is_added ? json : NULL, diag);
+    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
+    const struct {
+        const char *key, *value;
+    } names[] = {{"suite", name.suite},
+                 {"scene", name.scene},
+                 {"engine", name.engine},
+                 {"metric", name.metric},
+                 {"truth", name.truth}};
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !status; i++)
+        status = neph_json_put(json, names[i].key, word_json(names[i].value), diag);
+    return status;
 }
 
 /* A mean has the step of the scene that it is shown by. */
@@ -171,43 +192,58 @@ static const char *step_of(const struct work *work, const struct neph_finding *f
     return f->step;
 }
 
-/* What a reader needs of a finding, beside what nightly.json says. */
-static enum neph_status explain(struct work *work, const struct neph_finding *f, json_t *json,
-                                struct neph_diag *diag)
+static enum neph_status set_trend(struct work *work, const struct neph_finding *f, json_t *json,
+                                  struct neph_diag *diag)
 {
-    const int64_t night = work->night->id;
-    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
-    const char *kind = "", *accepted = "", *tonight = "";
-    json_t *trend = NULL, *shown = NULL;
-    char *command = neph_night_command(work->night, step_of(work, f));
-    enum neph_status status = command ? read_trend(work, f, &trend, diag) : neph_fail_memory(diag);
+    json_t *trend = NULL;
+    const char *kind = "";
+    enum neph_status status = f->trend ? trend_of_mean(work, f, &trend, diag)
+                                       : trend_of_series(work, f->example, &trend, diag);
     if (!status)
         status = read_text(work, &kind, diag,
                            "SELECT kind FROM measurements JOIN series ON series.id = series WHERE "
                            "name = ? AND night <= ? ORDER BY night DESC LIMIT 1",
-                           f->example, night);
+                           f->example, work->night->id);
+    if (!status && (f->trend || strcmp(kind, "timed") == 0))
+        status = neph_json_put(json, "range", range_json(trend, f->accepted, work->night->id),
+                               diag);
     if (!status)
-        status = frame_of(work, f->example, night, &tonight, diag);
+        status = neph_json_put(json, "kind", word_json(f->trend ? "mean" : kind), diag);
+    if (status)
+        json_decref(trend);
+    return status ? status : neph_json_put(json, "trend", trend, diag);
+}
+
+static enum neph_status set_pictures(struct work *work, const struct neph_finding *f, json_t *json,
+                                     struct neph_diag *diag)
+{
+    const char *accepted = "", *tonight = "";
+    json_t *shown = NULL;
+    enum neph_status status = frame_of(work, f->example, work->night->id, &tonight, diag);
     if (!status && f->accepted > 0)
         status = frame_of(work, f->example, f->accepted, &accepted, diag);
+    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
     if (!status)
         status = neph_night_pictures_pair(&work->pictures, name.scene, accepted, tonight, &shown,
                                           diag);
-    if (!status)
-        status = add_all(json,
-                         json_pack("{s:s?, s:s?, s:s?, s:s?, s:s?, s:s?, s:o, s:s?, s:O, s:O}",
-                                   "command", word(command), "suite", word(name.suite), "scene",
-                                   word(name.scene), "engine", word(name.engine), "metric",
-                                   word(name.metric), "truth", word(name.truth), "interval",
-                                   interval_json(f), "kind", word(f->trend ? "mean" : kind),
-                                   "trend", trend, "shown", shown),
-                         diag);
-    if (!status && (f->trend || strcmp(kind, "timed") == 0))
-        status = neph_json_put(json, "range", range_json(trend, f->accepted, night), diag);
-    json_decref(shown);
-    json_decref(trend);
+    return status ? status : neph_json_put(json, "shown", shown, diag);
+}
+
+/* What a reader needs of a finding, beside what nightly.json says. */
+static enum neph_status explain(struct work *work, const struct neph_finding *f, json_t *json,
+                                struct neph_diag *diag)
+{
+    char *command = neph_night_command(work->night, step_of(work, f));
+    enum neph_status status = command ? neph_json_put(json, "command", word_json(command), diag)
+                                      : neph_fail_memory(diag);
     free(command);
-    return status;
+    if (!status)
+        status = set_names(work, f, json, diag);
+    if (!status)
+        status = neph_json_put(json, "interval", interval_json(f), diag);
+    if (!status)
+        status = set_trend(work, f, json, diag);
+    return status ? status : set_pictures(work, f, json, diag);
 }
 
 static enum neph_status explain_all(struct work *work, json_t *document, struct neph_diag *diag)
@@ -280,12 +316,23 @@ static enum neph_status set_head(const struct work *work, json_t *document, stru
     char created[32];
     neph_utc_now(created);
     char *summary = neph_night_summary(work->night, work->page->tier);
-    json_t *head = json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1",
-                             "state", state_of(work->night), "created_utc", created, "neph_version",
-                             NEPH_VERSION, "summary", summary, "difference_colours",
-                             neph_page_difference_colours());
+    const struct {
+        const char *key;
+        json_t *value;
+    } head[] = {{"format", json_string("neph-night-page-1")},
+                {"state", json_string(state_of(work->night))},
+                {"created_utc", json_string(created)},
+                {"neph_version", json_string(NEPH_VERSION)},
+                {"summary", summary ? json_string(summary) : NULL},
+                {"difference_colours", neph_page_difference_colours()}};
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(head) / sizeof(head[0]); i++) {
+        const enum neph_status put = neph_json_put(document, head[i].key, head[i].value,
+                                                   status ? NULL : diag);
+        status = status ? status : put;
+    }
     free(summary);
-    return add_all(document, head, diag);
+    return status;
 }
 
 static enum neph_status fill(struct work *work, json_t *document, struct neph_diag *diag)

@@ -4,7 +4,7 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "harness/data.h"
-#include "harness/document/drawing.h"
+#include "harness/document/display_png.h"
 #include "harness/report/page.h"
 
 #include <math.h>
@@ -122,24 +122,30 @@ static enum neph_status count_picture(struct neph_night_pictures *pictures, cons
     return neph_json_put(pictures->counted, name, json_true(), diag);
 }
 
-/* Draw it unless it is there. `reference` NULL: the frame as it is, else its difference from it.
- * `*picture`: its name in the page's folder, or JSON null where the limit leaves no room. */
+/* Draw unless it is there: `reference` NULL: the frame as it is, else its difference from it. */
+static enum neph_status draw(const char *path, const struct frame *frame,
+                             const struct frame *reference, double exposure_or_scale,
+                             struct neph_diag *diag)
+{
+    const int width_px = frame->image->width_px, height_px = frame->image->height_px;
+    const float *const *planes = (const float *const *)frame->planes;
+    if (neph_path_exists(path))
+        return NEPH_OK;
+    return reference ? neph_difference_png(path, width_px, height_px,
+                                           (const float *const *)reference->planes, planes,
+                                           exposure_or_scale, diag)
+                     : neph_display_png(path, width_px, height_px, planes, exposure_or_scale, diag);
+}
+
+/* `*picture`: its name in the page's folder, or JSON null where the limit leaves no room. */
 static enum neph_status hang(struct neph_night_pictures *pictures, const char *name,
                              const struct frame *frame, const struct frame *reference,
                              double exposure_or_scale, json_t **picture, struct neph_diag *diag)
 {
-    struct neph_drawing drawing = {.width_px = frame->image->width_px,
-                                   .height_px = frame->image->height_px,
-                                   .exposure_ev = exposure_or_scale,
-                                   .scale = exposure_or_scale};
     bool fits = false;
     char *path = neph_path_join(pictures->folder, name);
-    enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
-    memcpy(drawing.rgb, frame->planes, sizeof(drawing.rgb));
-    if (reference)
-        memcpy(drawing.reference, reference->planes, sizeof(drawing.reference));
-    if (!status && !neph_path_exists(path))
-        status = neph_drawing_write(&drawing, pictures->folder, name, diag);
+    enum neph_status status = path ? draw(path, frame, reference, exposure_or_scale, diag)
+                                   : neph_fail_memory(diag);
     if (!status)
         status = count_picture(pictures, name, path, &fits, diag);
     free(path);

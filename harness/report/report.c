@@ -3,7 +3,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "harness/document/drawing.h"
+#include "harness/document/display_png.h"
 #include "harness/engines/engines.h"
 #include "harness/physics/pictures.h"
 #include "harness/report/page.h"
@@ -43,14 +43,15 @@ struct gallery {
 static enum neph_status draw_beauty(const struct gallery *gallery, const struct neph_image *image,
                                     struct neph_frame_result *frame, struct neph_diag *diag)
 {
-    struct neph_drawing drawing = {.width_px = image->width_px,
-                                   .height_px = image->height_px,
-                                   .exposure_ev = gallery->scene->viewing.exposure_ev};
-    if (!neph_image_rgb(image, NULL, drawing.rgb))
+    float *rgb[3];
+    if (!neph_image_rgb(image, NULL, rgb))
         return NEPH_OK;
     frame->picture = neph_arena_format(gallery->arena, "images/%s/%s.png", gallery->scene->name,
                                        frame->engine->name);
-    return neph_drawing_write(&drawing, gallery->folder, frame->picture, diag);
+    return neph_display_png(
+        neph_arena_format(gallery->arena, "%s/%s", gallery->folder, frame->picture),
+        image->width_px, image->height_px, (const float *const[]){rgb[0], rgb[1], rgb[2]},
+        gallery->scene->viewing.exposure_ev, diag);
 }
 
 static enum neph_status draw_difference(const struct gallery *gallery,
@@ -58,16 +59,19 @@ static enum neph_status draw_difference(const struct gallery *gallery,
                                         struct neph_frame_result *frame, struct neph_diag *diag)
 {
     const char *layer = which == NEPH_SHOWN_RADIANCE ? NULL : neph_shown_name(which);
-    struct neph_drawing drawing = {.width_px = image->width_px,
-                                   .height_px = image->height_px,
-                                   .scale = gallery->scene->difference_scales[which]};
-    if (!gallery->truth || !neph_image_rgb(image, layer, drawing.rgb) ||
-        !neph_image_rgb(gallery->truth, layer, drawing.reference))
+    float *test[3], *truth[3];
+    if (!gallery->truth || !neph_image_rgb(image, layer, test) ||
+        !neph_image_rgb(gallery->truth, layer, truth))
         return NEPH_OK;
-    frame->differences[which] = neph_arena_format(gallery->arena, "images/%s/%s_difference_%s.png",
-                                                  gallery->scene->name, frame->engine->name,
-                                                  neph_shown_name(which));
-    return neph_drawing_write(&drawing, gallery->folder, frame->differences[which], diag);
+    const char *name = neph_arena_format(gallery->arena, "images/%s/%s_difference_%s.png",
+                                         gallery->scene->name, frame->engine->name,
+                                         neph_shown_name(which));
+    frame->differences[which] = name;
+    return neph_difference_png(neph_arena_format(gallery->arena, "%s/%s", gallery->folder, name),
+                               image->width_px, image->height_px,
+                               (const float *const[]){truth[0], truth[1], truth[2]},
+                               (const float *const[]){test[0], test[1], test[2]},
+                               gallery->scene->difference_scales[which], diag);
 }
 
 static enum neph_status draw_frame(const struct gallery *gallery, struct neph_frame_result *frame,
