@@ -12,7 +12,6 @@
 #include "harness/physics/physics.h"
 #include "harness/report/charts.h"
 #include "harness/report/report.h"
-#include "harness/report/tier.h"
 #include "harness/report/validate.h"
 
 #include <stdio.h>
@@ -26,6 +25,52 @@ struct request {
     int budget_s, samples, jobs, page_limit_mb, seed;
     bool no_charts, on_device;
 };
+
+/* ---- tiers ----------------------------------------------------------------------------------- */
+
+/* How much of the main job is run. */
+struct tier {
+    const char *name;
+    const char *const *scenes;  /* of the catalogue, NULL-terminated; NULL: all of it */
+    const char *const *engines; /* NULL-terminated; NULL: every engine that is no shortcut */
+    int width_px, height_px;    /* of the scenes' frames */
+    double budget_s;            /* of each frame of an external renderer */
+    const char *const *charts;  /* ids, NULL-terminated; NULL: all */
+    int chart_repeats;          /* runs of each point of a chart */
+};
+
+/* A fog with lit ground, a slab, a cloud of optical depths of tens: every engine can do them, and
+ * there is an exact answer to each. */
+static const char *const quick_scenes[] = {"height_fog_down", "scattering_slab_above",
+                                           "grid_cloud_single", NULL};
+static const char *const quick_engines[] = {"exact",  "tracer", "march", "realtime",
+                                            "cycles", "povray", NULL};
+static const char *const quick_charts[] = {"slab", NULL};
+
+enum { QUICK, FULL, TIER_COUNT };
+static const struct tier tiers[TIER_COUNT] = {
+    [QUICK] = {.name = "quick",
+               .scenes = quick_scenes,
+               .engines = quick_engines,
+               .width_px = 128,
+               .height_px = 72,
+               .budget_s = 30.0,
+               .charts = quick_charts,
+               .chart_repeats = 1},
+    [FULL] =
+        {.name = "full", .width_px = 192, .height_px = 108, .budget_s = 300.0, .chart_repeats = 3},
+};
+
+/* NULL: there is none. */
+static const struct tier *find_tier(const char *name)
+{
+    for (int i = 0; i < TIER_COUNT; i++)
+        if (strcmp(tiers[i].name, name) == 0)
+            return &tiers[i];
+    return NULL;
+}
+
+/* ---- options --------------------------------------------------------------------------------- */
 
 static const struct neph_cli_option options[] = {
     {"tier", 0, "NAME",
@@ -55,8 +100,9 @@ static const struct neph_cli_option options[] = {
      "Of the failure suite: only count bad values, in all images of every frame, on the device "
      "(preset off, which has none: in its pictures); nothing is kept",
      NEPH_CLI_FLAG, .at = offsetof(struct request, on_device)},
-    {"jobs", 0, "N",
-     "Of the failure and physics suites: processes that render at the same time (default: 1)",
+    {"jobs", 'j', "N",
+     "Processes that render at the same time: scenes, checks of the physics suite, or trials of "
+     "the failure suite; results do not depend on it (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, jobs), .minimum = 1,
      .maximum = NEPH_FAILURE_JOBS_MAX},
     {"pictures", 0, "WHICH",
@@ -111,8 +157,6 @@ static void check_failure(const struct request *request, const struct argp_state
             request->page_limit_mb >= 0 || request->on_device)
             argp_error(state, "--only, --preset, --pictures, --page-limit and --on-device belong "
                               "to --suite failure");
-        if (request->jobs >= 0 && !is_physics(request))
-            argp_error(state, "--jobs belongs to --suite failure and --suite physics");
         return;
     }
     if (shared->operand_count > 0)
@@ -135,12 +179,14 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "there is no suite '%s'; there are catalog, physics and failure",
                    request->suite);
     check_failure(request, state);
-    if (request->tier && !neph_tier_find(request->tier))
+    if (request->tier && !find_tier(request->tier))
         argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
     if (request->check && request->check[0] == '\0')
         argp_error(state, "--check needs a part of the name of a check or rung");
     if (is_physics(request) && shared->settings.count > 0)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
+    if (is_physics(request) && request->jobs >= 0)
+        argp_error(state, "--jobs is of scenes and of the failure suite");
     if (request->seed > 0 && (is_physics(request) || is_failure(request)))
         argp_error(state, "--seed is of scenes; the suites have their own");
     if (!is_physics(request) && (request->check || request->samples >= 0))
@@ -179,22 +225,89 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate --suite failure --only fog_seam -e povray --pictures all",
 };
 
-/* The physics suite: the frame of a validation without scenes, and the checks. */
-static enum neph_status run_physics(const struct request *request, int time_limit_s,
-                                    struct neph_shared_device *device, struct neph_store *store,
-                                    struct neph_validation *validation,
-                                    struct neph_physics *physics, struct neph_diag *diag)
+/* ---- scenes, and the physics suite ----------------------------------------------------------- */
+
+struct work {
+    const struct request *request;
+    struct neph_validate_params params;
+    struct neph_charts_params charts;
+    struct neph_shared_device device;
+    struct neph_store *store;
+    struct neph_report *report;
+    struct neph_validation validation;
+    struct neph_physics physics;
+};
+
+/* The tier of a run without --tier: scenes that are named get all engines, as in the full tier. */
+static const struct tier *tier_of(const struct request *request)
 {
+    if (request->tier)
+        return find_tier(request->tier);
+    return &tiers[request->suite || request->shared.operand_count > 0 ? FULL : QUICK];
+}
+
+static enum neph_status show_page(struct neph_validation *validation, void *context,
+                                  struct neph_diag *diag)
+{
+    return neph_report_publish(context, validation, diag);
+}
+
+/* From the tier and what the command line says over it. */
+static void make_params(struct work *work, const char *const *scenes, int scene_count)
+{
+    const struct request *request = work->request;
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct tier *tier = tier_of(request);
+    struct neph_validate_params *params = &work->params;
+    const bool names_scenes = shared->operand_count > 0, names_engines = request->engines.count > 0;
+    const bool is_whole = !names_scenes && !names_engines && !request->no_charts &&
+                          !is_physics(request);
+    const double budget_s = request->budget_s >= 0 ? request->budget_s : tier->budget_s;
+    work->charts = (struct neph_charts_params){.ids = tier->charts,
+                                               .repeats = tier->chart_repeats,
+                                               .time_limit_s = budget_s,
+                                               .device = &work->device};
+    *params = (struct neph_validate_params){
+        .scenes = scenes,
+        .scene_count = is_physics(request) ? 0 : scene_count,
+        .engines = request->engines.list,
+        .engine_count = request->engines.count,
+        .settings = shared->settings.list,
+        .setting_count = shared->settings.count,
+        .width_px = shared->size.width_px > 0 ? shared->size.width_px : tier->width_px,
+        .height_px = shared->size.width_px > 0 ? shared->size.height_px : tier->height_px,
+        .seed = request->seed > 0 ? request->seed : 1,
+        .budget_s = budget_s,
+        .device = &work->device,
+        .jobs = request->jobs,
+        .quiet = shared->quiet,
+        .skip_absent = !names_scenes,
+        .over_time = is_whole,
+        .charts = is_whole ? &work->charts : NULL,
+        .show = show_page,
+        .context = work->report,
+    };
+    if (!names_engines && !names_scenes && tier->engines)
+        for (params->engines = tier->engines; tier->engines[params->engine_count];)
+            params->engine_count++;
+}
+
+/* The physics suite: the frame of a validation without scenes, and the checks. */
+static enum neph_status run_physics(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    struct neph_validation *validation = &work->validation;
+    struct neph_physics *physics = &work->physics;
     const struct neph_physics_params params = {.engines = request->engines.list,
                                                .engine_count = request->engines.count,
                                                .only = request->check,
                                                .jobs = request->jobs < 0 ? 1 : request->jobs,
                                                .samples = request->samples < 0 ? 256
                                                                                : request->samples,
-                                               .time_limit_s = time_limit_s,
-                                               .device = device,
+                                               .time_limit_s = (int)work->params.budget_s,
+                                               .device = &work->device,
                                                .quiet = request->shared.quiet};
-    const enum neph_status status = neph_physics_run(&params, store, physics, diag);
+    const enum neph_status status = neph_physics_run(&params, work->store, physics, diag);
     if (status)
         return status;
     validation->title = "Nephelometer physics suite";
@@ -204,79 +317,6 @@ static enum neph_status run_physics(const struct request *request, int time_limi
         .expected = physics->expected, .reported = physics->row_count, .compared = physics->tests};
     validation->seconds = physics->seconds;
     return NEPH_OK;
-}
-
-/* What a run without words on it is: scenes that are named get all engines, as in the full tier. */
-static const struct neph_tier *tier_of(const struct request *request)
-{
-    if (request->tier)
-        return neph_tier_find(request->tier);
-    return request->suite || request->shared.operand_count > 0 ? neph_tier_find("full")
-                                                               : neph_tiers();
-}
-
-/* From the tier and what the command line says over it. */
-static void make_params(const struct request *request, const struct neph_tier *tier,
-                        struct neph_validate_params *params, struct neph_charts_params *charts)
-{
-    const struct neph_cli_shared *shared = &request->shared;
-    const bool names_scenes = shared->operand_count > 0, names_engines = request->engines.count > 0;
-    const bool is_whole = !names_scenes && !names_engines && !request->no_charts;
-    const double budget_s = request->budget_s >= 0 ? request->budget_s : tier->budget_s;
-    *charts = (struct neph_charts_params){
-        .ids = tier->charts, .repeats = tier->chart_repeats, .time_limit_s = budget_s};
-    *params = (struct neph_validate_params){.engines = request->engines.list,
-                                            .engine_count = request->engines.count,
-                                            .settings = shared->settings.list,
-                                            .setting_count = shared->settings.count,
-                                            .width_px = tier->width_px,
-                                            .height_px = tier->height_px,
-                                            .seed = request->seed > 0 ? request->seed : 1,
-                                            .budget_s = budget_s,
-                                            .quiet = shared->quiet,
-                                            .skip_absent = !names_scenes,
-                                            .over_time = is_whole,
-                                            .charts = is_whole ? charts : NULL};
-    if (!names_engines && !names_scenes && tier->engines)
-        for (params->engines = tier->engines; tier->engines[params->engine_count];)
-            params->engine_count++;
-    if (shared->size.width_px > 0) {
-        params->width_px = shared->size.width_px;
-        params->height_px = shared->size.height_px;
-    }
-}
-
-static enum neph_status show_page(struct neph_validation *validation, void *context,
-                                  struct neph_diag *diag)
-{
-    return neph_report_publish(context, validation, diag);
-}
-
-static enum neph_status run_suite(const struct request *request, struct neph_report *report,
-                                  const char *const *scenes, int scene_count,
-                                  struct neph_store *store, struct neph_validation *validation,
-                                  struct neph_physics *physics, struct neph_diag *diag)
-{
-    struct neph_shared_device device = {.open = NULL};
-    struct neph_validate_params params;
-    struct neph_charts_params charts;
-    make_params(request, tier_of(request), &params, &charts);
-    params.scenes = scenes;
-    params.scene_count = scene_count;
-    params.show = show_page;
-    params.context = report;
-    params.device = charts.device = &device;
-    if (is_physics(request)) {
-        params.scene_count = 0;
-        params.charts = NULL;
-        params.over_time = false;
-    }
-    enum neph_status status = neph_validate(&params, store, validation, diag);
-    if (!status && is_physics(request))
-        status = run_physics(request, (int)params.budget_s, &device, store, validation, physics,
-                             diag);
-    neph_shared_device_close(&device);
-    return status;
 }
 
 static enum neph_status tell(const struct request *request,
@@ -321,42 +361,48 @@ static enum neph_status tell(const struct request *request,
 }
 
 /* The page of a run that was cut short holds what is there; the status says that it was. */
-static enum neph_status publish(struct neph_report *report, struct neph_validation *validation,
-                                enum neph_status status, struct neph_diag *diag)
+static enum neph_status publish(struct work *work, enum neph_status status, struct neph_diag *diag)
 {
-    if (!validation->title)
+    if (!work->validation.title || (status && status != NEPH_ERR_INTERRUPTED))
         return status;
-    if (status != NEPH_ERR_INTERRUPTED)
-        return status ? status : neph_report_publish(report, validation, diag);
+    if (!status)
+        return neph_report_publish(work->report, &work->validation, diag);
     neph_interrupt_acknowledge();
-    neph_report_publish(report, validation, NULL);
+    neph_report_publish(work->report, &work->validation, NULL);
     return status;
+}
+
+static enum neph_status run_in(struct work *work, const char *store_folder,
+                               const char *report_folder, const char *const *scenes,
+                               int scene_count, struct neph_diag *diag)
+{
+    enum neph_status status = neph_report_open(report_folder, &work->report, diag);
+    if (!status)
+        status = neph_store_open(store_folder, &work->store, diag);
+    make_params(work, scenes, scene_count);
+    if (!status)
+        status = neph_validate(&work->params, work->store, &work->validation, diag);
+    if (!status && is_physics(work->request))
+        status = run_physics(work, diag);
+    neph_shared_device_close(&work->device);
+    status = publish(work, status, diag);
+    return status ? status : tell(work->request, &work->validation, report_folder, diag);
 }
 
 static enum neph_status run(const struct request *request, const char *const *scenes,
                             int scene_count, struct neph_diag *diag)
 {
-    struct neph_store *store = NULL;
-    struct neph_report *report = NULL;
-    struct neph_validation validation = {.title = NULL};
-    struct neph_physics physics = {.expected = 0};
+    struct work work = {.request = request};
     char *store_folder = neph_path_join(request->shared.output, "store");
     char *report_folder = neph_path_join(request->shared.output, "report");
-    enum neph_status status = store_folder && report_folder
-                                  ? neph_report_open(report_folder, &report, diag)
-                                  : neph_fail_memory(diag);
-    if (!status)
-        status = neph_store_open(store_folder, &store, diag);
-    if (!status)
-        status = run_suite(request, report, scenes, scene_count, store, &validation, &physics,
-                           diag);
-    status = publish(report, &validation, status, diag);
-    if (!status)
-        status = tell(request, &validation, report_folder, diag);
-    neph_validation_finish(&validation);
-    neph_physics_finish(&physics);
-    neph_store_close(store);
-    neph_report_close(report);
+    const enum neph_status status = store_folder && report_folder
+                                        ? run_in(&work, store_folder, report_folder, scenes,
+                                                 scene_count, diag)
+                                        : neph_fail_memory(diag);
+    neph_validation_finish(&work.validation);
+    neph_physics_finish(&work.physics);
+    neph_store_close(work.store);
+    neph_report_close(work.report);
     free(store_folder);
     free(report_folder);
     return status;

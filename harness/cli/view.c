@@ -17,34 +17,32 @@ enum { FRAMES, VIEWING, WRITING }; /* groups of the help */
 
 struct request {
     struct neph_cli_shared shared;
-    const char *layer, *title;
-    struct neph_display_choice display;
+    struct neph_viewer view;
     struct neph_cli_words quantities, overlays;
-    double frame_rate_hz, pixels_per_degree, exposure_ev, scale, limit_mb;
-    int warm_up_frames;
-    bool by_position;
+    double limit_mb;
 };
 
 static const struct neph_cli_option options[] = {
     {"layer", 0, "NAME",
      "Radiance and depth are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, layer)},
+     NEPH_CLI_WORD, .at = offsetof(struct request, view.layer)},
     {"quantity", 0, "NAME",
      "Only radiance, volume, transmittance or depth; may be given several times (default: all "
      "that the frames have)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, quantities)},
     {"warm-up", 0, "N", "Leave out the first N frames", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, warm_up_frames), .otherwise = "0", .minimum = 0,
+     .at = offsetof(struct request, view.warm_up_frames), .otherwise = "0", .minimum = 0,
      .maximum = 1000000},
     {"by-position", 0, NULL,
      "Frames belong together by their place in the sequence, whatever their numbers", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, by_position)},
+     .at = offsetof(struct request, view.by_position)},
     {"exposure", 0, "EV", "At first: display value = 2^EV times radiance", NEPH_CLI_REAL,
-     .at = offsetof(struct request, exposure_ev), .otherwise = "0", .minimum = -32, .maximum = 32,
-     .group = VIEWING},
+     .at = offsetof(struct request, view.viewing.exposure_ev), .otherwise = "0", .minimum = -32,
+     .maximum = 32, .group = VIEWING},
     {"scale", 0, "X",
      "Where the colours of differences of radiance end (default: 0.02 as displayed)", NEPH_CLI_REAL,
-     .at = offsetof(struct request, scale), .minimum = 1e-12, .maximum = 1e12, .group = VIEWING},
+     .at = offsetof(struct request, view.difference_scale), .minimum = 1e-12, .maximum = 1e12,
+     .group = VIEWING},
     {"overlay", 0, "MAP",
      "A map of the metrics against the first set, by the name of its file under `neph compare "
      "--maps`; may be given several times; or none (default: relative, flip and, of sequences, "
@@ -52,20 +50,20 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORDS, .at = offsetof(struct request, overlays), .group = VIEWING},
     {"ocio", 0, "FILE",
      "An OpenColorIO config: its view is shown, and the plain curve of an sRGB display on request",
-     NEPH_CLI_WORD, .at = offsetof(struct request, display.config), .group = VIEWING},
+     NEPH_CLI_WORD, .at = offsetof(struct request, view.display.config), .group = VIEWING},
     {"display", 0, "NAME", "Of that config (default: its own)", NEPH_CLI_WORD,
-     .at = offsetof(struct request, display.display), .group = VIEWING},
+     .at = offsetof(struct request, view.display.display), .group = VIEWING},
     {"view", 0, "NAME", "Of that display (default: its own)", NEPH_CLI_WORD,
-     .at = offsetof(struct request, display.view), .group = VIEWING},
+     .at = offsetof(struct request, view.display.view), .group = VIEWING},
     {"space", 0, "NAME", "What linear Rec.709 is called there (default: the role scene_linear)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, display.space), .group = VIEWING},
+     NEPH_CLI_WORD, .at = offsetof(struct request, view.display.space), .group = VIEWING},
     {"fps", 0, "HZ", "How fast frames are played (default: what they say, else 30)", NEPH_CLI_REAL,
-     .at = offsetof(struct request, frame_rate_hz), .minimum = 0.1, .maximum = 1000,
+     .at = offsetof(struct request, view.viewing.frame_rate_hz), .minimum = 0.1, .maximum = 1000,
      .group = VIEWING},
     {"ppd", 0, "N", "Pixels per degree of the display, on which maps depend (default: 67.02)",
-     NEPH_CLI_REAL, .at = offsetof(struct request, pixels_per_degree), .minimum = 1,
+     NEPH_CLI_REAL, .at = offsetof(struct request, view.viewing.pixels_per_degree), .minimum = 1,
      .maximum = 1000, .group = VIEWING},
-    {"title", 0, "TEXT", "Of the page", NEPH_CLI_WORD, .at = offsetof(struct request, title),
+    {"title", 0, "TEXT", "Of the page", NEPH_CLI_WORD, .at = offsetof(struct request, view.title),
      .group = WRITING},
     {"limit", 0, "MB", "Refuse to write a page larger than this", NEPH_CLI_REAL,
      .at = offsetof(struct request, limit_mb), .otherwise = "200", .minimum = 0.001,
@@ -86,7 +84,7 @@ static const struct neph_cli_operands operands = {
 
 static void check(const void *request_, const struct argp_state *state)
 {
-    const struct neph_display_choice *display = &((const struct request *)request_)->display;
+    const struct neph_display_choice *display = &((const struct request *)request_)->view.display;
     if (!display->config && (display->display || display->view || display->space))
         argp_error(state, "--display, --view and --space are of a config: --ocio FILE");
 }
@@ -126,23 +124,21 @@ static const char *label_of(const char *const *words, int count, int which)
     return words[which] + common;
 }
 
-static enum neph_status find_sets(const struct request *request, struct neph_viewer *view,
-                                  struct neph_diag *diag)
+static enum neph_status find_sets(struct request *request, struct neph_diag *diag)
 {
     const char *const *words = request->shared.operands;
     const int count = request->shared.operand_count;
+    struct neph_viewer *view = &request->view;
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && !status; i++) {
         view->sets[i].label = label_of(words, count, i);
-        status = neph_sequence_find(1, &words[i], request->by_position, &view->sets[i].frames,
-                                    diag);
+        status = neph_sequence_find(1, &words[i], view->by_position, &view->sets[i].frames, diag);
         view->set_count += !status;
     }
     return status;
 }
 
-static enum neph_status find_quantities(const struct request *request, unsigned *quantities,
-                                        struct neph_diag *diag)
+static enum neph_status find_quantities(struct request *request, struct neph_diag *diag)
 {
     for (int i = 0; i < request->quantities.count; i++) {
         const char *name = request->quantities.list[i];
@@ -152,7 +148,7 @@ static enum neph_status find_quantities(const struct request *request, unsigned 
                              "there is no quantity '%s'; there are radiance, volume, "
                              "transmittance and depth",
                              name);
-        *quantities |= (unsigned)quantity->bit;
+        request->view.quantities |= (unsigned)quantity->bit;
     }
     return NEPH_OK;
 }
@@ -165,10 +161,10 @@ static bool has_sequence(const struct neph_viewer *view)
     return false;
 }
 
-static enum neph_status find_overlays(const struct request *request, struct neph_viewer *view,
-                                      struct neph_diag *diag)
+static enum neph_status find_overlays(struct request *request, struct neph_diag *diag)
 {
     const struct neph_cli_words *asked = &request->overlays;
+    struct neph_viewer *view = &request->view;
     view->overlays = asked->count > 0 ? asked->list : neph_viewer_overlays;
     view->overlay_count = asked->count > 0 ? asked->count : 2 + has_sequence(view);
     if (asked->count == 1 && strcmp(asked->list[0], "none") == 0)
@@ -179,76 +175,74 @@ static enum neph_status find_overlays(const struct request *request, struct neph
     return NEPH_OK;
 }
 
-static enum neph_status prepare(const struct request *request, struct neph_viewer *view,
-                                struct neph_diag *diag)
+static void choose_viewing(struct neph_viewer *view)
 {
-    enum neph_status status = find_sets(request, view, diag);
-    view->title = request->title ? request->title : "Frames side by side";
-    view->layer = request->layer;
-    view->display = request->display;
+    const struct neph_viewing asked = view->viewing;
     view->viewing = NEPH_VIEWING_DEFAULTS;
-    view->viewing.exposure_ev = request->exposure_ev;
-    if (!isnan(request->pixels_per_degree))
-        view->viewing.pixels_per_degree = request->pixels_per_degree;
-    view->viewing.frame_rate_hz = isnan(request->frame_rate_hz) ? 30.0 : request->frame_rate_hz;
-    view->own_frame_rate = isnan(request->frame_rate_hz);
-    view->difference_scale = request->scale;
+    view->viewing.exposure_ev = asked.exposure_ev;
+    view->viewing.frame_rate_hz = isnan(asked.frame_rate_hz) ? 30.0 : asked.frame_rate_hz;
+    if (!isnan(asked.pixels_per_degree))
+        view->viewing.pixels_per_degree = asked.pixels_per_degree;
+    view->own_frame_rate = isnan(asked.frame_rate_hz);
+}
+
+static enum neph_status prepare(struct request *request, struct neph_diag *diag)
+{
+    struct neph_viewer *view = &request->view;
+    view->title = view->title ? view->title : "Frames side by side";
     view->limit_bytes = 1e6 * request->limit_mb;
-    view->warm_up_frames = request->warm_up_frames;
-    view->by_position = request->by_position;
     view->quiet = request->shared.quiet;
+    choose_viewing(view);
+    enum neph_status status = find_sets(request, diag);
     if (!status)
-        status = find_quantities(request, &view->quantities, diag);
-    if (!status)
-        status = find_overlays(request, view, diag);
-    return status;
+        status = find_quantities(request, diag);
+    return status ? status : find_overlays(request, diag);
 }
 
 /* ---- the page -------------------------------------------------------------------------------- */
 
-static enum neph_status tell(const struct request *request, const struct neph_viewer *view,
-                             const struct neph_viewer_made *made, struct neph_diag *diag)
+static enum neph_status tell(const struct request *request, const struct neph_viewer_made *made,
+                             struct neph_diag *diag)
 {
+    const struct neph_viewer *view = &request->view;
     const char *folder = request->shared.output;
     if (request->shared.json)
         return neph_json_print(json_pack("{s:o, s:i, s:i, s:i, s:i, s:I}", "page",
-                                             json_sprintf("%s/index.html", folder), "sets",
-                                             view->set_count, "frames", made->frame_count,
-                                             "width_px", made->width_px, "height_px",
-                                             made->height_px, "bytes", (json_int_t)made->bytes),
-                                   diag);
+                                         json_sprintf("%s/index.html", folder), "sets",
+                                         view->set_count, "frames", made->frame_count, "width_px",
+                                         made->width_px, "height_px", made->height_px, "bytes",
+                                         (json_int_t)made->bytes),
+                               diag);
     printf("%s/index.html: %d set%s, %d frame%s of %dx%d, %.1f MB\n", folder, view->set_count,
            view->set_count == 1 ? "" : "s", made->frame_count, made->frame_count == 1 ? "" : "s",
            made->width_px, made->height_px, (double)made->bytes / 1e6);
     return NEPH_OK;
 }
 
-static enum neph_status write_page(const struct request *request, const struct neph_viewer *view,
-                                   struct neph_diag *diag)
+static enum neph_status write_page(const struct request *request, struct neph_diag *diag)
 {
     struct neph_report_folder *folder = NULL;
     struct neph_scratch *fresh = NULL;
     struct neph_viewer_made made;
     enum neph_status status = neph_report_folder_open(request->shared.output, &folder, diag);
     if (!status)
-        status = neph_viewer_write(view, neph_report_folder_work(folder), &made, diag);
+        status = neph_viewer_write(&request->view, neph_report_folder_work(folder), &made, diag);
     if (!status)
         status = neph_report_folder_begin(folder, &fresh, diag);
     if (!status)
         status = neph_report_folder_exchange(folder, fresh, diag);
     neph_scratch_destroy(fresh);
     neph_report_folder_close(folder);
-    return status ? status : tell(request, view, &made, diag);
+    return status ? status : tell(request, &made, diag);
 }
 
 enum neph_status neph_cli_view(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {.layer = NULL};
-    struct neph_viewer view = {.set_count = 0};
+    struct request request = {.limit_mb = 0.0};
     neph_cli_parse(&syntax, argc, argv, &request);
-    enum neph_status status = prepare(&request, &view, diag);
+    enum neph_status status = prepare(&request, diag);
     if (!status)
-        status = write_page(&request, &view, diag);
-    neph_viewer_finish(&view);
+        status = write_page(&request, diag);
+    neph_viewer_finish(&request.view);
     return status;
 }

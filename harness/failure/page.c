@@ -6,22 +6,15 @@
 #include "harness/failure/output.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
-#include "metrics/display.h"
 
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILURE_STATE_COUNT == 3, "a new kind");
 
-static const struct neph_page_file page_files[] = {
-    {"failure.html", "index.html"},
-    {"report.css", "report.css"},
-    {"failure.js", "failure.js"},
-    {NULL, NULL},
-};
+static const struct neph_page_parts parts = {.files = {"failure.html", "failure.js"}};
 
 /* ---- evidence -------------------------------------------------------------------------------- */
 
@@ -44,15 +37,6 @@ struct gallery {
     int shown_count, left_out;
     size_t bytes;
 };
-
-static size_t file_size(const char *folder, const char *name)
-{
-    char *path = neph_path_join(folder, name);
-    struct stat stat_of;
-    const bool is_there = path && stat(path, &stat_of) == 0;
-    free(path);
-    return is_there ? (size_t)stat_of.st_size : 0;
-}
 
 static bool is_shown(const struct gallery *gallery, const struct neph_failure_spot *spot)
 {
@@ -173,17 +157,6 @@ static json_t *commands_json(const struct neph_failure_suite *suite, const struc
     return all;
 }
 
-static json_t *colours_json(void)
-{
-    const struct neph_display_legend *legend = neph_display_difference_legend();
-    json_t *colours = json_array();
-    for (int i = 0; i < legend->stop_count; i++) {
-        const uint8_t *rgb = legend->stops[i].rgb;
-        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
-    }
-    return colours;
-}
-
 static json_t *document_of(const struct neph_failure_suite *suite, const struct gallery *gallery,
                            size_t limit_bytes)
 {
@@ -193,15 +166,15 @@ static json_t *document_of(const struct neph_failure_suite *suite, const struct 
         if (gallery->shown[i].fits)
             neph_json_add(&evidence, json_incref(gallery->shown[i].entry));
     neph_utc_now(created);
-    return joined(neph_failure_json(suite),
-                  json_pack("{s:s, s:s, s:s, s:{s:i, s:i, s:f}, s:{s:I, s:I, s:i}, s:o, s:o, s:o}",
-                            "state", state_names[suite->state], "created_utc", created,
-                            "neph_version", NEPH_VERSION, "progress", "done", suite->steps_done,
-                            "total", suite->steps_total, "left_s",
-                            suite->left_s > 0.0 ? suite->left_s : 0.0, "pictures", "limit_bytes",
-                            (json_int_t)limit_bytes, "bytes", (json_int_t)gallery->bytes,
-                            "left_out", gallery->left_out, "difference_colours", colours_json(),
-                            "evidence", evidence, "commands", commands_json(suite, gallery)));
+    return joined(
+        neph_failure_json(suite),
+        json_pack("{s:s, s:s, s:s, s:{s:i, s:i, s:f}, s:{s:I, s:I, s:i}, s:o, s:o, s:o}", "state",
+                  state_names[suite->state], "created_utc", created, "neph_version", NEPH_VERSION,
+                  "progress", "done", suite->steps_done, "total", suite->steps_total, "left_s",
+                  suite->left_s > 0.0 ? suite->left_s : 0.0, "pictures", "limit_bytes",
+                  (json_int_t)limit_bytes, "bytes", (json_int_t)gallery->bytes, "left_out",
+                  gallery->left_out, "difference_colours", neph_page_difference_colours(),
+                  "evidence", evidence, "commands", commands_json(suite, gallery)));
 }
 
 /* ---- what fits ------------------------------------------------------------------------------- */
@@ -237,7 +210,7 @@ static enum neph_status add_shown(const struct neph_failure_suite *suite, struct
                                             "folder", folder));
     const json_t *names = json_object_get(shown->entry, "pictures");
     for (size_t i = 0; i < json_array_size(names); i++)
-        shown->bytes += file_size(evidence, json_string_value(json_array_get(names, i)));
+        shown->bytes += neph_page_file_size(evidence, json_string_value(json_array_get(names, i)));
     const size_t bytes = shown->bytes + data_size(shown->entry);
     shown->fits = bytes <= *room_bytes;
     *room_bytes -= shown->fits ? bytes : 0;
@@ -253,10 +226,8 @@ static size_t room_for_evidence(const struct neph_failure_page *page,
 {
     const char *work = neph_report_folder_work(page->folder);
     json_t *document = document_of(suite, gallery, page->limit_bytes);
-    size_t taken = data_size(document);
+    const size_t taken = data_size(document) + neph_page_size(work, &parts);
     json_decref(document);
-    for (const struct neph_page_file *file = page_files; file->from; file++)
-        taken += file_size(work, file->to);
     return page->limit_bytes > taken ? page->limit_bytes - taken : 0;
 }
 
@@ -284,7 +255,7 @@ enum neph_status neph_failure_page_open(const char *folder, struct neph_failure_
 {
     const enum neph_status status = neph_report_folder_open(folder, &page->folder, diag);
     return status ? status
-                  : neph_page_copy(neph_report_folder_work(page->folder), page_files, diag);
+                  : neph_page_start(neph_report_folder_work(page->folder), &parts, NULL, diag);
 }
 
 enum neph_status neph_failure_page_publish(const struct neph_failure_suite *suite, void *page_,

@@ -9,19 +9,13 @@
 #include "harness/night/readers.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
-#include "metrics/display.h"
 #include "metrics/significance.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const struct neph_page_file page_files[] = {
-    {"night.html", "index.html"},
-    {"report.css", "report.css"},
-    {"night.js", "night.js"},
-    {NULL, NULL},
-};
+static const struct neph_page_parts parts = {.files = {"night.html", "night.js"}};
 
 enum {
     TREND_NIGHTS = 60,
@@ -312,17 +306,6 @@ static enum neph_status draw_scenes(struct work *work, json_t *document, struct 
 
 /* ---- the document ---------------------------------------------------------------------------- */
 
-static json_t *colours_json(void)
-{
-    const struct neph_display_legend *legend = neph_display_difference_legend();
-    json_t *colours = json_array();
-    for (int i = 0; i < legend->stop_count; i++) {
-        const uint8_t *rgb = legend->stops[i].rgb;
-        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
-    }
-    return colours;
-}
-
 static const char *state_of(const struct neph_night *night)
 {
     return night->is_over ? "finished" : night->is_interrupted ? "interrupted" : "running";
@@ -341,7 +324,7 @@ static enum neph_status set_head(const struct work *work, json_t *document, stru
                 {"created_utc", json_string(created)},
                 {"neph_version", json_string(NEPH_VERSION)},
                 {"summary", summary ? json_string(summary) : NULL},
-                {"difference_colours", colours_json()}};
+                {"difference_colours", neph_page_difference_colours()}};
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < sizeof(head) / sizeof(head[0]); i++) {
         const enum neph_status put = neph_json_put(document, head[i].key, head[i].value,
@@ -403,7 +386,7 @@ static enum neph_status have_folder(struct neph_night_page *page, struct neph_di
         return NEPH_OK;
     const enum neph_status status = neph_report_folder_open(page->path, &page->folder, diag);
     return status ? status
-                  : neph_page_copy(neph_report_folder_work(page->folder), page_files, diag);
+                  : neph_page_start(neph_report_folder_work(page->folder), &parts, NULL, diag);
 }
 
 enum neph_status neph_night_page_publish(const struct neph_night *night, void *page_,

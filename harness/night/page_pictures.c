@@ -3,15 +3,14 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "base/png.h"
 #include "harness/data.h"
-#include "metrics/display.h"
+#include "harness/document/display_png.h"
+#include "harness/report/page.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* The share of pixels whose difference may lie beyond the scale. */
 static const double beyond_share = 0.01;
@@ -110,8 +109,7 @@ static double luminance(const struct frame *frame, size_t pixel)
 static enum neph_status count_picture(struct neph_night_pictures *pictures, const char *name,
                                       const char *path, bool *fits, struct neph_diag *diag)
 {
-    struct stat info;
-    const size_t bytes = stat(path, &info) == 0 ? (size_t)info.st_size : 0;
+    const size_t bytes = neph_page_file_size(pictures->folder, name);
     *fits = json_object_get(pictures->counted, name) ||
             pictures->bytes + bytes <= pictures->limit_bytes;
     if (!*fits) {
@@ -129,21 +127,14 @@ static enum neph_status draw(const char *path, const struct frame *frame,
                              const struct frame *reference, double exposure_or_scale,
                              struct neph_diag *diag)
 {
-    const size_t count = neph_image_pixel_count(frame->image);
-    uint8_t *rgb = neph_path_exists(path) ? NULL : malloc(3 * count);
-    if (!rgb)
-        return neph_path_exists(path) ? NEPH_OK : neph_fail_memory(diag);
-    enum neph_status status = reference
-                                  ? neph_display_difference((const float *const *)reference->planes,
-                                                            (const float *const *)frame->planes, 3,
-                                                            count, exposure_or_scale, rgb, diag)
-                                  : neph_display_encode((const float *const *)frame->planes, count,
-                                                        exposure_or_scale, rgb, diag);
-    if (!status)
-        status = neph_png_write_rgb8(path, frame->image->width_px, frame->image->height_px, rgb,
-                                     diag);
-    free(rgb);
-    return status;
+    const int width_px = frame->image->width_px, height_px = frame->image->height_px;
+    const float *const *planes = (const float *const *)frame->planes;
+    if (neph_path_exists(path))
+        return NEPH_OK;
+    return reference ? neph_difference_png(path, width_px, height_px,
+                                           (const float *const *)reference->planes, planes,
+                                           exposure_or_scale, diag)
+                     : neph_display_png(path, width_px, height_px, planes, exposure_or_scale, diag);
 }
 
 /* `*picture`: its name in the page's folder, or JSON null where the limit leaves no room. */

@@ -80,6 +80,8 @@ struct sweep {
     int repeats;
     double time_limit_s;
     struct neph_shared_device *device;
+    json_t *points, *slopes; /* of a chart; owned */
+    char absent[512];        /* what is missing there */
 };
 
 static struct neph_job make_job(const struct sweep *sweep, const struct neph_engine *engine,
@@ -170,7 +172,7 @@ static json_t *point_json(const struct series *series, const struct point *point
 
 /* The ideal line of a series starts at half the error of its first point and ends at the time of
  * its last. */
-static void add_slope(json_t **slopes, const struct series *series, const struct point *first,
+static void add_slope(struct sweep *sweep, const struct series *series, const struct point *first,
                       const struct point *last)
 {
     if (series->order <= 0.0)
@@ -180,38 +182,35 @@ static void add_slope(json_t **slopes, const struct series *series, const struct
     const double error = 0.5 * first->error[middle];
     char line[96];
     snprintf(line, sizeof(line), "%s: error ~ 1/time^%g", series->engine, series->order);
-    neph_json_add(slopes,
+    neph_json_add(&sweep->slopes,
                   json_pack("{s:s, s:f, s:f}", "line", line, "seconds", start_s, "error", error));
-    neph_json_add(slopes, json_pack("{s:s, s:f, s:f}", "line", line, "seconds", end_s, "error",
-                                    error * pow(end_s / start_s, -series->order)));
+    neph_json_add(&sweep->slopes, json_pack("{s:s, s:f, s:f}", "line", line, "seconds", end_s,
+                                            "error", error * pow(end_s / start_s, -series->order)));
 }
 
-static enum neph_status run_series(const struct sweep *sweep, const struct series *series,
-                                   json_t **points, json_t **slopes, char *absent,
-                                   size_t absent_size, struct neph_diag *diag)
+static enum neph_status run_series(struct sweep *sweep, const struct series *series,
+                                   struct neph_diag *diag)
 {
     const struct neph_engine *engine = neph_engine_find(series->engine);
     struct neph_engine_info info;
-    neph_engine_probe(engine, sweep->device, &info);
-    struct point measured[POINTS_MAX];
-    memset(measured, 0, sizeof(measured));
+    struct point measured[POINTS_MAX] = {{.repeats = 0}};
     int count = 0;
     enum neph_status status = NEPH_OK;
+    neph_engine_probe(engine, sweep->device, &info);
     for (int i = 0; i < series->count && !status; i++) {
         bool rendered;
         status = measure_point(sweep, engine, &info, series, series->values[i], &measured[count],
                                &rendered, diag);
-        if (status || !rendered)
-            continue;
-        neph_json_add(points, point_json(series, &measured[count], i));
-        count++;
+        if (!status && rendered)
+            neph_json_add(&sweep->points, point_json(series, &measured[count++], i));
     }
     if (count >= 2)
-        add_slope(slopes, series, &measured[0], &measured[count - 1]);
+        add_slope(sweep, series, &measured[0], &measured[count - 1]);
     if (!status && count < series->count) {
-        const size_t used = strlen(absent);
-        snprintf(absent + used, absent_size - used, " %s: %d of %d points not rendered.",
-                 series->name, series->count - count, series->count);
+        const size_t used = strlen(sweep->absent);
+        snprintf(sweep->absent + used, sizeof(sweep->absent) - used,
+                 " %s: %d of %d points not rendered.", series->name, series->count - count,
+                 series->count);
     }
     return status;
 }
@@ -227,34 +226,32 @@ static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag
 }
 
 /* What is drawn, how often each point was run, and what is not there. */
-static const char *make_caption(const struct chart *chart, int repeats, const char *absent,
+static const char *make_caption(const struct chart *chart, const struct sweep *sweep,
                                 struct neph_arena *arena)
 {
     char runs[160] = "One run of each point: how they scatter is not known.";
-    if (repeats > 1)
+    if (sweep->repeats > 1)
         snprintf(runs, sizeof(runs),
                  "Middle of %d runs (other seeds where the engine draws random numbers), bars from "
                  "the smallest to the largest.",
-                 repeats);
+                 sweep->repeats);
     return neph_arena_format(arena,
                              "Scene %s at %dx%d px against exact. Seconds of the radiance pass "
                              "alone, without start-up. %s A point without error is not drawn.%s",
-                             chart->scene, chart_width_px, chart_height_px, runs, absent);
+                             chart->scene, chart_width_px, chart_height_px, runs, sweep->absent);
 }
 
-/* The points of all series into the specification. */
-static enum neph_status fill_spec(const struct chart *chart, const struct sweep *sweep,
-                                  json_t *spec, char *absent, size_t absent_size,
+/* The points of all series, in the specification. */
+static enum neph_status fill_spec(const struct chart *chart, struct sweep *sweep, json_t *spec,
                                   struct neph_diag *diag)
 {
-    json_t *points = json_array(), *slopes = json_array();
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < chart->series_count && !status; i++)
-        status = run_series(sweep, &chart->series[i], &points, &slopes, absent, absent_size, diag);
+        status = run_series(sweep, &chart->series[i], diag);
     json_t *datasets = json_object_get(spec, "datasets");
-    const enum neph_status put = neph_json_put(datasets, "points", points, status ? NULL : diag);
-    const enum neph_status also = neph_json_put(datasets, "slopes", slopes, status ? NULL : diag);
-    return status ? status : put ? put : also;
+    if (!status)
+        status = neph_json_put(datasets, "points", json_incref(sweep->points), diag);
+    return status ? status : neph_json_put(datasets, "slopes", json_incref(sweep->slopes), diag);
 }
 
 static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep,
@@ -263,23 +260,25 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
 {
     struct neph_scene *scene = NULL;
     json_t *spec = NULL;
-    char absent[512] = "";
     enum neph_status status = neph_data_load_scene(chart->scene, &scene, diag);
     if (!status)
         status = neph_vega_template("speed_accuracy.vl.json", &spec, diag);
     sweep->scene = scene;
     sweep->truth = NULL;
+    sweep->points = json_array();
+    sweep->slopes = json_array();
+    sweep->absent[0] = '\0';
     if (!status)
         status = render_truth(sweep, diag);
     if (!status)
-        status = fill_spec(chart, sweep, spec, absent, sizeof(absent), diag);
+        status = fill_spec(chart, sweep, spec, diag);
     if (!status)
-        *made = (struct neph_chart){
-            .id = chart->id,
-            .title = chart->title,
-            .caption = make_caption(chart, sweep->repeats, absent, arena),
-            .spec = json_incref(spec),
-        };
+        *made = (struct neph_chart){.id = chart->id,
+                                    .title = chart->title,
+                                    .caption = make_caption(chart, sweep, arena),
+                                    .spec = json_incref(spec)};
+    json_decref(sweep->points);
+    json_decref(sweep->slopes);
     json_decref(spec);
     neph_image_destroy(sweep->truth);
     neph_scene_destroy(scene);

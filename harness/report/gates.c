@@ -1,5 +1,10 @@
-/* SPDX-License-Identifier: MIT */
-#include "harness/report/gates.h"
+/* SPDX-License-Identifier: MIT
+ *
+ * The limits of a scene file against what was measured. A frame that they do not name is limited,
+ * too: the means of its radiance and its transmittance are to be within a factor of two of those of
+ * the truth. So an engine that is far off does not pass for want of a gate.
+ */
+#include "harness/report/validation.h"
 
 #include <math.h>
 #include <string.h>

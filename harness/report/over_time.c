@@ -6,6 +6,7 @@
 #include "base/files.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
+#include "harness/report/page.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -317,18 +318,6 @@ bool neph_over_time_passes(const struct neph_over_time *over_time)
 
 /* ---- the report's pictures ------------------------------------------------------------------- */
 
-/* One file of the take into the report; `*relative` is its path there. */
-static enum neph_status copy_picture(const char *take, const char *file, const char *report_folder,
-                                     const char *relative, struct neph_diag *diag)
-{
-    char *from = neph_path_join(take, file), *to = neph_path_join(report_folder, relative);
-    const enum neph_status status = from && to ? neph_file_copy(from, to, diag)
-                                               : neph_fail_memory(diag);
-    free(from);
-    free(to);
-    return status;
-}
-
 static enum neph_status copy_row(struct neph_over_time_row *row, const char *scene,
                                  const char *report_folder, struct neph_arena *arena,
                                  struct neph_diag *diag)
@@ -341,10 +330,10 @@ static enum neph_status copy_row(struct neph_over_time_row *row, const char *sce
         snprintf(file, sizeof(file), "flip_%d.png", i);
         row->pictures[i] = neph_arena_format(arena, "images/over_time/%s_%s_%d.png", scene,
                                              row->preset, i);
-        status = copy_picture(row->folder, file, report_folder, row->pictures[i], diag);
+        status = neph_page_copy(row->folder, file, report_folder, row->pictures[i], diag);
     }
     row->map = neph_arena_format(arena, "images/over_time/%s_%s_seen.png", scene, row->preset);
-    return status ? status : copy_picture(row->folder, map_file, report_folder, row->map, diag);
+    return status ? status : neph_page_copy(row->folder, map_file, report_folder, row->map, diag);
 }
 
 enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,

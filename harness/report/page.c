@@ -3,48 +3,99 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "metrics/display.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-const struct neph_page_file neph_page_vendored[] = {
+/* Files of scripts/report/, some with another name in a page's folder. */
+static const char *const shared[] = {"report.css", "page.js"};
+static const char *const vendored[][2] = {
     {"node_modules/vega/build/vega.min.js", "vendor/vega.min.js"},
     {"node_modules/vega-lite/build/vega-lite.min.js", "vendor/vega-lite.min.js"},
     {"node_modules/vega-embed/build/vega-embed.min.js", "vendor/vega-embed.min.js"},
     {"vendor-licences.txt", "vendor/LICENSES.txt"},
-    {NULL, NULL},
+};
+enum {
+    SHARED_COUNT = sizeof(shared) / sizeof(shared[0]),
+    VENDORED_COUNT = sizeof(vendored) / sizeof(vendored[0])
 };
 
-static char *source_path(const char *from)
-{
-    char *name = neph_path_join("scripts/report", from);
-    char *path = name ? neph_data_path(name) : NULL;
-    free(name);
-    return path;
-}
-
-bool neph_page_vendor_is_installed(void)
+static bool is_installed(const char *source)
 {
     bool installed = true;
-    for (const struct neph_page_file *file = neph_page_vendored; file->from; file++) {
-        char *path = source_path(file->from);
-        installed &= path && neph_path_exists(path);
-        free(path);
-    }
+    for (int i = 0; i < VENDORED_COUNT; i++)
+        installed &= neph_page_file_size(source, vendored[i][0]) > 0;
     return installed;
 }
 
-enum neph_status neph_page_copy(const char *folder, const struct neph_page_file *files,
-                                struct neph_diag *diag)
+enum neph_status neph_page_copy(const char *from, const char *name, const char *folder,
+                                const char *as, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
-    for (const struct neph_page_file *file = files; file->from && !status; file++) {
-        char *from = source_path(file->from), *to = neph_path_join(folder, file->to);
-        status = from && to ? neph_file_copy(from, to, diag) : neph_fail_memory(diag);
-        free(from);
-        free(to);
-    }
+    char *source = neph_path_join(from, name), *target = neph_path_join(folder, as);
+    const enum neph_status status = source && target ? neph_file_copy(source, target, diag)
+                                                     : neph_fail_memory(diag);
+    free(source);
+    free(target);
     return status;
+}
+
+static const char *name_of(const struct neph_page_parts *parts, int file)
+{
+    return file == 0 ? "index.html" : parts->files[file];
+}
+
+enum neph_status neph_page_start(const char *folder, const struct neph_page_parts *parts,
+                                 bool *is_interactive, struct neph_diag *diag)
+{
+    char *source = neph_data_path("scripts/report");
+    enum neph_status status = source ? NEPH_OK : neph_fail_memory(diag);
+    if (is_interactive)
+        *is_interactive = source && is_installed(source);
+    for (int i = 0; i < NEPH_PAGE_FOLDERS_MAX && parts->folders[i] && !status; i++) {
+        char *path = neph_path_join(folder, parts->folders[i]);
+        status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
+        free(path);
+    }
+    for (int i = 0; i < NEPH_PAGE_FILES_MAX && parts->files[i] && !status; i++)
+        status = neph_page_copy(source, parts->files[i], folder, name_of(parts, i), diag);
+    for (int i = 0; i < SHARED_COUNT && !status; i++)
+        status = neph_page_copy(source, shared[i], folder, shared[i], diag);
+    for (int i = 0; i < VENDORED_COUNT && !status && is_interactive && *is_interactive; i++)
+        status = neph_page_copy(source, vendored[i][0], folder, vendored[i][1], diag);
+    free(source);
+    return status;
+}
+
+size_t neph_page_file_size(const char *folder, const char *name)
+{
+    char *path = neph_path_join(folder, name);
+    struct stat info;
+    const bool is_there = path && stat(path, &info) == 0;
+    free(path);
+    return is_there ? (size_t)info.st_size : 0;
+}
+
+size_t neph_page_size(const char *folder, const struct neph_page_parts *parts)
+{
+    size_t sum = 0;
+    for (int i = 0; i < NEPH_PAGE_FILES_MAX && parts->files[i]; i++)
+        sum += neph_page_file_size(folder, name_of(parts, i));
+    for (int i = 0; i < SHARED_COUNT; i++)
+        sum += neph_page_file_size(folder, shared[i]);
+    return sum;
+}
+
+json_t *neph_page_difference_colours(void)
+{
+    const struct neph_display_legend *legend = neph_display_difference_legend();
+    json_t *colours = json_array();
+    for (int i = 0; i < legend->stop_count; i++) {
+        const uint8_t *rgb = legend->stops[i].rgb;
+        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
+    }
+    return colours;
 }
 
 /* "</script>" and friends cannot end the script early: '<' is written as an escape. */

@@ -11,19 +11,32 @@
 
 #include <stdbool.h>
 
-struct neph_page_file {
-    const char *from, *to; /* in scripts/report/; in the page's folder */
+enum { NEPH_PAGE_FILES_MAX = 6, NEPH_PAGE_FOLDERS_MAX = 4 };
+
+/* A page beside the files that all pages share. */
+struct neph_page_parts {
+    const char *files[NEPH_PAGE_FILES_MAX]; /* of scripts/report/; the first becomes index.html */
+    const char *folders[NEPH_PAGE_FOLDERS_MAX]; /* empty ones, for what is drawn */
 };
 
-/* What makes charts interactive; comes with npm, and pages do without. Ends with a NULL. */
-extern const struct neph_page_file neph_page_vendored[];
+/* Make the page's files and folders in `folder`. `is_interactive`, of a page with charts, else
+ * NULL: whether what makes charts interactive is installed (it comes with npm), and was copied to
+ * its folder "vendor". */
+enum neph_status neph_page_start(const char *folder, const struct neph_page_parts *parts,
+                                 bool *is_interactive, struct neph_diag *diag);
 
-/* Whether all of that is installed. */
-bool neph_page_vendor_is_installed(void);
+/* Copy FROM/NAME to FOLDER/AS. */
+enum neph_status neph_page_copy(const char *from, const char *name, const char *folder,
+                                const char *as, struct neph_diag *diag);
 
-/* Copy a list that ends with a NULL. */
-enum neph_status neph_page_copy(const char *folder, const struct neph_page_file *files,
-                                struct neph_diag *diag);
+/* The bytes of these files there. */
+size_t neph_page_size(const char *folder, const struct neph_page_parts *parts);
+
+/* The bytes of a file; 0: there is none. */
+size_t neph_page_file_size(const char *folder, const char *name);
+
+/* The stops of difference maps, evenly spaced from -scale to +scale, for legends. */
+json_t *neph_page_difference_colours(void);
 
 /* Write data.json, and data.js, which sets window.VARIABLE to the same. */
 enum neph_status neph_page_write_data(const char *folder, const char *variable,

@@ -3,14 +3,13 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "base/png.h"
+#include "harness/document/display_png.h"
 #include "harness/engines/engines.h"
 #include "harness/physics/pictures.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
 #include "harness/report/vega.h"
 #include "harness/report/viewer_page.h"
-#include "metrics/display.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,9 +18,14 @@
 /* What all viewers of a report may take: more would be a download. */
 static const double viewers_limit_bytes = 32e6;
 
+static const struct neph_page_parts parts = {
+    .files = {"report.html", "report.js"},
+    .folders = {"images", "charts", "vendor"},
+};
+
 struct neph_report {
     struct neph_report_folder *folder;
-    bool with_vendor;
+    bool is_interactive;
     bool has_screen;      /* what `neph study screen` left beside it */
     double viewers_bytes; /* so far */
 };
@@ -31,58 +35,43 @@ struct neph_report {
 /* One scene at its exposure. */
 struct gallery {
     const char *folder; /* the report's */
-    const struct neph_scene_result *scene;
+    struct neph_scene_result *scene;
     struct neph_arena *arena;
     const struct neph_image *truth; /* NULL: no difference maps */
 };
 
-/* Write an 8-bit picture under the report; `relative` is its path there. */
-static enum neph_status write_picture(const struct gallery *gallery, const char *relative,
-                                      const struct neph_image *image, const uint8_t *rgb,
-                                      struct neph_diag *diag)
+static enum neph_status draw_beauty(const struct gallery *gallery, const struct neph_image *image,
+                                    struct neph_frame_result *frame, struct neph_diag *diag)
 {
-    char *path = neph_path_join(gallery->folder, relative);
-    const enum neph_status status = path ? neph_png_write_rgb8(path, image->width_px,
-                                                               image->height_px, rgb, diag)
-                                         : neph_fail_memory(diag);
-    free(path);
-    return status;
-}
-
-static enum neph_status write_beauty(const struct gallery *gallery, const struct neph_image *image,
-                                     uint8_t *rgb, struct neph_frame_result *frame,
-                                     struct neph_diag *diag)
-{
-    float *planes[3];
-    if (!neph_image_rgb(image, NULL, planes))
+    float *rgb[3];
+    if (!neph_image_rgb(image, NULL, rgb))
         return NEPH_OK;
-    const float *const constant[3] = {planes[0], planes[1], planes[2]};
-    const enum neph_status status = neph_display_encode(
-        constant, neph_image_pixel_count(image), gallery->scene->viewing.exposure_ev, rgb, diag);
     frame->picture = neph_arena_format(gallery->arena, "images/%s/%s.png", gallery->scene->name,
                                        frame->engine->name);
-    return status ? status : write_picture(gallery, frame->picture, image, rgb, diag);
+    return neph_display_png(
+        neph_arena_format(gallery->arena, "%s/%s", gallery->folder, frame->picture),
+        image->width_px, image->height_px, (const float *const[]){rgb[0], rgb[1], rgb[2]},
+        gallery->scene->viewing.exposure_ev, diag);
 }
 
-static enum neph_status write_difference(const struct gallery *gallery,
-                                         const struct neph_image *image, enum neph_shown which,
-                                         uint8_t *rgb, struct neph_frame_result *frame,
-                                         struct neph_diag *diag)
+static enum neph_status draw_difference(const struct gallery *gallery,
+                                        const struct neph_image *image, enum neph_shown which,
+                                        struct neph_frame_result *frame, struct neph_diag *diag)
 {
     const char *layer = which == NEPH_SHOWN_RADIANCE ? NULL : neph_shown_name(which);
     float *test[3], *truth[3];
     if (!gallery->truth || !neph_image_rgb(image, layer, test) ||
         !neph_image_rgb(gallery->truth, layer, truth))
         return NEPH_OK;
-    const float *const a[3] = {truth[0], truth[1], truth[2]};
-    const float *const b[3] = {test[0], test[1], test[2]};
-    const enum neph_status status = neph_display_difference(
-        a, b, 3, neph_image_pixel_count(image), gallery->scene->difference_scales[which], rgb,
-        diag);
-    frame->differences[which] = neph_arena_format(gallery->arena, "images/%s/%s_difference_%s.png",
-                                                  gallery->scene->name, frame->engine->name,
-                                                  neph_shown_name(which));
-    return status ? status : write_picture(gallery, frame->differences[which], image, rgb, diag);
+    const char *name = neph_arena_format(gallery->arena, "images/%s/%s_difference_%s.png",
+                                         gallery->scene->name, frame->engine->name,
+                                         neph_shown_name(which));
+    frame->differences[which] = name;
+    return neph_difference_png(neph_arena_format(gallery->arena, "%s/%s", gallery->folder, name),
+                               image->width_px, image->height_px,
+                               (const float *const[]){truth[0], truth[1], truth[2]},
+                               (const float *const[]){test[0], test[1], test[2]},
+                               gallery->scene->difference_scales[which], diag);
 }
 
 static enum neph_status draw_frame(const struct gallery *gallery, struct neph_frame_result *frame,
@@ -90,28 +79,26 @@ static enum neph_status draw_frame(const struct gallery *gallery, struct neph_fr
 {
     struct neph_image *image = NULL;
     enum neph_status status = neph_exr_read(frame->path, &image, diag);
-    if (status)
-        return status;
-    uint8_t *rgb = malloc(neph_image_pixel_count(image) * 3);
-    status = rgb ? write_beauty(gallery, image, rgb, frame, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = draw_beauty(gallery, image, frame, diag);
     for (int d = 0; d < NEPH_SHOWN_COUNT && !status && !is_truth; d++)
-        status = write_difference(gallery, image, (enum neph_shown)d, rgb, frame, diag);
-    free(rgb);
+        status = draw_difference(gallery, image, (enum neph_shown)d, frame, diag);
     neph_image_destroy(image);
     return status;
 }
 
-static enum neph_status draw_frames(struct gallery *gallery, struct neph_scene_result *scene,
-                                    struct neph_diag *diag)
+static enum neph_status draw_frames(const char *folder, struct neph_scene_result *scene,
+                                    struct neph_arena *arena, struct neph_diag *diag)
 {
     struct neph_image *truth = NULL;
     enum neph_status status = NEPH_OK;
     if (scene->truth >= 0)
         status = neph_exr_read(scene->frames[scene->truth].path, &truth, diag);
-    gallery->truth = truth;
+    const struct gallery gallery = {
+        .folder = folder, .scene = scene, .arena = arena, .truth = truth};
     for (int f = 0; f < scene->frame_count && !status; f++)
         if (scene->frames[f].path)
-            status = draw_frame(gallery, &scene->frames[f], f == scene->truth, diag);
+            status = draw_frame(&gallery, &scene->frames[f], f == scene->truth, diag);
     neph_image_destroy(truth);
     return status;
 }
@@ -170,8 +157,9 @@ static enum neph_status draw_viewer(struct neph_report *report, struct neph_scen
             viewers_limit_bytes / 1e6);
         return NEPH_OK;
     }
-    char *folder = neph_format("%s/view/%s", neph_report_folder_work(report->folder), scene->name);
-    enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
+    const char *folder = neph_arena_format(&validation->arena, "%s/view/%s",
+                                           neph_report_folder_work(report->folder), scene->name);
+    enum neph_status status = neph_dir_create(folder, diag);
     if (!status)
         status = neph_viewer_write(&viewer, folder, &made, diag);
     if (status == NEPH_ERR_GATE) { /* a frame that is no measurement: its numbers say so */
@@ -181,7 +169,6 @@ static enum neph_status draw_viewer(struct neph_report *report, struct neph_scen
         report->viewers_bytes += (double)made.bytes;
         scene->viewer = neph_arena_format(&validation->arena, "view/%s/index.html", scene->name);
     }
-    free(folder);
     return status;
 }
 
@@ -190,18 +177,15 @@ static enum neph_status draw_scene(struct neph_report *report, struct neph_scene
                                    struct neph_validation *validation, struct neph_diag *diag)
 {
     const char *folder = neph_report_folder_work(report->folder);
-    struct neph_arena *arena = &validation->arena;
-    struct gallery gallery = {.folder = folder, .scene = scene, .arena = arena};
     if (scene->is_drawn)
         return NEPH_OK;
-    char *images = neph_format("%s/images/%s", folder, scene->name);
-    enum neph_status status = images ? neph_dir_create(images, diag) : neph_fail_memory(diag);
+    const char *images = neph_arena_format(&validation->arena, "%s/images/%s", folder, scene->name);
+    enum neph_status status = neph_dir_create(images, diag);
     if (!status)
-        status = draw_frames(&gallery, scene, diag);
+        status = draw_frames(folder, scene, &validation->arena, diag);
     if (!status)
         status = draw_viewer(report, scene, validation, diag);
     scene->is_drawn = !status;
-    free(images);
     return status;
 }
 
@@ -233,13 +217,6 @@ static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
 
 /* ---- the page -------------------------------------------------------------------------------- */
 
-static const struct neph_page_file page_files[] = {
-    {"index.html", "index.html"},
-    {"report.css", "report.css"},
-    {"report.js", "report.js"},
-    {NULL, NULL},
-};
-
 /* All but the data, into the folder that is kept between publications. */
 static enum neph_status draw(struct neph_report *report, struct neph_validation *validation,
                              struct neph_diag *diag)
@@ -255,29 +232,11 @@ static enum neph_status draw(struct neph_report *report, struct neph_validation 
         status = neph_over_time_pictures(validation->over_time, folder, arena, diag);
     for (int c = 0; c < validation->chart_count && !status; c++)
         status = draw_chart(folder, &validation->charts[c], arena, diag);
-    validation->interactive = report->with_vendor;
+    validation->interactive = report->is_interactive;
     if (!status && !report->has_screen)
         status = neph_report_folder_take(report->folder, "screen", &report->has_screen, diag);
     validation->has_screen = report->has_screen;
     return status ? status : neph_arena_check(arena, diag);
-}
-
-/* What is the same in every publication. */
-static enum neph_status start_folder(struct neph_report *report, struct neph_diag *diag)
-{
-    static const char *const folders[] = {"images", "charts", "vendor"};
-    const char *folder = neph_report_folder_work(report->folder);
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < 3 && !status; i++) {
-        char *path = neph_path_join(folder, folders[i]);
-        status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
-        free(path);
-    }
-    report->with_vendor = neph_page_vendor_is_installed();
-    if (!status)
-        status = neph_page_copy(folder, page_files, diag);
-    return status || !report->with_vendor ? status
-                                          : neph_page_copy(folder, neph_page_vendored, diag);
 }
 
 enum neph_status neph_report_open(const char *folder, struct neph_report **report,
@@ -288,7 +247,8 @@ enum neph_status neph_report_open(const char *folder, struct neph_report **repor
         return neph_fail_memory(diag);
     enum neph_status status = neph_report_folder_open(folder, &opened->folder, diag);
     if (!status)
-        status = start_folder(opened, diag);
+        status = neph_page_start(neph_report_folder_work(opened->folder), &parts,
+                                 &opened->is_interactive, diag);
     if (status) {
         neph_report_close(opened);
         return status;

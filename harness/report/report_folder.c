@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/report_folder.h"
 
+#include "base/arena.h"
 #include "base/files.h"
 #include "base/owned.h"
 #include "harness/json.h"
@@ -33,9 +34,9 @@ struct neph_report_folder {
 /* What a report without a marker consists of. */
 static bool is_part(const char *name)
 {
-    static const char *const parts[] = {".",         "..",      "index.html", "report.css",
-                                        "report.js", "data.js", "data.json",  "images",
-                                        "charts",    "vendor"};
+    static const char *const parts[] = {".",       "..",        "index.html", "report.css",
+                                        "page.js", "report.js", "data.js",    "data.json",
+                                        "images",  "charts",    "vendor"};
     for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]); i++)
         if (strcmp(name, parts[i]) == 0)
             return true;
@@ -168,11 +169,12 @@ static enum neph_status link_tree(const char *from, const char *to, struct neph_
 enum neph_status neph_report_folder_take(const struct neph_report_folder *folder, const char *name,
                                          bool *is_there, struct neph_diag *diag)
 {
-    char *from = neph_path_join(folder->parent, name);
-    char *to = neph_path_join(neph_report_folder_work(folder), name);
-    char *page = from ? neph_path_join(from, "index.html") : NULL;
-    char *marker = from ? neph_path_join(from, ".neph-owned") : NULL;
-    enum neph_status status = to && page && marker ? NEPH_OK : neph_fail_memory(diag);
+    struct neph_arena arena = {.last = NULL};
+    const char *from = neph_arena_format(&arena, "%s/%s", folder->parent, name);
+    const char *to = neph_arena_format(&arena, "%s/%s", neph_report_folder_work(folder), name);
+    const char *page = neph_arena_format(&arena, "%s/index.html", from);
+    const char *marker = neph_arena_format(&arena, "%s/.neph-owned", from);
+    enum neph_status status = neph_arena_check(&arena, diag);
     const bool found = !status && neph_path_exists(page) && neph_path_exists(marker);
     if (found)
         status = neph_dir_create(to, diag);
@@ -180,10 +182,7 @@ enum neph_status neph_report_folder_take(const struct neph_report_folder *folder
         status = link_tree(from, to, diag);
     if (!status)
         *is_there = found;
-    free(marker);
-    free(page);
-    free(to);
-    free(from);
+    neph_arena_finish(&arena);
     return status;
 }
 

@@ -5,7 +5,6 @@
 #include "base/exr.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/look.h"
-#include "harness/report/gates.h"
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/budget.h"
@@ -51,29 +50,22 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count)
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
-/* The frame that is rendered: the one that was asked for, or the last. */
-static int frame_of(const struct neph_scene_run *run, const struct neph_scene *scene)
-{
-    return run->frame < scene->frame_count ? run->frame : scene->frame_count - 1;
-}
-
-/* `second` of the two pictures of an engine that draws paths; `run->seed` has two of its own. */
+/* `second` of the two frames that an engine which draws paths has for each seed of the run. */
 static struct neph_job job_of(const struct neph_scene_run *run, int index,
                               const struct neph_scene *scene, bool second)
 {
     const struct neph_engine *engine = run->field->engines[index];
-    const int seed = 1 + second + (neph_engine_draws(engine) ? 2 * (run->seed - 1) : 0);
+    const int seed = 1 + second + (neph_engine_draws(engine) ? 2 * (run->params->seed - 1) : 0);
     return (struct neph_job){
         .engine = engine,
         .info = &run->field->infos[index],
         .shot = {.scene = scene,
                  .settings = run->field->settings[index],
-                 .width_px = run->width_px,
-                 .height_px = run->height_px,
-                 .frame = frame_of(run, scene),
+                 .width_px = run->params->width_px,
+                 .height_px = run->params->height_px,
                  .layers = NEPH_LAYERS_ALL,
                  .seed = neph_seed_of(scene, seed),
-                 .device = run->device},
+                 .device = run->params->device},
     };
 }
 
@@ -87,12 +79,14 @@ static bool has_own_step(const struct neph_job *job)
     return chosen != usual && !(isnan(chosen) && isnan(usual));
 }
 
-/* Other people's renderers march in steps of our choice: a study chooses them, one that comes with
- * neph or one that is made now. `*chosen` tells whether there was one. */
+/* External renderers march in steps of our choice: a study chooses them, one that comes with neph
+ * or one that is made now. `*chosen` tells whether there was one, `*is_late` whether the budget
+ * ended one. */
 static enum neph_status choose_step(const struct neph_scene_run *run, struct neph_job *job,
-                                    struct neph_study *study, bool *chosen, struct neph_diag *diag)
+                                    struct neph_study *study, bool *chosen, bool *is_late,
+                                    struct neph_diag *diag)
 {
-    *chosen = false;
+    *chosen = *is_late = false;
     if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
         !neph_study_applies(job->engine, job->shot.scene) || has_own_step(job))
         return NEPH_OK;
@@ -101,9 +95,10 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
         enum neph_outcome outcome;
         char reason[1600]; /* the frame itself will say why */
         struct neph_job limited = *job;
-        limited.shot.time_limit_s = run->budget_s;
+        limited.shot.time_limit_s = run->params->budget_s;
         status = neph_studies_make(&limited, run->store, study, &outcome, reason, diag);
         *chosen = !status && outcome == NEPH_OUTCOME_RENDERED;
+        *is_late = outcome == NEPH_OUTCOME_TIMEOUT;
     }
     if (*chosen)
         neph_study_apply(study, job->engine, &job->shot.settings);
@@ -119,16 +114,17 @@ static void warn_of_steps(const struct neph_job *job, double depth)
     free(warning);
 }
 
-/* A step of progress, which is one picture. */
+/* A step of progress, which is one frame. */
 struct step {
     char what[256];
+    int kind;
     double start_s;
 };
 
 static struct step begin_step(const struct neph_scene_run *run, const struct neph_job *job,
                               int kind)
 {
-    struct step step = {.start_s = neph_wall_s()};
+    struct step step = {.kind = kind, .start_s = neph_wall_s()};
     snprintf(step.what, sizeof(step.what), "%s with %s%s", job->shot.scene->name, job->engine->name,
              kind >= KIND_SECOND_SEED ? ", second seed" : "");
     run->progress->kind = kind;
@@ -136,21 +132,32 @@ static struct step begin_step(const struct neph_scene_run *run, const struct nep
     return step;
 }
 
+static uint64_t bit_of(const struct step *step)
+{
+    return UINT64_C(1) << step->kind;
+}
+
+/* A frame that a worker told of was a step then, and is not one that this run reused. */
 static void end_step(const struct neph_scene_run *run, const struct step *step,
                      const struct neph_job_result *result)
 {
-    neph_progress_step(run->progress, step->what,
-                       result->reused ? "reused" : neph_outcome_name(result->outcome),
-                       neph_wall_s() - step->start_s);
+    const double seconds = neph_wall_s() - step->start_s;
+    const bool is_counted = result->reused && (run->told.steps & bit_of(step));
+    if (run->tell && result->frame_path)
+        run->tell(run, step->what, result->reused, seconds);
+    if (!is_counted)
+        neph_progress_step(run->progress, step->what,
+                           result->reused ? "reused" : neph_outcome_name(result->outcome), seconds);
 }
 
-/* Witnesses within their budget. */
+/* External renderers within their budget. */
 static enum neph_status render(const struct neph_scene_run *run, struct neph_job *job,
                                struct neph_job_result *result, struct neph_diag *diag)
 {
-    return job->engine->rung == NEPH_RUNG_WITNESS
-               ? neph_budget_run(job, run->budget_s, run->store, result, diag)
-               : neph_job_run(job, run->store, result, diag);
+    if (job->engine->rung != NEPH_RUNG_WITNESS)
+        return neph_job_run(job, run->store, result, diag);
+    return run->tell ? neph_budget_try(job, run->params->budget_s, run->store, result, diag)
+                     : neph_budget_run(job, run->params->budget_s, run->store, result, diag);
 }
 
 /* What a frame gave up, or a look that its settings made of it: limits are those of physics. */
@@ -172,7 +179,6 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
         .note = note_of(run, job, result),
         .is_look = neph_is_look(job->engine, &job->shot.settings),
         .settings = neph_arena_text(run->arena, result->settings),
-        .reused = result->reused,
         .cost = result->cost,
         .seed = job->shot.seed,
         .step_optical_depth = neph_step_depth(&job->shot, job->engine),
@@ -188,17 +194,21 @@ static enum neph_status run_frame(const struct neph_scene_run *run, int index,
     struct neph_job job = job_of(run, index, scene, false);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     struct neph_study study;
-    bool is_studied = false;
+    bool is_studied, is_late;
     const struct step step = begin_step(run, &job, KIND_FRAME + index);
-    enum neph_status status = choose_step(run, &job, &study, &is_studied, diag);
-    if (!status)
+    enum neph_status status = choose_step(run, &job, &study, &is_studied, &is_late, diag);
+    if (run->tell && is_late)
+        result.outcome = NEPH_OUTCOME_TIMEOUT;
+    else if (!status)
         status = render(run, &job, &result, diag);
     *chosen = job.shot.settings;
     if (!status) {
         take_result(run, &job, &result, frame);
+        frame->reused = result.reused && !(run->told.made & bit_of(&step));
         if (is_studied)
             frame->study = neph_arena_copy(run->arena, &study, sizeof(study));
-        warn_of_steps(&job, frame->step_optical_depth);
+        if (!run->tell)
+            warn_of_steps(&job, frame->step_optical_depth);
         end_step(run, &step, &result);
     }
     neph_job_result_finish(&result);
@@ -213,11 +223,13 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
     struct neph_job job = job_of(run, index, scene, true);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     job.shot.settings = *chosen;
-    job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->budget_s;
+    job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->params->budget_s;
     const struct step step = begin_step(run, &job, KIND_SECOND_SEED + index);
     const enum neph_status status = neph_job_run(&job, run->store, &result, diag);
     if (!status) {
         frame->second_path = neph_arena_text(run->arena, result.frame_path);
+        if (run->tell && result.outcome == NEPH_OUTCOME_TIMEOUT)
+            frame->outcome = NEPH_OUTCOME_TIMEOUT; /* the worker's result tells that it is late */
         end_step(run, &step, &result);
     }
     neph_job_result_finish(&result);
@@ -301,7 +313,7 @@ static enum neph_status measure_all(const struct neph_scene_run *run,
     if (result->truth >= 0)
         status = neph_exr_read(result->frames[result->truth].path, &truth, diag);
     if (truth)
-        status = neph_scene_layers_add(scene, frame_of(run, scene), truth, diag);
+        status = neph_scene_layers_add(scene, 0, truth, diag);
     for (int f = 0; f < result->frame_count && !status; f++)
         status = measure_frame(run, f == result->truth ? NULL : truth, &result->viewing,
                                &result->frames[f], diag);
@@ -324,18 +336,34 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
 }
 
-enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
-                                struct neph_scene_result *result, struct neph_diag *diag)
+static enum neph_status render_all(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                   struct neph_scene_result *result, struct neph_diag *diag)
 {
     struct neph_settings chosen[NEPH_FIELD_MAX];
     const size_t count = (size_t)run->field->count;
     result->frames = neph_arena_zeroed(run->arena, count, sizeof(*result->frames));
     enum neph_status status = neph_arena_check(run->arena, diag);
-    describe(run, scene, result);
     for (int i = 0; i < run->field->count && !status; i++, result->frame_count++)
         status = run_frame(run, i, scene, &result->frames[i], &chosen[i], diag);
-    if (!status)
-        status = run_second_seeds(run, scene, chosen, result, diag);
+    return status ? status : run_second_seeds(run, scene, chosen, result, diag);
+}
+
+enum neph_status neph_scene_render(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                   struct neph_scene_result *result, bool *is_late,
+                                   struct neph_diag *diag)
+{
+    const enum neph_status status = render_all(run, scene, result, diag);
+    *is_late = false;
+    for (int f = 0; f < result->frame_count; f++)
+        *is_late |= result->frames[f].outcome == NEPH_OUTCOME_TIMEOUT;
+    return status;
+}
+
+enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                struct neph_scene_result *result, struct neph_diag *diag)
+{
+    describe(run, scene, result);
+    enum neph_status status = render_all(run, scene, result, diag);
     if (!status)
         status = attribute(run, result, diag);
     result->truth = find_truth(result);

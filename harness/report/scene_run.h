@@ -6,23 +6,57 @@
 #ifndef NEPH_HARNESS_REPORT_SCENE_RUN_H
 #define NEPH_HARNESS_REPORT_SCENE_RUN_H
 
+#include "harness/experiment/pool.h"
 #include "harness/progress.h"
 #include "harness/report/validation.h"
 
-/* What all scenes of a run have in common; borrowed. */
-struct neph_scene_run {
-    const struct neph_field *field;
+/* Called with what there is whenever there is more to show. A status other than NEPH_OK ends the
+ * run. */
+typedef enum neph_status neph_validate_show(struct neph_validation *validation, void *context,
+                                            struct neph_diag *diag);
+
+struct neph_validate_params {
+    const char *const *scenes; /* paths or names of the catalogue */
+    int scene_count;
+    const char *const *engines; /* names; engine_count 0: all that are no shortcut */
+    int engine_count;
+    const char *const *settings; /* "ENGINE:KEY=VALUE"; charts and the sequence have their own */
+    int setting_count;
     int width_px, height_px;
-    int frame;       /* of every scene; the last frame of a shorter one */
     int seed;        /* the how-manieth of engines that draw paths, from 1 */
     double budget_s; /* of each picture of another project's renderer: see budget.h */
     struct neph_shared_device *device; /* as neph_shot.device */
-    struct neph_store *store;
-    struct neph_progress *progress; /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
-    struct neph_arena *arena;       /* of the results */
+    int jobs; /* processes that render scenes at the same time; results do not depend on it */
+    bool quiet;
+    bool skip_absent; /* a scene whose data is not there goes into `absent` */
+    const struct neph_charts_params *charts; /* NULL: none */
+    bool over_time;                          /* the sequence of over_time.h too */
+    neph_validate_show *show;                /* NULL: nobody looks */
+    void *context;
 };
 
 enum { NEPH_SCENE_RUN_KINDS = 2 * NEPH_FIELD_MAX };
+
+/* Steps of a scene that worker processes have told of, as bits by their kind. */
+struct neph_scene_told {
+    uint64_t steps; /* all whose frames are in the store */
+    uint64_t made;  /* those that a worker rendered for this run */
+};
+_Static_assert((int)NEPH_SCENE_RUN_KINDS <= 64, "a bit for each kind");
+
+/* What all scenes of a run have in common; borrowed. */
+struct neph_scene_run {
+    const struct neph_validate_params *params;
+    const struct neph_field *field;
+    struct neph_store *store;
+    struct neph_progress *progress; /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
+    struct neph_arena *arena;       /* of the results */
+    /* A worker's: called after each step whose frame is in the store; else NULL. */
+    void (*tell)(const struct neph_scene_run *run, const char *step, bool reused, double seconds);
+    const struct neph_worker *worker; /* for `tell`: itself .. */
+    int scene;                        /* .. and the index of its scene */
+    struct neph_scene_told told;      /* by workers, of the scene at hand; its steps are counted */
+};
 
 /* There will be `count` more scenes; negative: fewer. */
 void neph_scene_run_expect(const struct neph_scene_run *run, int count);
@@ -30,5 +64,12 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count);
 /* Run one. `*result`, {0} before, is for neph_scene_result_finish() in any case. */
 enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
                                 struct neph_scene_result *result, struct neph_diag *diag);
+
+/* In a worker: only render, into the store, where neph_scene_run() finds the frames. A frame of an
+ * external renderer that does not fit into its budget beside those of other workers is left to
+ * neph_scene_run(), and `*is_late`. `result` as there. */
+enum neph_status neph_scene_render(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                   struct neph_scene_result *result, bool *is_late,
+                                   struct neph_diag *diag);
 
 #endif

@@ -6,9 +6,11 @@
 #include "base/text.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/engines/vulkan_device.h"
+#include "harness/experiment/pool.h"
 #include "harness/progress.h"
-#include "harness/report/scene_run.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,6 +25,14 @@ struct run {
     struct neph_progress progress;
     struct neph_scene_run scenes; /* what they have in common */
     double start_s;
+    int next;          /* scene that has no result yet */
+    struct told *told; /* of each scene, in the validation's arena */
+};
+
+/* What workers have told of a scene. */
+struct told {
+    struct neph_scene_told steps;
+    bool is_over, is_late; /* all of it; but for what did not fit into its budget */
 };
 
 static enum neph_status choose_engines(const struct neph_validate_params *params,
@@ -85,13 +95,9 @@ static enum neph_status begin(struct run *run, struct neph_diag *diag)
     made->height_px = params->height_px;
     made->scenes = neph_arena_zeroed(&made->arena, count, sizeof(*made->scenes));
     made->absent = neph_arena_zeroed(&made->arena, count, sizeof(*made->absent));
-    run->scenes = (struct neph_scene_run){.field = &made->field,
-                                          .width_px = params->width_px,
-                                          .height_px = params->height_px,
-                                          .frame = params->frame,
-                                          .seed = params->seed > 0 ? params->seed : 1,
-                                          .budget_s = params->budget_s,
-                                          .device = params->device,
+    run->told = neph_arena_zeroed(&made->arena, count, sizeof(*run->told));
+    run->scenes = (struct neph_scene_run){.params = params,
+                                          .field = &made->field,
                                           .store = run->store,
                                           .progress = &run->progress,
                                           .arena = &made->arena};
@@ -148,16 +154,21 @@ static void leave_out(struct run *run, const char *name, struct neph_diag *diag)
     neph_scene_run_expect(&run->scenes, -1);
 }
 
-static enum neph_status run_scene(struct run *run, const char *name, struct neph_diag *diag)
+/* The next one. */
+static enum neph_status run_scene(struct run *run, struct neph_diag *diag)
 {
     struct neph_validation *made = run->made;
+    const char *name = run->params->scenes[run->next];
     struct neph_scene_result *result = &made->scenes[made->scene_count];
     struct neph_scene *scene = NULL;
     enum neph_status status = neph_data_load_scene(name, &scene, diag);
     if (status == NEPH_ERR_NOT_FOUND && run->params->skip_absent) {
+        run->next++;
         leave_out(run, name, diag);
         return NEPH_OK;
     }
+    run->scenes.told = run->told[run->next].steps;
+    run->next++;
     if (!status)
         status = neph_scene_run(&run->scenes, scene, result, diag);
     if (status)
@@ -173,8 +184,8 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
     const struct neph_validate_params *params = run->params;
     struct neph_validation *made = run->made;
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < params->scene_count && !status; i++)
-        status = run_scene(run, params->scenes[i], diag);
+    while (run->next < params->scene_count && !status)
+        status = run_scene(run, diag);
     run->progress.kind = KIND_OVER_TIME;
     if (!status && params->over_time)
         status = neph_over_time_run(params->device, run->store, &run->progress, &made->arena,
@@ -186,6 +197,87 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
         status = neph_charts_run(params->charts, run->store, &run->progress, &made->arena,
                                  &made->charts, &made->chart_count, diag);
     return status;
+}
+
+/* ---- workers --------------------------------------------------------------------------------- */
+
+/* "SCENE KIND REUSED SECONDS WHAT" of a step, "SCENE over LATE" of a scene. */
+static void tell_step(const struct neph_scene_run *scenes, const char *what, bool reused,
+                      double seconds)
+{
+    char text[512];
+    snprintf(text, sizeof(text), "%d %d %d %.3f %s", scenes->scene, scenes->progress->kind, reused,
+             seconds, what);
+    neph_worker_tell(scenes->worker, text);
+}
+
+/* A step is credited to the progress, and a scene whose frames are all in the store gets its result
+ * in the order of the scenes. */
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    struct run *run = context;
+    struct neph_progress *progress = &run->progress;
+    int scene = 0, kind = 0, flag = 0, at = 0;
+    double seconds;
+    enum neph_status status = NEPH_OK;
+    if (text && sscanf(text, "%d over %d", &scene, &flag) == 2) {
+        run->told[scene].is_over = true;
+        run->told[scene].is_late = flag;
+    } else if (text && sscanf(text, "%d %d %d %lf %n", &scene, &kind, &flag, &seconds, &at) >= 4) {
+        run->told[scene].steps.steps |= UINT64_C(1) << kind;
+        run->told[scene].steps.made |= (uint64_t)!flag << kind;
+        progress->kind = kind;
+        neph_progress_step(progress, text + at, flag ? "reused" : "rendered", seconds);
+        neph_progress_begin(progress, "several at a time");
+    }
+    while (!status && run->next < run->params->scene_count && run->told[run->next].is_over &&
+           !run->told[run->next].is_late)
+        status = run_scene(run, diag);
+    return status;
+}
+
+/* What fails here fails again in the whole, where it is told. */
+static void render_scene(struct run *run, int index)
+{
+    struct neph_scene_result result = {.name = NULL};
+    struct neph_scene *scene = NULL;
+    struct neph_diag why = {.line = 0};
+    bool is_late = true;
+    char text[64];
+    run->scenes.scene = index;
+    if (neph_data_load_scene(run->params->scenes[index], &scene, &why) ||
+        neph_scene_render(&run->scenes, scene, &result, &is_late, &why))
+        is_late = true;
+    snprintf(text, sizeof(text), "%d over %d", index, is_late);
+    neph_worker_tell(run->scenes.worker, text);
+    neph_scene_result_finish(&result);
+    neph_scene_destroy(scene);
+}
+
+/* A worker renders scenes; the process itself takes what is left, and all results. */
+static enum neph_status work(struct neph_worker *worker, void *context, struct neph_diag *diag)
+{
+    struct run *run = context;
+    if (worker->index == 0) {
+        run->progress.workers = 1;
+        return run_all(run, diag);
+    }
+    run->progress.quiet = true;
+    run->scenes.tell = tell_step;
+    run->scenes.worker = worker;
+    for (int i; !neph_interrupted() && (i = neph_worker_next(worker)) < run->params->scene_count;)
+        render_scene(run, i);
+    neph_shared_device_close(run->params->device);
+    return NEPH_OK;
+}
+
+static enum neph_status run_with_workers(struct run *run, struct neph_diag *diag)
+{
+    const int most = run->params->scene_count, jobs = run->params->jobs;
+    run->progress.workers = jobs < most ? jobs : most;
+    if (run->progress.workers > 1)
+        neph_shared_device_close(run->params->device); /* each process opens its own */
+    return neph_pool_run(run->progress.workers, work, hear, run, diag);
 }
 
 enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,
@@ -203,7 +295,7 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
     if (status)
         return status;
     expect_all(&run);
-    status = run_all(&run, diag);
+    status = run_with_workers(&run, diag);
     neph_progress_end(&run.progress);
     if (status == NEPH_ERR_INTERRUPTED)
         judge_so_far(&run, NEPH_VERDICT_INTERRUPTED);

@@ -101,7 +101,7 @@ struct neph_counts {
     int expected; /* frames: scenes that are here times engines; in the physics suite, rows */
     int reported; /* of them in the report, with their outcome */
     int compared; /* of these, measured against the truth */
-    int ungated;  /* of these, limited by a factor of two only: harness/report/gates.h */
+    int ungated;  /* of these, limited by a factor of two only: harness/report/gates.c */
 };
 
 /* Start from {0}; free with neph_validation_finish(). */
@@ -135,6 +135,11 @@ void neph_scene_result_finish(struct neph_scene_result *scene);
  * that broke fails the run, a missing one does not. Nor does a run pass that lost a frame or
  * compared none. */
 void neph_validation_judge(struct neph_validation *validation, int here_count);
+
+/* Judge the gates of a scene whose frames are measured: result->gates, in the arena. A frame that
+ * no gate of the scene limits has one there when it fails. */
+void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
+                      struct neph_scene_result *result);
 
 /* As data.json, whose form is written down in scripts/report/README.md. NULL when memory is short
  * or a text is not UTF-8. */

@@ -2,7 +2,7 @@
 #include "harness/report/validation.h"
 
 #include "harness/host.h"
-#include "metrics/display.h"
+#include "harness/report/page.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -105,18 +105,6 @@ static bool is_over(const struct neph_validation *validation)
     return validation->verdict == NEPH_VERDICT_PASS || validation->verdict == NEPH_VERDICT_FAIL;
 }
 
-/* The stops of the difference maps, evenly spaced from -scale to +scale, for the page's legend. */
-static json_t *difference_colours_json(void)
-{
-    const struct neph_display_legend *legend = neph_display_difference_legend();
-    json_t *colours = json_array();
-    for (int i = 0; i < legend->stop_count; i++) {
-        const uint8_t *rgb = legend->stops[i].rgb;
-        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
-    }
-    return colours;
-}
-
 /* What the numbers are called is explained from the tables that they are measured by. */
 static json_t *metrics_json(void)
 {
@@ -146,7 +134,7 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     neph_json_set(&json, "interactive", json_boolean(validation->interactive));
     neph_json_set(&json, "screen",
                   validation->has_screen ? json_string("screen/index.html") : json_null());
-    neph_json_set(&json, "difference_colours", difference_colours_json());
+    neph_json_set(&json, "difference_colours", neph_page_difference_colours());
     neph_json_set(&json, "metrics", metrics_json());
     return json;
 }

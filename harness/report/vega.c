@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/vega.h"
 
+#include "base/arena.h"
 #include "base/child.h"
 #include "base/files.h"
 #include "harness/data.h"
@@ -16,9 +17,8 @@ enum neph_status neph_vega_template(const char *name, json_t **spec, struct neph
 {
     char *relative = neph_path_join("scripts/report", name);
     char *path = relative ? neph_data_path(relative) : NULL;
-    json_error_t error;
-    *spec = path ? json_load_file(path, 0, &error) : NULL;
     enum neph_status status = NEPH_OK;
+    *spec = path ? json_load_file(path, 0, NULL) : NULL;
     if (!*spec) {
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "cannot read the chart's template '%s'",
                            path ? path : "?");
@@ -59,26 +59,21 @@ static enum neph_status run_node(const char *const *argv, const char *log_path, 
 enum neph_status neph_vega_draw(char *const *stems, int count, bool *drawn, struct neph_diag *why,
                                 struct neph_diag *diag)
 {
-    char *paths[2 * NEPH_VEGA_CHARTS_MAX] = {NULL};
+    struct neph_arena arena = {.last = NULL};
     const char *argv[2 * NEPH_VEGA_CHARTS_MAX + 3] = {"node"};
-    char *script = neph_data_path("scripts/report/render_chart.mjs"),
-         *log_path = neph_format("%s.log", stems[0]);
-    enum neph_status status = script && log_path ? NEPH_OK : neph_fail_memory(diag);
+    char *script = neph_data_path("scripts/report/render_chart.mjs");
     *drawn = false;
     argv[1] = script;
-    for (int i = 0; i < count && !status; i++) {
-        argv[2 + 2 * i] = paths[2 * i] = neph_format("%s.vl.json", stems[i]);
-        argv[3 + 2 * i] = paths[2 * i + 1] = neph_format("%s.svg", stems[i]);
-        if (!paths[2 * i] || !paths[2 * i + 1])
-            status = neph_fail_memory(diag);
-        else
-            unlink(paths[2 * i + 1]); /* a report links to an older one, which is not written to */
+    for (int i = 0; i < count; i++) {
+        argv[2 + 2 * i] = neph_arena_format(&arena, "%s.vl.json", stems[i]);
+        argv[3 + 2 * i] = neph_arena_format(&arena, "%s.svg", stems[i]);
+        unlink(argv[3 + 2 * i]); /* a report links to an older one, which is not written to */
     }
+    const char *log_path = neph_arena_format(&arena, "%s.log", stems[0]);
+    enum neph_status status = script ? neph_arena_check(&arena, diag) : neph_fail_memory(diag);
     if (!status)
         status = run_node(argv, log_path, drawn, why, diag);
-    for (int i = 0; i < 2 * count; i++)
-        free(paths[i]);
-    free(log_path);
+    neph_arena_finish(&arena);
     free(script);
     return status;
 }

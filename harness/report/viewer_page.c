@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/viewer_page.h"
 
+#include "base/clock.h"
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "base/packed.h"
@@ -14,19 +15,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* Colours of differences end here; of radiance in values of the display. */
 static const double display_scale = 0.02, share_scale = 0.02, depth_scale_m = 1.0;
 
-static const struct neph_page_file page_files[] = {
-    {"view.html", "index.html"},
-    {"report.css", "report.css"},
-    {"view.css", "view.css"},
-    {"view.js", "view.js"},
-    {"view_planes.js", "view_planes.js"},
-    {"view_paint.js", "view_paint.js"},
-    {NULL, NULL},
+static const struct neph_page_parts parts = {
+    .files = {"view.html", "view.css", "view.js", "view_planes.js", "view_paint.js"},
+    .folders = {"frames"},
 };
 
 /* ---- what all frames have in common ---------------------------------------------------------- */
@@ -40,7 +35,8 @@ struct shop {
     struct neph_frame_form form; /* of that frame; owned */
     bool is_picture;             /* values of a display */
     double frame_rate_hz;
-    bool has_frame_rate; /* a frame said it */
+    bool has_frame_rate;                                /* a frame said it */
+    json_t *sets, *overlays, *not_taken, *codes, *cube; /* of the document; owned */
     struct neph_progress progress;
 };
 
@@ -248,10 +244,10 @@ static json_t *set_json(const struct neph_viewer_set *set, int first, int count,
                      "quantities", quantities_json(found));
 }
 
-static enum neph_status ship_sets(struct shop *shop, json_t **sets, struct neph_diag *diag)
+static enum neph_status ship_sets(struct shop *shop, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    *sets = json_array();
+    shop->sets = json_array();
     for (int s = 0; s < shop->view->set_count && !status; s++) {
         const struct neph_viewer_set *set = &shop->view->sets[s];
         const int count = frames_of(shop, s);
@@ -264,7 +260,7 @@ static enum neph_status ship_sets(struct shop *shop, json_t **sets, struct neph_
             neph_progress_tick(&shop->progress, path);
         }
         if (!status)
-            neph_json_add(sets, set_json(set, first, count, found));
+            neph_json_add(&shop->sets, set_json(set, first, count, found));
     }
     return status;
 }
@@ -337,9 +333,9 @@ static enum neph_status bake_cube(const struct neph_viewer *view, struct neph_di
 
 /* Null where there is none. */
 static enum neph_status ship_cube(struct shop *shop, const struct neph_display_cube *cube,
-                                  json_t **told, struct neph_diag *diag)
+                                  struct neph_diag *diag)
 {
-    *told = json_null();
+    shop->cube = json_null();
     if (!cube->nodes[0])
         return NEPH_OK;
     if (shop->is_picture)
@@ -349,56 +345,45 @@ static enum neph_status ship_cube(struct shop *shop, const struct neph_display_c
                               NEPH_DISPLAY_CUBE_SIDE;
     const enum neph_status status = ship_planes(shop, "cube", (const float *const *)cube->nodes, 3,
                                                 node_count, diag);
-    *told = json_pack("{s:o, s:i, s:f, s:f, s:f, s:f, s:i}", "name", neph_json_cleaned(cube->name),
-                      "side", NEPH_DISPLAY_CUBE_SIDE, "knee", cube->knee, "top", cube->top,
-                      "error_mean", cube->error_mean, "error_max", cube->error_max, "not_numbers",
-                      cube->not_numbers);
+    shop->cube = json_pack("{s:o, s:i, s:f, s:f, s:f, s:f, s:i}", "name",
+                           neph_json_cleaned(cube->name), "side", NEPH_DISPLAY_CUBE_SIDE, "knee",
+                           cube->knee, "top", cube->top, "error_mean", cube->error_mean,
+                           "error_max", cube->error_max, "not_numbers", cube->not_numbers);
     return status;
 }
 
-static json_t *document_json(const struct shop *shop, json_t *sets, json_t *overlays,
-                             json_t *not_taken, json_t *codes, json_t *cube)
+static json_t *document_json(const struct shop *shop)
 {
     const struct neph_viewer *view = shop->view;
     const struct neph_sequence *numbered = NULL;
     char now[32];
-    const time_t seconds = time(NULL);
-    struct tm utc;
-    strftime(now, sizeof(now), "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&seconds, &utc));
+    neph_utc_now(now);
     for (int s = 0; s < view->set_count && !numbered; s++)
         if (view->sets[s].frames.numbers)
             numbered = &view->sets[s].frames;
     json_t *document = json_pack(
-        "{s:s, s:s, s:s, s:s, s:[i, i], s:i, s:f, s:f, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "{s:s, s:s, s:s, s:s, s:[i, i], s:i, s:f, s:f, s:b, s:o, s:O, s:O, s:O, s:O, s:o, s:o}",
         "format", "neph-view-1", "title", view->title, "created_utc", now, "neph_version",
         NEPH_VERSION, "size_px", shop->made.width_px, shop->made.height_px, "frames",
         shop->made.frame_count, "rate_hz", shop->frame_rate_hz, "exposure_ev",
         view->viewing.exposure_ev, "is_picture", shop->is_picture, "quantities",
-        quantity_list_json(view), "sets", sets, "overlays", overlays, "not_taken", not_taken,
-        "display_codes", codes, "differences", colours_json(neph_display_difference_legend()),
-        "amounts", colours_json(neph_display_amount_legend()));
+        quantity_list_json(view), "sets", shop->sets, "overlays", shop->overlays, "not_taken",
+        shop->not_taken, "display_codes", shop->codes, "differences",
+        colours_json(neph_display_difference_legend()), "amounts",
+        colours_json(neph_display_amount_legend()));
     neph_json_set(&document, "first_number",
                   numbered ? json_integer(numbered->numbers[0] + view->warm_up_frames)
                            : json_integer(view->warm_up_frames));
     neph_json_set(&document, "bytes", json_integer((json_int_t)shop->made.bytes));
-    neph_json_set(&document, "cube", cube);
+    neph_json_set(&document, "cube", json_incref(shop->cube));
     return document;
-}
-
-static enum neph_status start_folder(const char *folder, struct neph_diag *diag)
-{
-    char *frames = neph_path_join(folder, "frames");
-    enum neph_status status = frames ? neph_dir_create(frames, diag) : neph_fail_memory(diag);
-    free(frames);
-    return status ? status : neph_page_copy(folder, page_files, diag);
 }
 
 enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *folder,
                                    struct neph_viewer_made *made, struct neph_diag *diag)
 {
-    struct shop shop = {.view = view, .folder = folder};
-    json_t *sets = NULL, *overlays = json_array(), *not_taken = json_array(), *codes = NULL;
-    json_t *cube = NULL;
+    struct shop shop = {
+        .view = view, .folder = folder, .overlays = json_array(), .not_taken = json_array()};
     struct neph_display_cube baked = {.nodes = {NULL}};
     enum neph_status status = check_counts(view, &shop.made.frame_count, diag);
     if (!status)
@@ -410,21 +395,18 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
         total += frames_of(&shop, s);
     shop.progress = neph_progress_start(view->quiet || total < 4, total);
     if (!status)
-        status = start_folder(folder, diag);
+        status = neph_page_start(folder, &parts, NULL, diag);
     if (!status)
-        status = ship_sets(&shop, &sets, diag);
+        status = ship_sets(&shop, diag);
     neph_progress_end(&shop.progress);
     if (!status)
-        status = neph_viewer_maps(view, shop.is_picture, shop.frame_rate_hz, ship, &shop, &overlays,
-                                  &not_taken, diag);
+        status = neph_viewer_maps(view, shop.is_picture, shop.frame_rate_hz, ship, &shop,
+                                  &shop.overlays, &shop.not_taken, diag);
     if (!status)
-        status = bake_display(&codes, diag);
+        status = bake_display(&shop.codes, diag);
     if (!status)
-        status = ship_cube(&shop, &baked, &cube, diag);
-    json_t *document = status ? NULL
-                              : document_json(&shop, json_incref(sets), json_incref(overlays),
-                                              json_incref(not_taken), json_incref(codes),
-                                              json_incref(cube));
+        status = ship_cube(&shop, &baked, diag);
+    json_t *document = status ? NULL : document_json(&shop);
     if (!status)
         status = neph_json_check(document, diag);
     if (!status)
@@ -434,11 +416,9 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
     if (!status)
         *made = shop.made;
     json_decref(document);
-    json_decref(sets);
-    json_decref(overlays);
-    json_decref(not_taken);
-    json_decref(codes);
-    json_decref(cube);
+    json_t *const parts_made[] = {shop.sets, shop.overlays, shop.not_taken, shop.codes, shop.cube};
+    for (size_t i = 0; i < sizeof(parts_made) / sizeof(parts_made[0]); i++)
+        json_decref(parts_made[i]);
     neph_display_cube_finish(&baked);
     neph_frame_form_finish(&shop.form);
     return status;

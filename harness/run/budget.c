@@ -100,21 +100,47 @@ static void explain(const struct pilot *pilot, const struct neph_settings *asked
         budget_s, pilot->job.shot.width_px, pilot->job.shot.height_px, least_s, noise);
 }
 
+/* The largest number of samples that the store holds. */
+static enum neph_status reuse(struct neph_job *job, double budget_s,
+                              const struct neph_settings *rungs, int rung_count,
+                              struct neph_store *store, struct neph_job_result *result, bool *found,
+                              struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    *found = false;
+    *result = (struct neph_job_result){.outcome = NEPH_OUTCOME_FAILED};
+    job->shot.time_limit_s = budget_s;
+    for (int i = 0; i < rung_count && !status && !*found; i++) {
+        neph_job_result_finish(result);
+        job->shot.settings = rungs[i];
+        status = neph_job_reuse(job, store, result, found, diag);
+    }
+    return status;
+}
+
+enum neph_status neph_budget_try(struct neph_job *job, double budget_s, struct neph_store *store,
+                                 struct neph_job_result *result, struct neph_diag *diag)
+{
+    const struct neph_settings asked = job->shot.settings;
+    struct neph_settings rungs[RUNGS];
+    bool found;
+    const enum neph_status status = reuse(job, budget_s, rungs, list_rungs(job, rungs), store,
+                                          result, &found, diag);
+    if (status || found)
+        return status;
+    neph_job_result_finish(result);
+    job->shot.settings = asked;
+    return neph_job_run(job, store, result, diag);
+}
+
 enum neph_status neph_budget_run(struct neph_job *job, double budget_s, struct neph_store *store,
                                  struct neph_job_result *result, struct neph_diag *diag)
 {
     const struct neph_settings asked = job->shot.settings;
     struct neph_settings rungs[RUNGS];
     const int rung_count = list_rungs(job, rungs);
-    enum neph_status status = NEPH_OK;
-    bool found = false;
-    *result = (struct neph_job_result){.outcome = NEPH_OUTCOME_FAILED};
-    job->shot.time_limit_s = budget_s;
-    for (int i = 0; i < rung_count && !status && !found; i++) {
-        neph_job_result_finish(result);
-        job->shot.settings = rungs[i];
-        status = neph_job_reuse(job, store, result, &found, diag);
-    }
+    bool found;
+    enum neph_status status = reuse(job, budget_s, rungs, rung_count, store, result, &found, diag);
     if (!found)
         result->outcome = NEPH_OUTCOME_TIMEOUT;
     for (int i = 0; i < rung_count && !status && result->outcome == NEPH_OUTCOME_TIMEOUT; i++) {

@@ -20,4 +20,10 @@
 enum neph_status neph_budget_run(struct neph_job *job, double budget_s, struct neph_store *store,
                                  struct neph_job_result *result, struct neph_diag *diag);
 
+/* The first step of that: reuse what the store holds, or render with all samples. With
+ * NEPH_OUTCOME_TIMEOUT neph_budget_run() has more to try. For processes that share the cores with
+ * others: none of them gives samples up because of the others. */
+enum neph_status neph_budget_try(struct neph_job *job, double budget_s, struct neph_store *store,
+                                 struct neph_job_result *result, struct neph_diag *diag);
+
 #endif

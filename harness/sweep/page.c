@@ -10,11 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const struct neph_page_file page_files[] = {
-    {"sweep.html", "index.html"},
-    {"report.css", "report.css"},
-    {"sweep.js", "sweep.js"},
-    {NULL, NULL},
+static const struct neph_page_parts parts = {
+    .files = {"sweep.html", "sweep.js"},
+    .folders = {"charts", "vendor"},
 };
 
 /* --- charts --------------------------------------------------------------------------------- */
@@ -101,36 +99,22 @@ static json_t *charts_json(const struct neph_sweep *sweep, const struct drawings
 
 /* --- the page ------------------------------------------------------------------------------- */
 
-static enum neph_status start_folder(const char *folder, bool with_vendor, struct neph_diag *diag)
-{
-    static const char *const folders[] = {"charts", "vendor"};
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(folders) / sizeof(folders[0]) && !status; i++) {
-        char *path = neph_path_join(folder, folders[i]);
-        status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
-        free(path);
-    }
-    if (!status)
-        status = neph_page_copy(folder, page_files, diag);
-    return status || !with_vendor ? status : neph_page_copy(folder, neph_page_vendored, diag);
-}
-
 enum neph_status neph_sweep_page_write(const struct neph_sweep *sweep,
                                        const struct neph_report_folder *folder, char told[512],
                                        struct neph_diag *diag)
 {
-    const bool with_vendor = neph_page_vendor_is_installed();
+    bool is_interactive;
     const char *work = neph_report_folder_work(folder);
     struct drawings drawings = {.count = 0};
     json_t *document = NULL;
     told[0] = '\0';
-    enum neph_status status = start_folder(work, with_vendor, diag);
+    enum neph_status status = neph_page_start(work, &parts, &is_interactive, diag);
     if (!status)
         status = draw_all(sweep, work, &drawings, told, diag);
     if (!status) {
         document = neph_sweep_json(sweep);
         neph_json_set(&document, "charts", charts_json(sweep, &drawings));
-        neph_json_set(&document, "interactive", json_boolean(with_vendor));
+        neph_json_set(&document, "interactive", json_boolean(is_interactive));
         status = neph_json_check(document, diag);
     }
     if (!status)

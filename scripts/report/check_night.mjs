@@ -9,11 +9,8 @@
 // alone.
 // Exit status: 0 the page holds, 1 it does not (findings on stdout), 2 wrong use.
 // $CHROMIUM names another browser than /usr/bin/chromium.
-import { mkdirSync, readFileSync } from "node:fs";
-import { join, resolve } from "node:path";
-import { argv, exit, stderr, stdout } from "node:process";
-import { faintTexts } from "./contrast.mjs";
-import { CHROMIUM, FLAGS, WINDOWS, find, findings, open } from "./opened_page.mjs";
+import { checkImages, conclude, faintTexts, find, inWindows, readArguments, readJson }
+  from "./check_page.mjs";
 
 /** What a reader sees; runs in the page. */
 function survey() {
@@ -104,62 +101,19 @@ function checkContent(data, seen) {
   if (seen.foreign > 0) find("markup that is none of the page's");
 }
 
-function checkWindow(where, seen, height) {
-  if (seen.width > seen.room) find(`${where}: ${seen.width} px wide in a window of ${seen.room}`);
-  if (seen.saidEnd > height) find(`${where}: the verdict is below the first screen`);
-  for (const text of seen.clipped) find(`${where}: wider than its place: ${text}`);
-  for (const text of seen.holes) find(`${where}: ${text}`);
-  for (const image of seen.pictures) {
-    if (!image.loaded) find(`${where}: ${image.src} does not load`);
-    if (image.shrunk) find(`${where}: ${image.src} is smaller than its pixels`);
-    if (!image.alt) find(`${where}: ${image.src} says nothing to who does not see it`);
-  }
-}
+const options = readArguments(
+  "node check_night.mjs [--quick] [--screenshots DIR] PAGE_DIR", 1, ["quick"]);
+const [folder] = options.places;
 
-async function checkPage(folder, data, { quick, screenshots }) {
-  const { chromium } = await import("playwright-core");
-  const browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
-  try {
-    for (const [where, options] of quick ? WINDOWS.slice(0, 1) : WINDOWS) {
-      const { context, page } = await open(browser, folder, where, options);
-      await page.waitForLoadState("load");
-      if (screenshots)
-        await page.screenshot({ path: join(screenshots, `${where}.png`), fullPage: true });
-      const seen = await page.evaluate(survey);
-      checkContent(data, seen);
-      checkWindow(where, seen, options.viewport.height);
-      for (const text of await page.evaluate(faintTexts))
-        find(`${where}: too little contrast: ${text}`);
-      await context.close();
-    }
-  } finally {
-    await browser.close();
-  }
-}
-
-async function main() {
-  const given = argv.slice(2);
-  const options = { quick: false, screenshots: null, folder: null };
-  for (let n = 0; n < given.length; n++) {
-    if (given[n] === "--quick") options.quick = true;
-    else if (given[n] === "--screenshots" && given[n + 1])
-      options.screenshots = resolve(given[++n]);
-    else options.folder = resolve(given[n]);
-  }
-  if (!options.folder) {
-    stderr.write("usage: node check_night.mjs [--quick] [--screenshots DIR] PAGE_DIR\n");
-    return 2;
-  }
-  try {
-    const data = JSON.parse(readFileSync(join(options.folder, "data.json"), "utf8"));
-    if (options.screenshots) mkdirSync(options.screenshots, { recursive: true });
-    await checkPage(options.folder, data, options);
-  } catch (error) {
-    find(`the page could not be checked: ${error.message}`);
-  }
-  for (const text of findings) stdout.write(`${text}\n`);
-  stderr.write(`${options.folder}: ${findings.length || "no"} findings\n`);
-  return findings.length === 0 ? 0 : 1;
-}
-
-exit(await main());
+await conclude(folder, Infinity, async () => {
+  const data = readJson(folder, "data.json");
+  await inWindows(folder, options, async (page, where, { viewport }) => {
+    const seen = await page.evaluate(survey);
+    checkContent(data, seen);
+    checkImages(where, seen);
+    if (seen.saidEnd > viewport.height) find(`${where}: the verdict is below the first screen`);
+    for (const text of seen.clipped) find(`${where}: wider than its place: ${text}`);
+    for (const text of await page.evaluate(faintTexts))
+      find(`${where}: too little contrast: ${text}`);
+  });
+});

@@ -10,15 +10,12 @@
 // it also at a dark, a narrow, a printed page and one without scripts.
 // Exit status: 0 the report holds, 1 it does not (findings on stdout), 2 wrong use.
 // $CHROMIUM names another browser than /usr/bin/chromium.
-import { existsSync, mkdirSync, readFileSync } from "node:fs";
-import { join, resolve } from "node:path";
-import { argv, env, exit, stderr, stdout } from "node:process";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { faintTexts } from "./contrast.mjs";
+import { address, browse, conclude, faintTexts, find, readArguments, readJson }
+  from "./check_page.mjs";
 
-const CHROMIUM = env.CHROMIUM || "/usr/bin/chromium";
-const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
 const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted",
   "over_budget"];
 const RUNS = ["pass", "fail", "running", "interrupted"];
@@ -29,9 +26,6 @@ const PAIRS = ["agree", "differ", "cannot tell: noise"];
 const BROKEN = ["failed", "timeout", "interrupted"];
 const COSTS = ["render_s", "wall_s", "cpu_s", "peak_memory_bytes"];
 const SHOWN_MOST = 80; // findings; one mistake often repeats in every scene
-
-const findings = [];
-const find = (text) => { if (!findings.includes(text)) findings.push(text); };
 
 // ------------------------------------------------------------------------------------------ data
 
@@ -552,7 +546,7 @@ async function open(browser, folder, where, options) {
     if (!/^(file|data|blob):/.test(request.url()))
       find(`${where}: asked the network for ${request.url()}`);
   });
-  await page.goto(pathToFileURL(join(folder, "index.html")).href);
+  await page.goto(address(folder));
   if (options.javaScriptEnabled !== false) {
     await page.waitForSelector("html[data-ready=yes]",
       { timeout: 60000 }).catch(() => find(`${where}: the page did not become ready`));
@@ -638,7 +632,7 @@ function checkContent(data, seen) {
   for (const scene of data.scenes)
     if (scene.viewer && !seen.links.includes(scene.viewer))
       find(`no link leads to the viewer ${scene.viewer}`);
-  const known = /^(data|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
+  const known = /^(data|page|report)\.js$|^vendor\/vega(-lite|-embed)?\.min\.js$/;
   for (const script of seen.scripts) if (!known.test(script)) find(`an unknown script: ${script}`);
   for (const link of seen.links)
     if (!/^#|^data\.json$|^vendor\/LICENSES\.txt$|^charts\/[\w.-]+$/.test(link)
@@ -708,13 +702,11 @@ async function checkMoves(page, where) {
 }
 
 async function checkPage(folder, data, { quick, screenshots }) {
-  const { chromium } = await import("playwright-core");
-  const browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
   const keep = async (page, name) => {
     if (screenshots)
       await page.screenshot({ path: join(screenshots, `${name}.png`), fullPage: true });
   };
-  try {
+  await browse(async (browser) => {
     const wide = await open(browser, folder, "page", { colorScheme: "light" });
     const seen = await look(wide.page);
     checkContent(data, seen);
@@ -758,66 +750,40 @@ async function checkPage(folder, data, { quick, screenshots }) {
       && !(await still.page.locator("main img").evaluate((image) => image.naturalWidth)))
       find("without scripts: the chart does not show");
     await still.context.close();
-  } finally {
-    await browser.close();
-  }
+  });
 }
 
 // ------------------------------------------------------------------------------------------ main
 
-function parseArguments(given) {
-  const options = { data: false, quick: false, screenshots: null, folder: null };
-  for (let n = 0; n < given.length; n++) {
-    if (given[n] === "--quick") options.quick = true;
-    else if (given[n] === "--data") options.data = true;
-    else if (given[n] === "--screenshots" && given[n + 1])
-      options.screenshots = resolve(given[++n]);
-    else if (!given[n].startsWith("-") && options.folder === null)
-      options.folder = resolve(given[n]);
-    else return null;
-  }
-  return options.folder ? options : null;
-}
-
-async function main() {
-  const options = parseArguments(argv.slice(2));
-  if (!options) {
-    stderr.write(
-      "usage: node check_report.mjs [--data | --quick] [--screenshots DIR] REPORT_DIR\n");
-    return 2;
-  }
-  const { folder } = options;
-  for (const name of ["index.html", "report.css", "report.js", "data.json", "data.js"])
+function checkFiles(folder) {
+  for (const name of ["index.html", "report.css", "page.js", "report.js", "data.json", "data.js"])
     if (!existsSync(join(folder, name))) find(`${name} is missing from ${folder}`);
-  let data = null;
-  if (existsSync(join(folder, "data.json"))) {
-    try {
-      data = JSON.parse(readFileSync(join(folder, "data.json"), "utf8"));
-      checkForm(data, folder);
-      if (data.interactive !== false && (data.charts ?? []).some((chart) => chart.spec)) {
-        for (const name of ["vega.min.js", "vega-lite.min.js", "vega-embed.min.js", "LICENSES.txt"])
-          if (!existsSync(join(folder, "vendor", name)))
-          find(`vendor/${name} is missing; without the bundle write "interactive": false`);
-      }
-    } catch (error) {
-      find(`data.json cannot be checked: ${error.message}`);
-      data = null;
-    }
-  }
-  if (data && !options.data && existsSync(join(folder, "index.html"))) {
-    if (options.screenshots) mkdirSync(options.screenshots, { recursive: true });
-    try {
-      await checkPage(folder, data, options);
-    } catch (error) {
-      const hint = error.code === "ERR_MODULE_NOT_FOUND" ? " (run `npm ci` in scripts/report)" : "";
-      find(`the page could not be checked: ${error.message}${hint}`);
-    }
-  }
-  for (const text of findings.slice(0, SHOWN_MOST)) stdout.write(`${text}\n`);
-  if (findings.length > SHOWN_MOST) stdout.write(`and ${findings.length - SHOWN_MOST} more\n`);
-  stderr.write(findings.length === 0 ? `${folder}: the report holds\n`
-    : `${folder}: ${findings.length} findings\n`);
-  return findings.length === 0 ? 0 : 1;
 }
 
-exit(await main());
+/** Data that can be held against the page; null: they are not there or have another form. */
+function readData(folder) {
+  if (!existsSync(join(folder, "data.json"))) return null;
+  try {
+    const data = readJson(folder, "data.json");
+    checkForm(data, folder);
+    if (data.interactive !== false && (data.charts ?? []).some((chart) => chart.spec))
+      for (const name of ["vega.min.js", "vega-lite.min.js", "vega-embed.min.js", "LICENSES.txt"])
+        if (!existsSync(join(folder, "vendor", name)))
+          find(`vendor/${name} is missing; without the bundle write "interactive": false`);
+    return data;
+  } catch (error) {
+    find(`data.json cannot be checked: ${error.message}`);
+    return null;
+  }
+}
+
+const options = readArguments(
+  "node check_report.mjs [--data | --quick] [--screenshots DIR] REPORT_DIR", 1, ["data", "quick"]);
+const [folder] = options.places;
+
+await conclude(folder, SHOWN_MOST, async () => {
+  checkFiles(folder);
+  const data = readData(folder);
+  if (data && !options.data && existsSync(join(folder, "index.html")))
+    await checkPage(folder, data, options);
+});

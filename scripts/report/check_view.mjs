@@ -10,28 +10,18 @@
 //            "maps": [{"set", "frame", "map", "x", "y", "values"}],
 //            "views": [{"set", "x", "y", "ev", "codes"}]}
 // Exit status: 0 all holds, 1 it does not (findings on stdout), 2 wrong use.
-import { mkdirSync, readFileSync } from "node:fs";
-import { join, resolve } from "node:path";
-import { argv, env, exit, stdout, stderr } from "node:process";
-import { pathToFileURL } from "node:url";
-import { faintTexts } from "./contrast.mjs";
-
-const CHROMIUM = env.CHROMIUM || "/usr/bin/chromium";
-const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+import { join } from "node:path";
+import { address, browse, conclude, faintTexts, find, readArguments, readJson }
+  from "./check_page.mjs";
 
 const SHOWN_MOST = 200;
 
-const findings = [];
-const find = (text) => { if (!findings.includes(text)) findings.push(text); };
 const same = (what, seen, wanted) => {
   if (JSON.stringify(seen) !== JSON.stringify(wanted))
     find(`${what}: ${JSON.stringify(seen)}, not ${JSON.stringify(wanted)}`);
 };
 
 // ------------------------------------------------------------------------------------- the page
-
-const address = (folder, hash) => pathToFileURL(join(folder, "index.html")).href + hash;
 
 async function ready(page) {
   await page.waitForSelector("html[data-ready=yes]", { timeout: 30000 })
@@ -393,56 +383,28 @@ async function checkWindows(browser, folder, keep) {
 
 // ------------------------------------------------------------------------------------- main
 
-async function checkPage(folder, expected, { quick, screenshots }) {
-  const { chromium } = await import("playwright-core");
-  const data = JSON.parse(readFileSync(join(folder, "data.json"), "utf8"));
-  const browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
-  const keep = async (page, name) => {
-    if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`) });
-  };
-  try {
-    const { page } = await open(browser, folder, "", {});
-    await checkValues(page, data, expected);
-    await checkColours(page, data, expected);
-    if (quick) return;
-    await checkViews(page, data, expected);
-    await checkDifferences(page, data, expected);
-    await checkKeys(page, data);
-    await checkHelp(page);
-    await checkTime(page, data);
-    await checkPointer(page, data);
-    await checkCalm(page, data);
-    await checkLink(browser, folder, page);
-    await checkFocus(page);
-    await checkWindows(browser, folder, keep);
-  } finally {
-    await browser.close();
-  }
-}
+const options = readArguments(
+  "node check_view.mjs [--quick] [--screenshots DIR] PAGE_DIR EXPECTED.json", 2, ["quick"]);
+const [folder, wanted] = options.places;
+const keep = async (page, name) => {
+  if (options.screenshots)
+    await page.screenshot({ path: join(options.screenshots, `${name}.png`) });
+};
 
-function parseArguments(given) {
-  const options = { quick: false, screenshots: null, places: [] };
-  for (let n = 0; n < given.length; n++) {
-    if (given[n] === "--quick") options.quick = true;
-    else if (given[n] === "--screenshots" && given[n + 1])
-      options.screenshots = resolve(given[++n]);
-    else options.places.push(resolve(given[n]));
-  }
-  return options.places.length === 2 ? options : null;
-}
-
-const options = parseArguments(argv.slice(2));
-if (!options) {
-  stderr.write("usage: node check_view.mjs [--quick] [--screenshots DIR] PAGE_DIR EXPECTED.json\n");
-  exit(2);
-}
-if (options.screenshots) mkdirSync(options.screenshots, { recursive: true });
-try {
-  const [folder, expected] = options.places;
-  await checkPage(folder, JSON.parse(readFileSync(expected, "utf8")), options);
-} catch (error) {
-  find(`the page could not be checked: ${error.message}`);
-}
-for (const text of findings.slice(0, SHOWN_MOST)) stdout.write(`${text}\n`);
-stderr.write(findings.length === 0 ? "the viewer holds\n" : `${findings.length} findings\n`);
-exit(findings.length === 0 ? 0 : 1);
+await conclude("the viewer", SHOWN_MOST, () => browse(async (browser) => {
+  const data = readJson(folder, "data.json"), expected = readJson(wanted);
+  const { page } = await open(browser, folder, "", {});
+  await checkValues(page, data, expected);
+  await checkColours(page, data, expected);
+  if (options.quick) return;
+  await checkViews(page, data, expected);
+  await checkDifferences(page, data, expected);
+  await checkKeys(page, data);
+  await checkHelp(page);
+  await checkTime(page, data);
+  await checkPointer(page, data);
+  await checkCalm(page, data);
+  await checkLink(browser, folder, page);
+  await checkFocus(page);
+  await checkWindows(browser, folder, keep);
+}));

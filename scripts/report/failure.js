@@ -7,6 +7,9 @@
   "use strict";
 
   const run = window.NEPH_FAILURE;
+  const { el, svg, plural, unique, folded, signed, colHead, rowHead, num, row, table, scrolling,
+    fact, entry, listed, link, hasData, withoutPlus, sized, fit, show, colourBar } =
+    window.NephPage;
 
   // A sign and a word each, so that no verdict speaks by its colour.
   const VERDICTS = {
@@ -47,37 +50,11 @@
 
   // ------------------------------------------------------------------------------------- elements
 
-  function append(element, children) {
-    for (const child of children.flat(Infinity))
-      if (child !== null && child !== undefined && child !== false) element.append(child);
-    return element;
-  }
-
-  function attributed(element, attributes) {
-    for (const [name, value] of Object.entries(attributes ?? {}))
-      if (value !== null && value !== undefined && value !== false)
-        element.setAttribute(name, String(value));
-    return element;
-  }
-
-  const el = (tag, attributes, ...children) =>
-    append(attributed(document.createElement(tag), attributes), children);
-
-  const svg = (tag, attributes, ...children) => append(attributed(
-    document.createElementNS("http://www.w3.org/2000/svg", tag), attributes), children);
-
   const anchor = (name) => `scene-${name}`;
-  const plural = (count, one, many) => `${count} ${count === 1 ? one : many}`;
-  const unique = (list) => [...new Set(list)];
 
   // -------------------------------------------------------------------------------------- numbers
 
-  function written(value) {
-    const size = Math.abs(value);
-    if (size !== 0 && (size < 1e-3 || size >= 1e5)) return value.toExponential(2)
-      .replace("e+", "e").replace("e-", "e−");
-    return String(Number(value.toPrecision(3)));
-  }
+  const written = (value) => withoutPlus(window.NephPage.written(value));
 
   const hasNumber = (result) => result.value !== null || result.infinite;
 
@@ -94,8 +71,7 @@
 
   function word(verdict, short) {
     const [sign, text, kind] = VERDICTS[verdict] ?? ["○", verdict, "open-word"];
-    return el("span", { class: kind }, el("span", { "aria-hidden": "true" }, `${sign} `),
-      short ? text.split(/[,:]/)[0] : text);
+    return signed(sign, short ? text.split(/[,:]/)[0] : text, kind);
   }
 
   // ----------------------------------------------------------------------------- looking things up
@@ -119,8 +95,6 @@
       : `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
   }
 
-  const fact = (name, value) => el("div", null, el("dt", null, name), el("dd", null, value));
-
   /** What is new at several points of a sweep stands once, at the worst of them. */
   function news() {
     const kin = new Map();
@@ -134,7 +108,7 @@
 
   function newsItem([result, ...more]) {
     return el("li", null, word(result.verdict, true), " ",
-      el("a", { href: `#${anchor(result.scene)}` }, result.scene), placeOf(result), " · ",
+      link(`#${anchor(result.scene)}`, result.scene), placeOf(result), " · ",
       el("b", null, result.column), ` · ${result.measure}${maskOf(result)}: `,
       hasNumber(result) ? [numberOf(result), ", limit ", limitOf(result)] : result.why,
       more.length > 0 && `, and at ${plural(more.length, "point", "points")} more`);
@@ -156,9 +130,7 @@
           `${run.progress.done} of ${run.progress.total} steps` +
           `${run.state === "running" && left > 0 ? `, about ${Math.ceil(left)} s left` : ""}: ` +
           "what follows is what there is so far.")),
-      list.length > 0 && el("ul", null, list.slice(0, LISTED)),
-      list.length > LISTED && el("details", null,
-        el("summary", null, `${list.length - LISTED} more`), el("ul", null, list.slice(LISTED))));
+      listed(list, LISTED));
   }
 
   function pictureFact() {
@@ -168,23 +140,19 @@
         `: ${plural(left, "cell has", "cells have")} no pictures`]];
   }
 
-  function head() {
-    return el("header", null,
-      el("p", { class: "eyebrow" }, "Nephelometer failure suite"),
-      el("h1", null, "Where methods fail"),
-      verdict(),
-      el("dl", { class: "facts" },
-        fact("Tier", run.tier), fact("Device", run.device), fact("Written", run.created_utc),
-        fact("Took", `${written(run.seconds)} s`), fact("Version", `neph ${run.neph_version}`),
-        fact("Page", pictureFact())));
-  }
+  const head = () => window.NephPage.head("Nephelometer failure suite", "Where methods fail",
+    verdict(), fact("Tier", run.tier), fact("Device", run.device),
+    fact("Written", run.created_utc), fact("Took", `${written(run.seconds)} s`),
+    fact("Version", `neph ${run.neph_version}`), fact("Page", pictureFact()));
 
   // --------------------------------------------------------------------------------------- matrix
+
+  const notAsked = () => el("td", { class: "num soft" }, el("small", null, "not asked"));
 
   /** A cell is as bad as its worst number. */
   function matrixCell(scene, column) {
     const own = of(scene, column.name);
-    if (own.length === 0) return el("td", { class: "num soft" }, el("small", null, "not asked"));
+    if (own.length === 0) return notAsked();
     const worst = own[0];
     const failing = own.filter((result) => !["pass", "not_yet"].includes(result.verdict)).length;
     return el("td", { class: `num ${TINTS[worst.verdict] ?? ""}` }, numberOf(worst),
@@ -196,32 +164,20 @@
         && el("small", null, `${failing} of ${own.length} numbers`));
   }
 
-  function matrixRow(scene) {
-    return el("tr", null,
-      el("th", { scope: "row" }, el("a", { href: `#${anchor(scene)}` }, scene),
-        el("small", null, sceneNamed(scene).title)),
-      columns.map((column) => matrixCell(scene, column)));
-  }
+  const matrixRow = (scene) => row(
+    rowHead(link(`#${anchor(scene)}`, scene), el("small", null, sceneNamed(scene).title)),
+    columns.map((column) => matrixCell(scene, column)));
 
-  const headCell = (column) => el("th", { scope: "col", class: "num" }, column.name,
-    el("small", null, column.preset ? "preset" : "engine"));
-
-  /** A table that may be wider than the screen scrolls by itself, also from the keyboard. */
-  function scrolling(label, table) {
-    table.prepend(el("caption", { class: "hidden" }, label));
-    return el("div", { class: "scroll", role: "region", "aria-label": `Table: ${label}`,
-      tabindex: "0" }, table);
-  }
+  const headCell = (column) => window.NephPage.numHead(column.name,
+    column.preset ? "preset" : "engine");
 
   function matrix() {
     const told = order.filter((scene) => of(scene).some(hasNumber));
     const silent = order.filter((scene) => !told.includes(scene));
     return el("section", { "aria-labelledby": "matrix" },
       el("h2", { id: "matrix" }, "Verdicts"),
-      told.length > 0 && scrolling("Verdicts", el("table", { class: "wide matrix findings" },
-        el("thead", null, el("tr", null, el("th", { scope: "col" }, "Scenario"),
-          columns.map(headCell))),
-        el("tbody", null, told.map(matrixRow)))),
+      told.length > 0 && scrolling("Verdicts", table("wide matrix findings",
+        [colHead("Scenario"), columns.map(headCell)], told.map(matrixRow))),
       el("p", { class: "note small soft" }, "Each cell shows the worst of its numbers: what was " +
         "measured, the verdict, the limit that is not to be exceeded, and which measure it is."),
       silent.length > 0 && el("p", { class: "small" }, "Without a number so far: ",
@@ -230,44 +186,30 @@
             .join(", "), ")"]), "."));
   }
 
-  function help() {
-    const entry = (term, ...text) => el("div", null, el("dt", null, term), el("dd", null, text));
-    return el("aside", { class: "help", "aria-labelledby": "help" },
-      el("h2", { id: "help" }, "How to read this"),
-      el("dl", null,
-        entry("Verdicts", "✗ fails: above its limit, and nobody expected it. △ fails, known: a " +
-          "failure that is written down with its reason. ◆ passes, unexpected: written down as " +
-          "failing, and no longer does; that is news as much as a failure."),
-        entry("Engines", "Presets are of our shortcut over time. Engines that make each picture " +
-          "anew stand in the scenarios of fog, held against engine exact, without the measures " +
-          "that are of a history. “Cannot” and “missing” are no verdicts."),
-        entry("Pictures", "Each cell with evidence shows its worst frame, and a row of pixels " +
-          "over the frames, the one whose error is largest, time running down. Differences are " +
-          "on one fixed scale: blue is too dark, red too bright, cyan and yellow are beyond."),
-        entry("Flip-book", "Four frames in a row beside their reference. They stand still until " +
-          "they are started; where a device asks for less motion they turn slowly.")));
-  }
+  const help = () => window.NephPage.help(
+    entry("Verdicts", "✗ fails: above its limit, and nobody expected it. △ fails, known: a " +
+      "failure that is written down with its reason. ◆ passes, unexpected: written down as " +
+      "failing, and no longer does; that is news as much as a failure."),
+    entry("Engines", "Presets are of our shortcut over time. Engines that make each picture " +
+      "anew stand in the scenarios of fog, held against engine exact, without the measures " +
+      "that are of a history. “Cannot” and “missing” are no verdicts."),
+    entry("Pictures", "Each cell with evidence shows its worst frame, and a row of pixels " +
+      "over the frames, the one whose error is largest, time running down. Differences are " +
+      "on one fixed scale: blue is too dark, red too bright, cyan and yellow are beyond."),
+    entry("Flip-book", "Four frames in a row beside their reference. They stand still until " +
+      "they are started; where a device asks for less motion they turn slowly."));
 
   // ------------------------------------------------------------------------------------- pictures
 
-  const fitted = []; // {element, width}: pictures whose pixels become whole device pixels
-
-  function pixels(item, name, alt, size) {
-    const image = el("img", { class: "pixels", src: `${item.folder}/${name}.png`, alt,
-      width: size[0], height: size[1], draggable: "false" });
-    image.addEventListener("error", () => image.replaceWith(
-      el("div", { class: "hole" }, el("span", null, `${name}.png is not in this page's folder`))));
-    return image;
-  }
+  const pixels = (item, name, alt, size) => window.NephPage.pixels(`${item.folder}/${name}.png`,
+    alt, size, `${name}.png is not in this page's folder`);
 
   const has = (item, name) => item.pictures.includes(`${name}.png`);
 
   function figure(item, name, alt, caption, size) {
     if (!has(item, name)) return null;
-    const made = el("figure", null, pixels(item, name, alt, size), el("figcaption", null, caption));
-    made.style.setProperty("--image-width", size[0]);
-    made.style.setProperty("--image-height", size[1]);
-    return made;
+    return sized(el("figure", null, pixels(item, name, alt, size),
+      el("figcaption", null, caption)), size);
   }
 
   function stack(item, names, what, size) {
@@ -320,15 +262,10 @@
       pair, el("div", { class: "wipe" }, button, slider));
   }
 
-  function differenceScale(item) {
-    const bar = el("div", { class: "bar", role: "img",
-      "aria-label": "Colour scale from below the reference to above it" });
-    bar.style.background = `linear-gradient(to right, ${run.difference_colours.join(", ")})`;
-    return el("div", { class: "legend" }, el("figure", null,
-      el("figcaption", null, "Differences of radiance, a tenth of the display's white at the ends"),
-      bar, el("div", { class: "ticks" }, el("span", null, `−${written(item.scale)} darker`),
-        el("span", null, "agrees"), el("span", null, `brighter ${written(item.scale)}`))));
-  }
+  const differenceScale = (item) => el("div", { class: "legend" }, el("figure", null,
+    el("figcaption", null, "Differences of radiance, a tenth of the display's white at the ends"),
+    colourBar(run.difference_colours, "Colour scale from below the reference to above it",
+      `−${written(item.scale)} darker`, "agrees", `brighter ${written(item.scale)}`)));
 
   function evidence(item) {
     const size = item.size_px;
@@ -352,15 +289,12 @@
         figure(item, "slice_difference", `${title}: difference of that row`,
           "frames − reference", strip)),
       has(item, "worst_difference") && differenceScale(item));
-    shown.style.setProperty("--image-width", size[0]);
-    shown.style.setProperty("--image-height", size[1]);
-    fitted.push({ element: shown, width: size[0] });
     const worst = of(item.scene, item.column).filter((result) => result.point === item.point)[0];
     return el("article", { class: "exhibit" },
       el("h4", null, item.column, item.point && ` at ${item.point}`),
       worst && el("p", { class: "small" }, word(worst.verdict), ": ", worst.measure, maskOf(worst),
         " ", numberOf(worst), ", limit ", limitOf(worst), worst.why && `. ${worst.why}`),
-      shown);
+      fit(shown, size));
   }
 
   // --------------------------------------------------------------------------------------- curves
@@ -473,7 +407,7 @@
   function numberCell(scene, column, point, measure, over) {
     const result = of(scene, column.name).find((one) => one.point === point
       && one.measure === measure && one.over === over);
-    if (!result) return el("td", { class: "num soft" }, el("small", null, "not asked"));
+    if (!result) return notAsked();
     return el("td", { class: `num ${TINTS[result.verdict] ?? ""}`, title: result.why || null },
       numberOf(result), el("small", null, word(result.verdict)));
   }
@@ -482,19 +416,17 @@
     const rows = points.flatMap(({ point, number }) => unique(of(scene)
       .filter((result) => result.point === point).map(({ measure, over }) => `${measure} ${over}`))
       .map((key) => ({ point, number, key })));
-    return scrolling(label, el("table", { class: "findings" },
-      el("thead", null, el("tr", null, el("th", { scope: "col" }, "Measure"),
-        el("th", { scope: "col", class: "num" }, "Limit"), columns.map(headCell))),
-      el("tbody", null, rows.map(({ point, number, key }) => {
+    return scrolling(label, table("findings",
+      [colHead("Measure"), window.NephPage.numHead("Limit"), columns.map(headCell)],
+      rows.map(({ point, number, key }) => {
         const [measure, over] = key.split(" ");
         const own = of(scene).find((result) => result.measure === measure && result.over === over
           && result.point === point);
-        return el("tr", null,
-          el("th", { scope: "row" }, measure, maskText(over),
-            el("small", null, point ? `${number}: ${point}` : MEASURES[measure])),
-          el("td", { class: "num", title: own.reason }, limitOf(own)),
-          columns.map((column) => numberCell(scene, column, point, measure, over)));
-      }))));
+        return row(rowHead(measure, maskText(over),
+          el("small", null, point ? `${number}: ${point}` : MEASURES[measure])),
+        el("td", { class: "num", title: own.reason }, limitOf(own)),
+        columns.map((column) => numberCell(scene, column, point, measure, over)));
+      })));
   }
 
   /** Why it is so: once for all that it is said of. */
@@ -513,7 +445,7 @@
   function limits(scene) {
     const list = unique(of(scene).map(({ measure, over, limit, reason }) =>
       JSON.stringify([measure, over, limit, reason])));
-    return el("details", null, el("summary", null, "Where the limits are from"),
+    return folded("Where the limits are from",
       el("ul", { class: "small" }, list.map((text) => {
         const [measure, over, limit, reason] = JSON.parse(text);
         return el("li", null, el("b", null, measure), maskText(over), ` ≤ ${written(limit)}: `,
@@ -527,7 +459,7 @@
     const names = columns.map(({ name }) => name).filter((name) => own[name]
       && !shown.includes(name));
     if (names.length === 0) return null;
-    return el("details", null, el("summary", null, "The commands that make what is not shown here"),
+    return folded("The commands that make what is not shown here",
       el("ul", { class: "small" }, names.map((name) => el("li", null, el("b", null, name), ": ",
         el("code", null, own[name])))));
   }
@@ -557,7 +489,7 @@
         el("h3", null, "Over the sweep"),
         keys.filter((key) => !key.startsWith("bad_values")).map((key) => curve(name,
           ...key.split(" "))),
-        el("details", null, el("summary", null, `The numbers of ${points.length - 1} points`),
+        folded(`The numbers of ${points.length - 1} points`,
           numbers(name, points.slice(1), `Numbers of ${name} over its sweep`))],
       limits(name),
       shown.length > 0 && [el("h3", null, "Evidence"), shown.map(evidence)],
@@ -566,41 +498,15 @@
 
   // ----------------------------------------------------------------------------------------- page
 
-  /** Image pixels become a whole number of device pixels. */
-  function fitPictures(main) {
-    const style = getComputedStyle(main);
-    const room = Math.min(300,
-      main.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
-    const dots = window.devicePixelRatio || 1;
-    for (const { element, width } of fitted)
-      element.style.setProperty("--scale", Math.max(1, Math.floor((room * dots) / width)) / dots);
-  }
-
-  function foot() {
-    return el("footer", null, el("p", null, "Every number of this page is in ",
-      el("a", { href: "data.json" }, "data.json"), "; how the suite is run: ",
-      el("code", null, "neph validate --suite failure"), "."));
-  }
-
-  function complaint(main, title, text) {
-    main.replaceChildren(el("h1", null, title), el("p", null, text));
-  }
+  const foot = () => el("footer", null, el("p", null, "Every number of this page is in ",
+    link("data.json"), "; how the suite is run: ",
+    el("code", null, "neph validate --suite failure"), "."));
 
   const main = document.getElementById("report");
-  if (!run) {
-    complaint(main, "This page has no data",
-      "data.js, which lies beside it in a complete folder, is missing or cannot be read.");
-  } else if (run.format !== "neph-failure-2") {
-    complaint(main, "This page is of another version",
-      `Its data say “${run.format}”; this page reads “neph-failure-2”.`);
-  } else {
-    document.title = `Failure suite: ${run.state === "finished" ? run.verdict : run.state}`;
-    main.replaceChildren();
-    append(main, [head(), matrix(), help(), order.map(section), foot()]);
-    fitPictures(main);
-    window.addEventListener("resize", () => fitPictures(main));
-    if (location.hash)
-      document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
-    document.documentElement.dataset.ready = "yes";
-  }
+  if (!hasData(main, run, "neph-failure-2")) return;
+  document.title = `Failure suite: ${run.state === "finished" ? run.verdict : run.state}`;
+  show(main, head(), matrix(), help(), order.map(section), foot());
+  if (location.hash)
+    document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
+  document.documentElement.dataset.ready = "yes";
 })();

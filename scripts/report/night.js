@@ -7,6 +7,9 @@
   "use strict";
 
   const night = window.NEPH_NIGHT;
+  const { el, svg, plural, unique, signed, colHead, rowHead, numHead, words, row, table, scrolling,
+    fact, entry, listed, link, hasData, withoutPlus, hole, pixels, fit, show, colourBar } =
+    window.NephPage;
 
   // A sign, a word and a colour each: none speaks by its colour.
   const FOUND = {
@@ -38,38 +41,11 @@
   const FAILED = ["failed", "timeout"];
   const LISTED = 16, SHOWN = 8; // groups of findings, in the verdict and at length; others fold
 
-  // ------------------------------------------------------------------------------------- elements
-
-  function append(element, children) {
-    for (const child of children.flat(Infinity))
-      if (child !== null && child !== undefined && child !== false) element.append(child);
-    return element;
-  }
-
-  function attributed(element, attributes) {
-    for (const [name, value] of Object.entries(attributes ?? {}))
-      if (value !== null && value !== undefined && value !== false)
-        element.setAttribute(name, String(value));
-    return element;
-  }
-
-  const el = (tag, attributes, ...children) =>
-    append(attributed(document.createElement(tag), attributes), children);
-
-  const svg = (tag, attributes, ...children) => append(attributed(
-    document.createElementNS("http://www.w3.org/2000/svg", tag), attributes), children);
-
-  const plural = (count, one, many) => `${count} ${count === 1 ? one : many}`;
-  const unique = (list) => [...new Set(list)];
-  const fact = (name, value) => el("div", null, el("dt", null, name), el("dd", null, value));
-
   // -------------------------------------------------------------------------------------- numbers
 
   function written(value, digits = 4) {
-    const size = Math.abs(value);
-    if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(digits - 1)
-      .replace("e+", "e").replace("e-", "e−");
-    return String(Number(value.toPrecision(digits))).replace("-", "−");
+    const text = withoutPlus(window.NephPage.written(value, digits, 1e6));
+    return text.includes("e") ? text : text.replace("-", "−");
   }
 
   /** A number: all its digits are a matter of pointing at it. */
@@ -81,7 +57,7 @@
 
   function word(found) {
     const [sign, kind] = FOUND[found] ?? ["○", "open-word"];
-    return el("span", { class: kind }, el("span", { "aria-hidden": "true" }, `${sign} `), found);
+    return signed(sign, found, kind);
   }
 
   // --------------------------------------------------------------------------------------- groups
@@ -145,19 +121,13 @@
   function newsItem(group, n) {
     const [first] = group;
     return el("li", null, word(first.found), " ",
-      el("a", { href: `#finding-${n + 1}` }, titleOf(group)),
+      link(`#finding-${n + 1}`, titleOf(group)),
       first.change !== null && [": ", first.kind !== "mean" && first.metric && `${first.metric} `,
         el("b", null, changeText(first))],
       group.length > 1 && `, and ${plural(group.length - 1, "number", "numbers")} more`);
   }
 
-  function news() {
-    const items = groups().map(newsItem);
-    if (night.state !== "finished" || items.length === 0) return null;
-    return [el("ul", null, items.slice(0, LISTED)),
-      items.length > LISTED && el("details", null,
-        el("summary", null, `${items.length - LISTED} more`), el("ul", null, items.slice(LISTED)))];
-  }
+  const news = () => night.state === "finished" && listed(groups().map(newsItem), LISTED);
 
   function verdict() {
     const running = night.state !== "finished";
@@ -172,16 +142,12 @@
 
   function head() {
     const done = night.steps.filter((step) => step.done).length;
-    return el("header", null,
-      el("p", { class: "eyebrow" }, "Nephelometer night"),
-      el("h1", null, `Night ${night.night}`),
-      verdict(),
-      el("dl", { class: "facts" },
-        fact("Held against", night.baseline > 0 ? `night ${night.baseline}` : "nothing yet"),
-        fact("Tier", night.tier), night.revision && fact("Revision", night.revision),
-        fact("Program", night.program), fact("Host", night.host),
-        fact("Steps", `${done} of ${night.steps.length}, ${written(night.seconds / 60, 3)} min`),
-        fact("Written", night.created_utc), fact("Version", `neph ${night.neph_version}`)));
+    return window.NephPage.head("Nephelometer night", `Night ${night.night}`, verdict(),
+      fact("Held against", night.baseline > 0 ? `night ${night.baseline}` : "nothing yet"),
+      fact("Tier", night.tier), night.revision && fact("Revision", night.revision),
+      fact("Program", night.program), fact("Host", night.host),
+      fact("Steps", `${done} of ${night.steps.length}, ${written(night.seconds / 60, 3)} min`),
+      fact("Written", night.created_utc), fact("Version", `neph ${night.neph_version}`));
   }
 
   // --------------------------------------------------------------------------------------- trends
@@ -228,38 +194,15 @@
 
   // ------------------------------------------------------------------------------------- findings
 
-  const fitted = []; // {element, width}: pictures whose pixels become whole device pixels
-
-  function pixels(source, alt, size) {
-    const image = el("img", { class: "pixels", src: source, alt, width: size[0], height: size[1] });
-    image.addEventListener("error", () => image.replaceWith(
-      el("div", { class: "hole" }, el("span", null, `${source} is not in this page's folder`))));
-    return image;
-  }
-
-  function fit(element, size) {
-    element.style.setProperty("--image-width", size[0]);
-    element.style.setProperty("--image-height", size[1]);
-    fitted.push({ element, width: size[0] });
-    return element;
-  }
-
   function figure(frame, alt, caption, size) {
     if (!frame) return null;
     return el("figure", null, frame.picture ? pixels(frame.picture, alt, size)
-      : el("div", { class: "hole" }, el("span", null, "the limit of the page is reached")),
-    el("figcaption", null, caption));
+      : hole("the limit of the page is reached"), el("figcaption", null, caption));
   }
 
-  function differenceScale(scale) {
-    const made = el("figure", { class: "difference-scale" },
-      el("div", { class: "bar", role: "img", "aria-label": "from darker tonight to brighter" }),
-      el("div", { class: "ticks" }, el("span", null, `−${written(scale, 1)} darker`),
-        el("span", null, "0"), el("span", null, `+${written(scale, 1)} brighter`)));
-    made.querySelector(".bar").style.background =
-      `linear-gradient(90deg, ${night.difference_colours.join(", ")})`;
-    return made;
-  }
+  const differenceScale = (scale) => el("figure", { class: "difference-scale" },
+    colourBar(night.difference_colours, "from darker tonight to brighter",
+      `−${written(scale, 1)} darker`, "0", `+${written(scale, 1)} brighter`));
 
   function pictures({ shown, found, kind, scene, series }) {
     if (!shown) return null;
@@ -323,7 +266,7 @@
     return el("dl", { class: "facts commands" },
       first.command && fact("Again", el("code", null, first.command)),
       look && fact("Look closer", el("code", null, look)),
-      step?.log && fact("Log", el("a", { href: `../${step.log}` }, step.log)));
+      step?.log && fact("Log", link(`../${step.log}`, step.log)));
   }
 
   function groupArticle(group, n) {
@@ -353,26 +296,21 @@
         el("summary", null, `${made.length - SHOWN} more, less bad`), made.slice(SHOWN)));
   }
 
-  function help() {
-    const entry = (term, ...text) => el("div", null, el("dt", null, term), el("dd", null, text));
-    return el("aside", { class: "help", "aria-labelledby": "help" },
-      el("h2", { id: "help" }, "How to read this"),
-      el("dl", null,
-        entry("Worse", "The change is more than chance, after a correction for all comparisons of ",
-          "the night, and large enough to matter."),
-        entry("Trend", "The number over the last nights: an open ring is the accepted night, the ",
-          "large dot tonight. Crosses of grey are nights that had changed, too, and are no part ",
-          "of what durations are held against."),
-        entry("Pictures", "Both nights at the exposure of the scene, of a sequence the last ",
-          "frame. Blue is darker tonight, red brighter, cyan and yellow beyond the scale."),
-        entry("Numbers", unique(night.findings.map((finding) => finding.kind).filter((kind) =>
-          KINDS[kind])).map((kind) => `${kind}: ${KINDS[kind]}. `),
-        "“Seen from”: the least change that the number could have shown tonight."),
-        entry("Every number", "Point at a number of the tables below: it tells all its digits, ",
-          "what was accepted, and from which change on it would have been seen tonight."),
-        entry("Was it meant?", el("code", null, "neph baseline accept --why TEXT"), " makes this ",
-          "night what the next is held against; nothing is overwritten.")));
-  }
+  const help = () => window.NephPage.help(
+    entry("Worse", "The change is more than chance, after a correction for all comparisons of ",
+      "the night, and large enough to matter."),
+    entry("Trend", "The number over the last nights: an open ring is the accepted night, the ",
+      "large dot tonight. Crosses of grey are nights that had changed, too, and are no part ",
+      "of what durations are held against."),
+    entry("Pictures", "Both nights at the exposure of the scene, of a sequence the last ",
+      "frame. Blue is darker tonight, red brighter, cyan and yellow beyond the scale."),
+    entry("Numbers", unique(night.findings.map((finding) => finding.kind).filter((kind) =>
+      KINDS[kind])).map((kind) => `${kind}: ${KINDS[kind]}. `),
+    "“Seen from”: the least change that the number could have shown tonight."),
+    entry("Every number", "Point at a number of the tables below: it tells all its digits, ",
+      "what was accepted, and from which change on it would have been seen tonight."),
+    entry("Was it meant?", el("code", null, "neph baseline accept --why TEXT"), " makes this ",
+      "night what the next is held against; nothing is overwritten."));
 
   // --------------------------------------------------------------------------------------- scenes
 
@@ -381,36 +319,26 @@
     return { suite, scene, engine, metric, truth };
   }
 
-  /** A table that may be wider than the screen scrolls by itself, also from the keyboard. */
-  function scrolling(label, table) {
-    table.prepend(el("caption", { class: "hidden" }, label));
-    return el("div", { class: "scroll", role: "region", "aria-label": `Table: ${label}`,
-      tabindex: "0" }, table);
-  }
-
-  function numberCell(row) {
-    if (!row) return el("td", { class: "num soft" }, "·");
-    return el("td", { class: `num ${JUDGED[row.judged] ?? ""}` },
-      row.tonight !== null && el("data", { value: row.tonight, "data-value": row.tonight,
-        title: [String(row.tonight), row.why, row.baseline !== null
-          && `accepted ${row.baseline}`, row.floor !== null
-          && `a change is seen from ${percent(row.floor, false)} on`].filter((text) => text)
-          .join("; ") }, written(row.tonight, 3)),
-      ["worse", "better", "moved"].includes(row.judged)
-        && el("small", null, `${row.judged}, ${percent(row.change)}`),
-      row.judged === "not judged" && el("small", null, "not judged"));
+  function numberCell(result) {
+    if (!result) return el("td", { class: "num soft" }, "·");
+    return el("td", { class: `num ${JUDGED[result.judged] ?? ""}` },
+      result.tonight !== null && el("data", { value: result.tonight, "data-value": result.tonight,
+        title: [String(result.tonight), result.why, result.baseline !== null
+          && `accepted ${result.baseline}`, result.floor !== null
+          && `a change is seen from ${percent(result.floor, false)} on`].filter((text) => text)
+          .join("; ") }, written(result.tonight, 3)),
+      ["worse", "better", "moved"].includes(result.judged)
+        && el("small", null, `${result.judged}, ${percent(result.change)}`),
+      result.judged === "not judged" && el("small", null, "not judged"));
   }
 
   function sceneTable(suite, scene, rows) {
     const metrics = unique(rows.map(({ metric }) => metric));
     const engines = unique(rows.map(({ engine }) => engine));
-    return scrolling(`${scene}, ${suite}`, el("table", { class: "findings" },
-      el("thead", null, el("tr", null, el("th", { scope: "col" }, "Engine"),
-        metrics.map((metric) => el("th", { scope: "col", class: "num" }, metric)))),
-      el("tbody", null, engines.map((engine) => el("tr", null,
-        el("th", { scope: "row" }, engine),
-        metrics.map((metric) => numberCell(rows.find((row) => row.engine === engine
-          && row.metric === metric))))))));
+    return scrolling(`${scene}, ${suite}`, table("findings",
+      [colHead("Engine"), metrics.map((metric) => numHead(metric))],
+      engines.map((engine) => row(rowHead(engine), metrics.map((metric) =>
+        numberCell(rows.find((one) => one.engine === engine && one.metric === metric)))))));
   }
 
   function sceneCard(suite, scene, rows) {
@@ -444,10 +372,10 @@
 
   function steps() {
     const failed = night.steps.filter((step) => FAILED.includes(step.outcome));
-    const row = (step) => el("tr", { class: FAILED.includes(step.outcome) ? "failing" : null },
-      el("th", { scope: "row" }, step.name),
-      el("td", null, step.outcome, step.log && [" ", el("a", { href: `../${step.log}` }, "log")]),
-      el("td", { class: "words" }, step.reason));
+    const stepRow = (step) => el("tr", { class: FAILED.includes(step.outcome) ? "failing" : null },
+      rowHead(step.name),
+      el("td", null, step.outcome, step.log && [" ", link(`../${step.log}`, "log")]),
+      words(step.reason));
     return el("section", { "aria-labelledby": "steps" },
       el("h2", { id: "steps" }, "Steps"),
       failed.length > 0 && el("ul", null, failed.map((step) => el("li", null, step.name, ": ",
@@ -455,23 +383,11 @@
           "log")))),
       el("details", { open: night.state !== "finished" },
         el("summary", null, plural(night.steps.length, "step", "steps")),
-        scrolling("Steps", el("table", null,
-          el("thead", null, el("tr", null, ["Step", "Outcome", "Reason"].map((name) =>
-            el("th", { scope: "col" }, name)))),
-          el("tbody", null, night.steps.map(row))))));
+        scrolling("Steps", table(null, ["Step", "Outcome", "Reason"].map((name) => colHead(name)),
+          night.steps.map(stepRow)))));
   }
 
   // ----------------------------------------------------------------------------------------- page
-
-  /** Image pixels become a whole number of device pixels. */
-  function fitPictures(main) {
-    const style = getComputedStyle(main);
-    const room = Math.min(300,
-      main.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
-    const dots = window.devicePixelRatio || 1;
-    for (const { element, width } of fitted)
-      element.style.setProperty("--scale", Math.max(1, Math.floor((room * dots) / width)) / dots);
-  }
 
   /** What a link leads to may be folded away. */
   function unfold(href) {
@@ -480,34 +396,17 @@
     if (details) details.open = true;
   }
 
-  function foot() {
-    return el("footer", null,
-      night.page.left_out > 0 && el("p", null, "The limit of the page is reached: ",
-        plural(night.page.left_out, "picture is", "pictures are"), " left out."),
-      el("p", null, "Every number of this page is in ", el("a", { href: "data.json" }, "data.json"),
-        "; the same without pictures in ", el("a", { href: "../nightly.json" }, "nightly.json"),
-        "."));
-  }
-
-  function complaint(main, title, text) {
-    main.replaceChildren(el("h1", null, title), el("p", null, text));
-  }
+  const foot = () => el("footer", null,
+    night.page.left_out > 0 && el("p", null, "The limit of the page is reached: ",
+      plural(night.page.left_out, "picture is", "pictures are"), " left out."),
+    el("p", null, "Every number of this page is in ", link("data.json"),
+      "; the same without pictures in ", link("../nightly.json", "nightly.json"), "."));
 
   const main = document.getElementById("report");
-  if (!night) {
-    complaint(main, "This page has no data",
-      "data.js, which lies beside it in a complete folder, is missing or cannot be read.");
-  } else if (night.format !== "neph-night-page-1") {
-    complaint(main, "This page is of another version",
-      `Its data say “${night.format}”; this page reads “neph-night-page-1”.`);
-  } else {
-    document.title = `Night ${night.night}: ` + (night.state !== "finished" ? night.state
-      : night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail");
-    main.replaceChildren();
-    append(main, [head(), changes(), help(), scenes(), steps(), foot()]);
-    fitPictures(main);
-    window.addEventListener("resize", () => fitPictures(main));
-    main.addEventListener("click", ({ target }) => unfold(target.getAttribute?.("href")));
-    document.documentElement.dataset.ready = "yes";
-  }
+  if (!hasData(main, night, "neph-night-page-1")) return;
+  document.title = `Night ${night.night}: ` + (night.state !== "finished" ? night.state
+    : night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail");
+  show(main, head(), changes(), help(), scenes(), steps(), foot());
+  main.addEventListener("click", ({ target }) => unfold(target.getAttribute?.("href")));
+  document.documentElement.dataset.ready = "yes";
 })();

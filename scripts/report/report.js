@@ -9,6 +9,9 @@
   "use strict";
 
   const report = window.NEPH_REPORT;
+  const { append, el, svg, hidden, folded, colHead, rowHead, numHead, num, words, row: tr, table,
+    scrolling, fact, entry, listed, link, complain, hole, fit, show, colourBar, loadVega,
+    drawLive } = window.NephPage;
 
   // ---------------------------------------------------------------------------------- vocabulary
 
@@ -112,37 +115,9 @@
   const BROKEN = ["failed", "timeout", "interrupted"];
   const SCENES_NAMED = 8; // in the contents; more are folded there
   const LISTED = 12; // troubles in the verdict before the rest is folded away
-  const VENDORED = ["vendor/vega.min.js", "vendor/vega-lite.min.js", "vendor/vega-embed.min.js"];
 
   // ------------------------------------------------------------------------------------- elements
 
-  /** An element; strings and numbers among the children become text, null and false nothing. */
-  function el(tag, attributes, ...children) {
-    const element = document.createElement(tag);
-    for (const [name, value] of Object.entries(attributes ?? {})) {
-      if (value !== null && value !== undefined && value !== false)
-        element.setAttribute(name, String(value));
-    }
-    append(element, children);
-    return element;
-  }
-
-  function append(element, children) {
-    for (const child of children.flat(Infinity)) {
-      if (child === null || child === undefined || child === false) continue;
-      element.append(child instanceof Node ? child : document.createTextNode(String(child)));
-    }
-  }
-
-  function svg(tag, attributes, ...children) {
-    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-    for (const [name, value] of Object.entries(attributes))
-      element.setAttribute(name, String(value));
-    append(element, children);
-    return element;
-  }
-
-  const hidden = (text) => el("span", { class: "hidden" }, text);
   const absent = (text) => el("span", { class: "absent" },
     el("span", { "aria-hidden": "true" }, "—"), hidden(text ?? "not measured"));
   const plural = (count, one, many) => (count === 1 ? one : many);
@@ -293,23 +268,17 @@
 
   function head() {
     const size = report.size_px ?? [];
-    return el("header", {},
-      el("p", { class: "eyebrow" }, "Nephelometer report"),
-      el("h1", {}, report.title),
-      verdict(),
-      el("dl", { class: "facts" },
-        fact("Written", report.created_utc),
-        fact("Took", number("seconds", { unit: "s" })),
-        fact("Version", ["neph ", report.neph_version]),
-        fact("Host", [report.host?.cpu, " · ", number("host/cores"), " cores · ",
-            number("host/memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
-        scenes.length > 0 && fact("Pictures",
-          size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent()),
-        report.screen === "screen/index.html" && fact("Beside",
-          el("a", { href: "screen/index.html" }, "what a screen cannot know"))));
+    return window.NephPage.head("Nephelometer report", report.title, verdict(),
+      fact("Written", report.created_utc),
+      fact("Took", number("seconds", { unit: "s" })),
+      fact("Version", ["neph ", report.neph_version]),
+      fact("Host", [report.host?.cpu, " · ", number("host/cores"), " cores · ",
+        number("host/memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
+      scenes.length > 0 && fact("Pictures",
+        size.length ? [number("size_px/0"), " × ", number("size_px/1"), " pixels"] : absent()),
+      report.screen === "screen/index.html" && fact("Beside",
+        link("screen/index.html", "what a screen cannot know")));
   }
-
-  const fact = (name, value) => el("div", {}, el("dt", {}, name), el("dd", {}, value));
 
   const item = (...children) => el("li", {}, children);
 
@@ -344,7 +313,7 @@
 
   function physicsLines() {
     const phases = (physics?.phase_functions ?? []).filter((row) => row.verdict === "off")
-      .map((row) => item(word(FINDINGS, "wrong"), " ", el("a", { href: "#phase-functions" },
+      .map((row) => item(word(FINDINGS, "wrong"), " ", link("#phase-functions",
         "Phase function"), " ", String(row.phase).replace(/_/g, " ")));
     const size = (r) => Math.abs(rows[r].deviation ?? 0);
     const wrong = [...rows.keys()].filter((r) => findingOf(rows[r]) === "wrong")
@@ -427,9 +396,7 @@
             report.counts.reported), " of ", derived("counts.expected", report.counts.expected),
           " results are in this report, ", derived("counts.compared", report.counts.compared),
           " compared with a truth.")),
-      lines.length > 0 && el("ul", { class: "small" }, lines.slice(0, LISTED)),
-      lines.length > LISTED && el("details", { class: "small" },
-        el("summary", {}, "The rest of the list"), el("ul", {}, lines.slice(LISTED))));
+      listed(lines, LISTED, "The rest of the list", "small"));
   }
 
   /** A page that was written before the run was over says so, and how much of it is here. */
@@ -443,21 +410,22 @@
         number("progress/left_s", { unit: "s", digits: 2 }), " are left."] : ".");
   }
 
-  const sceneLink = (s) => el("a", { href: `#${sceneIds[s]}` }, scenes[s].title || scenes[s].name);
+  const titleOf = (scene) => scene.title || scene.name;
+  const sceneLink = (s) => link(`#${sceneIds[s]}`, titleOf(scenes[s]));
 
   function contents() {
-    const link = (id, text) => el("li", {}, el("a", { href: `#${id}` }, text));
-    const all = scenes.map((scene, s) => link(sceneIds[s], scene.title || scene.name));
+    const place = (id, text) => item(link(`#${id}`, text));
+    const all = scenes.map((scene, s) => place(sceneIds[s], titleOf(scene)));
     const isLong = all.length > SCENES_NAMED;
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
-      (report.charts ?? []).length > 0 && link("charts", "Speed against accuracy"),
-      physics && link("physics", "Physics: who agrees"),
-      rungs.map((rung) => link(rung.id, sentenceCase(rung.name))),
+      (report.charts ?? []).length > 0 && place("charts", "Speed against accuracy"),
+      physics && place("physics", "Physics: who agrees"),
+      rungs.map((rung) => place(rung.id, sentenceCase(rung.name))),
       !isLong && all,
-      sequences.length > 0 && link("over-time", "Over time"),
-      (scenes.length > 0 || !physics) && link("summary", "All in one table"),
-      physics?.phase_functions?.length > 0 && link("phase-functions", "Phase functions"),
-      link("engines", "Engines"), link("help", "How to read this")),
+      sequences.length > 0 && place("over-time", "Over time"),
+      (scenes.length > 0 || !physics) && place("summary", "All in one table"),
+      physics?.phase_functions?.length > 0 && place("phase-functions", "Phase functions"),
+      place("engines", "Engines"), place("help", "How to read this")),
     isLong && folded("All scenes", el("ul", {}, all)));
   }
 
@@ -486,23 +454,20 @@
     const attributed = scenes.some((scene) => scene.attribution);
     return el("section", { "aria-labelledby": "summary" },
       el("h2", { id: "summary" }, "All scenes and engines in one table"),
-      folded("The table", scrolling("Summary", el("table", { class: "wide matrix" },
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Scene"),
-          engines.map((engine) => el("th", { scope: "col", class: "num" }, engine.name,
-              el("small", {}, engine.available ? engine.rung : "not installed"))),
-          attributed && el("th", { scope: "col" }, "Stands alone"))),
-        el("tbody", {}, scenes.map((scene, s) => el("tr", {},
-          el("th", { scope: "row" }, sceneLink(s), el("small", { class: "mono" }, scene.name)),
-          engines.map((engine) => summaryCell(s, engine, order, unit)),
-          attributed && el("td", {}, standsAlone(scene)))))),
+      folded("The table", scrolling("Summary", table("wide matrix",
+        [colHead("Scene"), engines.map((engine) => numHead(engine.name,
+          engine.available ? engine.rung : "not installed")),
+        attributed && colHead("Stands alone")],
+        scenes.map((scene, s) => tr(
+          rowHead(sceneLink(s), el("small", { class: "mono" }, scene.name)),
+          engines.map((engine) => num(summaryCell(s, engine, order, unit))),
+          attributed && el("td", {}, standsAlone(scene))))),
       [`The number is the ${common[1]} of the ${common[0]} over the ${maskName(common[2])}`,
         unit && `, in ${unit},`, " against the reference of the scene; where another one stands, ",
         "it says which. Below it, the relative bias (+ is too bright) and the word of the gates. ",
         attributed && "“Stands alone” is who differs from all others, without any reference. ",
         "A dash is a number that was not measured."])));
   }
-
-  const folded = (title, ...content) => el("details", {}, el("summary", {}, title), content);
 
   function standsAlone(scene) {
     if (!scene.attribution) return absent("not asked");
@@ -523,66 +488,34 @@
   function summaryCell(s, engine, order, commonUnit) {
     const scene = scenes[s];
     const f = framesOf(scene).findIndex((frame) => frame.engine === engine.name);
-    const cell = el("td", { class: "num" });
-    const gates = gatesOf(scene).some((gate) => gate.engine === engine.name);
-    if (f < 0) {
-      append(cell,
-        [el("span", { class: "soft" }, "not in this run"), gates && gateWord(scene, engine.name)]);
-      return cell;
-    }
+    const gate = gateWord(scene, engine.name);
+    const gated = gatesOf(scene).some(({ engine: name }) => name === engine.name) && gate;
+    if (f < 0) return [el("span", { class: "soft" }, "not in this run"), gated];
     const frame = scene.frames[f];
-    if (frame.status !== "rendered") {
-      append(cell, [word(STATUSES, frame.status), el("small", { class: "reason" },
-          briefly(frame, logIds[s][f])),
-          gates && gateWord(scene, engine.name)]);
-      return cell;
-    }
-    if (isTruth(scene, engine.name)) {
-      append(cell, [el("span", {}, "reference"), el("small", {}, frame.rung),
-          gates && gateWord(scene, engine.name)]);
-      return cell;
-    }
+    if (frame.status !== "rendered")
+      return [word(STATUSES, frame.status), el("small", { class: "reason" },
+        briefly(frame, logIds[s][f])), gated];
+    if (isTruth(scene, engine.name))
+      return [el("span", {}, "reference"), el("small", {}, frame.rung), gated];
     const headline = order.find((candidate) => measurementOf(s, f, ...candidate));
-    if (!headline) {
-      append(cell, [absent(), gateWord(scene, engine.name)]);
-      return cell;
-    }
+    if (!headline) return [absent(), gate];
     const { path, unit } = measurementOf(s, f, ...headline);
     const bias = measurementOf(s, f, headline[0], "rel_bias", headline[2]);
-    append(cell, [
-      number(path, { ...reading(headline[1], unit), unit: "" }),
+    return [number(path, { ...reading(headline[1], unit), unit: "" }),
       headline !== order[0] && el("small", {}, `${headline[0]} ${headline[1]}`),
       !isRatio(unit) && unit !== commonUnit && el("small", { class: "unit" }, unit),
       bias && el("small", {}, "bias ", number(bias.path, reading("rel_bias", bias.unit))),
       stepBias(s, f, headline[0]),
       frame.bake && el("small", {}, "saw a baked grid"),
-      gateWord(scene, engine.name)]);
-    return cell;
-  }
-
-  /** A table with the heads of its columns at hand, for when it is shown as a list of rows. */
-  function scrolling(label, table, note) {
-    const heads = [...table.querySelectorAll("thead th")].map((head) => head.firstChild?.data
-      ?? head.textContent);
-    for (const row of table.querySelectorAll("tbody tr"))
-      [...row.children].forEach((cell, n) => {
-        if (cell.tagName === "TD" && heads[n]) cell.setAttribute("data-label", heads[n]);
-      });
-    table.prepend(el("caption", { class: "hidden" }, label));
-    return [
-      el("div", { class: "scroll", role: "region", "aria-label": `Table: ${label}`, tabindex: "0" },
-        table),
-      note && el("p", { class: "note small soft" }, note),
-    ];
+      gate];
   }
 
   function help() {
-    const entry = (term, ...text) => el("div", {}, el("dt", {}, term), el("dd", {}, text));
     return el("section", { class: "help", "aria-labelledby": "help" },
       el("h2", { id: "help" }, "How to read this"),
       folded("What is compared, gates, pictures, numbers", el("dl", {},
-        physics && physicsHelp(entry),
-        (scenes.length > 0 || !physics) && sceneHelp(entry),
+        physics && physicsHelp(),
+        (scenes.length > 0 || !physics) && sceneHelp(),
         entry("Difference maps", "Engine minus reference on a fixed scale: blue is below the "
           + "reference, red is above it, white agrees. Cyan and yellow lie beyond the scale below "
           + "and above; magenta is not a number."),
@@ -592,7 +525,7 @@
             + "at a number for all its digits."))));
   }
 
-  function sceneHelp(entry) {
+  function sceneHelp() {
     return [
       entry("What is compared", "Each scene isolates one piece of the physics of light in fog or "
         + "cloud. Several engines render it from the same file, ",
@@ -622,14 +555,14 @@
     const truth = scene.truth;
     const viewer = viewerOf(scene);
     return el("section", { "aria-labelledby": sceneIds[s] },
-      el("h2", { id: sceneIds[s] }, scene.title || scene.name),
+      el("h2", { id: sceneIds[s] }, titleOf(scene)),
       el("p", {}, scene.physics),
       el("p", { class: "small soft" }, el("span", { class: "mono" }, scene.name), " · ",
         truth ? ["held against ", el("b", {}, truth.engine), ` (${truth.rung})`]
           : "no reference: no engine of a trusted rung rendered it",
         " · exposure ",
         number(`scenes/${s}/exposure_ev`, { signed: true, unit: "EV", exact: true }),
-        viewer && [" · ", el("a", { href: viewer }, "all frames in the viewer")],
+        viewer && [" · ", link(viewer, "all frames in the viewer")],
         !viewer && scene.no_viewer && [" · not in the viewer: ", scene.no_viewer]),
       cardTable(scene, s),
       scene.attribution?.odd_one_out && el("p", { class: "finding odd" },
@@ -655,24 +588,24 @@
     const own = gatesOf(scene).filter((gate) => gate.engine === engine);
     const sorts = [["fail", "✗ ", "fail-word", " fails"], ["pass", "✓ ", "pass-word", " passes"],
       ["not_measured", "○ ", "open-word", " not measured"]];
-    const words = [];
-    for (const [verdict, sign, className, said] of sorts) {
+    const said = [];
+    for (const [verdict, sign, className, ending] of sorts) {
       const others = sorts.slice(0, sorts.findIndex(([name]) => name === verdict))
         .map(([name]) => name);
       const named = [...new Set(own.filter((gate) => gate.verdict === verdict
         && !own.some((other) => other.quantity === gate.quantity
           && others.includes(other.verdict))).map((gate) => gate.quantity))];
       for (const quantity of named)
-        words.push(el("span", { class: className }, sign, quantity, said));
+        said.push(el("span", { class: className }, sign, quantity, ending));
     }
     const free = ["radiance", "transmittance"].filter((quantity) =>
       !own.some((gate) => gate.quantity === quantity)
         && (framesOf(scene)[f].measurements ?? []).some((row) => row.quantity === quantity));
     const bias = measurementOf(s, f, "radiance", "rel_bias", "all");
     for (const quantity of free)
-      words.push(el("span", { class: "soft" }, quantity, quantity === "radiance" && bias
+      said.push(el("span", { class: "soft" }, quantity, quantity === "radiance" && bias
         && [" ", number(bias.path, reading("rel_bias", bias.unit))], " not gated"));
-    return words.map((part, n) => [n > 0 && "; ", part]);
+    return said.map((part, n) => [n > 0 && "; ", part]);
   }
 
   function cardTable(scene, s) {
@@ -687,21 +620,17 @@
       .sort((a, b) => size(b.f) - size(a.f));
     if (list.length === 0)
       return el("p", { class: "soft" }, "Nothing was measured in this scene.");
-    return scrolling(`${scene.title || scene.name}: what matters`,
-      el("table", { class: "wide five" },
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Engine, worst first"),
-          columns.map(({ head, note }) => el("th", { scope: "col", class: "num" }, head,
-            el("small", {}, note))),
-          el("th", { scope: "col", class: "num" }, "Wall", el("small", {}, "s")),
-          el("th", { scope: "col" }, "Gates"))),
-        el("tbody", {}, list.map(({ frame, f }) => el("tr", {
-          class: gatesOf(scene).some((gate) => gate.engine === frame.engine
-            && gate.verdict === "fail") ? "failing" : null },
-        el("th", { scope: "row" }, frame.engine, el("small", {}, frame.rung)),
-        columns.map(({ find }) => el("td", { class: "num" }, cardNumber(find(f)))),
-        el("td", { class: "num" }, number(`scenes/${s}/frames/${f}/wall_s`)),
-        el("td", { class: "words" }, gatedWords(scene, s, f), frame.note
-          && el("div", { class: "small" }, frame.note)))))));
+    const isFailing = ({ engine }) => gatesOf(scene)
+      .some((gate) => gate.engine === engine && gate.verdict === "fail");
+    return scrolling(`${titleOf(scene)}: what matters`, table("wide five",
+      [colHead("Engine, worst first"), columns.map(({ head, note }) => numHead(head, note)),
+        numHead("Wall", "s"), colHead("Gates")],
+      list.map(({ frame, f }) => el("tr", { class: isFailing(frame) ? "failing" : null },
+        rowHead(frame.engine, el("small", {}, frame.rung)),
+        columns.map(({ find }) => num(cardNumber(find(f)))),
+        num(number(`scenes/${s}/frames/${f}/wall_s`)),
+        words(gatedWords(scene, s, f), frame.note
+          && el("div", { class: "small" }, frame.note))))));
   }
 
   function cardNumber(found) {
@@ -744,7 +673,7 @@
     const kind = "transmittance";
     const drawn = drawnFrames(scene).filter((frame) => frame.difference?.[kind]);
     if (drawn.length === 0) return null;
-    const title = scene.title || scene.name;
+    const title = titleOf(scene);
     return [
       el("h3", {}, "Difference in transmittance"),
       el("div", { class: "legend" }, legend(scene, s, kind)),
@@ -763,34 +692,21 @@
     const given = report.difference_colours;
     const colours = Array.isArray(given) && given.length > 1
       && given.every((c) => /^#[0-9a-f]{6}$/i.test(c)) ? given : DIFFERENCE_COLOURS;
-    const bar = el("div", { class: "bar", role: "img",
-        "aria-label": "Colour scale from below the reference to above it" });
-    bar.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
-    return el("figure", {},
-      el("figcaption", {}, title),
-      bar,
-      el("div", { class: "ticks" }, el("span", {}, number(path, { scale: -1, exact: true }),
-          " below"), el("span", {}, "agrees"),
-        el("span", {}, "above ", number(path, { signed: true, exact: true }))));
+    return el("figure", {}, el("figcaption", {}, title),
+      colourBar(colours, "Colour scale from below the reference to above it",
+        [number(path, { scale: -1, exact: true }), " below"], "agrees",
+        ["above ", number(path, { signed: true, exact: true })]));
   }
 
-  function hole(text) {
-    return el("div", { class: "hole" }, el("span", {}, text));
-  }
-
-  function pixels(path, alt, className, size = report.size_px) {
-    const image = el("img", { class: `pixels${className ? ` ${className}` : ""}`, src: path, alt,
-        width: size[0], height: size[1], draggable: "false" });
-    image.addEventListener("error",
-      () => image.replaceWith(hole(`${path} is not in this report's folder`)));
-    return image;
-  }
+  const notHere = (path) => `${path} is not in this report's folder`;
+  const pixels = (path, alt, className, size = report.size_px) => window.NephPage.pixels(path, alt,
+    size, notHere(path), `pixels${className ? ` ${className}` : ""}`);
 
   function card(scene, s, frame, truthFrame, kind) {
     const own = inside(frame.picture);
     const reference = isTruth(scene, frame.engine);
     const other = reference ? null : inside(truthFrame?.picture);
-    const title = scene.title || scene.name;
+    const title = titleOf(scene);
     const article = el("article", { class: "card" },
       el("header", {},
         el("h4", {}, frame.engine),
@@ -925,17 +841,12 @@
         el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: columns.length + 1 },
             `${QUANTITIES[group.quantity] ?? group.quantity}, ${maskName(group.mask)}`)),
         metrics.map((metric) => metricRow(scene, s, columns, group, metric, explained)),
-        el("tr", {}, el("th", { scope: "row" }, "pixels", n === 0 && el("small", {},
-              "that the numbers above are taken over")),
-          columns.map(({ frame, f }) => el("td", { class: "num" },
-              pixelCount(s, f, frame, group) ?? absent()))));
+        tr(rowHead("pixels", n === 0 && el("small", {}, "that the numbers above are taken over")),
+          columns.map(({ frame, f }) => num(pixelCount(s, f, frame, group) ?? absent()))));
     });
-    return scrolling(label, el("table", {},
-      el("thead", {},
-        el("tr", {}, el("th", { scope: "col" }, "Measure"),
-        columns.map(({ frame }) => el("th", { scope: "col", class: "num" }, frame.engine,
-            el("small", {}, isTruth(scene, frame.engine) ? "reference" : frame.rung))))),
-      bodies));
+    return scrolling(label, el("table", {}, el("thead", {}, tr(colHead("Measure"),
+      columns.map(({ frame }) => numHead(frame.engine,
+        isTruth(scene, frame.engine) ? "reference" : frame.rung)))), bodies));
   }
 
   function metricRank(metric) {
@@ -958,16 +869,11 @@
     const meaning = report.metrics?.[metricRank(metric)]?.help;
     const first = !explained.has(metric);
     explained.add(metric);
-    return el("tr", {},
-      el("th", { scope: "row" }, metric, ` [${shownAs.unit || (isRatio(rowUnit) ? "1" : rowUnit)}]`,
+    return tr(
+      rowHead(metric, ` [${shownAs.unit || (isRatio(rowUnit) ? "1" : rowUnit)}]`,
         first && meaning && el("small", {}, meaning)),
-      columns.map(({ frame, f }) => {
-        const list = cells.get(f);
-        if (!list) return el("td", { class: "num" }, absent());
-        const cell = el("td", { class: "num" });
-        for (const m of list) append(cell, measurement(scene, s, frame, f, m, rowUnit, group));
-        return cell;
-      }));
+      columns.map(({ frame, f }) => num(cells.get(f)?.map((m) =>
+        measurement(scene, s, frame, f, m, rowUnit, group)) ?? absent())));
   }
 
   function measurement(scene, s, frame, f, m, rowUnit, group) {
@@ -1035,6 +941,15 @@
 
   const percent = (path, options) => number(path, { scale: 100, signed: true, ...options });
 
+  const pairRow = (pair, path, found) => tr(rowHead(`${pair.first} − ${pair.second}`),
+    el("td", { class: "tight" }, word(PAIRS, pair.verdict)),
+    num(percent(`${path}/mean_difference`)),
+    num("[", percent(`${path}/interval/0`), ", ", percent(`${path}/interval/1`), "]"),
+    whisker(pair.mean_difference, pair.interval, pair.verdict === "differ" ? "known"
+      : pair.verdict === "agree" ? "agrees" : "open", found.mean_meant),
+    num(percent(`${path}/rms_difference`, { signed: false })),
+    num(percent(`${path}/noise_floor`, { signed: false })));
+
   function attribution(scene, s) {
     const title = el("h3", {}, "Who disagrees with whom");
     if (scene.attribution === undefined) return null;
@@ -1050,26 +965,12 @@
       el("p", { class: `finding ${found.odd_one_out ? "odd" : silent ? "silent" : "calm"}` },
         el("b", { "aria-hidden": "true" }, found.odd_one_out ? "≠ " : silent ? "○ " : "· "),
         found.sentence),
-      scrolling("Who disagrees with whom", el("table", { class: "wide" },
-        el("thead", {},
-          el("tr", {}, el("th", { scope: "col" }, "Pair"), el("th", { scope: "col" }, "Finding"),
-          [["Mean difference", "%"], ["Interval", "%"]].map(([name, unit]) => el("th",
-              { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
-          [["Pixel by pixel", "RMS, noise taken out, %"],
-            ["Noise", "RMS of a pixel, %"]].map(([name, unit]) => el("th",
-              { scope: "col", class: "num" }, name, el("small", {}, unit))))),
-        el("tbody", {}, (found.pairs ?? []).map((pair, n) => el("tr", {},
-          el("th", { scope: "row" }, `${pair.first} − ${pair.second}`),
-          el("td", { class: "tight" }, word(PAIRS, pair.verdict)),
-          el("td", { class: "num" }, percent(`${path}/pairs/${n}/mean_difference`)),
-          el("td", { class: "num" }, "[", percent(`${path}/pairs/${n}/interval/0`), ", ",
-            percent(`${path}/pairs/${n}/interval/1`), "]"),
-          whisker(pair.mean_difference, pair.interval, pair.verdict === "differ" ? "known"
-            : pair.verdict === "agree" ? "agrees" : "open", found.mean_meant),
-          el("td", { class: "num" },
-            percent(`${path}/pairs/${n}/rms_difference`, { signed: false })),
-          el("td", { class: "num" },
-            percent(`${path}/pairs/${n}/noise_floor`, { signed: false }))))))),
+      scrolling("Who disagrees with whom", table("wide",
+        [colHead("Pair"), colHead("Finding"), numHead("Mean difference", "%"),
+          numHead("Interval", "%"), axisHead(),
+          numHead("Pixel by pixel", "RMS, noise taken out, %"),
+          numHead("Noise", "RMS of a pixel, %")],
+        (found.pairs ?? []).map((pair, n) => pairRow(pair, `${path}/pairs/${n}`, found)))),
       el("p", { class: "note small soft" }, "Radiance over ", number(`${path}/pixel_count`),
         ` pixels (${maskName(found.mask)}), relative to its mean. `,
         typeof found.mean_meant === "number"
@@ -1106,6 +1007,16 @@
     ];
   }
 
+  const levelRow = (study, level, n, path) => el("tr",
+    { class: n === study.chosen ? "chosen" : null },
+    rowHead(number(`${path}/setting`, { exact: true }),
+      n === study.chosen && el("small", {}, "▸ chosen")),
+    num(number(`${path}/radiance`, { digits: 5 }), " ± ", number(`${path}/noise`)),
+    num(percent(`${path}/bias`), " ± ", percent(`${path}/bias_noise`, { signed: false })),
+    whisker(level.bias, [level.bias - 2 * level.bias_noise, level.bias + 2 * level.bias_noise],
+      "known", study.tolerance),
+    num(number(`${path}/wall_s`)));
+
   function study(frame, s, f) {
     const { study } = frame;
     const path = `scenes/${s}/frames/${f}/study`;
@@ -1126,22 +1037,10 @@
             : [el("span", { class: "fail-word" }, "✗ off"), ": even the finest step is not within ",
               percent(`${path}/tolerance`, { signed: false, unit: "%", exact: true }),
               ", or its error does not shrink as it should."]),
-      scrolling(`Step error of ${frame.engine}`, el("table", {},
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, study.option),
-            el("th", { scope: "col", class: "num" }, "Mean radiance", el("small", {}, "± noise")),
-          el("th", { scope: "col", class: "num" }, "Bias", el("small", {}, "% ± noise")),
-          axisHead(), el("th", { scope: "col", class: "num" }, "Wall", el("small", {}, "s")))),
-        el("tbody", {},
-          study.levels.map((level, n) => el("tr", { class: n === study.chosen ? "chosen" : null },
-          el("th", { scope: "row" }, number(`${path}/levels/${n}/setting`, { exact: true }),
-            n === study.chosen && el("small", {}, "▸ chosen")),
-          el("td", { class: "num" }, number(`${path}/levels/${n}/radiance`, { digits: 5 }), " ± ",
-            number(`${path}/levels/${n}/noise`)),
-          el("td", { class: "num" }, percent(`${path}/levels/${n}/bias`), " ± ",
-            percent(`${path}/levels/${n}/bias_noise`, { signed: false })),
-          whisker(level.bias, [level.bias - 2 * level.bias_noise,
-              level.bias + 2 * level.bias_noise], "known", study.tolerance),
-          el("td", { class: "num" }, number(`${path}/levels/${n}/wall_s`))))))),
+      scrolling(`Step error of ${frame.engine}`, table(null,
+        [colHead(study.option), numHead("Mean radiance", "± noise"), numHead("Bias", "% ± noise"),
+          axisHead(), numHead("Wall", "s")],
+        study.levels.map((level, n) => levelRow(study, level, n, `${path}/levels/${n}`)))),
       el("p", { class: "note small soft" }, "Limit ", number(`${path}/limit`, { digits: 5 }),
         " by order ", number(`${path}/order`, { exact: true }),
         typeof study.observed_order === "number" ? [" (observed ", number(`${path}/observed_order`),
@@ -1180,39 +1079,37 @@
 
   // ------------------------------------------------------------------------------- runs and gates
 
+  function runRow(frame, path, logId) {
+    const engine = engineNamed(frame.engine);
+    return tr(rowHead(frame.engine, el("small", {}, frame.rung)),
+      words(word(STATUSES, frame.status), frame.reused && " · taken from the store",
+        why(frame) && el("pre", { class: "log", id: logId }, why(frame)),
+        frame.note && el("div", { class: "small" }, frame.note),
+        frame.step_optical_depth > 1 && el("div", { class: "small" },
+          el("b", {}, "Steps too long: "), "one spans an optical depth of up to ",
+          number(`${path}/step_optical_depth`), "; what happens within a step is not seen."),
+        frame.status === "rendered" && typeof frame.seed === "number"
+          && el("div", { class: "small soft" }, `seed ${frame.seed}`),
+        frame.settings && el("div", { class: "small soft" }, frame.settings),
+        frame.status === "missing" && engine?.install_line
+          && el("div", {}, el("code", {}, engine.install_line))),
+      versionCell(engine),
+      ["render_s", "wall_s", "cpu_s"].map((key) => num(number(`${path}/${key}`))),
+      num(number(`${path}/peak_memory_bytes`, { scale: 1 / 2 ** 20 })));
+  }
+
+  const versionCell = (engine) => words(engine?.version || absent("not known"),
+    engine?.device && el("div", { class: "small soft" }, engine.device));
+
   function runs(scene, s) {
     if (framesOf(scene).length === 0) return null;
     return [
       el("h3", {}, "What ran, and what it cost"),
-      scrolling("What ran, and what it cost", el("table", { class: "wide" },
-        el("thead", {}, el("tr", {}, ["Engine", "State",
-              "Version and device"].map((name) => el("th", { scope: "col" }, name)),
-          [["Render", "s"], ["Wall", "s"], ["CPU", "s"], ["Memory", "MiB"]].map(([name, unit]) =>
-            el("th", { scope: "col", class: "num" }, name, el("small", {}, unit))))),
-        el("tbody", {}, framesOf(scene).map((frame, f) => {
-          const engine = engineNamed(frame.engine);
-          const path = `scenes/${s}/frames/${f}`;
-          return el("tr", {},
-            el("th", { scope: "row" }, frame.engine, el("small", {}, frame.rung)),
-            el("td", { class: "words" }, word(STATUSES, frame.status),
-              frame.reused && " · taken from the store",
-              why(frame) && el("pre", { class: "log", id: logIds[s][f] }, why(frame)),
-              frame.note && el("div", { class: "small" }, frame.note),
-              frame.step_optical_depth > 1 && el("div", { class: "small" },
-                el("b", {}, "Steps too long: "), "one spans an optical depth of up to ",
-                number(`${path}/step_optical_depth`), "; what happens within a step is not seen."),
-              frame.status === "rendered" && typeof frame.seed === "number" && el("div",
-                { class: "small soft" }, `seed ${frame.seed}`),
-              frame.settings && el("div", { class: "small soft" }, frame.settings),
-              frame.status === "missing" && engine?.install_line && el("div", {},
-                el("code", {}, engine.install_line))),
-            el("td", { class: "words" }, engine?.version || absent("not known"),
-              engine?.device && el("div", { class: "small soft" }, engine.device)),
-            ["render_s", "wall_s",
-              "cpu_s"].map((key) => el("td", { class: "num" }, number(`${path}/${key}`))),
-            el("td", { class: "num" },
-              number(`${path}/peak_memory_bytes`, { scale: 1 / 2 ** 20 })));
-        }))),
+      scrolling("What ran, and what it cost", table("wide",
+        [["Engine", "State", "Version and device"].map((name) => colHead(name)),
+          [["Render", "s"], ["Wall", "s"], ["CPU", "s"], ["Memory", "MiB"]]
+            .map(([name, unit]) => numHead(name, unit))],
+        framesOf(scene).map((frame, f) => runRow(frame, `scenes/${s}/frames/${f}`, logIds[s][f]))),
       "Render is the radiance pass alone; wall is everything including start-up; CPU sums all "
         + "threads; memory is the peak."),
     ];
@@ -1224,20 +1121,15 @@
       return [title, el("p", { class: "soft" }, "This scene sets no limits.")];
     return [
       title,
-      scrolling("Gates", el("table", { class: "wide" },
-        el("thead", {}, el("tr", {},
-            ["Verdict", "Engine", "Number"].map((name) => el("th", { scope: "col" }, name)),
-          ["Value", "Limit"].map((name) => el("th", { scope: "col", class: "num" }, name)), el("th",
-            { scope: "col" }, "Reason"))),
-        el("tbody", {}, gatesOf(scene)
-          .map((gate, g) => el("tr", { class: gate.verdict === "fail" ? "failing" : null },
+      scrolling("Gates", table("wide",
+        [["Verdict", "Engine", "Number"].map((name) => colHead(name)), numHead("Value"),
+          numHead("Limit"), colHead("Reason")],
+        gatesOf(scene).map((gate, g) => el("tr",
+          { class: gate.verdict === "fail" ? "failing" : null },
           el("td", { class: "tight" }, word(VERDICTS, gate.verdict)),
-          el("th", { scope: "row" }, gate.engine),
-          el("td", {}, measured(gate)),
-          el("td", { class: "num" }, gateValue(s, g, "value")),
-          el("td", { class: "num" }, gateValue(s, g, "maximum")),
-          el("td", { class: "words" },
-            gate.reason || el("span", { class: "soft" }, "none given"))))))),
+          rowHead(gate.engine), el("td", {}, measured(gate)),
+          num(gateValue(s, g, "value")), num(gateValue(s, g, "maximum")),
+          words(gate.reason || el("span", { class: "soft" }, "none given")))))),
     ];
   }
 
@@ -1248,28 +1140,25 @@
   function phaseFunctions() {
     const list = physics?.phase_functions ?? [];
     if (list.length === 0) return null;
-    const close = (path) => number(path, { digits: 10 });
     return el("section", { "aria-labelledby": "phase-functions" },
       el("h2", { id: "phase-functions" }, "Phase functions"),
       el("p", {}, "A phase function says where light is scattered to. Over all directions it must "
         + "add up to 1, and its mean cosine must be g; so must that of the directions that are "
         + "drawn from it."),
       folded(list.some((row) => row.verdict === "off") ? "Which, and by how much"
-        : "All agree: the numbers", scrolling("Phase functions", el("table", {},
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Phase function"),
-            el("th", { scope: "col" }, "Finding"),
-          [["g", ""], ["Integral", "must be 1"], ["Mean cosine", "must be g"],
-            ["Drawn mean cosine", "must be g"]].map(([name, unit]) => el("th",
-              { scope: "col", class: "num" }, name, el("small", {}, unit))))),
-        el("tbody", {},
-          list.map((row, n) => el("tr", { class: row.verdict === "off" ? "failing" : null },
-          el("th", { scope: "row" }, String(row.phase).replace(/_/g, " ")),
-          el("td", { class: "tight" },
-            word(FINDINGS, row.verdict === "off" ? "wrong" : row.verdict)),
-          el("td", { class: "num" }, number(`physics/phase_functions/${n}/g`, { exact: true })),
-          ["integral", "mean_cosine", "sampled_mean_cosine"].map((key) => el("td", { class: "num" },
-              close(`physics/phase_functions/${n}/${key}`))))))))));
+        : "All agree: the numbers", scrolling("Phase functions", table(null,
+        [colHead("Phase function"), colHead("Finding"), numHead("g", ""),
+          numHead("Integral", "must be 1"), numHead("Mean cosine", "must be g"),
+          numHead("Drawn mean cosine", "must be g")],
+        list.map((row, n) => phaseRow(row, `physics/phase_functions/${n}`))))));
   }
+
+  const phaseRow = (row, path) => el("tr", { class: row.verdict === "off" ? "failing" : null },
+    rowHead(String(row.phase).replace(/_/g, " ")),
+    el("td", { class: "tight" }, word(FINDINGS, row.verdict === "off" ? "wrong" : row.verdict)),
+    num(number(`${path}/g`, { exact: true })),
+    ["integral", "mean_cosine", "sampled_mean_cosine"].map((key) =>
+      num(number(`${path}/${key}`, { digits: 10 }))));
 
   const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
@@ -1286,7 +1175,7 @@
   const deviation = (r) => percent(`physics/rows/${r}/deviation`, { unit: "%" });
   function checkLink(name) {
     const found = checks.find(({ check }) => check.name === name);
-    return found ? el("a", { href: `#${found.id}` }, name) : name;
+    return found ? link(`#${found.id}`, name) : name;
   }
 
   const participants = () => [...new Map(rows.map((row) => [row.participant, row])).values()];
@@ -1329,7 +1218,7 @@
     ];
   }
 
-  function physicsHelp(entry) {
+  function physicsHelp() {
     return [
       entry("What is compared",
         "Scenes so simple that their light is known from formulas, integrals or a solution by "
@@ -1352,38 +1241,37 @@
     ];
   }
 
+  function agreements({ participant }) {
+    const measured = rows.filter((row) => row.participant === participant
+      && row.verdict !== "not_measured");
+    const agreeing = measured.filter((row) => row.verdict === "agrees").length;
+    return num(measured.length === 0 ? absent()
+      : [derived(`physics.of/${participant}/agrees`, agreeing), " of ",
+        derived(`physics.of/${participant}`, measured.length)]);
+  }
+
   function physicsMatrix() {
     if (!physics) return null;
     const who = participants();
     return el("section", { "aria-labelledby": "physics" },
       el("h2", { id: "physics" }, "Physics: who agrees with what"),
       scrolling("Physics: who agrees with what", el("table", { class: "wide matrix findings" },
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Check"),
-          who.map((row) => el("th", { scope: "col", class: "num" }, row.participant, el("small", {},
-                row.look ? "a look" : engineNamed(row.engine)?.rung ?? row.engine))))),
-        el("tbody", {}, el("tr", { class: "total" }, el("th", { scope: "row" }, "Agrees in"),
-            who.map(({ participant }) => {
-          const measured = rows.filter((row) => row.participant === participant
-            && row.verdict !== "not_measured");
-          const agreeing = measured.filter((row) => row.verdict === "agrees").length;
-          return el("td", { class: "num" }, measured.length === 0 ? absent()
-            : [derived(`physics.of/${participant}/agrees`, agreeing), " of ",
-              derived(`physics.of/${participant}`, measured.length)]);
-        }))),
+        el("thead", {}, tr(colHead("Check"), who.map((row) => numHead(row.participant,
+          row.look ? "a look" : engineNamed(row.engine)?.rung ?? row.engine)))),
+        el("tbody", {}, el("tr", { class: "total" }, rowHead("Agrees in"), who.map(agreements))),
         rungs.map((rung) => el("tbody", {},
           el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: who.length + 1 },
-              el("a", { href: `#${rung.id}` }, sentenceCase(rung.name)), `: ${rung.title}`)),
-          checks.filter(({ check }) => check.rung === rung.name).map(({ check, id }) => el("tr", {},
-            el("th", { scope: "row" },
-              el("a", { href: `#${id}`, class: "mono", title: check.what }, check.name)),
+            link(`#${rung.id}`, sentenceCase(rung.name)), `: ${rung.title}`)),
+          checks.filter(({ check }) => check.rung === rung.name).map(({ check, id }) => tr(
+            rowHead(el("a", { href: `#${id}`, class: "mono", title: check.what }, check.name)),
             who.map((column) => physicsCell(rows.findIndex((row) => row.check === check.name
-                  && row.participant === column.participant)))))))),
+              && row.participant === column.participant)))))))),
       "Difference from the truth over the whole check (+ is too bright), and the finding. Point at "
         + "a check for what it is; empty: does not take part."));
   }
 
   function physicsCell(r) {
-    if (r < 0) return el("td", { class: "num" });
+    if (r < 0) return num();
     const row = rows[r];
     return el("td", { class: `num ${findingOf(row)}` },
       row.verdict !== "not_measured" && [deviation(r), el("br")], findingWord(row));
@@ -1407,17 +1295,10 @@
       checkPictures(check, c, own));
   }
 
-  function checkTable(check, own) {
-    return scrolling(`Check ${check.name}`, el("table", { class: "wide" },
-      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Participant"),
-          el("th", { scope: "col" }, "Finding"),
-        [["Difference", "% [interval]"]].map(([name, unit]) => el("th",
-            { scope: "col", class: "num" }, name, el("small", {}, unit))), axisHead(),
-        [["Error", "%: one σ, or step"], ["z", "pixels: mean, var."]].map(([name, unit]) => el("th",
-            { scope: "col", class: "num" }, name, el("small", {}, unit))),
-        el("th", { scope: "col" }, "In words"))),
-      el("tbody", {}, own.map((r) => checkRow(r)))));
-  }
+  const checkTable = (check, own) => scrolling(`Check ${check.name}`, table("wide",
+    [colHead("Participant"), colHead("Finding"), numHead("Difference", "% [interval]"), axisHead(),
+      numHead("Error", "%: one σ, or step"), numHead("z", "pixels: mean, var."),
+      colHead("In words")], own.map(checkRow)));
 
   function checkRow(r) {
     const row = rows[r];
@@ -1426,23 +1307,22 @@
     const there = typeof row.deviation === "number";
     const stochastic = typeof row.standard_error === "number";
     return el("tr", { class: state === "wrong" ? "failing" : null },
-      el("th", { scope: "row" }, row.participant,
+      rowHead(row.participant,
         el("small", {}, row.look ? "a look, not physics" : engineNamed(row.engine)?.rung)),
       el("td", { class: "tight" }, findingWord(row)),
-      el("td", { class: "num" }, percent(`${path}/deviation`),
-        there && Array.isArray(row.interval) && el("small", {}, "[", percent(`${path}/interval/0`),
-          ", ", percent(`${path}/interval/1`), "]")),
+      num(percent(`${path}/deviation`), there && Array.isArray(row.interval) && el("small", {}, "[",
+        percent(`${path}/interval/0`), ", ", percent(`${path}/interval/1`), "]")),
       whisker(row.deviation, row.interval, state, 0),
-      el("td", { class: "num" }, there
+      num(there
         ? [percent(`${path}/${stochastic ? "standard_error" : "step_bound"}`, { signed: false }),
           unitText(stochastic ? "σ" : "step")] : absent(),
-        there && typeof row.rounding === "number" && el("small", {}, "rounding ",
-          percent(`${path}/rounding`, { signed: false, exact: true }))),
-      el("td", { class: "num" }, number(`${path}/z`, { signed: true }),
-        typeof row.pixel_z_mean === "number" && el("small", {}, number(`${path}/pixel_z_mean`,
-            { signed: true }), ", ", number(`${path}/pixel_z_variance`))),
-      el("td", { class: "words" }, rowWords(row), el("div", { class: "small soft" },
-          row.settings && `${row.settings} · `, number(`${path}/wall_s`, { unit: "s" }))));
+      there && typeof row.rounding === "number" && el("small", {}, "rounding ",
+        percent(`${path}/rounding`, { signed: false, exact: true }))),
+      num(number(`${path}/z`, { signed: true }), typeof row.pixel_z_mean === "number"
+        && el("small", {}, number(`${path}/pixel_z_mean`, { signed: true }), ", ",
+          number(`${path}/pixel_z_variance`))),
+      words(rowWords(row), el("div", { class: "small soft" },
+        row.settings && `${row.settings} · `, number(`${path}/wall_s`, { unit: "s" }))));
   }
 
   function rowWords(row) {
@@ -1458,8 +1338,7 @@
   function checkPictures(check, c, own) {
     const views = (check.views ?? []).map((view, v) => viewPictures(check, c, v, own));
     if (views.length <= 2) return views;
-    return [views[0],
-      el("details", {}, el("summary", {}, "The other views of this check"), views.slice(1))];
+    return [views[0], folded("The other views of this check", views.slice(1))];
   }
 
   function viewPictures(check, c, v, own) {
@@ -1487,7 +1366,8 @@
               `${title}: signed difference of ${row.participant} from the truth`, "", view.size_px)
             : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth`)));
       }));
-    smallPictures.push({ element: cards, size: view.size_px });
+    fit(cards, view.size_px, view.size_px[0] > 3 * view.size_px[1] ? 400
+      : 216); // a strip needs its length to be seen
     return [
       el("p", { class: "small soft" }, check.views.length > 1
         && `View ${v + 1} of ${check.views.length}. `, view.what && `${sentenceCase(view.what)}. `,
@@ -1495,8 +1375,6 @@
       cards,
     ];
   }
-
-  const smallPictures = []; // {element, size}: pictures of a size of their own
 
   function pictureCard(title, subtitle, ...parts) {
     const card = el("article", { class: "card" },
@@ -1547,8 +1425,7 @@
           `${sequence.scene}: amplitude of the flicker of ${row.preset}`, "", sequence.size_px),
         el("figcaption", {},
           "flicker that is seen: black none, green above 10 times the threshold")))));
-    smallPictures.push({ element: cards, size: sequence.size_px, room: 400 });
-    return cards;
+    return fit(cards, sequence.size_px, 400);
   }
 
   /** The frames of one cycle: by the slider, or in turn while the box is ticked. */
@@ -1579,13 +1456,12 @@
 
   function sequenceNumbers(sequence, q) {
     const first = sequence.rows.find((row) => row.measurements.length > 0);
-    return scrolling("Flicker", el("table", {},
-      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Measure"),
-          sequence.rows.map((row) => el("th", { scope: "col", class: "num" }, row.preset)))),
-      el("tbody", {}, first.measurements.map((measurement, m) => el("tr", {},
-        el("th", { scope: "row" }, measurement.metric, el("small", {}, maskName(measurement.mask))),
-        sequence.rows.map((row, r) => el("td", { class: "num" }, row.measurements.length === 0
-            ? absent() : flickerNumber(`sequences/${q}/rows/${r}/measurements/${m}`))))))),
+    return scrolling("Flicker", table(null,
+      [colHead("Measure"), sequence.rows.map((row) => numHead(row.preset))],
+      first.measurements.map((measurement, m) => tr(
+        rowHead(measurement.metric, el("small", {}, maskName(measurement.mask))),
+        sequence.rows.map((row, r) => num(row.measurements.length === 0
+          ? absent() : flickerNumber(`sequences/${q}/rows/${r}/measurements/${m}`)))))),
       "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture; then "
         + "the same number against centre rays alone, which an edge crosses in steps. The "
         + "amplitude over four frames is of that cycle alone, as is its map: what flickers at "
@@ -1623,19 +1499,10 @@
         !still && entry.missing && el("p", { class: "small soft" },
           `No static chart: ${entry.missing}`),
         el("p", { class: "small soft upgrade" },
-          still && ["Also as ", el("a", { href: still }, "SVG"), ". "])));
+          still && ["Also as ", link(still, "SVG"), ". "])));
     image?.addEventListener("error",
-      () => image.replaceWith(hole(`${still} is not in this report's folder`)));
+      () => image.replaceWith(hole(notHere(still))));
     return figure;
-  }
-
-  function load(path) {
-    return new Promise((resolve, reject) => {
-      const script = el("script", { src: path });
-      script.addEventListener("load", resolve);
-      script.addEventListener("error", () => reject(new Error(`${path} could not be read`)));
-      document.head.append(script);
-    });
   }
 
   /** Makes each chart interactive, from the specification that drew the static one. */
@@ -1644,27 +1511,14 @@
       .filter(({ entry }) => entry.spec);
     if (work.length === 0 || report.interactive === false) return;
     try {
-      for (const path of VENDORED) await load(path);
+      await loadVega();
     } catch (error) {
       for (const { figure } of work) failed(figure, error);
       return;
     }
     for (const { entry, figure } of work) {
       try {
-        const spec = JSON.parse(JSON.stringify(entry.spec));
-        delete spec.usermeta;
-        await window.vegaEmbed(figure.querySelector(".live"), spec, {
-          mode: "vega-lite",
-          renderer: "svg",
-          ast: true, // expressions are interpreted: nothing in the data is ever run as code
-          // A layer with no rows (no interval reaches zero) is not news.
-          logLevel: window.vega.Error,
-          actions: false,
-          defaultStyle: false,
-          tooltip: showTooltip,
-          loader: { load: refuse, sanitize: refuse },
-        });
-        figure.setAttribute("data-state", "interactive");
+        await drawLive(figure, entry.spec);
         const moves = JSON.stringify(entry.spec).includes('"bind":"scales"');
         figure.querySelector(".upgrade").append(
           "Point at a mark for its numbers",
@@ -1675,28 +1529,10 @@
     }
   }
 
-  const refuse = (uri) => Promise.reject(new Error(`a chart asks for ${uri}`));
-
   function failed(figure, error) {
     figure.setAttribute("data-state", "failed");
     figure.querySelector(".upgrade")
       .append(`The interactive chart is not available: ${error.message}.`);
-  }
-
-  let tooltip = null;
-  function showTooltip(_handler, event, _item, value) {
-    tooltip?.remove();
-    tooltip = null;
-    if (value === null || value === undefined || value === "") return;
-    const rows = typeof value === "object" ? Object.entries(value) : [["", value]];
-    tooltip = el("div", { class: "tooltip" }, el("table", {}, rows.map(([name, text]) => el("tr",
-            {}, el("th", { scope: "row" }, name), el("td", {}, text)))));
-    document.body.append(tooltip);
-    const box = tooltip.getBoundingClientRect();
-    tooltip.style.left =
-      `${Math.max(4, Math.min(event.clientX + 14, window.innerWidth - box.width - 8))}px`;
-    tooltip.style.top =
-      `${Math.max(4, Math.min(event.clientY + 14, window.innerHeight - box.height - 8))}px`;
   }
 
   // -------------------------------------------------------------------------------------- engines
@@ -1704,53 +1540,28 @@
   function engineTable() {
     return el("section", { "aria-labelledby": "engines" },
       el("h2", { id: "engines" }, "Engines"),
-      folded("Versions, devices, known biases", scrolling("Engines", el("table", { class: "wide" },
-        el("thead", {}, el("tr", {}, ["Engine", "Rung of truth", "Version and device",
-              "Known bias"].map((name) => el("th", { scope: "col" }, name)))),
-        el("tbody", {}, engines.map((engine) => el("tr", {},
-          el("th", { scope: "row" }, engine.name, el("small", {}, engine.summary)),
-          el("td", { class: "words" }, RUNGS[engine.rung] ?? engine.rung),
-          engine.available
-            ? el("td", { class: "words" }, engine.version || absent("not known"),
-              engine.device && el("div", { class: "small soft" }, engine.device))
-            : el("td", { class: "words" }, word(STATUSES, engine.broken ? "failed" : "missing"),
+      folded("Versions, devices, known biases", scrolling("Engines", table("wide",
+        ["Engine", "Rung of truth", "Version and device", "Known bias"].map((name) =>
+          colHead(name)),
+        engines.map((engine) => tr(rowHead(engine.name, el("small", {}, engine.summary)),
+          words(RUNGS[engine.rung] ?? engine.rung),
+          engine.available ? versionCell(engine)
+            : words(word(STATUSES, engine.broken ? "failed" : "missing"),
               el("div", { class: "small" }, engine.missing),
               engine.install_line && !engine.broken && el("div", { class: "small" }, "To install: ",
                 el("code", {}, engine.install_line))),
-          el("td", { class: "words" },
-            engine.bias || el("span", { class: "soft" }, "none known")))))))));
+          words(engine.bias || el("span", { class: "soft" }, "none known"))))))));
   }
 
   function foot() {
     return el("footer", {},
-      el("p", {}, "Every number of this page is in ", el("a", { href: "data.json" }, "data.json"),
+      el("p", {}, "Every number of this page is in ", link("data.json"),
       (report.charts ?? []).some((entry) => entry.spec) && report.interactive !== false
         && [". The charts are drawn by Vega and Vega-Lite (",
-        el("a", { href: "vendor/LICENSES.txt" }, "licences"), ")"], "."));
+        link("vendor/LICENSES.txt", "licences"), ")"], "."));
   }
 
   // ------------------------------------------------------------------------------------- the page
-
-  /** Image pixels become a whole number of device pixels, about 400 CSS pixels wide at most. */
-  function fitPictures(main) {
-    const [width, height] = report.size_px ?? [192, 108];
-    const style = getComputedStyle(main);
-    const room = Math.min(400,
-      main.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
-    const dots = window.devicePixelRatio || 1;
-    const root = document.documentElement.style;
-    root.setProperty("--image-width", width);
-    root.setProperty("--image-height", height);
-    root.setProperty("--scale", Math.max(1, Math.floor((room * dots) / width)) / dots);
-    for (const { element, size, room: own } of smallPictures) {
-      element.style.setProperty("--image-width", size[0]);
-      element.style.setProperty("--image-height", size[1]);
-      const wide = own ?? (size[0] > 3 * size[1] ? 400
-        : 216); // a strip needs its length to be seen
-      element.style.setProperty("--scale",
-        Math.max(1, Math.floor((Math.min(room, wide) * dots) / size[0])) / dots);
-    }
-  }
 
   /** A table that would be wider than its place becomes a list of its rows. */
   function fitTables() {
@@ -1781,30 +1592,21 @@
     });
   }
 
-  function complaint(main, title, text) {
-    main.replaceChildren(el("h1", {}, title), el("p", {}, text), el("p", {},
-        "The numbers may still be in ", el("a", { href: "data.json" }, "data.json"), "."));
-  }
-
   const main = document.getElementById("report");
-  if (!report) {
-    complaint(main, "This report has no data",
+  const complaint = (title, text) => complain(main, title, text,
+    ["The numbers may still be in ", link("data.json"), "."]);
+  if (!report)
+    return complaint("This report has no data",
       "data.js, which lies beside this page in a complete report, is missing or cannot be read.");
-    return;
-  }
-  if (report.format !== "neph-report-1") {
-    complaint(main, "This report is of another version",
+  if (report.format !== "neph-report-1")
+    return complaint("This report is of another version",
       `Its data say “${report.format}”; this page reads “neph-report-1”.`);
-    return;
-  }
   try {
     document.title = `${report.title}: ${report.verdict}`;
-    window.addEventListener("resize", () => fitPictures(main));
-    main.replaceChildren();
-    append(main, [head(), contents(), charts(), physicsMatrix(), rungs.map(rungSection),
-        scenes.map(sceneSection), overTime(), summary(), phaseFunctions(), engineTable(), help(),
-        foot()]);
-    fitPictures(main);
+    fit(document.documentElement, report.size_px ?? [192, 108], 400);
+    show(main, head(), contents(), charts(), physicsMatrix(), rungs.map(rungSection),
+      scenes.map(sceneSection), overTime(), summary(), phaseFunctions(), engineTable(), help(),
+      foot());
     fitTables();
     printWhole();
     document.addEventListener("toggle", fitTables, true);
@@ -1815,7 +1617,7 @@
       document.documentElement.dataset.ready = "yes";
     });
   } catch (error) {
-    complaint(main, "This report cannot be laid out",
+    complaint("This report cannot be laid out",
       `The data do not have the expected form: ${error.message}.`);
     throw error;
   }

@@ -6,7 +6,8 @@
   "use strict";
 
   const sweep = window.NEPH_SWEEP;
-  const VENDORED = ["vendor/vega.min.js", "vendor/vega-lite.min.js", "vendor/vega-embed.min.js"];
+  const { el, append, written, folded, colHead, rowHead, row, table, loadVega, drawLive } =
+    window.NephPage;
   const NARROW = "(max-width: 42rem)";
   const COLUMNS = [
     ["ms", (point) => scaled(point.seconds, 1e3), null],
@@ -18,23 +19,9 @@
     ["half-life", (point) => point.half_life.value, "half_life"],
   ];
 
-  function el(tag, attributes, ...children) {
-    const element = document.createElement(tag);
-    for (const [name, value] of Object.entries(attributes ?? {}))
-      if (value !== null && value !== false) element.setAttribute(name, String(value));
-    for (const child of children.flat(Infinity))
-      if (child !== null && child !== undefined) element.append(child);
-    return element;
-  }
-
   const scaled = (value, factor) => (value === null ? null : value * factor);
 
-  function number(value) {
-    if (value === null) return "";
-    const size = Math.abs(value);
-    return size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(2)
-      : String(Number(value.toPrecision(3)));
-  }
+  const number = (value) => (value === null ? "" : written(value));
 
   // ------------------------------------------------------------------------------------- charts
 
@@ -50,54 +37,18 @@
         el("span", { class: "upgrade soft" })));
   }
 
-  function load(path) {
-    return new Promise((resolve, reject) => {
-      const script = el("script", { src: path });
-      script.onload = resolve;
-      script.onerror = () => reject(new Error(`${path} cannot be read`));
-      document.head.append(script);
-    });
-  }
-
-  const refuse = (uri) => Promise.reject(new Error(`a chart asks for ${uri}`));
-
-  let tooltip = null;
-  function showTooltip(_handler, event, _item, value) {
-    tooltip?.remove();
-    tooltip = null;
-    if (!value) return;
-    tooltip = el("div", { class: "tooltip", role: "status" }, el("table", null,
-      Object.entries(value).map(([name, text]) =>
-        el("tr", null, el("th", null, name), el("td", null, String(text))))));
-    document.body.append(tooltip);
-    const room = document.documentElement.clientWidth - tooltip.offsetWidth - 8;
-    tooltip.style.left = `${Math.max(4, Math.min(event.clientX + 12, room)) + window.scrollX}px`;
-    tooltip.style.top = `${event.clientY + 14 + window.scrollY}px`;
-  }
-
   /** Each chart from the specification that drew the still one. */
   async function upgrade(charts) {
     if (!sweep.interactive) return;
     try {
-      for (const path of VENDORED) await load(path);
+      await loadVega();
     } catch {
       return; // the still charts stand
     }
     const narrow = window.matchMedia(NARROW).matches;
     for (const chart of charts) {
       const place = document.getElementById(chart.id);
-      const spec = JSON.parse(JSON.stringify((narrow ? chart.narrow : chart.wide).spec));
-      await window.vegaEmbed(place.querySelector(".live"), spec, {
-        mode: "vega-lite",
-        renderer: "svg",
-        ast: true, // expressions are interpreted: nothing in the data is ever run as code
-        logLevel: window.vega.Error,
-        actions: false,
-        defaultStyle: false,
-        tooltip: showTooltip,
-        loader: { load: refuse, sanitize: refuse },
-      });
-      place.setAttribute("data-state", "interactive");
+      await drawLive(place, (narrow ? chart.narrow : chart.wide).spec);
       place.querySelector(".upgrade").append(" Point at a mark for its numbers and its command; " +
         "drag to pan, shift and wheel to zoom, double click to return.");
     }
@@ -110,17 +61,13 @@
     return el("td", { class: on ? "front" : null }, number(read(point)), on ? "*" : "");
   }
 
-  function row(point) {
-    return el("tr", null, el("th", { scope: "row" }, `${point.series} ${point.label}`),
-      COLUMNS.map((column) => cell(point, column)));
-  }
+  /** A table that may be wider than the screen. */
+  const wide = (heads, rows) => el("div", { class: "scroll" },
+    table("wide", heads.map((name) => colHead(name)), rows));
 
-  function table(points) {
-    return el("div", { class: "scroll" }, el("table", { class: "wide" },
-      el("thead", null, el("tr", null, el("th", { scope: "col" }, "point"),
-        COLUMNS.map(([name]) => el("th", { scope: "col" }, name)))),
-      el("tbody", null, points.map(row))));
-  }
+  const allPoints = (points) => wide(["point", ...COLUMNS.map(([name]) => name)], points.map(
+    (point) => row(rowHead(`${point.series} ${point.label}`),
+      COLUMNS.map((column) => cell(point, column)))));
 
   // ------------------------------------------------------------------------ equal cost and number
 
@@ -135,20 +82,14 @@
       el("p", { class: "small" }, "Each series at its best point, over what the series that it " +
         "is held against has there. Beyond: nothing between two points of that is so good, or " +
         "so dear."),
-      el("div", { class: "scroll" }, el("table", { class: "wide" },
-        el("thead", null, el("tr", null,
-          ["series", "against", "number", "cost", "cost at that number", "number at that cost"]
-            .map((name) => el("th", { scope: "col" }, name)))),
-        el("tbody", null, rows.map((row) => el("tr", null,
-          el("th", { scope: "row" }, row.series), el("td", null, row.against),
-          el("td", null, row.number), el("td", null, COST_NAMES[row.cost]),
-          el("td", null, ratio(row.cost_ratio)), el("td", null, ratio(row.number_ratio)))))))];
+      wide(["series", "against", "number", "cost", "cost at that number", "number at that cost"],
+        rows.map((one) => row(rowHead(one.series), [one.against, one.number, COST_NAMES[one.cost],
+          ratio(one.cost_ratio), ratio(one.number_ratio)].map((text) => el("td", null, text)))))];
   }
 
   function commands(points) {
-    return el("details", null, el("summary", null, "The command of each point"),
-      el("ul", null, points.map((point) => el("li", null, `${point.series} ${point.label}: `,
-        el("code", null, point.command)))));
+    return folded("The command of each point", el("ul", null, points.map((point) => el("li", null,
+      `${point.series} ${point.label}: `, el("code", null, point.command)))));
   }
 
   function missing(points) {
@@ -171,13 +112,13 @@
 
   const points = sweep.points.filter((point) => point.missing === null);
   document.title = `${sweep.scene}: sweep`;
-  document.getElementById("report").append(...[
+  append(document.getElementById("report"), [
     head(),
     sweep.charts.map((chart) => [el("h2", null, chart.title), figure(chart)]),
     el("h2", null, "All points"),
     el("p", { class: "small" }, "*: on the front of its column: nothing cheaper is as good."),
-    table(points), equals(sweep.equal), commands(points),
+    allPoints(points), equals(sweep.equal), commands(points),
     missing(sweep.points.filter((point) => point.missing !== null)),
-  ].flat(Infinity).filter((part) => part !== null));
+  ]);
   upgrade(sweep.charts);
 })();

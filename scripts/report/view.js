@@ -8,6 +8,7 @@
 
   const data = window.NEPH_VIEW;
   const main = document.getElementById("view");
+  const { el } = window.NephPage;
   const { want, keep, have } = window.NephPlanes;
   const { display, byCodes, byCube, paintPicture, paintDepth, paintValues, valueOf, differenceOf,
     gradient } = window.NephPaint;
@@ -45,16 +46,6 @@
   let timer = 0;
 
   // ------------------------------------------------------------------------------------- elements
-
-  function el(tag, attributes, ...children) {
-    const element = document.createElement(tag);
-    for (const [name, value] of Object.entries(attributes ?? {}))
-      if (value !== null && value !== undefined && value !== false)
-        element.setAttribute(name, String(value));
-    for (const child of children.flat(Infinity))
-      if (child !== null && child !== undefined && child !== false) element.append(child);
-    return element;
-  }
 
   const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 

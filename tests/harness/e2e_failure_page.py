@@ -10,21 +10,14 @@ page in known ways: a checker that finds nothing in those is no checker.
     e2e_failure_page.py --fixture DIR    only write the page, to look at it
 """
 import json
-import os
 import pathlib
-import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 
 import night
-from e2e_report_page import CHROMIUM, HOSTILE, HOSTILE_SCRIPT, write_png
+from pages import HEIGHT, HOSTILE, HOSTILE_SCRIPT, WIDTH, PageCase, lay_out, write_png
 
-ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR")
-                    or pathlib.Path(__file__).resolve().parents[2])
-PAGE = ROOT / "scripts" / "report"
-WIDTH, HEIGHT, SLICE = 96, 54, 32
+SLICE = 32
 COLUMNS = [{"name": "seed", "engine": "realtime", "preset": True},
            {"name": "ours+taa_box=variance", "engine": "realtime", "preset": True},
            {"name": "cycles", "engine": "cycles", "preset": False}]
@@ -110,104 +103,62 @@ def shade(name):
     return pixel
 
 
-def write_data(folder, data):
-    text = json.dumps(data)
-    (folder / "data.json").write_text(text)
-    (folder / "data.js").write_text("window.NEPH_FAILURE = " + text.replace("<", "\\u003c") + ";\n")
-
-
 def build(folder, data=None):
-    """Lay a page out as the C program does."""
     data = data or page_data()
-    folder.mkdir(parents=True, exist_ok=True)
-    for source, name in (("failure.html", "index.html"), ("report.css", "report.css"),
-                         ("failure.js", "failure.js")):
-        shutil.copy(PAGE / source, folder / name)
+    lay_out(folder, "failure", "NEPH_FAILURE", data)
     for item in data["evidence"]:
         for name in item["pictures"]:
             height = SLICE if name.startswith("slice") else HEIGHT
             write_png(folder / item["folder"] / name, shade(name[:-4]), WIDTH, height)
-    write_data(folder, data)
 
 
 # ---------------------------------------------------------------------------------------- tests
 
-class Page(unittest.TestCase):
+class Page(PageCase):
     """The page in headless Chromium."""
-
-    @classmethod
-    def setUpClass(cls):
-        if not os.path.exists(CHROMIUM):
-            print(f"SKIPPED: {CHROMIUM} is not installed, so the failure suite's page was NOT "
-                  "tested (apt-get install chromium)", file=sys.stderr)
-            raise unittest.SkipTest(f"{CHROMIUM} is not installed")
-        cls.temporary = tempfile.TemporaryDirectory(prefix="neph_failure_page_")
-        cls.good = pathlib.Path(cls.temporary.name, "good")
-        build(cls.good)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
-    def check(self, folder, *options):
-        return subprocess.run(["node", PAGE / "check_failure.mjs", *options, folder],
-                              capture_output=True, text=True, timeout=300, check=False)
+    NAME = "failure"
+    build = staticmethod(build)
 
     def test_a_page_holds_together(self):
-        result_of = self.check(self.good, "--quick")
-        self.assertEqual(result_of.returncode, 0, result_of.stdout + result_of.stderr)
+        self.assert_holds(self.good, "--quick")
 
     @night.of_the_night
     def test_in_all_windows(self):
         """Narrow with less motion, and dark."""
-        result_of = self.check(self.good)
-        self.assertEqual(result_of.returncode, 0, result_of.stdout + result_of.stderr)
+        self.assert_holds(self.good)
 
     @night.of_the_night
     def test_a_page_of_a_run_that_has_just_begun(self):
-        folder = pathlib.Path(self.temporary.name, "begun")
         data = page_data()
         data.update(results=[result("blind", "seed", "not_yet", None)], evidence=[], commands={},
                     compared=0, news=0, state="running", verdict="fail", counts={"not_yet": 1})
         data["scenes"] = data["scenes"][-1:]
         data["pictures"]["left_out"] = 0
-        build(folder, data)
-        result_of = self.check(folder, "--quick")
-        self.assertEqual(result_of.returncode, 0, result_of.stdout + result_of.stderr)
+        self.assert_holds(self.built("begun", data), "--quick")
 
     @night.of_the_night
     def test_each_of_several_faults_is_found(self):
         """Faults that do not hide each other, in one page."""
-        folder = pathlib.Path(self.temporary.name, "faults")
-        shutil.copytree(self.good, folder)
-        script = folder / "failure.js"
-        text = script.read_text()
-        for right, wrong in (
-                ('pass: ["✓", "passes", "pass-word"]', 'pass: ["✓", "", "pass-word"]'),
-                ("if (timer !== null) return stop();", "if (timer !== null) return null;"),
-                ("el(\"p\", null, scene.fails)",
-                 "Object.assign(el(\"p\"), { innerHTML: scene.fails })"),
-                ("const told = order.filter((scene) => of(scene).some(hasNumber));",
-                 "const told = order;")):
-            self.assertIn(right, text)
-            text = text.replace(right, wrong)
-        script.write_text(text)
+        folder = self.copy_with((
+            ('pass: ["✓", "passes", "pass-word"]', 'pass: ["✓", "", "pass-word"]'),
+            ("if (timer !== null) return stop();", "if (timer !== null) return null;"),
+            ("el(\"p\", null, scene.fails)",
+             "Object.assign(el(\"p\"), { innerHTML: scene.fails })"),
+            ("const told = order.filter((scene) => of(scene).some(hasNumber));",
+             "const told = order;")))
         (folder / "images/a1/slice.png").unlink()
         data = page_data()
         data["results"][0]["value"] *= 1.001
         data["results"][-1]["why"] = "another reason"
         (folder / "data.json").write_text(json.dumps(data))
-        result_of = self.check(folder, "--quick")
-        self.assertEqual(result_of.returncode, 1)
-        for what, told in (("a verdict without a word", "a verdict without a word"),
-                           ("a flip-book that cannot be stopped", "that is stopped turns"),
-                           ("markup from data", "markup that is none of the page's"),
-                           ("a row without a number", "a row without a number: blind"),
-                           ("a missing picture", "images/a1/slice.png"),
-                           ("a number that differs", "the number"),
-                           ("a reason that is not said", "another reason")):
-            with self.subTest(what):
-                self.assertIn(told, result_of.stdout)
+        self.assert_finds(self.check(folder, "--quick"), (
+            ("a verdict without a word", "a verdict without a word"),
+            ("a flip-book that cannot be stopped", "that is stopped turns"),
+            ("markup from data", "markup that is none of the page's"),
+            ("a row without a number", "a row without a number: blind"),
+            ("a missing picture", "images/a1/slice.png"),
+            ("a number that differs", "the number"),
+            ("a reason that is not said", "another reason")))
 
 
 if __name__ == "__main__":

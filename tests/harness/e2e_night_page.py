@@ -14,18 +14,15 @@ somebody changed are found, named and shown.
 import json
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
 import night
-from e2e_report_page import CHROMIUM, HOSTILE, HOSTILE_SCRIPT, write_png
+from pages import (HOSTILE, HOSTILE_SCRIPT, PAGE, PageCase, lay_out, node, skip_without_a_browser,
+                   write_png)
 
-ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR")
-                    or pathlib.Path(__file__).resolve().parents[2])
-PAGE = ROOT / "scripts" / "report"
 SIZE = [96, 54]
 
 
@@ -133,60 +130,26 @@ def page_data():
 
 # --------------------------------------------------------------------------------------- layout
 
-def write_data(folder, data):
-    text = json.dumps(data)
-    (folder / "data.json").write_text(text)
-    (folder / "data.js").write_text("window.NEPH_NIGHT = " + text.replace("<", "\\u003c") + ";\n")
-
-
 def build(folder, data=None):
-    """Lay a page out as the C program does."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for source, name in (("night.html", "index.html"), ("report.css", "report.css"),
-                         ("night.js", "night.js")):
-        shutil.copy(PAGE / source, folder / name)
+    lay_out(folder, "night", "NEPH_NIGHT", data or page_data())
     for name, shade in (("a", 60), ("b", 90), ("c", 200)):
         write_png(folder / "images" / f"{name}.png",
                   lambda i, j, shade=shade: (shade + i // 2, shade, 160 - j), *SIZE)
-    write_data(folder, data or page_data())
-
-
-def check(folder, *options):
-    return subprocess.run(["node", PAGE / "check_night.mjs", *options, folder],
-                          capture_output=True, text=True, timeout=300, check=False)
-
-
-def skip_without_a_browser():
-    if not os.path.exists(CHROMIUM):
-        print(f"SKIPPED: {CHROMIUM} is not installed, so the page of a night was NOT tested "
-              "(apt-get install chromium)", file=sys.stderr)
-        raise unittest.SkipTest(f"{CHROMIUM} is not installed")
 
 
 # ---------------------------------------------------------------------------------------- tests
 
-class Page(unittest.TestCase):
+class Page(PageCase):
     """The page in headless Chromium."""
-
-    @classmethod
-    def setUpClass(cls):
-        skip_without_a_browser()
-        cls.temporary = tempfile.TemporaryDirectory(prefix="neph_night_page_")
-        cls.good = pathlib.Path(cls.temporary.name, "good")
-        build(cls.good)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
+    NAME = "night"
+    build = staticmethod(build)
 
     def test_a_page_holds_together(self):
-        told = check(self.good, "--quick")
-        self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
+        self.assert_holds(self.good, "--quick")
 
     @night.of_the_night
     def test_in_all_windows(self):
-        told = check(self.good)
-        self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
+        self.assert_holds(self.good)
 
     @night.of_the_night
     def test_a_page_of_a_night_that_goes_on_and_of_the_first(self):
@@ -194,41 +157,28 @@ class Page(unittest.TestCase):
                            ("stopped", {"state": "interrupted", "findings": [], "series": []}),
                            ("first", {"compared": 0, "findings": [], "baseline": 0})):
             with self.subTest(name):
-                folder = pathlib.Path(self.temporary.name, name)
-                build(folder, {**page_data(), **more})
-                told = check(folder, "--quick")
-                self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
+                self.assert_holds(self.built(name, {**page_data(), **more}), "--quick")
 
     @night.of_the_night
     def test_each_of_several_faults_is_found(self):
         """Faults that do not hide each other, in one page."""
-        folder = pathlib.Path(self.temporary.name, "faults")
-        shutil.copytree(self.good, folder)
-        script = folder / "night.js"
-        text = script.read_text()
-        for right, wrong in (
-                ("el(\"code\", null, first.command)", "el(\"code\", null, \"neph\")"),
-                ("el(\"div\", null, trend(finding))", "el(\"div\")"),
-                ("el(\"p\", null, `${finding.words}.`)",
-                 "Object.assign(el(\"p\"), { innerHTML: finding.words })")):
-            self.assertIn(right, text)
-            text = text.replace(right, wrong)
-        script.write_text(text)
+        folder = self.copy_with((
+            ("el(\"code\", null, first.command)", "el(\"code\", null, \"neph\")"),
+            ("el(\"div\", null, trend(finding))", "el(\"div\")"),
+            ("el(\"p\", null, `${finding.words}.`)",
+             "Object.assign(el(\"p\"), { innerHTML: finding.words })")))
         (folder / "images/c.png").unlink()
         data = page_data()
         data["findings"][3]["tonight"] *= 1.001
         data["series"][4]["tonight"] *= 1.001
         (folder / "data.json").write_text(json.dumps(data))
-        told = check(folder, "--quick")
-        self.assertEqual(told.returncode, 1)
-        for what, words in (("a command that is not shown", "its command is not shown"),
-                            ("a course that is not drawn", "its course is not drawn"),
-                            ("markup from data", "markup that is none of the page's"),
-                            ("a missing picture", "images/c.png"),
-                            ("a number that differs", "its number of tonight is not shown"),
-                            ("another", "slab_thin/tracer/deviation/theory: its number")):
-            with self.subTest(what):
-                self.assertIn(words, told.stdout)
+        self.assert_finds(self.check(folder, "--quick"), (
+            ("a command that is not shown", "its command is not shown"),
+            ("a course that is not drawn", "its course is not drawn"),
+            ("markup from data", "markup that is none of the page's"),
+            ("a missing picture", "images/c.png"),
+            ("a number that differs", "its number of tonight is not shown"),
+            ("another", "slab_thin/tracer/deviation/theory: its number")))
 
 
 GUEST = """#!{python}
@@ -277,7 +227,7 @@ def plant(folder):
 class PlantedChanges(unittest.TestCase):
     @night.of_the_night
     def test_both_are_found_named_and_shown(self):
-        skip_without_a_browser()
+        skip_without_a_browser("the page of a night")
         with tempfile.TemporaryDirectory() as folder:
             self.folder = pathlib.Path(folder)
             for wanted, (code, said) in zip((1, 0, 0, 1), plant(self.folder)):
@@ -285,7 +235,7 @@ class PlantedChanges(unittest.TestCase):
                 if wanted == 0 and "Night 2" in said:  # nothing changed, nothing is found
                     self.assertEqual(self.data()["findings"], [])
             self.hold(self.data())
-            told = check(self.folder / "nightly/report")
+            told = node(PAGE / "check_night.mjs", self.folder / "nightly/report")
             self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
 
     def data(self):

@@ -12,52 +12,28 @@ breaks the report in known ways: a checker that finds nothing in those is no che
 import copy
 import json
 import math
-import os
 import pathlib
 import shutil
-import struct
-import subprocess
 import sys
 import tempfile
 import unittest
-import zlib
 
 import night
+from pages import (HEIGHT, HOSTILE, HOSTILE_SCRIPT, PAGE, WIDTH, PageCase, lay_out, node,
+                   write_data, write_png)
 
-ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR")
-                    or pathlib.Path(__file__).resolve().parents[2])
-PAGE = ROOT / "scripts" / "report"
-CHROMIUM = "/usr/bin/chromium"
-HOSTILE = '<img src=x onerror=alert(1)>'
-HOSTILE_SCRIPT = '</script><script>window.NEPH_PWNED = 1</script>'
 VENDORED = {
     "vega.min.js": "node_modules/vega/build/vega.min.js",
     "vega-lite.min.js": "node_modules/vega-lite/build/vega-lite.min.js",
     "vega-embed.min.js": "node_modules/vega-embed/build/vega-embed.min.js",
     "LICENSES.txt": "vendor-licences.txt",
 }
-WIDTH, HEIGHT = 96, 54
 STOPS = [(0x05, 0x30, 0x61), (0x43, 0x93, 0xC3), (0xF7, 0xF7, 0xF7), (0xD6, 0x60, 0x4D),
          (0x67, 0x00, 0x1F)]
 UNIT = "W m⁻² sr⁻¹"
 
 
 # ------------------------------------------------------------------------------------- pictures
-
-def write_png(path, pixel, width=WIDTH, height=HEIGHT):
-    """An 8-bit RGB picture of `pixel(i, j)`, by the letter of the PNG specification."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    rows = b"".join(b"\0" + bytes(c for i in range(width) for c in pixel(i, j))
-                    for j in range(height))
-
-    def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I",
-                                                                        zlib.crc32(kind + body))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
-                     chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
-
 
 def cloud(i, j, shift):
     """Something like a cloud bank: 0..1."""
@@ -399,23 +375,10 @@ def report_data():
 
 # --------------------------------------------------------------------------------------- layout
 
-def write_data(folder, data):
-    text = json.dumps(data, ensure_ascii=False, allow_nan=False)
-    (folder / "data.json").write_text(text)
-    (folder / "data.js").write_text(f"window.NEPH_REPORT = {text};\n")
-
-
-def node(*arguments, timeout=300):
-    return subprocess.run(["node", *map(str, arguments)], capture_output=True, text=True,
-                          timeout=timeout, check=False)
-
-
 def build(folder, data=None):
     """Lay a report out as the C program does."""
     data = data or report_data()
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in ("index.html", "report.css", "report.js"):
-        shutil.copy(PAGE / name, folder)
+    lay_out(folder, "report", "NEPH_REPORT", data)
     (folder / "vendor").mkdir(exist_ok=True)
     for name, source in VENDORED.items():
         shutil.copy(PAGE / source, folder / "vendor" / name)
@@ -446,7 +409,6 @@ def build(folder, data=None):
             drawn = node(PAGE / "render_chart.mjs", spec, folder / chart["svg"])
             if drawn.returncode != 0:
                 raise RuntimeError(drawn.stderr)
-    write_data(folder, data)
 
 
 # ---------------------------------------------------------------------------------------- tests
@@ -517,67 +479,47 @@ class Charts(unittest.TestCase):
                          "run `npm run --silent licences` in scripts/report")
 
 
-class Page(unittest.TestCase):
+class Page(PageCase):
     """The page in headless Chromium."""
-
-    @classmethod
-    def setUpClass(cls):
-        if not os.path.exists(CHROMIUM):
-            print(f"SKIPPED: {CHROMIUM} is not installed, so the report's page was NOT tested "
-                  f"(apt-get install chromium)", file=sys.stderr)
-            raise unittest.SkipTest(f"{CHROMIUM} is not installed")
-        cls.temporary = tempfile.TemporaryDirectory(prefix="neph_report_")
-        cls.good = pathlib.Path(cls.temporary.name, "good")
-        build(cls.good)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
-    def check(self, folder, *options):
-        return node(PAGE / "check_report.mjs", *options, folder)
+    NAME = "report"
+    build = staticmethod(build)
 
     def broken(self, name, change, how="--quick"):
         """A copy of the good report with one thing wrong."""
-        folder = pathlib.Path(self.temporary.name, name)
+        folder = self.folder(name)
         shutil.copytree(self.good, folder)
         change(folder)
         return self.check(folder, how)
 
     def test_a_good_report_holds_together(self):
-        result = self.check(self.good)
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assert_holds(self.good)
 
     def test_a_report_of_nothing_still_reads(self):
-        folder = pathlib.Path(self.temporary.name, "empty")
         data = report_data()
         del data["physics"]
         data.update(scenes=[], charts=[], engines=[],
                     counts={"expected": 0, "reported": 0, "compared": 0},
                     host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
-        build(folder, data)
-        result = self.check(folder, "--quick")
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assert_holds(self.built("empty", data), "--quick")
 
     @night.of_the_night
     def test_physics_alone_reads_and_static_charts_need_no_bundle(self):
-        folder = pathlib.Path(self.temporary.name, "static")
+        folder = self.folder("static")
         shutil.copytree(self.good, folder)
         shutil.rmtree(folder / "vendor")
         data = report_data()
         rows = len(data["physics"]["rows"])
         data.update(scenes=[], interactive=False,
                     counts={"expected": rows, "reported": rows, "compared": 5})
-        write_data(folder, data)
-        result = self.check(folder, "--quick")
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        write_data(folder, "NEPH_REPORT", data)
+        self.assert_holds(folder, "--quick")
 
     def changed_data(self, name, change):
         """Data that are wrong in themselves, whatever a page shows of them."""
         def rewrite(folder):
             data = report_data()
             change(data)
-            write_data(folder, data)
+            write_data(folder, "NEPH_REPORT", data)
         result = self.broken(name, rewrite, "--data")
         self.assertEqual(result.returncode, 1)
         return result.stdout
@@ -617,54 +559,43 @@ class Page(unittest.TestCase):
     def test_each_of_several_faults_is_found(self):
         """Faults that do not hide each other, in one page: a browser for each would take most of
         the time."""
-        def change(folder):
-            script = folder / "report.js"
-            text = script.read_text()
-            for right, wrong in (("const drawn = own.filter((r) => inside(rows[r].pictures?.[v]));",
-                                  "const drawn = own.filter((r) => inside(rows[r].pictures?.[v])"
-                                  ' && rows[r].participant !== "tracer");'),
-                                 ('row.lowered || row.look ? "gap"', 'row.lowered ? "gap"'),
-                                 ("viewer && [", "null && ["),
-                                 ('region.scrollWidth > region.clientWidth + 1);', "false);"),
-                                 ('        if (typeof row.value !== "number") return;\n', ""),
-                                 (' && typeof row.value === "number");\n  function',
-                                  ");\n  function"),
-                                 ('    && gate.quantity === "radiance")))', "    && false)))"),
-                                 ('el("p", {}, scene.physics)',
-                                  'Object.assign(el("p"), { innerHTML: scene.physics })'),
-                                 ("const shown = value * scale;", "const shown = value * scale * "
-                                  '(path === "scenes/1/frames/1/wall_s" ? 1.02 : 1);')):
-                self.assertIn(right, text)
-                text = text.replace(right, wrong)
-            script.write_text(text)
-            page = folder / "index.html"
-            text = page.read_text()
-            start = text.index('<meta http-equiv="Content-Security-Policy"')
-            text = text[:start] + text[text.index(">", start) + 1:]
-            page.write_text(text.replace(
-                "</head>", '<script src="https://example.com/tracker.js"></script></head>'))
-            data = report_data()
-            data["scenes"][0]["frames"][1]["measurements"][2]["value"] *= 1.001
-            (folder / "data.json").write_text(json.dumps(data))
-            (folder / "images/height_fog/march.png").unlink()
-            (folder / "vendor/vega.min.js").unlink()
-        result = self.broken("faults", change)
-        self.assertEqual(result.returncode, 1)
-        for what, told in (
-                ("a hidden picture of a check", "images/physics/furnace_box_4/tracer_0.png"),
-                ("a finding that is counted wrongly", "physics.others.gap"),
-                ("a viewer without a link", "no link leads to the viewer"),
-                ("a table wider than the window", "wider than its place"),
-                ("a row without a number", "a row without a number"),
-                ("a wrong count of what is not gated", "frames.ungated"),
-                ("a number that differs", "scenes/0/frames/1/measurements/2/value"),
-                ("a number shown wrongly", "scenes/1/frames/1/wall_s: the page reads"),
-                ("a missing picture", "images/height_fog/march.png"),
-                ("a missing bundle", "vendor/vega.min.js"),
-                ("a network request", "example.com"),
-                ("markup from data", "markup that is none of the page's")):
-            with self.subTest(what):
-                self.assertIn(told, result.stdout)
+        folder = self.copy_with((
+            ("const drawn = own.filter((r) => inside(rows[r].pictures?.[v]));",
+             "const drawn = own.filter((r) => inside(rows[r].pictures?.[v])"
+             ' && rows[r].participant !== "tracer");'),
+            ('row.lowered || row.look ? "gap"', 'row.lowered ? "gap"'),
+            ("viewer && [", "null && ["),
+            ('region.scrollWidth > region.clientWidth + 1);', "false);"),
+            ('        if (typeof row.value !== "number") return;\n', ""),
+            (' && typeof row.value === "number");\n  function', ");\n  function"),
+            ('    && gate.quantity === "radiance")))', "    && false)))"),
+            ('el("p", {}, scene.physics)', 'Object.assign(el("p"), { innerHTML: scene.physics })'),
+            ("const shown = value * scale;", "const shown = value * scale * "
+             '(path === "scenes/1/frames/1/wall_s" ? 1.02 : 1);')))
+        page = folder / "index.html"
+        text = page.read_text()
+        start = text.index('<meta http-equiv="Content-Security-Policy"')
+        text = text[:start] + text[text.index(">", start) + 1:]
+        page.write_text(text.replace(
+            "</head>", '<script src="https://example.com/tracker.js"></script></head>'))
+        data = report_data()
+        data["scenes"][0]["frames"][1]["measurements"][2]["value"] *= 1.001
+        (folder / "data.json").write_text(json.dumps(data))
+        (folder / "images/height_fog/march.png").unlink()
+        (folder / "vendor/vega.min.js").unlink()
+        self.assert_finds(self.check(folder, "--quick"), (
+            ("a hidden picture of a check", "images/physics/furnace_box_4/tracer_0.png"),
+            ("a finding that is counted wrongly", "physics.others.gap"),
+            ("a viewer without a link", "no link leads to the viewer"),
+            ("a table wider than the window", "wider than its place"),
+            ("a row without a number", "a row without a number"),
+            ("a wrong count of what is not gated", "frames.ungated"),
+            ("a number that differs", "scenes/0/frames/1/measurements/2/value"),
+            ("a number shown wrongly", "scenes/1/frames/1/wall_s: the page reads"),
+            ("a missing picture", "images/height_fog/march.png"),
+            ("a missing bundle", "vendor/vega.min.js"),
+            ("a network request", "example.com"),
+            ("markup from data", "markup that is none of the page's")))
 
 
 if __name__ == "__main__":

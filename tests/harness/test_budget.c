@@ -91,20 +91,25 @@ static struct bench open_bench(void **state)
     return bench;
 }
 
+static struct neph_job make_job(struct bench *bench, const struct neph_engine *engine)
+{
+    engine->probe(NULL, &bench->info);
+    return (struct neph_job){.engine = engine,
+                             .info = &bench->info,
+                             .shot = {.scene = &bench->scene,
+                                      .settings = neph_settings_default(engine),
+                                      .width_px = WIDTH,
+                                      .height_px = HEIGHT,
+                                      .layers = NEPH_LAYER_RADIANCE,
+                                      .seed = 1}};
+}
+
 static struct neph_job_result run(struct bench *bench, const struct neph_engine *engine,
                                   double budget_s, double *samples)
 {
     struct neph_diag diag = {0};
     struct neph_job_result result;
-    engine->probe(NULL, &bench->info);
-    struct neph_job job = {.engine = engine,
-                           .info = &bench->info,
-                           .shot = {.scene = &bench->scene,
-                                    .settings = neph_settings_default(engine),
-                                    .width_px = WIDTH,
-                                    .height_px = HEIGHT,
-                                    .layers = NEPH_LAYER_RADIANCE,
-                                    .seed = 1}};
+    struct neph_job job = make_job(bench, engine);
     neph_assert_ok(neph_budget_run(&job, budget_s, bench->store, &result, &diag), &diag);
     *samples = job.shot.settings.values[0];
     return result;
@@ -122,6 +127,32 @@ static void test_what_fits_is_rendered_as_asked(void **state)
     assert_true(samples == 64.0);
     assert_string_equal(result.note, "");
     neph_job_result_finish(&result);
+    neph_store_close(bench.store);
+}
+
+/* Beside other processes nothing is given up, and what the store holds is taken. */
+static void test_the_first_step_gives_no_samples_up(void **state)
+{
+    struct bench bench = open_bench(state);
+    struct neph_diag diag = {0};
+    struct neph_job_result result;
+    const struct {
+        double budget_s, samples;
+        enum neph_outcome outcome;
+    } cases[] = {{all_s - 1.0, 64.0, NEPH_OUTCOME_TIMEOUT},
+                 {all_s - 1.0, 8.0, NEPH_OUTCOME_RENDERED}};
+    for (int i = 0; i < 2; i++) {
+        struct neph_job job = make_job(&bench, &sampler);
+        neph_assert_ok(neph_budget_try(&job, cases[i].budget_s, bench.store, &result, &diag),
+                       &diag);
+        assert_int_equal(result.outcome, cases[i].outcome);
+        assert_true(job.shot.settings.values[0] == cases[i].samples);
+        neph_job_result_finish(&result);
+        double samples;
+        result = run(&bench, &sampler, cases[i].budget_s, &samples); /* 8 are in the store now */
+        assert_true(samples == 8.0);
+        neph_job_result_finish(&result);
+    }
     neph_store_close(bench.store);
 }
 
@@ -216,6 +247,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_what_fits_is_rendered_as_asked),
+        scratch_test(test_the_first_step_gives_no_samples_up),
         scratch_test(test_what_does_not_fit_gets_fewer_samples_and_says_so),
         scratch_test(test_what_is_there_is_taken),
         scratch_test(test_what_cannot_fit_is_told_with_its_noise),
