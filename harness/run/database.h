@@ -37,7 +37,7 @@ enum neph_status neph_database_check(struct neph_database *database, bool thorou
 enum neph_status neph_database_do(struct neph_database *database, struct neph_diag *diag,
                                   const char *statement, const char *types, ...);
 
-/* The same with the values as a list. */
+/* As neph_database_do(), with the values as a list. */
 union neph_database_value {
     const char *text;
     int64_t integer;
@@ -47,8 +47,8 @@ enum neph_status neph_database_put(struct neph_database *database, struct neph_d
                                    const char *statement, const char *types,
                                    const union neph_database_value *values);
 
-/* All that is done from _begin to _end is done whole or not at all. _end is called in any case, with
- * the status so far: after a failure, which it returns, nothing was done. They do not nest. */
+/* All that is done from _begin to _end is done whole or not at all. _end is called in any case,
+ * with the status so far: after a failure, which it returns, nothing was done. They do not nest. */
 enum neph_status neph_database_begin(struct neph_database *database, struct neph_diag *diag);
 enum neph_status neph_database_end(struct neph_database *database, enum neph_status status,
                                    struct neph_diag *diag);
