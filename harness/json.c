@@ -83,14 +83,3 @@ enum neph_status neph_json_print(json_t *json, struct neph_diag *diag)
     json_decref(json);
     return status;
 }
-
-enum neph_status neph_json_write(json_t *json, const char *path, struct neph_diag *diag)
-{
-    enum neph_status status = neph_json_check(json, diag);
-    char *text = status ? NULL : json_dumps(json, JSON_INDENT(1));
-    if (!status)
-        status = text ? neph_file_write(path, text, strlen(text), diag) : neph_fail_memory(diag);
-    free(text);
-    json_decref(json);
-    return status;
-}

@@ -58,9 +58,4 @@ json_t *neph_json_cleaned(const char *text);
 enum neph_status neph_json_print(json_t *json, struct neph_diag *diag)
     __attribute__((warn_unused_result));
 
-/* The same into a file, whole or not at all. NEPH_ERR_INTERNAL likewise; NEPH_ERR_MEMORY;
- * NEPH_ERR_IO. */
-enum neph_status neph_json_write(json_t *json, const char *path, struct neph_diag *diag)
-    __attribute__((warn_unused_result));
-
 #endif

@@ -2,6 +2,7 @@
 #include "harness/document/publication.h"
 
 #include "base/files.h"
+#include "harness/json_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -84,7 +85,9 @@ enum neph_status neph_publication_publish(struct neph_publication *publication,
     const bool is_whole = close_streams(publication) && !publication->is_short;
     enum neph_status status = is_whole ? NEPH_OK : neph_fail_memory(diag);
     if (!status && places->document)
-        status = neph_json_write(json_incref(publication->json), places->document, diag);
+        status = neph_json_check(publication->json, diag);
+    if (!status && places->document)
+        status = neph_json_write(publication->json, JSON_INDENT(1), places->document, diag);
     for (size_t i = 0; i < sizeof(files) / sizeof(files[0]) && !status; i++)
         if (files[i].path && (i != CHART || publication->kept[CHART].size > 0))
             status = neph_file_write(files[i].path, publication->kept[files[i].form].text,

@@ -3,6 +3,7 @@
  * `neph sweep SCENE`: what engines and their settings cost over a scene, and what they are off by.
  */
 #include "harness/experiments/experiments.h"
+#include "harness/json_file.h"
 
 #include "base/arena.h"
 #include "base/files.h"
@@ -126,7 +127,9 @@ static enum neph_status write_files(const struct neph_report_folder *page, const
                                     const struct neph_sweep *sweep, struct neph_diag *diag)
 {
     char told[512] = "";
-    enum neph_status status = neph_json_write(neph_sweep_json(sweep), json_path, diag);
+    json_t *json = neph_sweep_json(sweep);
+    enum neph_status status = neph_json_write(json, JSON_INDENT(1), json_path, diag);
+    json_decref(json);
     if (!status)
         status = neph_sweep_page_write(sweep, page, told, diag);
     if (told[0])
@@ -338,8 +341,9 @@ static enum neph_status judge_fronts(const struct request *request, const struct
         publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
                                          "%d points left a front by more than their intervals",
                                          moved);
-    const enum neph_status status =
-        path ? neph_json_write(json_incref(publication->json), path, diag) : neph_fail_memory(diag);
+    const enum neph_status status = path ? neph_json_write(publication->json, JSON_INDENT(1), path,
+                                                           diag)
+                                         : neph_fail_memory(diag);
     free(path);
     return status;
 }

@@ -1,8 +1,13 @@
-/* SPDX-License-Identifier: MIT */
-#include "harness/night/edited.h"
+/* SPDX-License-Identifier: MIT
+ *
+ * The accepted versions of scenes that were edited since, rendered once more by tonight's program
+ * from the store's copies (scene_copy.h), so that an edit does not hide a regression.
+ */
+#include "harness/night/work.h"
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/data.h"
 #include "harness/night/scene_copy.h"
 
@@ -35,14 +40,10 @@ static enum neph_status link_entries(const char *from, const char *to, const cha
     for (const struct dirent *entry; !status && directory && (entry = readdir(directory));) {
         if (entry->d_name[0] == '.' || strcmp(entry->d_name, but) == 0)
             continue;
-        char *target = neph_path_join(from, entry->d_name);
-        char *link = neph_path_join(to, entry->d_name);
-        if (!target || !link)
-            status = neph_fail_memory(diag);
-        else if (symlink(target, link) != 0)
-            status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", link, strerror(errno));
-        free(target);
-        free(link);
+        const struct neph_path link = neph_path_in(to, entry->d_name);
+        if (symlink(neph_path_in(from, entry->d_name).text, link.text) != 0)
+            status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", link.text,
+                               strerror(errno));
     }
     if (directory)
         closedir(directory);
@@ -110,20 +111,19 @@ static enum neph_status find_version(struct neph_night_work *work,
 {
     struct neph_arena *arena = &work->night->arena;
     struct neph_database *index = NULL;
-    struct neph_query *query = NULL;
     *scene = (struct neph_history_scene){.step = edit->step};
     enum neph_status status = neph_store_index(work->store, &index, diag);
-    if (!status)
-        status = neph_query_begin(
-            index, &query, diag,
-            "SELECT scene, hash, terms FROM night_scenes WHERE night = ? AND step = ?", "is",
-            edit->accepted, edit->step);
-    if (!status && neph_query_next(query, &status, diag)) {
-        scene->scene = neph_arena_text(arena, neph_query_text(query, 0));
-        scene->hash = neph_arena_text(arena, neph_query_text(query, 1));
-        scene->terms = neph_arena_text(arena, neph_query_text(query, 2));
+    if (!status) {
+        struct neph_query *query = neph_query(
+            index, diag, "SELECT scene, hash, terms FROM night_scenes WHERE night = ? AND step = ?",
+            "is", edit->accepted, edit->step);
+        if (neph_query_next(query)) {
+            scene->scene = neph_arena_text(arena, neph_query_text(query, 0));
+            scene->hash = neph_arena_text(arena, neph_query_text(query, 1));
+            scene->terms = neph_arena_text(arena, neph_query_text(query, 2));
+        }
+        status = neph_query_end(query, NEPH_OK);
     }
-    neph_query_end(query);
     neph_database_close(index);
     if (!status && !scene->scene)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "the store has no copy of it");
@@ -226,14 +226,6 @@ static enum neph_status render(struct neph_night_work *work, const struct neph_h
 
 /* ---- all of them ----------------------------------------------------------------------------- */
 
-static int find_step(const struct neph_night_work *work, const char *name)
-{
-    for (int i = 0; i < work->night->plan.count; i++)
-        if (strcmp(work->night->plan.steps[i].name, name) == 0)
-            return i;
-    return -1;
-}
-
 static enum neph_status was_done(struct neph_night_work *work, const struct neph_night_edit *edit,
                                  bool *done, struct neph_diag *diag)
 {
@@ -258,7 +250,8 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
     struct neph_history_scene scene;
     const char *copy = "";
     bool done = false;
-    const int index = find_step(work, edit->step);
+    const struct neph_night_step *step = neph_night_plan_find(&work->night->plan, edit->step);
+    const int index = step ? (int)(step - work->night->plan.steps) : -1;
     const double start_s = neph_wall_s(),
                  left_s = work->params->budget_s - (start_s - work->start_s);
     enum neph_status status = was_done(work, edit, &done, diag);
@@ -267,8 +260,7 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
     status = find_version(work, edit, &scene, &why);
     if (!status)
         copy = neph_scene_copy_path(neph_store_folder(work->store), &scene, &work->night->arena);
-    if (!done &&
-        neph_night_step_cost(&work->night->plan.steps[index], &work->history[index]) > left_s) {
+    if (!done && neph_night_step_cost(step, &work->history[index]) > left_s) {
         edit->words = "no time was left to render the accepted version once more";
         return NEPH_OK;
     }
@@ -279,11 +271,8 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
         edit->words = words_of(work, copy);
         return done ? NEPH_OK : keep(work, edit, &numbers, neph_wall_s() - start_s, diag);
     }
-    if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
-        if (diag)
-            *diag = why;
+    if (neph_step_ends_night(status, &why, diag))
         return status;
-    }
     edit->words = neph_arena_format(&work->night->arena,
                                     "the accepted version could not be rendered once more: %s",
                                     why.message);

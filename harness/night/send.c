@@ -2,8 +2,8 @@
 #include "harness/night/send.h"
 
 #include "base/clock.h"
-#include "base/files.h"
 #include "base/interrupt.h"
+#include "base/path.h"
 #include "harness/run/index.h"
 
 #include <dirent.h>
@@ -80,14 +80,10 @@ static enum neph_status forget(struct sending *sending, struct neph_diag *diag)
 static bool is_over(const struct sending *sending)
 {
     const struct neph_night_work *work = sending->work;
-    char *document = neph_history_document_path(neph_store_folder(work->store), work->jobs.night);
-    char *folder = neph_path_join(neph_store_folder(work->store), "history");
-    DIR *opened = folder ? opendir(folder) : NULL;
-    const bool over = document && neph_path_exists(document);
+    DIR *opened = opendir(neph_path_in(neph_store_folder(work->store), "history").text);
+    const bool over = neph_history_is_over(neph_store_folder(work->store), work->jobs.night);
     if (opened)
         closedir(opened);
-    free(folder);
-    free(document);
     return over;
 }
 
@@ -382,13 +378,9 @@ enum neph_status neph_night_send(const struct neph_night_params *params,
 static enum neph_status run_step(struct neph_night_work *work, const char *name,
                                  struct neph_diag *diag)
 {
-    const struct neph_night_plan *plan = &work->night->plan;
     const struct neph_history_night who = neph_night_who(work->night);
-    const struct neph_night_step *step = NULL;
+    const struct neph_night_step *step = neph_night_plan_find(&work->night->plan, name);
     bool found = false;
-    for (int i = 0; i < plan->count; i++)
-        if (strcmp(plan->steps[i].name, name) == 0)
-            step = &plan->steps[i];
     if (!step)
         return neph_fail(diag, NEPH_ERR_USAGE, "there is no step '%s'", name);
     enum neph_status status = neph_night_jobs_read(work->params->output, &work->night->arena,
