@@ -3,13 +3,13 @@
  * `neph sweep SCENE`: what engines and their settings cost over a scene, and what they are off by.
  */
 #include "harness/experiments/experiments.h"
-#include "harness/json_file.h"
 
 #include "base/arena.h"
 #include "base/files.h"
 #include "base/threads.h"
 #include "harness/document/table.h"
 #include "harness/engines/look.h"
+#include "harness/json_file.h"
 #include "harness/progress.h"
 #include "harness/report/report_folder.h"
 #include "harness/sweep/output.h"
