@@ -355,7 +355,7 @@ enum neph_status neph_scene_render(const struct neph_scene_run *run, const struc
     const enum neph_status status = render_all(run, scene, result, diag);
     *is_late = false;
     for (int f = 0; f < result->frame_count; f++)
-        *is_late |= result->frames[f].outcome == NEPH_OUTCOME_TIMEOUT;
+        *is_late |= neph_outcome_is_broken(result->frames[f].outcome);
     return status;
 }
 

@@ -65,9 +65,10 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count);
 enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
                                 struct neph_scene_result *result, struct neph_diag *diag);
 
-/* In a worker: only render, into the store, where neph_scene_run() finds the frames. A frame of an
- * external renderer that does not fit into its budget beside those of other workers is left to
- * neph_scene_run(), and `*is_late`. `result` as there. */
+/* In a worker: only render, into the store, where neph_scene_run() finds the frames. `*is_late`: an
+ * engine broke, or a frame of an external renderer did not fit into its budget beside those of
+ * other workers; neph_scene_run() has to try again, when no worker shares the cores. `result` as
+ * there. */
 enum neph_status neph_scene_render(const struct neph_scene_run *run, const struct neph_scene *scene,
                                    struct neph_scene_result *result, bool *is_late,
                                    struct neph_diag *diag);

@@ -32,7 +32,7 @@ struct run {
 /* What workers have told of a scene. */
 struct told {
     struct neph_scene_told steps;
-    bool is_over, is_late; /* all of it; but for what did not fit into its budget */
+    bool is_over, is_late; /* it was rendered; but for frames that are to be tried again */
 };
 
 static enum neph_status choose_engines(const struct neph_validate_params *params,
@@ -242,12 +242,13 @@ static void render_scene(struct run *run, int index)
     struct neph_scene_result result = {.name = NULL};
     struct neph_scene *scene = NULL;
     struct neph_diag why = {.line = 0};
-    bool is_late = true;
+    bool is_late = false;
     char text[64];
     run->scenes.scene = index;
-    if (neph_data_load_scene(run->params->scenes[index], &scene, &why) ||
-        neph_scene_render(&run->scenes, scene, &result, &is_late, &why))
-        is_late = true;
+    enum neph_status status = neph_data_load_scene(run->params->scenes[index], &scene, &why);
+    if (!status)
+        status = neph_scene_render(&run->scenes, scene, &result, &is_late, &why);
+    is_late |= status && status != NEPH_ERR_NOT_FOUND; /* one that is not here takes no time */
     snprintf(text, sizeof(text), "%d over %d", index, is_late);
     neph_worker_tell(run->scenes.worker, text);
     neph_scene_result_finish(&result);
