@@ -331,7 +331,7 @@ static void print_settings(const struct neph_job *job, const char *preset)
 static void print_engine(const struct neph_benchmark_engine *engine)
 {
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
-        const struct neph_benchmark_rung *rung = &engine->rungs[k];
+        const struct neph_rmse_rung *rung = &engine->rungs[k];
         printf("%-8s %8d %10.3f %10.3g %10.3f%% %10.3f%% %14.4g\n", engine->job.engine->name,
                rung->samples, rung->render_s, 1e-6 * neph_benchmark_paths_per_s(engine, k),
                100.0 * sqrt(rung->noise2), 100.0 * sqrt(fmax(0.0, rung->error2)),

@@ -64,11 +64,11 @@ struct climb {
 
 static enum neph_status climb_rung(const struct neph_job *job, int rung,
                                    const struct reference *reference, struct climb *climb,
-                                   struct neph_benchmark_rung *result, struct neph_diag *diag)
+                                   struct neph_rmse_rung *result, struct neph_diag *diag)
 {
     struct neph_noisy_frame frames[SEEDS] = {{.image = NULL}};
     enum neph_status status = NEPH_OK;
-    *result = (struct neph_benchmark_rung){.samples = climb->ladder.samples[rung]};
+    *result = (struct neph_rmse_rung){.samples = climb->ladder.samples[rung]};
     climb->least_s[rung] = INFINITY;
     for (int s = 0; s < SEEDS && !status; s++) {
         status = neph_noisy_render(job, result->samples, (uint64_t)(2 + rung * SEEDS + s),
@@ -113,28 +113,16 @@ static struct neph_benchmark_value exp_of(struct neph_benchmark_value v)
     return (struct neph_benchmark_value){exp(v.value), exp(v.low), exp(v.high)};
 }
 
-static double log_cost(const struct neph_benchmark_rung *rung)
+static double log_cost(const struct neph_rmse_rung *rung)
 {
     return log(fmax(rung->noise2 * rung->render_s, 1e-300));
 }
 
-static void find_rmse_times(const double rmses[NEPH_BENCHMARK_RMSES],
-                            struct neph_benchmark_engine *engine)
-{
-    struct neph_rmse_rung rungs[NEPH_BENCHMARK_RUNGS];
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
-        rungs[k] = (struct neph_rmse_rung){engine->rungs[k].render_s, engine->rungs[k].noise2,
-                                           engine->rungs[k].error2, engine->rungs[k].bias2};
-    engine->law = neph_rmse_law_of(rungs, NEPH_BENCHMARK_RUNGS);
-    for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
-        engine->rmse_times[i] = neph_rmse_time_to(rungs, NEPH_BENCHMARK_RUNGS, rmses[i]);
-}
-
 /* The start was timed when the machine may have been busy, and no render is shorter than its start
  * and the share of its samples. */
-static void leave_start_out(struct climb *climb, struct neph_benchmark_rung *rungs)
+static void leave_start_out(struct climb *climb, struct neph_rmse_rung *rungs)
 {
-    const struct neph_benchmark_rung *first = &rungs[0], *last = &rungs[NEPH_BENCHMARK_RUNGS - 1];
+    const struct neph_rmse_rung *first = &rungs[0], *last = &rungs[NEPH_BENCHMARK_RUNGS - 1];
     const double per_sample_s = fmax(1e-9, (last->render_s - first->render_s) /
                                                (last->samples - first->samples));
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
@@ -161,7 +149,10 @@ static void conclude(struct neph_benchmark *benchmark, struct climb *climbs)
         engine->cost_s = exp_of(mean_of(costs, NEPH_BENCHMARK_RUNGS, student_95));
         engine->times = exp_of(mean_of(times, NEPH_BENCHMARK_RUNGS, student_95));
         engine->bias = mean_of(climbs[e].means, NEPH_BENCHMARK_RUNGS * SEEDS, student_95_of_seeds);
-        find_rmse_times(benchmark->rmses, engine);
+        engine->law = neph_rmse_law_of(engine->rungs, NEPH_BENCHMARK_RUNGS);
+        for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
+            engine->rmse_times[i] = neph_rmse_time_to(engine->rungs, NEPH_BENCHMARK_RUNGS,
+                                                      benchmark->rmses[i]);
     }
 }
 
@@ -277,7 +268,7 @@ static json_t *engine_json(const struct neph_benchmark_engine *engine)
 {
     json_t *rungs = json_array();
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
-        const struct neph_benchmark_rung *rung = &engine->rungs[k];
+        const struct neph_rmse_rung *rung = &engine->rungs[k];
         neph_json_add(&rungs,
                       json_pack("{s:i, s:f, s:o, s:f, s:f, s:f}", "samples", rung->samples,
                                 "render_s", rung->render_s, "paths_per_s",

@@ -20,19 +20,40 @@
 #define NEPH_HARNESS_RUN_BENCHMARK_H
 
 #include "harness/run/job.h"
+#include "harness/run/noisy_frame.h"
 #include "harness/run/rmse_time.h"
-#include "harness/run/rungs.h"
+
+/* How many samples the rungs of a ladder take: so many that the last one takes a stated time, each
+ * half the one above it, or so many that the last one is a little better than a stated error, and
+ * the first a little worse than three times that. */
+enum { NEPH_RUNGS = 4 };
+
+/* One of the two; the other is 0. */
+struct neph_rungs_aim {
+    double rung_s; /* of the last rung */
+    double error;  /* relative RMSE */
+};
+
+struct neph_rungs {
+    struct neph_rungs_aim aim;
+    int samples[NEPH_RUNGS]; /* by an error: those ahead are guesses */
+    double start_s;          /* of a render whose samples take no time */
+    double per_sample_s;
+};
+
+/* Renders with few samples, to know the job's start, its speed and, by an error, its noise. */
+enum neph_status neph_rungs_plan(const struct neph_job *job, struct neph_rungs_aim aim,
+                                 struct neph_rungs *rungs, struct neph_diag *diag);
+
+/* By an error: a rung had this squared noise, relative, so the rungs above it take as many samples
+ * as it asks for. */
+void neph_rungs_learn(const struct neph_job *job, int rung, double noise2,
+                      struct neph_rungs *rungs);
 
 enum {
     NEPH_BENCHMARK_RUNGS = NEPH_RUNGS,
     NEPH_BENCHMARK_ENGINES_MAX = 4,
     NEPH_BENCHMARK_RMSES = 2
-};
-
-struct neph_benchmark_rung {
-    int samples;
-    double render_s;              /* of one seed, the start left out; mean of the two */
-    double noise2, error2, bias2; /* squared and relative; the last two may be below 0 */
 };
 
 /* A number with its 95 % interval. */
@@ -44,7 +65,8 @@ struct neph_benchmark_engine {
     struct neph_job job; /* its engine, settings and shot */
     const char *preset;  /* the caller's: what its settings began as (neph_settings_origin) */
     double start_s;      /* of a render whose samples take no time; starting Blender is not in it */
-    struct neph_benchmark_rung rungs[NEPH_BENCHMARK_RUNGS];
+    struct neph_rmse_rung rungs[NEPH_BENCHMARK_RUNGS]; /* render_s: of one seed, the start left out;
+                                                          mean of the two */
     struct neph_benchmark_value cost_s; /* noise2 * render_s: the time to a relative noise of 1 */
     struct neph_benchmark_value times;  /* cost over that of the first engine */
     struct neph_benchmark_value bias;   /* of the mean radiance, relative; of all rungs and seeds */

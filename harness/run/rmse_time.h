@@ -12,6 +12,7 @@ struct neph_rmse_rung {
     double render_s;       /* > 0; on a busy machine more samples may take less of it */
     double noise2, error2; /* squared noise; squared error, which is noise2 and the squared bias */
     double bias2;          /* squared bias, from frames none of whose noise is in it twice */
+    int samples;           /* of a pixel; no law needs them */
 };
 
 enum neph_rmse_found {

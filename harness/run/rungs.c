@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/run/rungs.h"
+#include "harness/run/benchmark.h"
 
 #include <math.h>
 

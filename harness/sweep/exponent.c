@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/sweep/exponent.h"
+#include "harness/sweep/scaling.h"
 
 #include "metrics/significance.h"
 

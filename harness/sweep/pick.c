@@ -85,14 +85,14 @@ static int side_px(int full_px, int part, int least_px)
 }
 
 static enum neph_status measure(struct work *work, const bool *wanted, int size, bool is_timed,
-                                struct neph_diag *diag)
+                                int jobs, struct neph_diag *diag)
 {
     const struct neph_pick_params *params = work->params;
     const struct neph_sweep_params asked = {.plan = &work->plan,
                                             .scene = params->scene,
                                             .time_limit_s = params->time_limit_s,
                                             .seed = params->seed,
-                                            .jobs = params->jobs,
+                                            .jobs = jobs,
                                             .device = params->device,
                                             .quiet = params->quiet,
                                             .untimed = !is_timed,
@@ -126,7 +126,7 @@ static enum neph_status measure_one(struct work *work, int index, int size, stru
 {
     bool wanted[NEPH_SWEEP_POINTS_MAX] = {false};
     wanted[index] = true;
-    return measure(work, wanted, size, size == FULL && isfinite(work->params->time_s), diag);
+    return measure(work, wanted, size, size == FULL && isfinite(work->params->time_s), 1, diag);
 }
 
 /* --- judging -------------------------------------------------------------------------------- */
@@ -198,7 +198,8 @@ static enum neph_status walk(struct work *work, bool closed, int *chosen, struct
             is_left[s * NEPH_SWEEP_VALUES_MAX + i] = is_wanted;
             count += is_wanted;
         }
-    enum neph_status status = count > 0 ? measure(work, is_left, 0, false, diag) : NEPH_OK;
+    enum neph_status status = count > 0 ? measure(work, is_left, 0, false, work->params->jobs, diag)
+                                        : NEPH_OK;
     for (int i = 0; i < work->plan.series_count * NEPH_SWEEP_VALUES_MAX && !status; i++) {
         work->pick->looked_at += is_left[i];
         is_left[i] &= work->entries[i].is_there &&
@@ -432,7 +433,8 @@ static enum neph_status weigh_what_is_left_out(struct work *work, int chosen,
     for (int s = first; s < work->plan.series_count; s++)
         wanted[s * NEPH_SWEEP_VALUES_MAX] = true;
     if (!status && work->plan.series_count > first)
-        status = measure(work, wanted, FULL, isfinite(work->params->time_s), diag);
+        status = measure(work, wanted, FULL, isfinite(work->params->time_s), work->params->jobs,
+                         diag);
     for (int i = 0; i < work->pick->left_out_count && !status; i++)
         work->pick->left_out[i].with = work->entries[(first + i) * NEPH_SWEEP_VALUES_MAX].point;
     return status;

@@ -6,8 +6,8 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
 #include "harness/sweep/ladder.h"
+#include "harness/sweep/point.h"
 #include "harness/sweep/scaled.h"
-#include "harness/sweep/timing.h"
 #include "scenes/relit.h"
 
 #include <math.h>

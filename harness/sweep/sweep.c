@@ -8,7 +8,7 @@
 #include "harness/experiment/pool.h"
 #include "harness/sweep/equal.h"
 #include "harness/sweep/front.h"
-#include "harness/sweep/timing.h"
+#include "harness/sweep/point.h"
 #include "scenes/motion.h"
 #include "scenes/rescatter.h"
 
@@ -206,95 +206,26 @@ static enum neph_status measure_point(struct neph_sweep_bench *bench,
     return status;
 }
 
-/* What all workers measure. */
-struct measuring {
-    struct neph_sweep_bench *bench;
-    struct neph_sweep_point **order; /* of points */
-    int count, group_count;
-    struct neph_shared_device *device;
-    struct neph_progress progress; /* of the workers */
-};
-
-/* Where the points of a group begin, which share a reference; `count`: there are no more groups. */
-static int start_of_group(const struct measuring *all, int group)
+/* Points in the order in which they share references; to free. NULL: memory is short. */
+static struct neph_sweep_point **order_points(const struct neph_sweep *sweep)
 {
-    int start = 0;
-    for (int i = 1; i <= all->count && group > 0; i++)
-        if (i == all->count || strcmp(all->order[i]->label, all->order[i - 1]->label) != 0) {
-            start = i;
-            group--;
-        }
-    return start;
+    const size_t count = (size_t)sweep->point_count, size = sizeof(struct neph_sweep_point *);
+    struct neph_sweep_point **order = calloc(count, size);
+    for (size_t i = 0; i < count && order; i++)
+        order[i] = &sweep->points[i];
+    if (order)
+        qsort(order, count, size, by_reference);
+    return order;
 }
 
-/* A picture that is rendered whole may be timed by what it costs then: it is rendered alone. */
-static bool is_for_workers(const struct neph_sweep_point *point)
+static enum neph_status measure_points(struct neph_sweep_bench *bench,
+                                       const struct neph_sweep *sweep, struct neph_diag *diag)
 {
-    return neph_sweep_is_sequence(point) || neph_flight_applies(point->job.engine);
-}
-
-/* A worker's points: their frames are in the store then, for the process that started it. */
-static enum neph_status measure_groups(struct neph_worker *worker, const struct measuring *all,
-                                       struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    struct neph_progress quiet = neph_progress_start(true, 0);
-    all->bench->progress = &quiet;
-    for (int group; !status && (group = neph_worker_next(worker)) < all->group_count;) {
-        const int start = start_of_group(all, group), end = start_of_group(all, group + 1);
-        for (int i = start; i < end && !status; i++)
-            if (is_for_workers(all->order[i]))
-                status = measure_point(all->bench, all->order[i], diag);
-        neph_worker_tell(worker, all->order[start]->series->name);
-    }
-    neph_shared_device_close(all->device);
-    return status;
-}
-
-static enum neph_status measure_all(struct neph_worker *worker, void *context,
-                                    struct neph_diag *diag)
-{
-    const struct measuring *all = context;
-    enum neph_status status = NEPH_OK;
-    if (worker->index > 0)
-        return measure_groups(worker, all, diag);
-    for (int i = 0; i < all->count && !status; i++)
-        status = measure_point(all->bench, all->order[i], diag);
-    return status;
-}
-
-static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
-{
-    struct measuring *all = context;
-    (void)diag;
-    if (text)
-        neph_progress_tick(&all->progress, text);
-    return NEPH_OK;
-}
-
-static enum neph_status measure_points(struct neph_sweep_bench *bench, struct neph_sweep *sweep,
-                                       const struct neph_sweep_params *params,
-                                       struct neph_diag *diag)
-{
-    struct measuring all = {.bench = bench,
-                            .order = calloc((size_t)sweep->point_count, sizeof(*all.order)),
-                            .count = sweep->point_count,
-                            .device = params->device,
-                            .progress = neph_progress_start(params->quiet, 0)};
-    enum neph_status status = all.order ? NEPH_OK : neph_fail_memory(diag);
-    for (int i = 0; i < all.count && !status; i++)
-        all.order[i] = &sweep->points[i];
-    if (!status) {
-        qsort(all.order, (size_t)all.count, sizeof(*all.order), by_reference);
-        while (start_of_group(&all, all.group_count) < all.count)
-            all.group_count++;
-        neph_progress_expect(&all.progress, 0, all.group_count, 0.0);
-        const int jobs = params->jobs < all.group_count ? params->jobs : all.group_count;
-        if (jobs > 1)
-            neph_shared_device_close(params->device); /* workers open their own */
-        status = neph_pool_run(jobs, measure_all, hear, &all, diag);
-    }
-    free(all.order);
+    struct neph_sweep_point **order = order_points(sweep);
+    enum neph_status status = order ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < sweep->point_count && !status; i++)
+        status = measure_point(bench, order[i], diag);
+    free(order);
     return status;
 }
 
@@ -345,7 +276,7 @@ static enum neph_status run_bench(const struct neph_sweep_params *params, struct
                                   struct neph_sweep_bench *bench, struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
-    enum neph_status status = measure_points(bench, sweep, params, diag);
+    enum neph_status status = measure_points(bench, sweep, diag);
     sweep->mask = bench->mask;
     bench->progress->kind = KIND_ROUND;
     if (!status && !params->untimed)
@@ -355,40 +286,135 @@ static enum neph_status run_bench(const struct neph_sweep_params *params, struct
     return status ? status : find_fronts(sweep, params->untimed, diag);
 }
 
-enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct neph_store *store,
-                                struct neph_sweep *sweep, struct neph_diag *diag)
+static enum neph_status prepare(const struct neph_sweep_params *params, struct neph_sweep *sweep,
+                                struct neph_diag *diag)
 {
-    struct neph_progress progress = neph_progress_start(params->quiet, 0);
-    struct neph_sweep_truth truth = {.image = NULL};
     *sweep = (struct neph_sweep){.plan = params->plan, .against = params->against};
     enum neph_status status = check_only(params, diag);
     if (!status)
         status = neph_data_load_scene(params->scene, &sweep->scene, diag);
     if (!status)
         status = choose_frames(sweep, diag);
-    if (!status)
-        status = fill_points(params, sweep, diag);
-    neph_progress_expect(&progress, KIND_TRUTH, 1, truth_typical_s);
-    neph_progress_expect(&progress, KIND_POINT, sweep->point_count, point_typical_s);
-    if (!params->untimed)
-        neph_progress_expect(&progress, KIND_ROUND, params->plan->round_count, round_typical_s);
-    if (!status)
-        status = make_truth(params, sweep, store, &progress, &truth, diag);
-    struct neph_sweep_bench bench = {.plan = params->plan,
-                                     .truth = &truth,
-                                     .store = store,
-                                     .progress = &progress,
+    return status ? status : fill_points(params, sweep, diag);
+}
+
+/* What a sweep has, and those who help with it. */
+struct whole {
+    const struct neph_sweep_params *params;
+    struct neph_store *store;
+    struct neph_sweep *sweep;
+    struct neph_progress progress; /* of the workers */
+};
+
+static struct neph_sweep_bench bench_of(const struct whole *whole, const struct neph_sweep *sweep,
+                                        const struct neph_sweep_truth *truth,
+                                        struct neph_progress *progress)
+{
+    const struct neph_sweep_params *params = whole->params;
+    return (struct neph_sweep_bench){.plan = params->plan,
+                                     .truth = truth,
+                                     .store = whole->store,
+                                     .progress = progress,
                                      .frame_count = sweep->frame_count,
                                      .frame = sweep->frame,
                                      .mask = "all",
                                      .times = params->times,
                                      .retimes = params->retimes,
                                      .seed = (uint64_t)params->seed};
+}
+
+static enum neph_status run_whole(const struct whole *whole, struct neph_diag *diag)
+{
+    const struct neph_sweep_params *params = whole->params;
+    struct neph_sweep *sweep = whole->sweep;
+    struct neph_progress progress = neph_progress_start(params->quiet, 0);
+    struct neph_sweep_truth truth = {.image = NULL};
+    enum neph_status status = prepare(params, sweep, diag);
+    neph_progress_expect(&progress, KIND_TRUTH, 1, truth_typical_s);
+    neph_progress_expect(&progress, KIND_POINT, sweep->point_count, point_typical_s);
+    if (!params->untimed)
+        neph_progress_expect(&progress, KIND_ROUND, params->plan->round_count, round_typical_s);
+    if (!status)
+        status = make_truth(params, sweep, whole->store, &progress, &truth, diag);
+    struct neph_sweep_bench bench = bench_of(whole, sweep, &truth, &progress);
     if (!status)
         status = run_bench(params, sweep, &bench, diag);
     neph_sweep_bench_finish(&bench);
     neph_sweep_truth_finish(&truth);
     neph_progress_end(&progress);
+    return status;
+}
+
+/* --- several processes ---------------------------------------------------------------------- */
+
+/* Where the points of a group begin, which share a reference; `count`: there are no more groups. */
+static int start_of_group(struct neph_sweep_point *const *order, int count, int group)
+{
+    int start = 0;
+    for (int i = 1; i <= count && group > 0; i++)
+        if (i == count || strcmp(order[i]->label, order[i - 1]->label) != 0) {
+            start = i;
+            group--;
+        }
+    return start;
+}
+
+/* A picture that is rendered whole may be timed by what it costs then: it is rendered alone. */
+static bool is_for_workers(const struct neph_sweep_point *point)
+{
+    return neph_sweep_is_sequence(point) || neph_flight_applies(point->job.engine);
+}
+
+/* The groups of a worker: their frames are in the store then, for the process that started it. No
+ * error is taken, as the truth is made by that process. */
+static enum neph_status run_groups(const struct whole *whole, struct neph_worker *worker,
+                                   struct neph_diag *diag)
+{
+    const struct neph_sweep_truth no_truth = {.image = NULL};
+    struct neph_progress progress = neph_progress_start(true, 0);
+    struct neph_sweep sweep;
+    enum neph_status status = prepare(whole->params, &sweep, diag);
+    struct neph_sweep_bench bench = bench_of(whole, &sweep, &no_truth, &progress);
+    struct neph_sweep_point **order = status ? NULL : order_points(&sweep);
+    for (int start = 0; order && !status && start < sweep.point_count;) {
+        const int group = neph_worker_next(worker);
+        const int end = start_of_group(order, sweep.point_count, group + 1);
+        start = start_of_group(order, sweep.point_count, group);
+        for (int i = start; i < end && !status; i++)
+            if (is_for_workers(order[i]))
+                status = measure_point(&bench, order[i], diag);
+        if (start < end)
+            neph_worker_tell(worker, order[start]->series->name);
+    }
+    free(order);
+    neph_sweep_bench_finish(&bench);
+    neph_sweep_finish(&sweep);
+    neph_shared_device_close(whole->params->device);
+    return status;
+}
+
+static enum neph_status run_part(struct neph_worker *worker, void *whole, struct neph_diag *diag)
+{
+    return worker->index > 0 ? run_groups(whole, worker, diag) : run_whole(whole, diag);
+}
+
+static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+{
+    struct whole *whole = context;
+    (void)diag;
+    if (text)
+        neph_progress_tick(&whole->progress, text);
+    return NEPH_OK;
+}
+
+enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct neph_store *store,
+                                struct neph_sweep *sweep, struct neph_diag *diag)
+{
+    struct whole whole = {params, store, sweep, neph_progress_start(params->quiet, 0)};
+    *sweep = (struct neph_sweep){.plan = params->plan};
+    if (params->jobs > 1)
+        neph_shared_device_close(params->device); /* workers open their own */
+    const enum neph_status status = neph_pool_run(params->jobs, run_part, hear, &whole, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");
     return status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/sweep/timing.h"
+#include "harness/sweep/point.h"
 
 #include "base/clock.h"
 #include "harness/sweep/repeat.h"

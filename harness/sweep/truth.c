@@ -164,6 +164,8 @@ enum neph_status neph_sweep_truth_error(const struct neph_sweep_truth *truth,
     struct neph_image *image = NULL;
     struct neph_measurements list = {0};
     *error = (struct neph_sweep_value){NAN, NAN, NAN};
+    if (!truth->image)
+        return NEPH_OK;
     enum neph_status status = neph_exr_read(frame_path, &image, diag);
     if (!status)
         status = neph_measure(truth->image, image, "error", &viewing, &list, diag);

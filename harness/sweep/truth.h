@@ -27,7 +27,8 @@ enum neph_status neph_sweep_truth_make(const struct neph_sweep_plan *plan,
                                        struct neph_sweep_truth *truth, struct neph_diag *diag);
 void neph_sweep_truth_finish(struct neph_sweep_truth *truth);
 
-/* rel_rmse of a frame's radiance against it, with its interval over tiles of the picture. */
+/* rel_rmse of a frame's radiance against it, with its interval over tiles of the picture; NaN where
+ * the truth was not made. */
 enum neph_status neph_sweep_truth_error(const struct neph_sweep_truth *truth,
                                         const char *frame_path, struct neph_sweep_value *error,
                                         struct neph_diag *diag);

@@ -17,7 +17,7 @@ static void make_ladder(double first_noise, double power, double bias,
     for (int k = 0; k < RUNGS; k++) {
         const double render_s = (double)(1 << k);
         const double noise2 = first_noise * first_noise / pow(render_s, power);
-        rungs[k] = (struct neph_rmse_rung){render_s, noise2, noise2 + bias * bias, bias * bias};
+        rungs[k] = (struct neph_rmse_rung){render_s, noise2, noise2 + bias * bias, bias * bias, 0};
     }
 }
 
