@@ -260,50 +260,36 @@ static void print_sweep(const struct neph_sweep *sweep, FILE *out)
 
 /* ---- CSV ------------------------------------------------------------------------------------- */
 
-static void add_row(const struct neph_sweep_point *point, struct neph_table *table)
+static void print_csv_numbers(const double *values, int count, FILE *out)
 {
-    const double costs[] = {point->time.median, point->time.low, point->time.high,
-                            point->evaluations};
-    neph_table_word(table, point->series->name);
-    neph_table_word(table, point->job.engine->name);
-    neph_table_word(table, point->label);
-    for (size_t i = 0; i < sizeof(costs) / sizeof(costs[0]); i++)
-        neph_table_number(table, costs[i]);
-    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
-        neph_table_number(table, point->numbers[n].value);
-        neph_table_number(table, point->numbers[n].low);
-        neph_table_number(table, point->numbers[n].high);
+    for (int i = 0; i < count; i++) {
+        fputc(',', out);
+        neph_csv_number(values[i], out);
     }
-    neph_table_word(table, point->missing[0] ? "missing" : "measured");
-}
-
-static void add_column(const char *key, const char *end, struct neph_table *table)
-{
-    char name[64];
-    snprintf(name, sizeof(name), "%s%s", key, end);
-    neph_table_columns(table, &(struct neph_column){.key = name}, 1);
 }
 
 static void print_csv(const struct neph_sweep *sweep, FILE *out)
 {
-    static const char *const first[] = {"series",
-                                        "engine",
-                                        "point",
-                                        "seconds",
-                                        "seconds_low",
-                                        "seconds_high",
-                                        "evaluations_per_pixel"};
-    static const char *const ends[] = {"", "_low", "_high"};
-    struct neph_table table = {.cells = NULL};
-    for (size_t i = 0; i < sizeof(first) / sizeof(first[0]); i++)
-        add_column(first[i], "", &table);
-    for (int i = 0; i < 3 * NEPH_SWEEP_NUMBERS; i++)
-        add_column(neph_sweep_number_texts[i / 3].name, ends[i % 3], &table);
-    add_column("outcome", "", &table);
-    for (int i = 0; i < sweep->point_count; i++)
-        add_row(&sweep->points[i], &table);
-    neph_table_print_csv(&table, "\n", out);
-    neph_table_finish(&table);
+    fputs("series,engine,point,seconds,seconds_low,seconds_high,evaluations_per_pixel", out);
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
+        const char *name = neph_sweep_number_texts[n].name;
+        fprintf(out, ",%s,%s_low,%s_high", name, name, name);
+    }
+    fputs(",outcome\n", out);
+    for (int i = 0; i < sweep->point_count; i++) {
+        const struct neph_sweep_point *point = &sweep->points[i];
+        const struct neph_spread *time = &point->time;
+        neph_csv_word(point->series->name, out);
+        fprintf(out, ",%s,", point->job.engine->name);
+        neph_csv_word(point->label, out);
+        print_csv_numbers((const double[]){time->median, time->low, time->high, point->evaluations},
+                          4, out);
+        for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
+            const struct neph_sweep_value *number = &point->numbers[n];
+            print_csv_numbers((const double[]){number->value, number->low, number->high}, 3, out);
+        }
+        fprintf(out, ",%s\n", point->missing[0] ? "missing" : "measured");
+    }
 }
 
 /* ---- one, or several with other seeds -------------------------------------------------------- */
