@@ -5,6 +5,7 @@
 #include "harness/cli/cli.h"
 
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/night/output.h"
 #include "harness/night/page.h"
 #include "harness/night/send.h"
@@ -130,9 +131,9 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
     if (!status && request->shared.json) {
         status = neph_json_print(neph_night_json(night, request->tier), diag);
     } else if (!status) {
-        char *summary = neph_night_summary(night, request->tier);
-        status = summary ? NEPH_OK : neph_fail_memory(diag);
-        if (summary)
+        char *summary = NULL;
+        status = neph_night_summary(night, request->tier, &summary, diag);
+        if (!status)
             fputs(summary, stdout);
         free(summary);
     }
@@ -165,15 +166,14 @@ static enum neph_status run_here(const struct request *request, struct neph_nigh
 
 static enum neph_status print_file(const char *output, const char *name, struct neph_diag *diag)
 {
-    char *path = neph_format("%s/nightly/%s", output, name), *text = NULL;
+    char *text = NULL;
     size_t size;
-    const enum neph_status status = path ? neph_file_read(path, report_limit_bytes, &text, &size,
-                                                          diag)
-                                         : neph_fail_memory(diag);
+    const enum neph_status status = neph_file_read(
+        neph_path_format("%s/nightly/%s", output, name).text, report_limit_bytes, &text, &size,
+        diag);
     if (!status)
         fputs(text, stdout);
     free(text);
-    free(path);
     return status;
 }
 
@@ -181,9 +181,8 @@ static enum neph_status print_file(const char *output, const char *name, struct 
 static enum neph_status read_report(const char *output, int64_t night, json_t **report,
                                     struct neph_diag *diag)
 {
-    char *path = neph_format("%s/nightly/nightly.json", output);
-    json_t *read = path ? json_load_file(path, 0, NULL) : NULL;
-    free(path);
+    json_t *read = json_load_file(neph_path_format("%s/nightly/nightly.json", output).text, 0,
+                                  NULL);
     if (read && json_integer_value(json_object_get(read, "night")) == night) {
         *report = read;
         return NEPH_OK;
@@ -221,14 +220,12 @@ static enum neph_status run(const struct request *request, struct neph_night_par
                             char **words, struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
-    char *folder = neph_path_join(params->output, "store");
-    enum neph_status status = folder ? neph_store_open(folder, &store, diag)
-                                     : neph_fail_memory(diag);
+    enum neph_status status = neph_store_open(neph_path_in(params->output, "store").text, &store,
+                                              diag);
     if (!status)
         status = is_by_slurm(request) ? send(request, params, words, store, diag)
                                       : run_here(request, params, store, diag);
     neph_store_close(store);
-    free(folder);
     return status;
 }
 

@@ -5,7 +5,6 @@
 #include "harness/night/readers.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -47,7 +46,7 @@ struct candidate {
     bool is_picture;
     int64_t accepted; /* night; 0: none */
     struct neph_series series;
-    double *past, *errors; /* owned, as is `aside` */
+    double *past, *errors; /* of the arena, as is `aside` */
     bool *aside;
     bool was_measured;               /* by the accepted night */
     const char *other_environment;   /* of the accepted night, where it is another */
@@ -94,6 +93,13 @@ static bool make_room(struct neph_night_comparison *comparison)
     return true;
 }
 
+static void judge_night(struct neph_night_comparison *comparison)
+{
+    comparison->passes = comparison->compared > 0 &&
+                         (comparison->finding_count == 0 ||
+                          !neph_found_fails(comparison->findings[0].found));
+}
+
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding)
 {
@@ -103,33 +109,55 @@ void neph_night_add_finding(struct neph_night_comparison *comparison,
     for (; at > 0 && by_weight(&comparison->findings[at - 1], finding) > 0; at--)
         comparison->findings[at] = comparison->findings[at - 1];
     comparison->findings[at] = *finding;
-    comparison->passes = comparison->compared > 0 &&
-                         !neph_found_fails(comparison->findings[0].found);
+    judge_night(comparison);
 }
 
-/* What is no number. */
-static void find_by(struct work *work, enum neph_found found, const char *series, const char *step,
-                    const char *words, const char *example, int64_t accepted)
+struct neph_finding neph_finding(enum neph_found found, const char *series, const char *step,
+                                 const char *words)
 {
-    const struct neph_finding finding = {.found = found,
-                                         .series = series,
-                                         .step = step,
-                                         .words = words,
-                                         .tonight = NAN,
-                                         .baseline = NAN,
-                                         .change = NAN,
-                                         .p = NAN,
-                                         .floor = NAN,
-                                         .standard_error = NAN,
-                                         .example = example,
-                                         .accepted = accepted};
-    neph_night_add_finding(work->comparison, &finding);
+    return (struct neph_finding){.found = found,
+                                 .series = series,
+                                 .step = step,
+                                 .words = words,
+                                 .tonight = NAN,
+                                 .baseline = NAN,
+                                 .change = NAN,
+                                 .p = NAN,
+                                 .floor = NAN,
+                                 .standard_error = NAN,
+                                 .example = ""};
 }
 
 static void find(struct work *work, enum neph_found found, const char *series, const char *step,
                  const char *words)
 {
-    find_by(work, found, series, step, words, "", 0);
+    const struct neph_finding finding = neph_finding(found, series, step, words);
+    neph_night_add_finding(work->comparison, &finding);
+}
+
+/* What is shown by the series `example`, "" for none, and compared with the night `accepted`. */
+static void find_by(struct work *work, enum neph_found found, const char *series, const char *step,
+                    const char *words, const char *example, int64_t accepted)
+{
+    struct neph_finding finding = neph_finding(found, series, step, words);
+    finding.example = example;
+    finding.accepted = accepted;
+    neph_night_add_finding(work->comparison, &finding);
+}
+
+static void find_number(struct work *work, enum neph_found found, const struct candidate *c,
+                        const char *words, const struct neph_judgement *j)
+{
+    struct neph_finding finding = neph_finding(found, c->name, c->step, words);
+    finding.tonight = c->series.tonight;
+    finding.baseline = j->baseline;
+    finding.change = j->change;
+    finding.p = j->p;
+    finding.floor = j->floor;
+    finding.standard_error = c->series.standard_error;
+    finding.example = c->name;
+    finding.accepted = c->accepted;
+    neph_night_add_finding(work->comparison, &finding);
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
@@ -150,22 +178,22 @@ static const char *family_of(struct neph_arena *arena, const char *environment)
 static enum neph_status read_candidates(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
-    struct neph_query *query = NULL;
     int64_t total = 0;
     const int64_t night = work->comparison->night;
-    enum neph_status status = neph_database_count(
+    const enum neph_status status = neph_database_count(
         work->index, &total, diag, "SELECT count(*) FROM measurements WHERE night = ?", "i", night);
-    work->candidates = status ? NULL : calloc((size_t)total + 1, sizeof(*work->candidates));
-    if (!status && !work->candidates)
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = neph_query_begin(
-            work->index, &query, diag,
-            "SELECT name, step, kind, value, standard_error, environment FROM "
-            "measurements JOIN series ON series.id = series WHERE night = ? "
-            "ORDER BY name",
-            "i", night);
-    while (!status && work->count < total && neph_query_next(query, &status, diag)) {
+    if (status)
+        return status;
+    work->candidates = neph_arena_zeroed(arena, (size_t)total + 1, sizeof(*work->candidates));
+    if (!work->candidates)
+        return neph_fail_memory(diag);
+    struct neph_query *query = neph_query(
+        work->index, diag,
+        "SELECT name, step, kind, value, standard_error, environment FROM "
+        "measurements JOIN series ON series.id = series WHERE night = ? "
+        "ORDER BY name",
+        "i", night);
+    while (work->count < total && neph_query_next(query)) {
         struct candidate *c = &work->candidates[work->count++];
         const char *name = neph_arena_text(arena, neph_query_text(query, 0));
         const struct neph_night_name parts = neph_night_split(arena, name);
@@ -186,8 +214,7 @@ static enum neph_status read_candidates(struct work *work, struct neph_diag *dia
                        .tonight = neph_query_real(query, 3),
                        .standard_error = neph_query_real(query, 4)}};
     }
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, NEPH_OK);
 }
 
 /* A program that calls a fixed number a drawn one is held to the rule of the accepted night. */
@@ -202,30 +229,32 @@ static void take_accepted_kind(struct candidate *c, const char *word)
  * the same nights; a place for each, also for those without the number. */
 static enum neph_status read_past(struct work *work, struct candidate *c, struct neph_diag *diag)
 {
+    struct neph_arena *arena = &work->comparison->arena;
     int64_t nights = 0;
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_database_count(
+    const enum neph_status status = neph_database_count(
         work->index, &nights, diag,
         "SELECT count(*) FROM nights WHERE ended_utc != '' AND (id = ? OR id > max(?, ?)) AND id < "
         "?",
         "iiii", c->accepted, c->accepted, work->comparison->baseline, work->comparison->night);
-    c->past = calloc((size_t)nights + 1, sizeof(*c->past));
-    c->errors = calloc((size_t)nights + 1, sizeof(*c->errors));
-    c->aside = calloc((size_t)nights + 1, sizeof(*c->aside));
-    if (!status && (!c->past || !c->errors || !c->aside))
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = neph_query_begin(
-            work->index, &query, diag,
-            "SELECT m.value, m.standard_error, m.environment, m.judgement, m.night IS NOT NULL, "
-            "m.kind FROM "
-            "nights LEFT JOIN measurements AS m ON m.night = nights.id AND m.series = (SELECT id "
-            "FROM series WHERE name = ?) WHERE ended_utc != '' AND (nights.id = ? OR nights.id > "
-            "max(?, ?)) AND nights.id < ? ORDER BY nights.id",
-            "siiii", c->name, c->accepted, c->accepted, work->comparison->baseline,
-            work->comparison->night);
+    if (status)
+        return status;
+    const size_t count = (size_t)nights + 1;
+    c->past = neph_arena_zeroed(arena, count, sizeof(*c->past));
+    c->errors = neph_arena_zeroed(arena, count, sizeof(*c->errors));
+    c->aside = neph_arena_zeroed(arena, count, sizeof(*c->aside));
+    if (!c->past || !c->errors || !c->aside)
+        return neph_fail_memory(diag);
+    struct neph_query *query = neph_query(
+        work->index, diag,
+        "SELECT m.value, m.standard_error, m.environment, m.judgement, m.night IS NOT NULL, "
+        "m.kind FROM "
+        "nights LEFT JOIN measurements AS m ON m.night = nights.id AND m.series = (SELECT id "
+        "FROM series WHERE name = ?) WHERE ended_utc != '' AND (nights.id = ? OR nights.id > "
+        "max(?, ?)) AND nights.id < ? ORDER BY nights.id",
+        "siiii", c->name, c->accepted, c->accepted, work->comparison->baseline,
+        work->comparison->night);
     int at = 0;
-    for (; !status && at < nights && neph_query_next(query, &status, diag); at++) {
+    for (; at < nights && neph_query_next(query); at++) {
         const bool is_there = neph_query_integer(query, 4) != 0;
         const bool same = is_there &&
                           neph_is_same_environment(neph_query_text(query, 2), c->environment);
@@ -234,21 +263,20 @@ static enum neph_status read_past(struct work *work, struct candidate *c, struct
         c->aside[at] = neph_query_text(query, 3)[0] != '\0';
         if (at == 0) {
             c->was_measured = is_there;
-            c->other_environment = is_there && !same ? neph_arena_text(&work->comparison->arena,
-                                                                       neph_query_text(query, 2))
-                                                     : NULL;
+            c->other_environment = is_there && !same
+                                       ? neph_arena_text(arena, neph_query_text(query, 2))
+                                       : NULL;
             c->aside[0] = false; /* it was accepted as it is */
             c->other_value = neph_query_real(query, 0);
             c->other_error = neph_query_real(query, 1);
             take_accepted_kind(c, neph_query_text(query, 5));
         }
     }
-    neph_query_end(query);
     c->series.past = c->past;
     c->series.past_errors = c->errors;
     c->series.set_aside = c->aside;
     c->series.past_count = at;
-    return status;
+    return neph_query_end(query, NEPH_OK);
 }
 
 static enum neph_status compare_sizes(struct work *work, struct candidate *c,
@@ -264,9 +292,25 @@ static enum neph_status compare_sizes(struct work *work, struct candidate *c,
     return status;
 }
 
+static enum neph_status check_against(struct work *work, struct neph_diag *diag)
+{
+    int64_t known = 1;
+    enum neph_status status = NEPH_OK;
+    if (work->against > 0)
+        status = neph_database_count(work->index, &known, diag,
+                                     "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
+                                     "i", work->against);
+    return status || known > 0
+               ? status
+               : neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
+                           (long long)work->against);
+}
+
 static enum neph_status read_all(struct work *work, struct neph_diag *diag)
 {
-    enum neph_status status = read_candidates(work, diag);
+    enum neph_status status = accepted_night(work, "*", &work->comparison->baseline, diag);
+    if (!status)
+        status = read_candidates(work, diag);
     for (int i = 0; i < work->count && !status; i++) {
         struct candidate *c = &work->candidates[i];
         status = accepted_night(work, c->name, &c->accepted, diag);
@@ -283,20 +327,18 @@ static enum neph_status read_all(struct work *work, struct neph_diag *diag)
 static enum neph_status find_failed_steps(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        work->index, &query, diag,
+    struct neph_query *query = neph_query(
+        work->index, diag,
         "SELECT name, outcome, reason FROM steps WHERE night = ? AND outcome NOT IN ('done', 'not "
         "run')",
         "i", work->comparison->night);
-    while (!status && neph_query_next(query, &status, diag)) {
+    while (neph_query_next(query)) {
         const char *name = neph_arena_text(arena, neph_query_text(query, 0));
         find(work, NEPH_FOUND_STEP, name, name,
              neph_arena_format(arena, "%s: %s", neph_query_text(query, 1),
                                neph_query_text(query, 2)));
     }
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, NEPH_OK);
 }
 
 static const char *words_of_loss(struct neph_arena *arena, const struct neph_lost_series *lost)
@@ -395,14 +437,14 @@ static enum neph_status are_terms_accepted(struct work *work, const char *step, 
 static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        work->index, &query, diag,
+    enum neph_status status = NEPH_OK;
+    struct neph_query *query = neph_query(
+        work->index, diag,
         "SELECT t.step, t.scene, t.hash, t.terms FROM night_scenes AS t JOIN night_scenes AS b ON "
         "b.step = t.step WHERE t.night = ? AND b.night = ? AND b.hash = t.hash AND b.terms != "
         "t.terms ORDER BY t.step",
         "ii", work->comparison->night, work->comparison->baseline);
-    while (!status && neph_query_next(query, &status, diag)) {
+    while (!status && neph_query_next(query)) {
         const char *step = neph_arena_text(arena, neph_query_text(query, 0));
         const char *version = neph_arena_format(arena, "%.*s/%s@%.8s", (int)strcspn(step, " "),
                                                 step, neph_query_text(query, 1),
@@ -415,8 +457,7 @@ static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
                     "its gates, its exposure or what is measured of it over time were edited", "",
                     work->comparison->baseline);
     }
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, status);
 }
 
 /* Each step is named once. */
@@ -483,22 +524,11 @@ static void compare_elsewhere(struct work *work, const struct candidate *c)
         !neph_is_worse_elsewhere(&c->series, c->environment, c->other_value, c->other_error,
                                  c->other_environment, work->alpha, &change))
         return;
-    const struct neph_finding finding = {
-        .found = NEPH_FOUND_WORSE_ELSEWHERE,
-        .series = c->name,
-        .step = c->step,
-        .words = neph_arena_format(arena, "%s; another environment: %s, accepted was %s",
-                                   words_of(arena, c, &change), c->environment,
-                                   c->other_environment),
-        .tonight = c->series.tonight,
-        .baseline = change.baseline,
-        .change = change.change,
-        .p = NAN,
-        .floor = change.floor,
-        .standard_error = c->series.standard_error,
-        .example = c->name,
-        .accepted = c->accepted};
-    neph_night_add_finding(work->comparison, &finding);
+    const char *words = neph_arena_format(arena, "%s; another environment: %s, accepted was %s",
+                                          words_of(arena, c, &change), c->environment,
+                                          c->other_environment);
+    change.p = NAN;
+    find_number(work, NEPH_FOUND_WORSE_ELSEWHERE, c, words, &change);
 }
 
 /* The last comparable night is too long ago. */
@@ -556,32 +586,14 @@ static void take_judgement(struct work *work, const struct candidate *c,
                            const struct neph_judgement *j, struct neph_compared *row)
 {
     struct neph_night_comparison *comparison = work->comparison;
-    row->judged = j->judged;
-    row->baseline = j->baseline;
-    row->change = j->change;
-    row->p = j->p;
-    row->floor = j->floor;
-    row->nights = j->nights;
+    row->judgement = *j;
     if (j->judged == NEPH_JUDGED_NOT) {
         comparison->young++;
         row->why = neph_arena_format(&comparison->arena, "%d of %d nights", j->nights,
                                      neph_series_rule(c->series.kind)->nights);
     }
-    if (found_of[j->judged] == NEPH_FOUND_COUNT)
-        return;
-    const struct neph_finding finding = {.found = found_of[j->judged],
-                                         .series = c->name,
-                                         .step = c->step,
-                                         .words = words_of(&comparison->arena, c, j),
-                                         .tonight = c->series.tonight,
-                                         .baseline = j->baseline,
-                                         .change = j->change,
-                                         .p = j->p,
-                                         .floor = j->floor,
-                                         .standard_error = c->series.standard_error,
-                                         .example = c->name,
-                                         .accepted = c->accepted};
-    neph_night_add_finding(comparison, &finding);
+    if (found_of[j->judged] != NEPH_FOUND_COUNT)
+        find_number(work, found_of[j->judged], c, words_of(&comparison->arena, c, j), j);
 }
 
 /* The scene that moved the most; of equals the first. */
@@ -604,23 +616,19 @@ static void take_pool(struct work *work, const struct neph_pool *pool,
     struct neph_arena *arena = &work->comparison->arena;
     const struct neph_judgement *j = &pool->judgement;
     const struct neph_series *example = example_of(series, count, pool, verdicts);
-    const struct neph_finding finding = {
-        .found = found_of[j->judged],
-        .series = neph_arena_format(arena, "%s, %s, mean of %d scenes", pool->engine, pool->metric,
-                                    pool->scenes),
-        .step = "",
-        .words = neph_arena_format(arena, "%+.2f %%, p %.1g", 100.0 * j->change, j->p),
-        .tonight = NAN,
-        .baseline = NAN,
-        .change = j->change,
-        .p = j->p,
-        .floor = j->floor,
-        .standard_error = NAN,
-        .example = example ? example->name : "",
-        .accepted = work->comparison->baseline,
-        .trend = neph_arena_copy(arena, pool->nights,
-                                 (size_t)pool->night_count * sizeof(*pool->nights)),
-        .trend_count = pool->night_count};
+    struct neph_finding finding = neph_finding(
+        found_of[j->judged],
+        neph_arena_format(arena, "%s, %s, mean of %d scenes", pool->engine, pool->metric,
+                          pool->scenes),
+        "", neph_arena_format(arena, "%+.2f %%, p %.1g", 100.0 * j->change, j->p));
+    finding.change = j->change;
+    finding.p = j->p;
+    finding.floor = j->floor;
+    finding.example = example ? example->name : "";
+    finding.accepted = work->comparison->baseline;
+    finding.trend = neph_arena_copy(arena, pool->nights,
+                                    (size_t)pool->night_count * sizeof(*pool->nights));
+    finding.trend_count = pool->night_count;
     neph_night_add_finding(work->comparison, &finding);
 }
 
@@ -673,14 +681,10 @@ static int choose_judged(struct work *work, struct neph_series *series, int *row
         struct neph_compared *row = &work->comparison->series[i];
         *row = (struct neph_compared){.series = c->name,
                                       .step = c->step,
-                                      .judged = NEPH_JUDGED_NOT,
                                       .why = c->is_picture ? "a picture"
                                                            : why_not(work->comparison, c),
                                       .tonight = c->series.tonight,
-                                      .baseline = NAN,
-                                      .change = NAN,
-                                      .p = NAN,
-                                      .floor = NAN};
+                                      .judgement = {NEPH_JUDGED_NOT, NAN, NAN, NAN, NAN, 0}};
         if (row->why)
             continue;
         row->why = "";
@@ -693,85 +697,50 @@ static int choose_judged(struct work *work, struct neph_series *series, int *row
 static enum neph_status judge_numbers(struct work *work, struct neph_diag *diag)
 {
     struct neph_night_comparison *comparison = work->comparison;
-    struct neph_verdicts verdicts = {.series = NULL};
-    struct neph_series *series = calloc((size_t)work->count + 1, sizeof(*series));
-    int *rows = calloc((size_t)work->count + 1, sizeof(*rows));
-    comparison->series = neph_arena_zeroed(&comparison->arena, (size_t)work->count + 1,
-                                           sizeof(*comparison->series));
-    enum neph_status status = series && rows && comparison->series ? NEPH_OK
-                                                                   : neph_fail_memory(diag);
-    const int count = status ? 0 : choose_judged(work, series, rows);
-    if (!status)
-        status = neph_judge(series, count, work->alpha, &verdicts, diag);
-    if (!status) {
-        comparison->series_count = work->count;
-        comparison->compared = verdicts.compared;
-        comparison->chances = verdicts.chances;
-        for (int i = 0; i < count; i++)
-            take_judgement(work, &work->candidates[rows[i]], &verdicts.series[i],
-                           &comparison->series[rows[i]]);
-        take_pools(work, series, count, &verdicts);
-    }
+    const size_t room = (size_t)work->count + 1;
+    struct neph_verdicts verdicts;
+    struct neph_series *series = neph_arena_zeroed(&comparison->arena, room, sizeof(*series));
+    int *rows = neph_arena_zeroed(&comparison->arena, room, sizeof(*rows));
+    comparison->series = neph_arena_zeroed(&comparison->arena, room, sizeof(*comparison->series));
+    if (!series || !rows || !comparison->series)
+        return neph_fail_memory(diag);
+    const int count = choose_judged(work, series, rows);
+    const enum neph_status status = neph_judge(series, count, work->alpha, &verdicts, diag);
+    if (status)
+        return status;
+    comparison->series_count = work->count;
+    comparison->compared = verdicts.compared;
+    comparison->chances = verdicts.chances;
+    for (int i = 0; i < count; i++)
+        take_judgement(work, &work->candidates[rows[i]], &verdicts.series[i],
+                       &comparison->series[rows[i]]);
+    take_pools(work, series, count, &verdicts);
     neph_verdicts_finish(&verdicts);
-    free(series);
-    free(rows);
-    return status;
+    return NEPH_OK;
 }
 
 /* ---- all ------------------------------------------------------------------------------------- */
-
-static enum neph_status compare(struct work *work, struct neph_diag *diag)
-{
-    struct neph_night_comparison *comparison = work->comparison;
-    enum neph_status status = accepted_night(work, "*", &comparison->baseline, diag);
-    if (!status)
-        status = read_all(work, diag);
-    if (!status)
-        status = judge_numbers(work, diag);
-    if (!status)
-        status = find_failed_steps(work, diag);
-    if (!status)
-        status = find_missing(work, diag);
-    if (!status)
-        status = find_edits(work, diag);
-    if (!status)
-        status = find_terms(work, diag);
-    if (status)
-        return status;
-    look_elsewhere(work);
-    find_in_pictures(work);
-    find_environments(work);
-    comparison->passes = comparison->compared > 0 &&
-                         (comparison->finding_count == 0 ||
-                          !neph_found_fails(comparison->findings[0].found));
-    return neph_arena_check(&comparison->arena, diag);
-}
 
 enum neph_status neph_night_compare(struct neph_database *index, int64_t night, int64_t against,
                                     const struct neph_night_scope *scope, double alpha,
                                     struct neph_night_comparison *comparison,
                                     struct neph_diag *diag)
 {
-    int64_t known = 0;
+    static enum neph_status (*const parts[])(struct work *, struct neph_diag *) = {
+        check_against, read_all,   judge_numbers, find_failed_steps,
+        find_missing,  find_edits, find_terms};
     struct work work = {index, comparison, NULL, 0, against, alpha, scope};
-    comparison->night = night;
     enum neph_status status = NEPH_OK;
-    if (against > 0)
-        status = neph_database_count(index, &known, diag,
-                                     "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
-                                     "i", against);
-    if (!status && against > 0 && known == 0)
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
-                           (long long)against);
-    if (!status)
-        status = compare(&work, diag);
-    for (int i = 0; i < work.count; i++) {
-        free(work.candidates[i].past);
-        free(work.candidates[i].errors);
-        free(work.candidates[i].aside);
-    }
-    free(work.candidates);
-    return status;
+    comparison->night = night;
+    for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]) && !status; i++)
+        status = parts[i](&work, diag);
+    if (status)
+        return status;
+    look_elsewhere(&work);
+    find_in_pictures(&work);
+    find_environments(&work);
+    judge_night(comparison);
+    return neph_arena_check(&comparison->arena, diag);
 }
 
 struct neph_night_verdict neph_night_verdict(const struct neph_night_comparison *comparison)

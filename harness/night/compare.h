@@ -54,10 +54,9 @@ struct neph_finding {
 /* What became of each number. */
 struct neph_compared {
     const char *series, *step;
-    enum neph_judged judged;
     const char *why; /* it is not judged; else "" */
-    double tonight, baseline, change, p, floor;
-    int nights;
+    double tonight;
+    struct neph_judgement judgement;
 };
 
 /* Start from {0}; free with neph_night_comparison_finish(). */
@@ -88,6 +87,10 @@ struct neph_night_verdict {
 };
 
 struct neph_night_verdict neph_night_verdict(const struct neph_night_comparison *comparison);
+
+/* A finding without numbers, and of no accepted night. */
+struct neph_finding neph_finding(enum neph_found found, const char *series, const char *step,
+                                 const char *words);
 
 /* Add what somebody else has found, and judge anew whether the night passes. When memory is short,
  * neph_arena_check() of its arena says so. */

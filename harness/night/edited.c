@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/data.h"
 #include "harness/night/scene_copy.h"
 
@@ -35,14 +36,10 @@ static enum neph_status link_entries(const char *from, const char *to, const cha
     for (const struct dirent *entry; !status && directory && (entry = readdir(directory));) {
         if (entry->d_name[0] == '.' || strcmp(entry->d_name, but) == 0)
             continue;
-        char *target = neph_path_join(from, entry->d_name);
-        char *link = neph_path_join(to, entry->d_name);
-        if (!target || !link)
-            status = neph_fail_memory(diag);
-        else if (symlink(target, link) != 0)
-            status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", link, strerror(errno));
-        free(target);
-        free(link);
+        const struct neph_path link = neph_path_in(to, entry->d_name);
+        if (symlink(neph_path_in(from, entry->d_name).text, link.text) != 0)
+            status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", link.text,
+                               strerror(errno));
     }
     if (directory)
         closedir(directory);
@@ -110,20 +107,19 @@ static enum neph_status find_version(struct neph_night_work *work,
 {
     struct neph_arena *arena = &work->night->arena;
     struct neph_database *index = NULL;
-    struct neph_query *query = NULL;
     *scene = (struct neph_history_scene){.step = edit->step};
     enum neph_status status = neph_store_index(work->store, &index, diag);
-    if (!status)
-        status = neph_query_begin(
-            index, &query, diag,
-            "SELECT scene, hash, terms FROM night_scenes WHERE night = ? AND step = ?", "is",
-            edit->accepted, edit->step);
-    if (!status && neph_query_next(query, &status, diag)) {
-        scene->scene = neph_arena_text(arena, neph_query_text(query, 0));
-        scene->hash = neph_arena_text(arena, neph_query_text(query, 1));
-        scene->terms = neph_arena_text(arena, neph_query_text(query, 2));
+    if (!status) {
+        struct neph_query *query = neph_query(
+            index, diag, "SELECT scene, hash, terms FROM night_scenes WHERE night = ? AND step = ?",
+            "is", edit->accepted, edit->step);
+        if (neph_query_next(query)) {
+            scene->scene = neph_arena_text(arena, neph_query_text(query, 0));
+            scene->hash = neph_arena_text(arena, neph_query_text(query, 1));
+            scene->terms = neph_arena_text(arena, neph_query_text(query, 2));
+        }
+        status = neph_query_end(query, NEPH_OK);
     }
-    neph_query_end(query);
     neph_database_close(index);
     if (!status && !scene->scene)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "the store has no copy of it");

@@ -409,28 +409,28 @@ static int choose_members(const struct neph_series *series, int count, struct ne
     return nights;
 }
 
-/* For who shows them; NULL when memory is short. */
+/* For the page that shows them; NULL when memory is short. */
 static void keep_nights(const struct neph_series *series, int count, struct neph_pool *pool,
-                        const bool *is_in, int nights)
+                        const bool *is_in, int nights, struct neph_arena *arena)
 {
-    pool->nights = calloc((size_t)nights + 1, sizeof(*pool->nights));
+    pool->nights = neph_arena_zeroed(arena, (size_t)nights + 1, sizeof(*pool->nights));
     for (int night = 0; pool->nights && night <= nights; night++) {
         const double change = pool_change(series, count, pool, is_in, night < nights ? night : -1);
         pool->nights[night] = pool->kind == NEPH_SERIES_TIMED ? exp(change) : 1.0 + change;
     }
-    pool->night_count = pool->nights ? nights + 1 : 0;
+    pool->night_count = nights + 1;
 }
 
 /* Its changes are small numbers about 0, for all kinds. The accepted night is 0 by its making and
  * no part of it. Nights on which a scene has no number are left out. */
 static struct trial try_pool(const struct neph_series *series, int count, struct neph_pool *pool,
-                             bool *is_in)
+                             bool *is_in, struct neph_arena *arena)
 {
     double values[NEPH_JUDGE_WINDOW], recent[NEPH_JUDGE_WEEK] = {0};
     int value_count = 0, recent_count = 0;
     const int nights = choose_members(series, count, pool, is_in);
     const double tonight = pool_change(series, count, pool, is_in, -1);
-    keep_nights(series, count, pool, is_in, nights);
+    keep_nights(series, count, pool, is_in, nights, arena);
     for (int night = 1; night < nights && value_count < NEPH_JUDGE_WINDOW; night++)
         append(values, &value_count, pool_change(series, count, pool, is_in, night), pool->kind);
     append(recent, &recent_count, tonight, pool->kind);
@@ -533,7 +533,8 @@ static void try_all(const struct neph_series *series, int count, struct neph_ver
     for (int i = 0; i < count; i++)
         work->trials[i] = try_series(&series[i]);
     for (int i = 0; i < verdicts->pool_count; i++)
-        work->trials[count + i] = try_pool(series, count, &verdicts->pools[i], work->is_in);
+        work->trials[count + i] = try_pool(series, count, &verdicts->pools[i], work->is_in,
+                                           &verdicts->arena);
     for (int i = 0; i < count + verdicts->pool_count; i++)
         if (work->trials[i].judged && work->trials[i].by_chance)
             work->p[verdicts->chances++] = work->trials[i].p;
@@ -563,25 +564,19 @@ enum neph_status neph_judge(const struct neph_series *series, int count, double 
                             struct neph_verdicts *verdicts, struct neph_diag *diag)
 {
     const size_t room = 2 * (size_t)count + 1; /* as many pools as series, at most */
-    struct work work = {calloc(room, sizeof(*work.trials)), calloc(room, sizeof(*work.p)),
-                        calloc(room, sizeof(*work.adjusted)), calloc(room, sizeof(*work.is_in))};
-    *verdicts = (struct neph_verdicts){.series = calloc(room, sizeof(*verdicts->series)),
-                                       .pools = calloc(room, sizeof(*verdicts->pools))};
-    enum neph_status status = NEPH_OK;
-    if (!work.trials || !work.p || !work.adjusted || !work.is_in || !verdicts->series ||
-        !verdicts->pools)
-        status = neph_fail_memory(diag);
-    if (!status) {
+    *verdicts = (struct neph_verdicts){.series = NULL};
+    struct neph_arena *arena = &verdicts->arena;
+    struct work work = {neph_arena_zeroed(arena, room, sizeof(*work.trials)),
+                        neph_arena_zeroed(arena, room, sizeof(*work.p)),
+                        neph_arena_zeroed(arena, room, sizeof(*work.adjusted)),
+                        neph_arena_zeroed(arena, room, sizeof(*work.is_in))};
+    verdicts->series = neph_arena_zeroed(arena, room, sizeof(*verdicts->series));
+    verdicts->pools = neph_arena_zeroed(arena, room, sizeof(*verdicts->pools));
+    if (!arena->is_short) {
         try_all(series, count, verdicts, &work);
         judge_all(series, count, alpha, verdicts, &work);
-        for (int i = 0; i < verdicts->pool_count; i++)
-            if (!verdicts->pools[i].nights)
-                status = neph_fail_memory(diag);
     }
-    free(work.trials);
-    free(work.p);
-    free(work.adjusted);
-    free(work.is_in);
+    const enum neph_status status = neph_arena_check(arena, diag);
     if (status)
         neph_verdicts_finish(verdicts);
     return status;
@@ -589,9 +584,6 @@ enum neph_status neph_judge(const struct neph_series *series, int count, double 
 
 void neph_verdicts_finish(struct neph_verdicts *verdicts)
 {
-    for (int i = 0; i < verdicts->pool_count; i++)
-        free(verdicts->pools[i].nights);
-    free(verdicts->series);
-    free(verdicts->pools);
+    neph_arena_finish(&verdicts->arena);
     *verdicts = (struct neph_verdicts){.series = NULL};
 }

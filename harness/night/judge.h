@@ -28,6 +28,7 @@
 #ifndef NEPH_HARNESS_NIGHT_JUDGE_H
 #define NEPH_HARNESS_NIGHT_JUDGE_H
 
+#include "base/arena.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -99,7 +100,7 @@ struct neph_pool {
     int scenes; /* in the mean: those with a number of tonight and of the accepted night */
     struct neph_judgement judgement; /* baseline 1; tonight is 1 + change */
     double *nights; /* 1 + change of each, from the accepted one, 1, to tonight; NaN of those that
-                       are left out; owned */
+                       are left out */
     int night_count;
 };
 
@@ -116,8 +117,9 @@ struct neph_stale {
 enum { NEPH_JUDGE_TRUTHS_MAX = 16 };
 
 struct neph_verdicts {
-    struct neph_judgement *series; /* in the order of the series; owned */
-    struct neph_pool *pools;       /* owned */
+    struct neph_arena arena;
+    struct neph_judgement *series; /* in the order of the series; of the arena */
+    struct neph_pool *pools;       /* of the arena, as their nights */
     int pool_count;
     struct neph_stale stale[NEPH_JUDGE_TRUTHS_MAX];
     int stale_count;

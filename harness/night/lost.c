@@ -14,7 +14,7 @@ struct search {
     int64_t night, against, baseline;
     const struct neph_night_scope *scope;
     struct neph_arena *arena;
-    const char **tonight; /* sorted names; owned */
+    const char **tonight; /* sorted names; of the arena */
     int tonight_count;
     struct neph_lost_list *lost;
     int room;
@@ -49,23 +49,23 @@ static int by_name(const void *a, const void *b)
 static enum neph_status read_tonight(struct search *search, struct neph_diag *diag)
 {
     int64_t total = 0;
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_database_count(
+    const enum neph_status status = neph_database_count(
         search->index, &total, diag, "SELECT count(*) FROM measurements WHERE night = ?", "i",
         search->night);
-    search->tonight = status ? NULL : calloc((size_t)total + 1, sizeof(*search->tonight));
-    if (!status && !search->tonight)
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = neph_query_begin(search->index, &query, diag,
-                                  "SELECT name FROM measurements JOIN series ON series.id = series "
-                                  "WHERE night = ? AND NOT (? AND instr(step, ?)) ORDER BY name",
-                                  "iis", search->night, (int64_t)search->of_plan, neph_as_accepted);
-    while (!status && search->tonight_count < total && neph_query_next(query, &status, diag))
+    if (status)
+        return status;
+    search->tonight = neph_arena_zeroed(search->arena, (size_t)total + 1, sizeof(*search->tonight));
+    if (!search->tonight)
+        return neph_fail_memory(diag);
+    struct neph_query *query = neph_query(
+        search->index, diag,
+        "SELECT name FROM measurements JOIN series ON series.id = series "
+        "WHERE night = ? AND NOT (? AND instr(step, ?)) ORDER BY name",
+        "iis", search->night, (int64_t)search->of_plan, neph_as_accepted);
+    while (search->tonight_count < total && neph_query_next(query))
         search->tonight[search->tonight_count++] = neph_arena_text(search->arena,
                                                                    neph_query_text(query, 0));
-    neph_query_end(query);
-    return status ? status : neph_arena_check(search->arena, diag);
+    return neph_query_end(query, neph_arena_check(search->arena, diag));
 }
 
 static bool is_of_tonight(const struct search *search, const char *name)
@@ -122,19 +122,19 @@ struct absent {
 static enum neph_status read_absent(const struct search *search, const char *name,
                                     struct absent *absent, bool *expected, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
     *absent = (struct absent){.name = name};
     *expected = false;
-    enum neph_status status = neph_accepted_night(search->index, search->night, search->against,
-                                                  name, &absent->accepted, diag);
-    if (!status)
-        status = neph_query_begin(
-            search->index, &query, diag,
-            "SELECT step, kind, (SELECT max(night) FROM measurements AS n WHERE n.series = "
-            "m.series AND n.night < ?) FROM measurements AS m WHERE night = ? AND series = (SELECT "
-            "id FROM series WHERE name = ?)",
-            "iis", search->night, absent->accepted, name);
-    if (!status && neph_query_next(query, &status, diag)) {
+    const enum neph_status status = neph_accepted_night(
+        search->index, search->night, search->against, name, &absent->accepted, diag);
+    if (status)
+        return status;
+    struct neph_query *query = neph_query(
+        search->index, diag,
+        "SELECT step, kind, (SELECT max(night) FROM measurements AS n WHERE n.series = "
+        "m.series AND n.night < ?) FROM measurements AS m WHERE night = ? AND series = (SELECT "
+        "id FROM series WHERE name = ?)",
+        "iis", search->night, absent->accepted, name);
+    if (neph_query_next(query)) {
         const char *step = neph_query_text(query, 0), *end = strstr(step, neph_as_accepted);
         /* An edit that was accepted ends the comparison with the version before it. */
         *expected = !end || absent->accepted != search->baseline;
@@ -144,8 +144,7 @@ static enum neph_status read_absent(const struct search *search, const char *nam
                                   neph_series_rule(NEPH_SERIES_TIMED)->word) == 0;
         absent->last = neph_query_integer(query, 2);
     }
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, NEPH_OK);
 }
 
 /* What became of a step tonight. */
@@ -156,18 +155,16 @@ struct step_state {
 static enum neph_status read_step(const struct search *search, const char *name,
                                   struct step_state *state, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
     *state = (struct step_state){false, false, false};
-    enum neph_status status = neph_query_begin(
-        search->index, &query, diag,
+    struct neph_query *query = neph_query(
+        search->index, diag,
         "SELECT outcome = 'done', calibration_s IS NOT NULL "
         "FROM steps WHERE night = ? AND name = ? AND outcome != 'not run'",
         "is", search->night, name);
-    if (!status && neph_query_next(query, &status, diag))
+    if (neph_query_next(query))
         *state = (struct step_state){true, neph_query_integer(query, 0) != 0,
                                      neph_query_integer(query, 1) != 0};
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, NEPH_OK);
 }
 
 static bool is_planned(const struct neph_night_scope *scope, const char *step)
@@ -273,9 +270,9 @@ static enum neph_status look_for(struct search *search, const char *name, struct
  * of steps that were not done in the accepted night, for which an earlier one counts. */
 static enum neph_status list_expected(struct search *search, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        search->index, &query, diag,
+    enum neph_status status = NEPH_OK;
+    struct neph_query *query = neph_query(
+        search->index, diag,
         "SELECT name FROM measurements AS m JOIN series ON series.id = m.series WHERE m.night = ? "
         "UNION SELECT series FROM acceptances WHERE ? = 0 AND night < ? AND series != '*' AND id > "
         "(SELECT coalesce(max(id), 0) FROM acceptances WHERE series = '*' AND night < ? AND night "
@@ -285,12 +282,12 @@ static enum neph_status list_expected(struct search *search, struct neph_diag *d
         "outcome != 'done') ORDER BY 1",
         "iiiiiii", search->baseline, search->against, search->night, search->night, search->against,
         search->night, search->baseline);
-    while (!status && neph_query_next(query, &status, diag)) {
+    while (!status && neph_query_next(query)) {
         const char *name = neph_query_text(query, 0);
         if (!is_of_tonight(search, name))
             status = look_for(search, neph_arena_text(search->arena, name), diag);
     }
-    neph_query_end(query);
+    status = neph_query_end(query, status);
     return status ? status : neph_arena_check(search->arena, diag);
 }
 
@@ -303,7 +300,6 @@ static enum neph_status run(struct search *search, struct neph_diag *diag)
         status = read_tonight(search, diag);
     if (!status)
         status = list_expected(search, diag);
-    free(search->tonight);
     return status;
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/night/edited.h"
 #include "harness/night/scene_copy.h"
 #include "harness/run/history.h"
@@ -149,17 +150,9 @@ static enum neph_status collect_steps(struct neph_night_work *work, struct neph_
 static void find_otherwise(struct neph_night_work *work, const char *series,
                            const struct neph_night_step *step, const char *words, double value)
 {
-    const struct neph_finding finding = {.found = NEPH_FOUND_BITS,
-                                         .series = series,
-                                         .step = step->name,
-                                         .words = words,
-                                         .tonight = value,
-                                         .baseline = NAN,
-                                         .change = NAN,
-                                         .p = NAN,
-                                         .floor = NAN,
-                                         .standard_error = NAN,
-                                         .example = strchr(series, '/') ? series : ""};
+    struct neph_finding finding = neph_finding(NEPH_FOUND_BITS, series, step->name, words);
+    finding.tonight = value;
+    finding.example = strchr(series, '/') ? series : "";
     neph_night_add_finding(&work->night->comparison, &finding);
 }
 
@@ -205,13 +198,12 @@ static enum neph_status find_lost(struct neph_night_work *work, struct neph_data
                                   const struct neph_night_step *step,
                                   const struct neph_night_numbers *numbers, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag,
+    struct neph_query *query = neph_query(
+        index, diag,
         "SELECT name FROM measurements JOIN series ON series.id = series WHERE night = ? AND step "
         "= ?",
         "is", work->night->id, step->name);
-    while (!status && neph_query_next(query, &status, diag))
+    while (neph_query_next(query))
         if (!has_series(numbers, neph_query_text(query, 0)))
             find_otherwise(
                 work, neph_arena_text(&work->night->comparison.arena, neph_query_text(query, 0)),
@@ -219,8 +211,7 @@ static enum neph_status find_lost(struct neph_night_work *work, struct neph_data
                 "run once more in an empty folder, the same program did not give this "
                 "number",
                 NAN);
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, NEPH_OK);
 }
 
 static enum neph_status compare_bits(struct neph_night_work *work,
@@ -242,15 +233,13 @@ static enum neph_status compare_bits(struct neph_night_work *work,
 static enum neph_status measure_again(struct neph_night_work *work, int index,
                                       struct neph_night_numbers *numbers, struct neph_diag *diag)
 {
-    char *folder = neph_path_join(work->folder, "again");
-    enum neph_status status = folder ? neph_dir_remove(folder, diag) : neph_fail_memory(diag);
+    const struct neph_path folder = neph_path_in(work->folder, "again");
+    enum neph_status status = neph_dir_remove(folder.text, diag);
     if (!status)
-        status = neph_step_measure(&work->place, &work->night->plan.steps[index], folder,
+        status = neph_step_measure(&work->place, &work->night->plan.steps[index], folder.text,
                                    neph_night_log(work, index, "_again.log"),
                                    neph_night_limit_s(work, index), numbers, diag);
-    if (folder)
-        neph_dir_remove(folder, NULL);
-    free(folder);
+    neph_dir_remove(folder.text, NULL);
     return status;
 }
 
@@ -306,18 +295,16 @@ static enum neph_status list_frames(struct neph_night_work *work, struct neph_da
                                     json_t **frames, struct neph_diag *diag)
 {
     struct tm began = {0};
-    struct neph_query *query = NULL;
     if (!work->night->started_utc ||
         !strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
         return neph_fail(diag, NEPH_ERR_INTERNAL, "a night without a beginning");
     const int64_t start_s = timegm(&began);
     json_t *list = json_array();
-    enum neph_status status = neph_query_begin(index, &query, diag,
-                                               "SELECT key FROM jobs ORDER BY key", "");
-    while (!status && neph_query_next(query, &status, diag))
+    struct neph_query *query = neph_query(index, diag, "SELECT key FROM jobs ORDER BY key", "");
+    while (neph_query_next(query))
         if (neph_store_used_s(work->store, neph_query_text(query, 0)) >= start_s)
             neph_json_add(&list, json_string(neph_query_text(query, 0)));
-    neph_query_end(query);
+    enum neph_status status = neph_query_end(query, NEPH_OK);
     if (!status)
         status = neph_json_check(list, diag);
     if (status)
@@ -334,9 +321,10 @@ static enum neph_status keep_judgements(struct neph_night_work *work, struct nep
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < comparison->series_count && !status; i++) {
         const struct neph_compared *row = &comparison->series[i];
-        if (row->judged == NEPH_JUDGED_WORSE || row->judged == NEPH_JUDGED_BETTER)
+        if (row->judgement.judged == NEPH_JUDGED_WORSE ||
+            row->judgement.judged == NEPH_JUDGED_BETTER)
             status = neph_history_judge(index, work->night->id, row->series,
-                                        neph_judged_word(row->judged), diag);
+                                        neph_judged_word(row->judgement.judged), diag);
     }
     return status;
 }
@@ -383,19 +371,9 @@ static void find_in_history(const struct neph_history_fault *fault, void *contex
 {
     struct neph_night_work *work = context;
     struct neph_arena *arena = &work->night->comparison.arena;
-    const struct neph_finding finding = {
-        .found = NEPH_FOUND_HISTORY,
-        .series = neph_arena_text(arena, fault->document),
-        .step = "",
-        .words = neph_arena_format(arena, "%s; `neph store check --repair` mends what it can",
-                                   fault->why),
-        .tonight = NAN,
-        .baseline = NAN,
-        .change = NAN,
-        .p = NAN,
-        .floor = NAN,
-        .standard_error = NAN,
-        .example = ""};
+    const struct neph_finding finding = neph_finding(
+        NEPH_FOUND_HISTORY, neph_arena_text(arena, fault->document), "",
+        neph_arena_format(arena, "%s; `neph store check --repair` mends what it can", fault->why));
     neph_night_add_finding(&work->night->comparison, &finding);
 }
 

@@ -2,9 +2,11 @@
 #include "harness/night/output.h"
 
 #include "base/files.h"
+#include "base/path.h"
+#include "base/written.h"
+#include "harness/json_file.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +14,12 @@
 enum { TOLD = 3 }; /* findings in the paragraph */
 
 /* ---- growing text ---------------------------------------------------------------------------- */
+
+/* What is printed, with a step or a tier. */
+struct printed {
+    const struct neph_night *night;
+    const char *word;
+};
 
 static int count_found(const struct neph_night *night, enum neph_found found)
 {
@@ -40,24 +48,17 @@ static void print_command(const struct neph_night *night, const char *step, FILE
         fprintf(out, " %s", s->words[w]);
 }
 
-/* The text of a stream of memory; NULL when memory is short. */
-static char *close_text(FILE *out, char **text)
+static void write_command(const void *given, FILE *out)
 {
-    if (fclose(out) == 0)
-        return *text;
-    free(*text);
-    return NULL;
+    const struct printed *printed = given;
+    print_command(printed->night, printed->word, out);
 }
 
-char *neph_night_command(const struct neph_night *night, const char *step)
+enum neph_status neph_night_command(const struct neph_night *night, const char *step, char **text,
+                                    struct neph_diag *diag)
 {
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return NULL;
-    print_command(night, step, out);
-    return close_text(out, &text);
+    const struct printed printed = {night, step};
+    return neph_written(write_command, &printed, text, diag);
 }
 
 static void print_counts(const struct neph_night *night, FILE *out)
@@ -107,26 +108,23 @@ static void print_findings(const struct neph_night *night, FILE *out)
                      "--why TEXT`.");
 }
 
-static void print_summary(const struct neph_night *night, const char *tier, FILE *out)
+static void print_summary(const void *given, FILE *out)
 {
-    fprintf(out, "Night %lld (%s%s%s, %s) %s.", (long long)night->id, tier,
-            night->revision[0] ? ", " : "", night->revision, night->host,
-            neph_night_verdict(&night->comparison).verb);
+    const struct neph_night *night = ((const struct printed *)given)->night;
+    fprintf(out, "Night %lld (%s%s%s, %s) %s.", (long long)night->id,
+            ((const struct printed *)given)->word, night->revision[0] ? ", " : "", night->revision,
+            night->host, neph_night_verdict(&night->comparison).verb);
     print_counts(night, out);
     print_reasons(night, out);
     print_findings(night, out);
     fputc('\n', out);
 }
 
-char *neph_night_summary(const struct neph_night *night, const char *tier)
+enum neph_status neph_night_summary(const struct neph_night *night, const char *tier, char **text,
+                                    struct neph_diag *diag)
 {
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return NULL;
-    print_summary(night, tier, out);
-    return close_text(out, &text);
+    const struct printed printed = {night, tier};
+    return neph_written(print_summary, &printed, text, diag);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -144,12 +142,13 @@ static json_t *finding_json(const struct neph_finding *f)
 
 static json_t *series_json(const struct neph_compared *row)
 {
+    const struct neph_judgement *j = &row->judgement;
     return json_pack("{s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:i}", "series", row->series,
-                     "step", row->step, "judged", neph_judged_word(row->judged), "why", row->why,
+                     "step", row->step, "judged", neph_judged_word(j->judged), "why", row->why,
                      "tonight", neph_json_number(row->tonight), "baseline",
-                     neph_json_number(row->baseline), "change", neph_json_number(row->change), "p",
-                     neph_json_number(row->p), "floor", neph_json_number(row->floor), "nights",
-                     row->nights);
+                     neph_json_number(j->baseline), "change", neph_json_number(j->change), "p",
+                     neph_json_number(j->p), "floor", neph_json_number(j->floor), "nights",
+                     j->nights);
 }
 
 static json_t *step_json(const struct neph_night_step *step,
@@ -259,22 +258,18 @@ static int print_others(const struct neph_night *night, FILE *out)
     return count;
 }
 
-char *neph_night_junit(const struct neph_night *night)
+static void print_junit(const void *given, FILE *out)
 {
+    const struct neph_night *night = given;
     const struct neph_night_comparison *c = &night->comparison;
-    char *text = NULL;
-    size_t size;
     int failures = print_others(night, NULL), skipped = 0;
     const int others = failures;
     for (int i = 0; i < c->series_count; i++) {
         const bool fails = finding_of(night, c->series[i].series) != NULL;
         failures += fails;
-        skipped += !fails && c->series[i].judged == NEPH_JUDGED_NOT;
+        skipped += !fails && c->series[i].judgement.judged == NEPH_JUDGED_NOT;
     }
     const bool nothing = c->compared == 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return NULL;
     fprintf(out,
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"neph nightly\" "
             "tests=\"%d\" failures=\"%d\" skipped=\"%d\" time=\"%.3f\">\n",
@@ -282,7 +277,7 @@ char *neph_night_junit(const struct neph_night *night)
     for (int i = 0; i < c->series_count; i++) {
         const struct neph_compared *row = &c->series[i];
         const struct neph_finding *f = finding_of(night, row->series);
-        const bool skips = !f && row->judged == NEPH_JUDGED_NOT;
+        const bool skips = !f && row->judgement.judged == NEPH_JUDGED_NOT;
         print_case(row->step, row->series,
                    f       ? "failure"
                    : skips ? "skipped"
@@ -293,18 +288,22 @@ char *neph_night_junit(const struct neph_night *night)
     if (nothing)
         print_case("nightly", "something is compared", "failure", "nothing was compared", out);
     fputs("</testsuite>\n", out);
-    return close_text(out, &text);
+}
+
+enum neph_status neph_night_junit(const struct neph_night *night, char **text,
+                                  struct neph_diag *diag)
+{
+    return neph_written(print_junit, night, text, diag);
 }
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
+/* `text` is freed. */
 static enum neph_status write_text(const char *output, const char *name, char *text,
                                    struct neph_diag *diag)
 {
-    char *path = neph_format("%s/nightly/%s", output, name);
-    const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
-                                                 : neph_fail_memory(diag);
-    free(path);
+    const struct neph_path path = neph_path_format("%s/nightly/%s", output, name);
+    const enum neph_status status = neph_file_write(path.text, text, strlen(text), diag);
     free(text);
     return status;
 }
@@ -312,13 +311,16 @@ static enum neph_status write_text(const char *output, const char *name, char *t
 enum neph_status neph_night_write(const struct neph_night *night, const char *tier,
                                   const char *output, struct neph_diag *diag)
 {
+    char *text = NULL;
     json_t *json = neph_night_json(night, tier);
-    enum neph_status status = write_text(output, "nightly.json",
-                                         json ? json_dumps(json, JSON_INDENT(1)) : NULL, diag);
+    enum neph_status status = neph_json_write(
+        json, JSON_INDENT(1), neph_path_in(output, "nightly/nightly.json").text, diag);
     json_decref(json);
     if (!status)
-        status = write_text(output, "junit.xml", neph_night_junit(night), diag);
+        status = neph_night_junit(night, &text, diag);
     if (!status)
-        status = write_text(output, "summary.txt", neph_night_summary(night, tier), diag);
-    return status;
+        status = write_text(output, "junit.xml", text, diag);
+    if (!status)
+        status = neph_night_summary(night, tier, &text, diag);
+    return status ? status : write_text(output, "summary.txt", text, diag);
 }

@@ -8,18 +8,21 @@
 #include "harness/json.h"
 #include "harness/night/night.h"
 
-/* One paragraph of plain text, for the caller to free; NULL when memory is short. */
-char *neph_night_summary(const struct neph_night *night, const char *tier);
+/* One paragraph of plain text, for the caller to free. Here and below: NEPH_ERR_MEMORY. */
+enum neph_status neph_night_summary(const struct neph_night *night, const char *tier, char **text,
+                                    struct neph_diag *diag);
 
 /* The command that renders a step's numbers again, for the caller to free; "" when there is no such
- * step, NULL when memory is short. */
-char *neph_night_command(const struct neph_night *night, const char *step);
+ * step. */
+enum neph_status neph_night_command(const struct neph_night *night, const char *step, char **text,
+                                    struct neph_diag *diag);
 
 /* {"format": "neph-nightly-1", ...}; NULL when memory is short. */
 json_t *neph_night_json(const struct neph_night *night, const char *tier);
 
-/* A test case for each series and each step; for the caller to free; NULL when memory is short. */
-char *neph_night_junit(const struct neph_night *night);
+/* A test case for each series and each step; for the caller to free. */
+enum neph_status neph_night_junit(const struct neph_night *night, char **text,
+                                  struct neph_diag *diag);
 
 /* OUTPUT/nightly/summary.txt, nightly.json, junit.xml. */
 enum neph_status neph_night_write(const struct neph_night *night, const char *tier,

@@ -2,7 +2,7 @@
 #include "harness/night/page.h"
 
 #include "base/clock.h"
-#include "base/files.h"
+#include "base/path.h"
 #include "harness/data.h"
 #include "harness/night/output.h"
 #include "harness/night/page_pictures.h"
@@ -32,7 +32,7 @@ struct neph_night_page {
     struct neph_report_folder *folder; /* NULL until something is published */
     struct neph_store *store;
     const char *tier;
-    char *path;
+    struct neph_path path;
     size_t limit_bytes;
 };
 
@@ -47,62 +47,59 @@ struct work {
 
 /* ---- a series over the nights ---------------------------------------------------------------- */
 
-static json_t *point_json(struct neph_query *q)
+static json_t *point_json(int64_t night, double value, double standard_error,
+                          const char *environment, const char *judgement)
 {
-    return json_pack("{s:I, s:o, s:o, s:s, s:s}", "night", (json_int_t)neph_query_integer(q, 0),
-                     "value", neph_json_number(neph_query_real(q, 1)), "standard_error",
-                     neph_json_number(neph_query_real(q, 2)), "environment", neph_query_text(q, 3),
-                     "judgement", neph_query_text(q, 4));
+    return json_pack("{s:I, s:o, s:o, s:s, s:s}", "night", (json_int_t)night, "value",
+                     neph_json_number(value), "standard_error", neph_json_number(standard_error),
+                     "environment", environment, "judgement", judgement);
+}
+
+/* A list is of use when its question was answered and it could be made; else it is destroyed. */
+static enum neph_status end_list(struct neph_query *query, json_t *list, json_t **made,
+                                 struct neph_diag *diag)
+{
+    enum neph_status status = neph_query_end(query, NEPH_OK);
+    if (!status)
+        status = neph_json_check(list, diag);
+    if (status)
+        json_decref(list);
+    else
+        *made = list;
+    return status;
 }
 
 /* The last nights, oldest first. */
 static enum neph_status trend_of_series(struct work *work, const char *series, json_t **trend,
                                         struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
     json_t *points = json_array();
-    enum neph_status status = neph_query_begin(
-        work->index, &query, diag,
+    struct neph_query *q = neph_query(
+        work->index, diag,
         "SELECT * FROM (SELECT night, value, standard_error, environment, judgement FROM "
         "measurements JOIN series ON series.id = series WHERE name = ? AND night <= ? ORDER BY "
         "night DESC LIMIT ?) ORDER BY night",
         "sii", series, work->night->id, (int64_t)TREND_NIGHTS);
-    while (!status && neph_query_next(query, &status, diag))
-        neph_json_add(&points, point_json(query));
-    neph_query_end(query);
-    if (!status)
-        status = neph_json_check(points, diag);
-    if (status)
-        json_decref(points);
-    else
-        *trend = points;
-    return status;
+    while (neph_query_next(q))
+        neph_json_add(&points, point_json(neph_query_integer(q, 0), neph_query_real(q, 1),
+                                          neph_query_real(q, 2), neph_query_text(q, 3),
+                                          neph_query_text(q, 4)));
+    return end_list(q, points, trend, diag);
 }
 
 static enum neph_status trend_of_mean(struct work *work, const struct neph_finding *f,
                                       json_t **trend, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
     json_t *points = json_array();
     int at = 0;
-    enum neph_status status = neph_query_begin(
-        work->index, &query, diag,
+    struct neph_query *q = neph_query(
+        work->index, diag,
         "SELECT id FROM nights WHERE id >= ? AND (ended_utc != '' OR id = ?) AND id <= ? ORDER BY "
         "id",
         "iii", f->accepted, work->night->id, work->night->id);
-    while (!status && at < f->trend_count && neph_query_next(query, &status, diag))
-        neph_json_add(&points, json_pack("{s:I, s:o, s:n, s:s, s:s}", "night",
-                                         (json_int_t)neph_query_integer(query, 0), "value",
-                                         neph_json_number(f->trend[at++]), "standard_error",
-                                         "environment", "", "judgement", ""));
-    neph_query_end(query);
-    if (!status)
-        status = neph_json_check(points, diag);
-    if (status)
-        json_decref(points);
-    else
-        *trend = points;
-    return status;
+    while (at < f->trend_count && neph_query_next(q))
+        neph_json_add(&points, point_json(neph_query_integer(q, 0), f->trend[at++], NAN, "", ""));
+    return end_list(q, points, trend, diag);
 }
 
 /* Where 95 of 100 nights without a change would lie: from the logarithms of the nights from the
@@ -146,14 +143,9 @@ static json_t *interval_json(const struct neph_finding *f)
 static enum neph_status read_text(struct work *work, const char **text, struct neph_diag *diag,
                                   const char *question, const char *series, int64_t night)
 {
-    struct neph_query *query = NULL;
-    *text = "";
-    enum neph_status status = neph_query_begin(work->index, &query, diag, question, "si", series,
-                                               night);
-    if (!status && neph_query_next(query, &status, diag))
-        *text = neph_arena_text(&work->arena, neph_query_text(query, 0));
-    neph_query_end(query);
-    return status;
+    struct neph_query *query = neph_query(work->index, diag, question, "si", series, night);
+    *text = neph_query_next(query) ? neph_arena_text(&work->arena, neph_query_text(query, 0)) : "";
+    return neph_query_end(query, NEPH_OK);
 }
 
 static enum neph_status frame_of(struct work *work, const char *series, int64_t night,
@@ -171,21 +163,25 @@ static json_t *word_json(const char *text)
     return text[0] ? json_string(text) : json_null();
 }
 
+/* Move what one object has to another. */
+static enum neph_status take_all(json_t *object, json_t *more, struct neph_diag *diag)
+{
+    enum neph_status status = neph_json_check(more, diag);
+    if (!status && json_object_update(object, more))
+        status = neph_fail_memory(diag);
+    json_decref(more);
+    return status;
+}
+
 static enum neph_status set_names(struct work *work, const struct neph_finding *f, json_t *json,
                                   struct neph_diag *diag)
 {
     const struct neph_night_name name = neph_night_split(&work->arena, f->example);
-    const struct {
-        const char *key, *value;
-    } names[] = {{"suite", name.suite},
-                 {"scene", name.scene},
-                 {"engine", name.engine},
-                 {"metric", name.metric},
-                 {"truth", name.truth}};
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !status; i++)
-        status = neph_json_put(json, names[i].key, word_json(names[i].value), diag);
-    return status;
+    return take_all(json,
+                    json_pack("{s:o, s:o, s:o, s:o, s:o}", "suite", word_json(name.suite), "scene",
+                              word_json(name.scene), "engine", word_json(name.engine), "metric",
+                              word_json(name.metric), "truth", word_json(name.truth)),
+                    diag);
 }
 
 /* A mean has the step of the scene that it is shown by. */
@@ -239,9 +235,10 @@ static enum neph_status set_pictures(struct work *work, const struct neph_findin
 static enum neph_status explain(struct work *work, const struct neph_finding *f, json_t *json,
                                 struct neph_diag *diag)
 {
-    char *command = neph_night_command(work->night, step_of(work, f));
-    enum neph_status status = command ? neph_json_put(json, "command", word_json(command), diag)
-                                      : neph_fail_memory(diag);
+    char *command = NULL;
+    enum neph_status status = neph_night_command(work->night, step_of(work, f), &command, diag);
+    if (!status)
+        status = neph_json_put(json, "command", word_json(command), diag);
     free(command);
     if (!status)
         status = set_names(work, f, json, diag);
@@ -266,21 +263,20 @@ static enum neph_status explain_all(struct work *work, json_t *document, struct 
 
 static enum neph_status read_frames(struct work *work, json_t *frames, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        work->index, &query, diag,
+    enum neph_status status = NEPH_OK;
+    struct neph_query *query = neph_query(
+        work->index, diag,
         "SELECT name, frame FROM measurements JOIN series ON series.id = series WHERE night = ? "
         "AND frame != '' ORDER BY name",
         "i", work->night->id);
-    while (!status && neph_query_next(query, &status, diag)) {
+    while (!status && neph_query_next(query)) {
         const struct neph_night_name name = neph_night_split(&work->arena,
                                                              neph_query_text(query, 0));
         const char *of = neph_arena_format(&work->arena, "%s/%s/%s", name.suite, name.scene,
                                            name.engine);
         status = neph_json_put(frames, of, json_string(neph_query_text(query, 1)), diag);
     }
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, status);
 }
 
 /* "pictures": tonight's by SUITE/SCENE/ENGINE; "scenes": what each is. */
@@ -332,22 +328,15 @@ static enum neph_status set_head(const struct work *work, json_t *document, stru
 {
     char created[32];
     neph_utc_now(created);
-    char *summary = neph_night_summary(work->night, work->page->tier);
-    const struct {
-        const char *key;
-        json_t *value;
-    } head[] = {{"format", json_string("neph-night-page-1")},
-                {"state", json_string(state_of(work->night))},
-                {"created_utc", json_string(created)},
-                {"neph_version", json_string(NEPH_VERSION)},
-                {"summary", summary ? json_string(summary) : NULL},
-                {"difference_colours", colours_json()}};
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(head) / sizeof(head[0]); i++) {
-        const enum neph_status put = neph_json_put(document, head[i].key, head[i].value,
-                                                   status ? NULL : diag);
-        status = status ? status : put;
-    }
+    char *summary = NULL;
+    enum neph_status status = neph_night_summary(work->night, work->page->tier, &summary, diag);
+    if (!status)
+        status = take_all(document,
+                          json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1",
+                                    "state", state_of(work->night), "created_utc", created,
+                                    "neph_version", NEPH_VERSION, "summary", summary,
+                                    "difference_colours", colours_json()),
+                          diag);
     free(summary);
     return status;
 }
@@ -378,11 +367,7 @@ enum neph_status neph_night_page_open(const char *output, const char *tier,
     if (!opened)
         return neph_fail_memory(diag);
     *opened = (struct neph_night_page){.store = store, .tier = tier, .limit_bytes = limit_bytes};
-    opened->path = neph_path_join(output, "nightly/report");
-    if (!opened->path) {
-        neph_night_page_close(opened);
-        return neph_fail_memory(diag);
-    }
+    opened->path = neph_path_in(output, "nightly/report");
     *page = opened;
     return NEPH_OK;
 }
@@ -392,7 +377,6 @@ void neph_night_page_close(struct neph_night_page *page)
     if (!page)
         return;
     neph_report_folder_close(page->folder);
-    free(page->path);
     free(page);
 }
 
@@ -401,7 +385,7 @@ static enum neph_status have_folder(struct neph_night_page *page, struct neph_di
 {
     if (page->folder)
         return NEPH_OK;
-    const enum neph_status status = neph_report_folder_open(page->path, &page->folder, diag);
+    const enum neph_status status = neph_report_folder_open(page->path.text, &page->folder, diag);
     return status ? status
                   : neph_page_copy(neph_report_folder_work(page->folder), page_files, diag);
 }

@@ -7,8 +7,9 @@
 #include "harness/run/store.h"
 #include "metrics/significance.h"
 
+#include <ctype.h>
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -20,16 +21,6 @@ enum { NUMBERS_MAX = 4096 };
 static const struct neph_night_metric metrics[] = {
     {"rel_bias", 1e-3, true},     {"deviation", 1e-4, true}, {"gates failed", 1.0, false},
     {"evaluations", 1e-3, false}, {"", 1e-5, false}, /* all others */
-};
-
-/* A frame has many numbers; a night follows these, over the whole picture. */
-static const struct {
-    const char *quantity, *metric;
-} followed[] = {
-    {"radiance", "rel_bias"},
-    {"radiance", "rel_rmse"},
-    {"radiance", "p99"},
-    {"transmittance", "max_abs"},
 };
 
 const struct neph_night_metric *neph_night_metric(const char *metric)
@@ -57,76 +48,99 @@ struct neph_night_name neph_night_split(struct neph_arena *arena, const char *se
     return name;
 }
 
-/* ---- adding ---------------------------------------------------------------------------------- */
+/* ---- a document ------------------------------------------------------------------------------ */
 
+enum { LEVELS = 4 };
+
+/* A document, level 0, and the items of lists within lists that are read at the moment. */
 struct reading {
     enum neph_night_suite suite;
-    const json_t *document;
+    const json_t *levels[LEVELS];
     double calibration_s;
     const char *host;
     struct neph_arena *arena;
     struct neph_night_numbers *numbers;
-    const char *frame; /* the key of the picture that the numbers to come are of; "" */
-    bool overflows;    /* there are more than NUMBERS_MAX */
+    bool overflows; /* there are more than NUMBERS_MAX */
 };
 
-/* One whose value is no number was not measured. `truth` NULL: there is none. */
-static void add(struct reading *reading, const char *scene, const char *engine, const char *metric,
-                const char *truth, const char *kind, double value, double standard_error,
-                const char *environment)
+/* A path as "1.frame_s.median": from the item of level 1 on. NULL: there is no such value. */
+static const json_t *find(const struct reading *reading, const char *path)
 {
-    struct neph_night_numbers *numbers = reading->numbers;
-    if (!isfinite(value))
-        return;
-    reading->overflows = reading->overflows || numbers->count == NUMBERS_MAX;
-    if (reading->overflows)
-        return;
-    numbers->list[numbers->count++] = (struct neph_measurement){
-        .series = neph_arena_format(reading->arena, "%s/%s/%s/%s%s%s",
-                                    neph_night_suite_name(reading->suite), scene, engine, metric,
-                                    truth ? "/" : "", truth ? truth : ""),
-        .kind = kind,
-        .value = value,
-        .standard_error = standard_error,
-        .environment = environment,
-        .frame = reading->frame};
+    static const char ends[] = ".:?}";
+    const json_t *value = reading->levels[*path - '0'];
+    while (*++path == '.') {
+        char key[64];
+        const size_t length = strcspn(++path, ends);
+        snprintf(key, sizeof(key), "%.*s", (int)length, path);
+        value = json_object_get(value, key);
+        path += length - 1;
+    }
+    return value;
 }
 
-static const char *kind_word(enum neph_series_kind kind)
+static const char *text_of(const json_t *value)
 {
-    return neph_series_rule(kind)->word;
+    const char *text = json_string_value(value);
+    return text ? text : "";
 }
 
-/* With the same seed and program all engines give the same bits; what is drawn anew with every
- * change of a program are the paths of tracers. */
-static const char *kind_of_engine(const char *name)
+/* Version and device of an engine, as the document lists them. */
+static const char *version_of(const struct reading *reading, const char *engine)
 {
-    const struct neph_engine *engine = neph_engine_find(name);
-    return kind_word(engine && neph_engine_draws(engine) ? NEPH_SERIES_DRAWN : NEPH_SERIES_FIXED);
+    size_t i;
+    const json_t *row;
+    json_array_foreach(json_object_get(reading->levels[0], "engines"), i, row)
+    {
+        if (strcmp(neph_json_text(row, "name"), engine) == 0)
+            return neph_arena_format(reading->arena, "%s, %s", neph_json_text(row, "version"),
+                                     neph_json_text(row, "device"));
+    }
+    return "";
 }
 
-static const char *scene_at(struct reading *reading, const char *name, const char *hash)
+/* A value within a form: "{; |1.note}" with the text before the bar, unless the value is empty;
+ * "{1.truth?none}" with a word for that; "{1.hash:8}" its first letters; "{1.engine:version}". */
+static const char *fill_value(const struct reading *reading, const char *form, size_t length)
 {
-    return neph_arena_format(reading->arena, "%s@%.8s", name, hash);
+    const char *bar = memchr(form, '|', length), *path = bar ? bar + 1 : form;
+    const char *colon = memchr(form, ':', length), *word = memchr(form, '?', length);
+    const char *value = text_of(find(reading, path));
+    if (colon && colon[1] == 'v')
+        value = version_of(reading, value);
+    if (!value[0])
+        return word ? neph_arena_format(reading->arena, "%.*s", (int)(form + length - word - 1),
+                                        word + 1)
+                    : "";
+    return neph_arena_format(reading->arena, "%.*s%.*s", bar ? (int)(bar - form) : 0, form,
+                             colon && isdigit(colon[1]) ? atoi(colon + 1) : -1, value);
 }
 
-static const char *size_at(struct reading *reading, const json_t *size)
+/* A form is a text with values in braces. NULL: "". */
+static const char *fill(const struct reading *reading, const char *form)
 {
-    return neph_arena_format(reading->arena, "%lldx%lld",
-                             (long long)json_integer_value(json_array_get(size, 0)),
-                             (long long)json_integer_value(json_array_get(size, 1)));
+    const char *text = "";
+    while (form && *form) {
+        const size_t plain = strcspn(form, "{"), end = strcspn(form, "}");
+        const bool has_value = form[plain] == '{';
+        text = neph_arena_format(reading->arena, "%s%.*s%s", text, (int)plain, form,
+                                 has_value ? fill_value(reading, &form[plain + 1], end - plain - 1)
+                                           : "");
+        form += has_value ? end + 1 : plain;
+    }
+    return text;
 }
 
-/* ---- the catalogue --------------------------------------------------------------------------- */
+/* ---- values that are no plain number --------------------------------------------------------- */
 
 /* Range over mean of all values of R, G and B; NaN when the frame cannot be read. A value that is
  * not finite makes the sum so. */
-static double contrast_of(const char *path)
+static double measure_contrast(const struct reading *reading, const json_t *path)
 {
     struct neph_image *image = NULL;
     double sum = 0.0, low = INFINITY, high = -INFINITY;
     size_t count = 0;
-    if (neph_exr_read(path, &image, NULL))
+    (void)reading;
+    if (neph_exr_read(text_of(path), &image, NULL))
         return NAN;
     for (int c = 0; c < image->channel_count; c++) {
         const struct neph_channel *channel = &image->channels[c];
@@ -147,252 +161,278 @@ static double contrast_of(const char *path)
     return sum > 0.0 ? (high - low) / (sum / (double)count) : 0.0;
 }
 
-static const char *version_of(struct reading *reading, const char *engine)
+static double count_failed(const struct reading *reading, const json_t *gates)
 {
     size_t i;
-    const json_t *row;
-    json_array_foreach(json_object_get(reading->document, "engines"), i,
-                       row) if (strcmp(neph_json_text(row, "name"), engine) ==
-                                0) return neph_arena_format(reading->arena, "%s, %s",
-                                                            neph_json_text(row, "version"),
-                                                            neph_json_text(row, "device"));
-    return "";
+    const json_t *gate;
+    int failed = 0;
+    (void)reading;
+    json_array_foreach(gates, i, gate)
+        failed += strcmp(neph_json_text(gate, "verdict"), "fail") == 0;
+    return failed;
 }
 
-static bool is_followed(const json_t *measurement)
+static double sum_evaluations(const struct reading *reading, const json_t *passes)
 {
-    if (strcmp(neph_json_text(measurement, "mask"), "all") != 0)
-        return false;
-    for (size_t i = 0; i < sizeof(followed) / sizeof(followed[0]); i++)
-        if (strcmp(neph_json_text(measurement, "quantity"), followed[i].quantity) == 0 &&
-            strcmp(neph_json_text(measurement, "metric"), followed[i].metric) == 0)
-            return true;
-    return false;
+    size_t i;
+    const json_t *pass;
+    double sum = 0.0;
+    (void)reading;
+    json_array_foreach(passes, i, pass) sum += neph_json_real(pass, "density_evaluations");
+    return sum;
 }
 
-/* From a 95 % interval; NaN: there is none. */
-static double error_of(const json_t *measurement)
+/* A time in a unit that goes with the machine: the calibration kernel, or on a device that is not
+ * the CPU a thousand samples of a buffer there. NaN when the machine was busy. */
+static double relative_time(const struct reading *reading, const json_t *row)
 {
-    const json_t *interval = json_object_get(measurement, "interval");
-    return json_is_array(interval) ? (json_number_value(json_array_get(interval, 1)) -
-                                      json_number_value(json_array_get(interval, 0))) /
-                                         (2.0 * neph_normal_critical(0.05))
-                                   : NAN;
+    const json_t *ceilings = json_object_get(reading->levels[0], "ceilings");
+    const bool is_cpu = strstr(neph_json_text(row, "device"), "llvmpipe") != NULL;
+    const double unit_s = is_cpu ? reading->calibration_s
+                          : isfinite(reading->calibration_s)
+                              ? 1e3 / neph_json_real(ceilings, "buffer_samples_per_s")
+                              : NAN;
+    return neph_json_real(json_object_get(row, "frame_s"), "median") / unit_s;
 }
 
-static const char *key_at(const struct reading *reading, const char *path)
+static double number_of(const json_t *value)
+{
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+/* A standard error, or that of a 95 % interval. NULL: there is none. */
+static double error_at(const struct reading *reading, const char *path)
+{
+    const json_t *error = path ? find(reading, path) : NULL;
+    return json_is_array(error) ? (json_number_value(json_array_get(error, 1)) -
+                                   json_number_value(json_array_get(error, 0))) /
+                                      (2.0 * neph_normal_critical(0.05))
+                                : number_of(error);
+}
+
+/* The failure suite does not tell which version of a scene it has measured. */
+static const char *failure_scene(const struct reading *reading)
+{
+    struct neph_scene *scene = NULL;
+    const char *name = fill(reading, "{1.scene}");
+    if (neph_data_load_scene(name, &scene, NULL))
+        return name;
+    const char *text = neph_arena_format(reading->arena, "%s@%.8s",
+                                         fill(reading, "{1.scene}{ |1.point}"), scene->hash);
+    neph_scene_destroy(scene);
+    return text;
+}
+
+/* ---- the numbers of each suite --------------------------------------------------------------- */
+
+/* A frame has many numbers; a night follows these, over the whole picture. */
+static const char *const rendered[] = {"rendered", NULL};
+static const char *const followed[] = {
+    "rendered all radiance rel_bias", "rendered all radiance rel_rmse", "rendered all radiance p99",
+    "rendered all transmittance max_abs", NULL};
+
+/* The numbers of a list; texts are forms. */
+static const struct results {
+    enum neph_night_suite suite;
+    const char *lists;                /* keys of lists within lists */
+    const char *const *only;          /* of items for which `which` is one of these; NULL: all */
+    const char *which, *scene;        /* scene NULL: failure_scene() */
+    const char *engine, *environment; /* durations get the host beside it */
+    const char *frame;                /* a key, or a path in the store */
+    struct number {
+        /* A word of judge.h, NEPH_NIGHT_PICTURE, or an engine; NULL: with an error it is drawn. */
+        const char *metric, *kind;
+        const char *value, *error, *truth; /* two paths, and a form; NULL: there is none */
+        double (*measure)(const struct reading *reading, const json_t *value); /* NULL: a number */
+    } numbers[6];
+} results[] = {
+    {NEPH_NIGHT_CATALOG,
+     "scenes.frames",
+     rendered,
+     "{2.status}",
+     "{1.name}@{1.hash:8}",
+     "{2.engine}",
+     "{2.engine:version}{; |2.note}",
+     "{2.exr}",
+     {{"contrast", NEPH_NIGHT_PICTURE, "2.exr", .measure = measure_contrast}}},
+    {NEPH_NIGHT_CATALOG,
+     "scenes.frames.measurements",
+     followed,
+     "{2.status} {3.mask} {3.quantity} {3.metric}",
+     "{1.name}@{1.hash:8}",
+     "{2.engine}",
+     "{2.engine:version}{; |2.note}{; against |1.truth.engine:version}",
+     "{2.exr}",
+     {{"{3.quantity} {3.metric}", "{2.engine}", "3.value", "3.interval", "{1.truth.engine?none}",
+       NULL}}},
+    {NEPH_NIGHT_CATALOG,
+     "scenes",
+     NULL,
+     NULL,
+     "{1.name}@{1.hash:8}",
+     "all",
+     NULL,
+     NULL,
+     {{"gates failed", "fixed", "1.gates", .measure = count_failed}}},
+    {NEPH_NIGHT_PHYSICS,
+     "rows",
+     NULL,
+     NULL,
+     "{1.check}",
+     "{1.participant}",
+     "{1.engine:version}",
+     NULL,
+     {{"deviation", NULL, "1.deviation", "1.standard_error", "theory", NULL}}},
+    {NEPH_NIGHT_FAILURE,
+     "results",
+     NULL,
+     NULL,
+     NULL,
+     "{1.column}",
+     "{0.device}",
+     "{1.frame_key}",
+     {{"{1.measure} over {1.over}", "fixed", .value = "1.value"}}},
+    {NEPH_NIGHT_SWEEP,
+     "points",
+     NULL,
+     NULL,
+     "{0.scene}@{0.scene_hash:8}",
+     "{1.series} {1.label}",
+     "{1.version}, {0.device}",
+     "{1.frame_key}",
+     {{"error", "{1.engine}", "1.error.value", NULL, "{0.truth}", NULL},
+      {"shortcut", "{1.engine}", .value = "1.shortcut.value"},
+      {"flicker", "{1.engine}", .value = "1.flicker.value"},
+      {"half_life", "{1.engine}", .value = "1.half_life.value"},
+      {"evaluations", "fixed", .value = "1.evaluations"}}},
+    {NEPH_NIGHT_SPEED,
+     "engines",
+     NULL,
+     NULL,
+     "{0.scene}@{0.scene_hash:8}",
+     "{1.engine}",
+     "{1.version}, {1.device}",
+     NULL,
+     {{"evaluations", "fixed", "1.passes", .measure = sum_evaluations},
+      {"time", "timed", "1", .measure = relative_time}}},
+};
+
+/* With the same seed and program all engines give the same bits; what is drawn anew with every
+ * change of a program are the paths of tracers. */
+static const char *kind_of(const struct reading *reading, const struct number *number, double error)
+{
+    const char *word = number->kind      ? fill(reading, number->kind)
+                       : isfinite(error) ? "drawn"
+                                         : "fixed";
+    if (strcmp(word, NEPH_NIGHT_PICTURE) == 0 || neph_series_kind_of(word) < NEPH_SERIES_KINDS)
+        return word;
+    const struct neph_engine *engine = neph_engine_find(word);
+    return engine && neph_engine_draws(engine) ? "drawn" : "fixed";
+}
+
+static const char *frame_of(const struct reading *reading, const struct results *of)
 {
     char key[NEPH_HASH_HEX_SIZE];
-    neph_store_key_of(path, key);
+    const char *frame = fill(reading, of->frame);
+    if (!strchr(frame, '/'))
+        return frame;
+    neph_store_key_of(frame, key);
     return neph_arena_text(reading->arena, key);
 }
 
-static void read_frame(struct reading *reading, const char *scene, const char *truth,
-                       const json_t *frame)
+/* One whose value is no number was not measured. */
+static void add(struct reading *reading, const struct results *of, const struct number *number)
 {
-    const char *engine = neph_json_text(frame, "engine"), *note = neph_json_text(frame, "note");
-    const char *environment = neph_arena_format(
-        reading->arena, "%s%s%s", version_of(reading, engine), note[0] ? "; " : "", note);
-    const char *held = truth ? neph_arena_format(reading->arena, "%s; against %s", environment,
-                                                 version_of(reading, truth))
-                             : environment;
-    size_t i;
-    const json_t *m;
-    reading->frame = key_at(reading, neph_json_text(frame, "exr"));
-    add(reading, scene, engine, "contrast", NULL, NEPH_NIGHT_PICTURE,
-        contrast_of(neph_json_text(frame, "exr")), NAN, environment);
-    json_array_foreach(json_object_get(frame, "measurements"), i, m) if (is_followed(m))
-        add(reading, scene, engine,
-            neph_arena_format(reading->arena, "%s %s", neph_json_text(m, "quantity"),
-                              neph_json_text(m, "metric")),
-            truth ? truth : "none", kind_of_engine(engine), neph_json_real(m, "value"), error_of(m),
-            held);
+    struct neph_night_numbers *numbers = reading->numbers;
+    const json_t *found = find(reading, number->value);
+    const double value = number->measure ? number->measure(reading, found) : number_of(found),
+                 error = error_at(reading, number->error);
+    if (!isfinite(value))
+        return;
+    reading->overflows = reading->overflows || numbers->count == NUMBERS_MAX;
+    if (reading->overflows)
+        return;
+    struct neph_measurement *m = &numbers->list[numbers->count++];
+    *m = (struct neph_measurement){
+        .series = neph_arena_format(reading->arena, "%s/%s/%s/%s%s%s",
+                                    neph_night_suite_name(reading->suite),
+                                    of->scene ? fill(reading, of->scene) : failure_scene(reading),
+                                    fill(reading, of->engine), fill(reading, number->metric),
+                                    number->truth ? "/" : "", fill(reading, number->truth)),
+        .kind = kind_of(reading, number, error),
+        .value = value,
+        .standard_error = error,
+        .environment = fill(reading, of->environment),
+        .frame = frame_of(reading, of)};
+    if (strcmp(m->kind, "timed") == 0)
+        m->environment = neph_arena_format(reading->arena, "%s; on %s", m->environment,
+                                           reading->host);
 }
 
-static void read_scene(struct reading *reading, const json_t *scene)
+/* ---- reading --------------------------------------------------------------------------------- */
+
+static bool is_wanted(const struct reading *reading, const struct results *of)
 {
-    const char *name = scene_at(reading, neph_json_text(scene, "name"),
-                                neph_json_text(scene, "hash"));
-    const json_t *truth = json_object_get(scene, "truth"), *item;
-    const char *truth_name = json_is_object(truth)
-                                 ? neph_arena_text(reading->arena, neph_json_text(truth, "engine"))
-                                 : NULL;
-    size_t i;
-    int failed = 0;
-    json_array_foreach(json_object_get(scene, "frames"), i,
-                       item) if (strcmp(neph_json_text(item, "status"), "rendered") == 0)
-        read_frame(reading, name, truth_name, item);
-    json_array_foreach(json_object_get(scene, "gates"), i, item)
-        failed += strcmp(neph_json_text(item, "verdict"), "fail") == 0;
-    reading->frame = "";
-    add(reading, name, "all", "gates failed", NULL, kind_word(NEPH_SERIES_FIXED), failed, NAN, "");
+    bool wanted = !of->only;
+    for (int i = 0; !wanted && of->only[i]; i++)
+        wanted = strcmp(fill(reading, of->which), of->only[i]) == 0;
+    return wanted;
 }
 
-static void read_catalog(struct reading *reading)
+/* Add the numbers of all items of `lists`, the first of which is in `within`. NEPH_ERR_ENGINE: it
+ * is not there. */
+static enum neph_status visit(struct reading *reading, const struct results *of,
+                              const json_t *within, const char *lists, int level,
+                              struct neph_diag *diag)
 {
+    const size_t length = strcspn(lists, ".");
+    const char *name = neph_arena_format(reading->arena, "%.*s", (int)length, lists);
+    const json_t *list = json_object_get(within, name), *item;
     size_t i;
-    const json_t *scene;
-    reading->numbers->size = size_at(reading, json_object_get(reading->document, "size_px"));
-    json_array_foreach(json_object_get(reading->document, "scenes"), i, scene)
-        read_scene(reading, scene);
-}
-
-/* ---- physics --------------------------------------------------------------------------------- */
-
-static void read_physics(struct reading *reading)
-{
-    size_t i;
-    const json_t *row, *physics = json_object_get(reading->document, "physics");
-    json_array_foreach(json_object_get(physics ? physics : reading->document, "rows"), i, row)
+    json_array_foreach(list, i, item)
     {
-        const double error = neph_json_real(row, "standard_error");
-        const enum neph_series_kind kind = isfinite(error) ? NEPH_SERIES_DRAWN : NEPH_SERIES_FIXED;
-        add(reading, neph_json_text(row, "check"), neph_json_text(row, "participant"), "deviation",
-            "theory", kind_word(kind), neph_json_real(row, "deviation"), error,
-            version_of(reading, neph_json_text(row, "engine")));
+        reading->levels[level] = item;
+        if (lists[length])
+            visit(reading, of, item, &lists[length + 1], level + 1, NULL);
+        else if (is_wanted(reading, of))
+            for (const struct number *number = of->numbers; number->metric; number++)
+                add(reading, of, number);
     }
+    return json_is_array(list) ? NEPH_OK
+                               : neph_fail(diag, NEPH_ERR_ENGINE, "its JSON has no %s", name);
 }
 
-/* ---- failure --------------------------------------------------------------------------------- */
-
-static const char *failure_scene(struct reading *reading, const json_t *row)
+static const char *size_of(const struct reading *reading)
 {
-    struct neph_scene *scene = NULL;
-    const char *point = neph_json_text(row, "point");
-    if (neph_data_load_scene(neph_json_text(row, "scene"), &scene, NULL))
-        return neph_json_text(row, "scene");
-    const char *name = neph_arena_format(reading->arena, "%s%s%s@%.8s",
-                                         neph_json_text(row, "scene"), point[0] ? " " : "", point,
-                                         scene->hash);
-    neph_scene_destroy(scene);
-    return name;
-}
-
-static void read_failure(struct reading *reading)
-{
-    size_t i;
-    const json_t *row;
-    const char *device = neph_arena_text(reading->arena,
-                                         neph_json_text(reading->document, "device"));
-    json_array_foreach(json_object_get(reading->document, "results"), i, row)
-    {
-        reading->frame = neph_arena_text(reading->arena, neph_json_text(row, "frame_key"));
-        add(reading, failure_scene(reading, row), neph_json_text(row, "column"),
-            neph_arena_format(reading->arena, "%s over %s", neph_json_text(row, "measure"),
-                              neph_json_text(row, "over")),
-            NULL, kind_word(NEPH_SERIES_FIXED), neph_json_real(row, "value"), NAN, device);
-    }
-}
-
-/* ---- sweep ----------------------------------------------------------------------------------- */
-
-static void read_point(struct reading *reading, const char *scene, const json_t *point)
-{
-    static const char *const measures[] = {"error", "shortcut", "flicker", "half_life"};
-    const char *engine = neph_arena_format(reading->arena, "%s %s", neph_json_text(point, "series"),
-                                           neph_json_text(point, "label"));
-    const char *environment = neph_arena_format(reading->arena, "%s, %s",
-                                                neph_json_text(point, "version"),
-                                                neph_json_text(reading->document, "device"));
-    const char *truth = neph_arena_text(reading->arena, neph_json_text(reading->document, "truth"));
-    reading->frame = neph_arena_text(reading->arena, neph_json_text(point, "frame_key"));
-    for (size_t i = 0; i < sizeof(measures) / sizeof(measures[0]); i++)
-        add(reading, scene, engine, measures[i], i == 0 ? truth : NULL,
-            kind_of_engine(neph_json_text(point, "engine")),
-            neph_json_real(json_object_get(point, measures[i]), "value"), NAN, environment);
-    add(reading, scene, engine, "evaluations", NULL, kind_word(NEPH_SERIES_FIXED),
-        neph_json_real(point, "evaluations"), NAN, environment);
-}
-
-static void read_sweep(struct reading *reading)
-{
-    const json_t *d = reading->document, *point;
-    const char *scene = scene_at(reading, neph_json_text(d, "scene"),
-                                 neph_json_text(d, "scene_hash"));
-    size_t i;
-    reading->numbers->size = neph_arena_format(
-        reading->arena, "%lldx%lld", (long long)json_integer_value(json_object_get(d, "width_px")),
-        (long long)json_integer_value(json_object_get(d, "height_px")));
-    json_array_foreach(json_object_get(d, "points"), i, point) read_point(reading, scene, point);
-}
-
-/* ---- speed ----------------------------------------------------------------------------------- */
-
-/* A unit of time that goes with the machine: the calibration kernel, or on a device that is not the
- * CPU a thousand samples of a buffer there. NaN when the machine was busy. */
-static double time_unit_s(const struct reading *reading, const json_t *row)
-{
-    const json_t *ceilings = json_object_get(reading->document, "ceilings");
-    const bool is_cpu = strstr(neph_json_text(row, "device"), "llvmpipe") != NULL;
-    return is_cpu ? reading->calibration_s
-           : isfinite(reading->calibration_s)
-               ? 1e3 / neph_json_real(ceilings, "buffer_samples_per_s")
-               : NAN;
-}
-
-static void read_speed(struct reading *reading)
-{
-    const json_t *d = reading->document, *row, *pass;
-    const char *scene = scene_at(reading, neph_json_text(d, "scene"),
-                                 neph_json_text(d, "scene_hash"));
-    size_t i, p;
-    reading->numbers->size = size_at(reading, json_object_get(d, "size_px"));
-    json_array_foreach(json_object_get(d, "engines"), i, row)
-    {
-        const char *versions = neph_arena_format(reading->arena, "%s, %s",
-                                                 neph_json_text(row, "version"),
-                                                 neph_json_text(row, "device"));
-        const char *timed_on = neph_arena_format(reading->arena, "%s; on %s", versions,
-                                                 reading->host);
-        double evaluations = 0.0;
-        json_array_foreach(json_object_get(row, "passes"), p, pass)
-            evaluations += neph_json_real(pass, "density_evaluations");
-        add(reading, scene, neph_json_text(row, "engine"), "evaluations", NULL,
-            kind_word(NEPH_SERIES_FIXED), evaluations, NAN, versions);
-        add(reading, scene, neph_json_text(row, "engine"), "time", NULL,
-            kind_word(NEPH_SERIES_TIMED),
-            neph_json_real(json_object_get(row, "frame_s"), "median") / time_unit_s(reading, row),
-            NAN, timed_on);
-    }
-}
-
-/* ---- documents ------------------------------------------------------------------------------- */
-
-static void (*const read_suite[])(struct reading *) = {
-    [NEPH_NIGHT_CATALOG] = read_catalog, [NEPH_NIGHT_PHYSICS] = read_physics,
-    [NEPH_NIGHT_FAILURE] = read_failure, [NEPH_NIGHT_SWEEP] = read_sweep,
-    [NEPH_NIGHT_SPEED] = read_speed,
-};
-
-/* The list that a document of a suite has. */
-static const char *const lists[] = {
-    [NEPH_NIGHT_CATALOG] = "scenes",  [NEPH_NIGHT_PHYSICS] = "rows",
-    [NEPH_NIGHT_FAILURE] = "results", [NEPH_NIGHT_SWEEP] = "points",
-    [NEPH_NIGHT_SPEED] = "engines",
-};
-
-static bool has_list(const json_t *document, enum neph_night_suite suite)
-{
-    const json_t *physics = json_object_get(document, "physics");
-    return json_is_array(json_object_get(document, lists[suite])) ||
-           json_is_array(json_object_get(physics, lists[suite]));
+    const json_t *document = reading->levels[0], *size = json_object_get(document, "size_px");
+    const bool is_sweep = reading->suite == NEPH_NIGHT_SWEEP;
+    if (reading->suite == NEPH_NIGHT_PHYSICS || reading->suite == NEPH_NIGHT_FAILURE)
+        return "";
+    const json_t *width = is_sweep ? json_object_get(document, "width_px")
+                                   : json_array_get(size, 0),
+                 *height = is_sweep ? json_object_get(document, "height_px")
+                                    : json_array_get(size, 1);
+    return neph_arena_format(reading->arena, "%lldx%lld", (long long)json_integer_value(width),
+                             (long long)json_integer_value(height));
 }
 
 enum neph_status neph_night_read(enum neph_night_suite suite, const json_t *document,
                                  double calibration_s, const char *host, struct neph_arena *arena,
                                  struct neph_night_numbers *numbers, struct neph_diag *diag)
 {
+    struct reading reading = {suite, {document}, calibration_s, host, arena, numbers, false};
+    const json_t *physics = json_object_get(document, "physics"); /* within a report */
+    const json_t *within = suite == NEPH_NIGHT_PHYSICS && physics ? physics : document;
     *numbers = (struct neph_night_numbers){
-        .list = neph_arena_zeroed(arena, NUMBERS_MAX, sizeof(*numbers->list)), .size = ""};
-    if (!numbers->list)
-        return neph_fail_memory(diag);
-    if (!has_list(document, suite))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "its JSON has no %s", lists[suite]);
-    struct reading reading = {suite, document, calibration_s, host, arena, numbers, "", false};
-    read_suite[suite](&reading);
-    if (reading.overflows)
-        return neph_fail(diag, NEPH_ERR_ENGINE, "it has more than %d numbers", NUMBERS_MAX);
-    return neph_arena_check(arena, diag);
+        .list = neph_arena_zeroed(arena, NUMBERS_MAX, sizeof(*numbers->list)),
+        .size = size_of(&reading)};
+    enum neph_status status = neph_arena_check(arena, diag);
+    for (size_t i = 0; i < sizeof(results) / sizeof(results[0]) && !status; i++)
+        if (results[i].suite == suite)
+            status = visit(&reading, &results[i], within, results[i].lists, 1, diag);
+    if (!status && reading.overflows)
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "it has more than %d numbers", NUMBERS_MAX);
+    return status ? status : neph_arena_check(arena, diag);
 }
 
 json_t *neph_night_find_document(const char *printed)

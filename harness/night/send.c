@@ -2,8 +2,8 @@
 #include "harness/night/send.h"
 
 #include "base/clock.h"
-#include "base/files.h"
 #include "base/interrupt.h"
+#include "base/path.h"
 #include "harness/run/index.h"
 
 #include <dirent.h>
@@ -80,14 +80,10 @@ static enum neph_status forget(struct sending *sending, struct neph_diag *diag)
 static bool is_over(const struct sending *sending)
 {
     const struct neph_night_work *work = sending->work;
-    char *document = neph_history_document_path(neph_store_folder(work->store), work->jobs.night);
-    char *folder = neph_path_join(neph_store_folder(work->store), "history");
-    DIR *opened = folder ? opendir(folder) : NULL;
-    const bool over = document && neph_path_exists(document);
+    DIR *opened = opendir(neph_path_in(neph_store_folder(work->store), "history").text);
+    const bool over = neph_history_is_over(neph_store_folder(work->store), work->jobs.night);
     if (opened)
         closedir(opened);
-    free(folder);
-    free(document);
     return over;
 }
 

@@ -4,6 +4,7 @@
 #include "base/build_id.h"
 #include "base/files.h"
 #include "base/lock.h"
+#include "base/path.h"
 #include "harness/host.h"
 
 #include <errno.h>
@@ -50,24 +51,23 @@ static enum neph_status read_cost(struct neph_night_work *work, struct neph_data
                                   int step, struct neph_diag *diag)
 {
     struct neph_step_history *history = &work->history[step];
-    struct neph_query *query = NULL;
     int64_t last = 0, series = 0;
     bool same = false;
     *history = (struct neph_step_history){NAN, 0, NEVER};
     const char *name = work->night->plan.steps[step].name;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag,
+    struct neph_query *query = neph_query(
+        index, diag,
         "SELECT wall_s, night, program FROM steps JOIN nights ON nights.id = night WHERE name = ? "
         "AND outcome = 'done' AND night < ? ORDER BY night DESC LIMIT 5",
         "si", name, work->night->id);
     /* The last time, when the program is the same and has its frames; else the worst of five. */
-    while (!status && !same && neph_query_next(query, &status, diag)) {
+    while (!same && neph_query_next(query)) {
         same = last == 0 && strcmp(neph_query_text(query, 2), work->night->program) == 0;
         last = last ? last : neph_query_integer(query, 1);
         history->cost_s = fmax(isfinite(history->cost_s) ? history->cost_s : 0.0,
                                neph_query_real(query, 0));
     }
-    neph_query_end(query);
+    enum neph_status status = neph_query_end(query, NEPH_OK);
     if (!status && last > 0)
         status = neph_database_count(
             index, &series, diag, "SELECT count(*) FROM measurements WHERE night = ? AND step = ?",
@@ -80,31 +80,27 @@ static enum neph_status read_cost(struct neph_night_work *work, struct neph_data
 static enum neph_status read_longest(struct neph_night_work *work, struct neph_database *index,
                                      int step, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag,
+    struct neph_query *query = neph_query(
+        index, diag,
         "SELECT coalesce(max(wall_s), 0.0) FROM steps WHERE name = ? AND outcome = 'done'", "s",
         work->night->plan.steps[step].name);
-    if (!status && neph_query_next(query, &status, diag))
+    if (neph_query_next(query))
         work->longest_s[step] = neph_query_real(query, 0);
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, NEPH_OK);
 }
 
 static enum neph_status read_outcome(struct neph_night_work *work, struct neph_database *index,
                                      int step, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->night->arena;
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag,
+    struct neph_query *query = neph_query(
+        index, diag,
         "SELECT outcome, reason FROM steps WHERE night = ? AND name = ? AND outcome != 'not run'",
         "is", work->night->id, work->night->plan.steps[step].name);
-    if (!status && neph_query_next(query, &status, diag))
+    if (neph_query_next(query))
         neph_night_note(work, step, neph_arena_text(arena, neph_query_text(query, 0)),
                         neph_arena_text(arena, neph_query_text(query, 1)));
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, NEPH_OK);
 }
 
 struct neph_history_night neph_night_who(const struct neph_night *night)
@@ -132,7 +128,6 @@ enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag
 {
     struct neph_night *night = work->night;
     struct neph_database *index = NULL;
-    struct neph_query *query = NULL;
     enum neph_status status = neph_store_index(work->store, &index, diag);
     if (!status)
         status = begin_history(work, index, diag);
@@ -143,12 +138,13 @@ enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag
         if (!status)
             status = read_outcome(work, index, i, diag);
     }
-    if (!status)
-        status = neph_query_begin(index, &query, diag,
-                                  "SELECT started_utc FROM nights WHERE id = ?", "i", night->id);
-    if (!status && neph_query_next(query, &status, diag))
-        night->started_utc = neph_arena_text(&night->arena, neph_query_text(query, 0));
-    neph_query_end(query);
+    if (!status) {
+        struct neph_query *query = neph_query(
+            index, diag, "SELECT started_utc FROM nights WHERE id = ?", "i", night->id);
+        if (neph_query_next(query))
+            night->started_utc = neph_arena_text(&night->arena, neph_query_text(query, 0));
+        status = neph_query_end(query, NEPH_OK);
+    }
     neph_database_close(index);
     return status;
 }
@@ -158,24 +154,19 @@ enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag
 enum neph_status neph_night_lock(const struct neph_night_work *work, bool waits, int *lock,
                                  struct neph_diag *diag)
 {
-    char *path = neph_path_join(work->folder, ".lock");
-    enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
-    if (!status) {
-        const int made = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        if (made < 0)
-            status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", path, strerror(errno));
-        else
-            close(made);
-    }
-    if (!status && waits) {
-        status = neph_lock_wait(path, lock, diag);
-    } else if (!status && (*lock = neph_lock_take_over(path)) < 0) {
-        status = neph_fail(diag, NEPH_ERR_UNAVAILABLE, "another night is at work in '%s'",
-                           work->params->output);
-        neph_hint(diag, "wait for it, or name another folder with -o");
-    }
-    free(path);
-    return status;
+    const struct neph_path path = neph_path_in(work->folder, ".lock");
+    const int made = open(path.text, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (made < 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", path.text, strerror(errno));
+    close(made);
+    if (waits)
+        return neph_lock_wait(path.text, lock, diag);
+    *lock = neph_lock_take_over(path.text);
+    if (*lock >= 0)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "another night is at work in '%s'", work->params->output);
+    neph_hint(diag, "wait for it, or name another folder with -o");
+    return NEPH_ERR_UNAVAILABLE;
 }
 
 static enum neph_status identify(struct neph_night_work *work, struct neph_diag *diag)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/database.h"
 
-#include "base/files.h"
+#include "base/path.h"
 
 #include <math.h>
 #include <sqlite3.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,12 +14,14 @@ enum { WAIT_MS = 10000 };
 
 struct neph_database {
     sqlite3 *handle;
-    char *path;
+    struct neph_path path;
 };
 
 struct neph_query {
     struct neph_database *database;
     sqlite3_stmt *statement;
+    enum neph_status status; /* of the question */
+    struct neph_diag *diag;
 };
 
 static enum neph_status status_of(int code)
@@ -46,63 +49,77 @@ static enum neph_status status_of(int code)
 static enum neph_status fail(const struct neph_database *database, struct neph_diag *diag)
 {
     const enum neph_status status = status_of(sqlite3_errcode(database->handle));
-    neph_fail(diag, status, "'%s': %s", database->path, sqlite3_errmsg(database->handle));
+    neph_fail(diag, status, "'%s': %s", database->path.text, sqlite3_errmsg(database->handle));
     return status;
 }
 
 /* ---- statements ------------------------------------------------------------------------------ */
 
-static bool bind(sqlite3_stmt *statement, const char *types, va_list values)
+enum { VALUES_MAX = 24 };
+
+static void list_values(const char *types, va_list arguments, union neph_database_value *values)
+{
+    for (; *types; types++, values++) {
+        if (*types == 's')
+            values->text = va_arg(arguments, const char *);
+        else if (*types == 'i')
+            values->integer = va_arg(arguments, int64_t);
+        else
+            values->real = va_arg(arguments, double);
+    }
+}
+
+static bool bind(sqlite3_stmt *statement, const char *types,
+                 const union neph_database_value *values)
 {
     int code = SQLITE_OK;
-    for (int i = 1; *types && !code; i++, types++) {
-        if (*types == 's') {
-            code = sqlite3_bind_text(statement, i, va_arg(values, const char *), -1,
-                                     SQLITE_TRANSIENT);
-        } else if (*types == 'i') {
-            code = sqlite3_bind_int64(statement, i, va_arg(values, int64_t));
-        } else {
-            const double value = va_arg(values, double);
-            code = isfinite(value) ? sqlite3_bind_double(statement, i, value)
-                                   : sqlite3_bind_null(statement, i);
-        }
+    for (int i = 1; *types && !code; i++, types++, values++) {
+        if (*types == 's')
+            code = sqlite3_bind_text(statement, i, values->text, -1, SQLITE_TRANSIENT);
+        else if (*types == 'i')
+            code = sqlite3_bind_int64(statement, i, values->integer);
+        else
+            code = isfinite(values->real) ? sqlite3_bind_double(statement, i, values->real)
+                                          : sqlite3_bind_null(statement, i);
     }
     return code == SQLITE_OK;
 }
 
-static enum neph_status prepare(struct neph_database *database, struct neph_query **query,
-                                struct neph_diag *diag, const char *text, const char *types,
-                                va_list values)
+static struct neph_query *prepare(struct neph_database *database, struct neph_diag *diag,
+                                  const char *text, const char *types,
+                                  const union neph_database_value *values)
 {
-    struct neph_query *made = calloc(1, sizeof(*made));
-    if (!made)
-        return neph_fail_memory(diag);
-    made->database = database;
-    if (sqlite3_prepare_v2(database->handle, text, -1, &made->statement, NULL) != SQLITE_OK ||
-        !bind(made->statement, types, values)) {
-        const enum neph_status status = fail(database, diag);
-        neph_query_end(made);
-        return status;
+    struct neph_query *query = calloc(1, sizeof(*query));
+    if (!query) {
+        neph_fail_memory(diag);
+        return NULL;
     }
-    *query = made;
-    return NEPH_OK;
+    query->database = database;
+    query->diag = diag;
+    if (sqlite3_prepare_v2(database->handle, text, -1, &query->statement, NULL) != SQLITE_OK ||
+        !bind(query->statement, types, values))
+        query->status = fail(database, diag);
+    return query;
 }
 
-enum neph_status neph_query_begin(struct neph_database *database, struct neph_query **query,
-                                  struct neph_diag *diag, const char *statement, const char *types,
-                                  ...)
+struct neph_query *neph_query(struct neph_database *database, struct neph_diag *diag,
+                              const char *statement, const char *types, ...)
 {
-    va_list values;
-    va_start(values, types);
-    const enum neph_status status = prepare(database, query, diag, statement, types, values);
-    va_end(values);
-    return status;
+    union neph_database_value values[VALUES_MAX];
+    va_list arguments;
+    va_start(arguments, types);
+    list_values(types, arguments, values);
+    va_end(arguments);
+    return prepare(database, diag, statement, types, values);
 }
 
-bool neph_query_next(struct neph_query *query, enum neph_status *status, struct neph_diag *diag)
+bool neph_query_next(struct neph_query *query)
 {
+    if (!query || query->status)
+        return false;
     const int code = sqlite3_step(query->statement);
-    *status = code == SQLITE_ROW || code == SQLITE_DONE ? NEPH_OK : fail(query->database, diag);
+    if (code != SQLITE_ROW && code != SQLITE_DONE)
+        query->status = fail(query->database, query->diag);
     return code == SQLITE_ROW;
 }
 
@@ -124,41 +141,48 @@ double neph_query_real(struct neph_query *query, int column)
                : sqlite3_column_double(query->statement, column);
 }
 
-void neph_query_end(struct neph_query *query)
+enum neph_status neph_query_end(struct neph_query *query, enum neph_status status)
 {
-    if (!query)
-        return;
-    sqlite3_finalize(query->statement);
+    const enum neph_status of_query = query ? query->status : NEPH_ERR_MEMORY;
+    if (query)
+        sqlite3_finalize(query->statement);
     free(query);
+    return status ? status : of_query;
+}
+
+enum neph_status neph_database_put(struct neph_database *database, struct neph_diag *diag,
+                                   const char *statement, const char *types,
+                                   const union neph_database_value *values)
+{
+    struct neph_query *query = prepare(database, diag, statement, types, values);
+    while (neph_query_next(query))
+        ;
+    return neph_query_end(query, NEPH_OK);
 }
 
 enum neph_status neph_database_do(struct neph_database *database, struct neph_diag *diag,
                                   const char *statement, const char *types, ...)
 {
-    struct neph_query *query = NULL;
-    va_list values;
-    va_start(values, types);
-    enum neph_status status = prepare(database, &query, diag, statement, types, values);
-    va_end(values);
-    while (!status && neph_query_next(query, &status, diag))
-        ;
-    neph_query_end(query);
-    return status;
+    union neph_database_value values[VALUES_MAX];
+    va_list arguments;
+    va_start(arguments, types);
+    list_values(types, arguments, values);
+    va_end(arguments);
+    return neph_database_put(database, diag, statement, types, values);
 }
 
 enum neph_status neph_database_count(struct neph_database *database, int64_t *count,
                                      struct neph_diag *diag, const char *statement,
                                      const char *types, ...)
 {
-    struct neph_query *query = NULL;
-    va_list values;
-    va_start(values, types);
-    enum neph_status status = prepare(database, &query, diag, statement, types, values);
-    va_end(values);
-    int64_t found = 0;
-    if (!status && neph_query_next(query, &status, diag))
-        found = neph_query_integer(query, 0);
-    neph_query_end(query);
+    union neph_database_value values[VALUES_MAX];
+    va_list arguments;
+    va_start(arguments, types);
+    list_values(types, arguments, values);
+    va_end(arguments);
+    struct neph_query *query = prepare(database, diag, statement, types, values);
+    const int64_t found = neph_query_next(query) ? neph_query_integer(query, 0) : 0;
+    const enum neph_status status = neph_query_end(query, NEPH_OK);
     if (!status)
         *count = found;
     return status;
@@ -180,18 +204,14 @@ enum neph_status neph_database_begin(struct neph_database *database, struct neph
     return execute(database, "BEGIN IMMEDIATE", diag);
 }
 
-enum neph_status neph_database_commit(struct neph_database *database, struct neph_diag *diag)
+enum neph_status neph_database_end(struct neph_database *database, enum neph_status status,
+                                   struct neph_diag *diag)
 {
-    const enum neph_status status = execute(database, "COMMIT", diag);
-    if (status)
-        neph_database_rollback(database);
-    return status;
-}
-
-void neph_database_rollback(struct neph_database *database)
-{
-    if (!sqlite3_get_autocommit(database->handle))
+    if (!status)
+        status = execute(database, "COMMIT", diag);
+    if (status && !sqlite3_get_autocommit(database->handle))
         execute(database, "ROLLBACK", NULL);
+    return status;
 }
 
 /* ---- opening --------------------------------------------------------------------------------- */
@@ -199,12 +219,10 @@ void neph_database_rollback(struct neph_database *database)
 static enum neph_status take_step(struct neph_database *database, const char *step, int64_t form,
                                   struct neph_diag *diag)
 {
-    char *mark = neph_format("PRAGMA user_version = %lld", (long long)form);
-    enum neph_status status = mark ? execute(database, step, diag) : neph_fail_memory(diag);
-    if (!status)
-        status = execute(database, mark, diag);
-    free(mark);
-    return status;
+    char mark[64];
+    snprintf(mark, sizeof(mark), "PRAGMA user_version = %lld", (long long)form);
+    const enum neph_status status = execute(database, step, diag);
+    return status ? status : execute(database, mark, diag);
 }
 
 /* Under the lock of the database: another process may have been first. */
@@ -223,28 +241,21 @@ static enum neph_status migrate(struct neph_database *database, const char *cons
     if (!status && form > last) {
         status = neph_fail(diag, NEPH_ERR_USAGE,
                            "'%s' has form %lld, and this neph knows forms up to %lld",
-                           database->path, (long long)form, (long long)last);
+                           database->path.text, (long long)form, (long long)last);
         neph_hint(diag, "a later neph has used it: use that one, or name another folder with -o");
     }
     for (; !status && form < last; form++)
         status = take_step(database, steps[form], form + 1, diag);
-    if (!status)
-        return neph_database_commit(database, diag);
-    neph_database_rollback(database);
-    return status;
+    return neph_database_end(database, status, diag);
 }
 
 enum neph_status neph_database_open(const char *path, const char *const *steps,
                                     struct neph_database **database, struct neph_diag *diag)
 {
     struct neph_database *opened = calloc(1, sizeof(*opened));
-    char *copy = strdup(path);
-    if (!opened || !copy) {
-        free(opened);
-        free(copy);
+    if (!opened)
         return neph_fail_memory(diag);
-    }
-    opened->path = copy;
+    opened->path = neph_path_in("", path);
     enum neph_status status = NEPH_OK;
     if (sqlite3_open_v2(path, &opened->handle,
                         SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_FULLMUTEX,
@@ -271,21 +282,17 @@ void neph_database_close(struct neph_database *database)
     if (!database)
         return;
     sqlite3_close(database->handle);
-    free(database->path);
     free(database);
 }
 
 enum neph_status neph_database_check(struct neph_database *database, bool thorough,
                                      struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        database, &query, diag, thorough ? "PRAGMA integrity_check(1)" : "PRAGMA quick_check(1)",
-        "");
-    if (!status && neph_query_next(query, &status, diag) &&
-        strcmp(neph_query_text(query, 0), "ok") != 0)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is damaged: %s", database->path,
+    enum neph_status status = NEPH_OK;
+    struct neph_query *query = neph_query(
+        database, diag, thorough ? "PRAGMA integrity_check(1)" : "PRAGMA quick_check(1)", "");
+    if (neph_query_next(query) && strcmp(neph_query_text(query, 0), "ok") != 0)
+        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is damaged: %s", database->path.text,
                            neph_query_text(query, 0));
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, status);
 }

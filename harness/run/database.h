@@ -37,25 +37,38 @@ enum neph_status neph_database_check(struct neph_database *database, bool thorou
 enum neph_status neph_database_do(struct neph_database *database, struct neph_diag *diag,
                                   const char *statement, const char *types, ...);
 
-/* All that is done from _begin to _commit is done whole or not at all; _rollback after a failure.
- * They do not nest. */
+/* As neph_database_do(), with the values as a list. */
+union neph_database_value {
+    const char *text;
+    int64_t integer;
+    double real;
+};
+enum neph_status neph_database_put(struct neph_database *database, struct neph_diag *diag,
+                                   const char *statement, const char *types,
+                                   const union neph_database_value *values);
+
+/* All that is done from _begin to _end is done whole or not at all. _end is called in any case,
+ * with the status so far: after a failure, which it returns, nothing was done. They do not nest. */
 enum neph_status neph_database_begin(struct neph_database *database, struct neph_diag *diag);
-enum neph_status neph_database_commit(struct neph_database *database, struct neph_diag *diag);
-void neph_database_rollback(struct neph_database *database);
+enum neph_status neph_database_end(struct neph_database *database, enum neph_status status,
+                                   struct neph_diag *diag);
 
-/* Ask. `*query` is for neph_query_end(), which takes NULL, too. */
-enum neph_status neph_query_begin(struct neph_database *database, struct neph_query **query,
-                                  struct neph_diag *diag, const char *statement, const char *types,
-                                  ...);
+/* A question, whose rows are read with neph_query_next(). That it cannot be asked, too, is told by
+ * neph_query_end(). */
+struct neph_query *neph_query(struct neph_database *database, struct neph_diag *diag,
+                              const char *statement, const char *types, ...);
 
-/* The next row: false when there is none, or at an error, which `*status` then is. */
-bool neph_query_next(struct neph_query *query, enum neph_status *status, struct neph_diag *diag);
+/* The next row: false when there is none, or after an error. */
+bool neph_query_next(struct neph_query *query);
 
 /* A column of the row, from 0. Texts live until the next row; "" and NaN of NULL. */
 const char *neph_query_text(struct neph_query *query, int column);
 int64_t neph_query_integer(struct neph_query *query, int column);
 double neph_query_real(struct neph_query *query, int column);
-void neph_query_end(struct neph_query *query);
+
+/* To be called in any case. `status`, what went wrong with a row, or what went wrong with the
+ * question. */
+enum neph_status neph_query_end(struct neph_query *query, enum neph_status status);
 
 /* A question whose answer is one number; 0 when there is no row. */
 enum neph_status neph_database_count(struct neph_database *database, int64_t *count,

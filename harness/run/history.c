@@ -3,8 +3,9 @@
 
 #include "base/clock.h"
 #include "base/files.h"
-#include "base/hash.h"
 #include "base/lock.h"
+#include "base/path.h"
+#include "harness/json_file.h"
 #include "harness/progress.h"
 #include "harness/run/history_documents.h"
 
@@ -35,15 +36,16 @@ static const struct {
                             "SELECT count(*) FROM acceptances WHERE id = ?"},
 };
 
-char *neph_document_path(const char *store_folder, enum neph_document kind, int64_t number)
+struct neph_path neph_document_path(const char *store_folder, enum neph_document kind,
+                                    int64_t number)
 {
-    return neph_format("%s/history/%s%06lld.json", store_folder, documents[kind].prefix,
-                       (long long)number);
+    return neph_path_format("%s/history/%s%06lld.json", store_folder, documents[kind].prefix,
+                            (long long)number);
 }
 
-char *neph_history_document_path(const char *store_folder, int64_t night)
+bool neph_history_is_over(const char *store_folder, int64_t night)
 {
-    return neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
+    return neph_path_exists(neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night).text);
 }
 
 /* -1: it is none of this kind. */
@@ -60,39 +62,25 @@ int64_t neph_document_number(const char *name, enum neph_document kind)
 enum neph_status neph_document_write(const char *store_folder, enum neph_document kind,
                                      int64_t number, const json_t *document, struct neph_diag *diag)
 {
-    char *path = neph_document_path(store_folder, kind, number);
-    char *text = document ? json_dumps(document, JSON_INDENT(1)) : NULL;
-    char *folder = neph_path_join(store_folder, "history");
-    enum neph_status status = path && text && folder ? neph_dir_create(folder, diag)
-                                                     : neph_fail_memory(diag);
-    if (!status)
-        status = neph_file_write(path, text, strlen(text), diag);
-    free(folder);
-    free(text);
-    free(path);
-    return status;
+    const enum neph_status status = neph_dir_create(neph_path_in(store_folder, "history").text,
+                                                    diag);
+    return status ? status
+                  : neph_json_write(document, JSON_INDENT(1),
+                                    neph_document_path(store_folder, kind, number).text, diag);
 }
 
 /* A number is taken by its document, also by one that is torn and so has no rows. */
-static enum neph_status is_taken(const char *store_folder, enum neph_document kind, int64_t number,
-                                 bool *taken, struct neph_diag *diag)
+static bool is_taken(const char *store_folder, enum neph_document kind, int64_t number)
 {
-    char *path = neph_document_path(store_folder, kind, number);
-    const enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
-    *taken = path && neph_path_exists(path);
-    free(path);
-    return status;
+    return neph_path_exists(neph_document_path(store_folder, kind, number).text);
 }
 
-/* The first number from `*number` on that no document has. */
-static enum neph_status next_number(const char *store_folder, enum neph_document kind,
-                                    int64_t *number, struct neph_diag *diag)
+/* The first number from `number` on that no document has. */
+static int64_t next_number(const char *store_folder, enum neph_document kind, int64_t number)
 {
-    bool taken = true;
-    enum neph_status status = is_taken(store_folder, kind, *number, &taken, diag);
-    while (!status && taken)
-        status = is_taken(store_folder, kind, ++*number, &taken, diag);
-    return status;
+    while (is_taken(store_folder, kind, number))
+        number++;
+    return number;
 }
 
 /* What is there is never written over. */
@@ -100,12 +88,10 @@ static enum neph_status write_new_document(const char *store_folder, enum neph_d
                                            int64_t number, const json_t *document,
                                            struct neph_diag *diag)
 {
-    bool taken = false;
-    const enum neph_status status = is_taken(store_folder, kind, number, &taken, diag);
-    if (!status && taken)
-        return neph_fail(diag, NEPH_ERR_IO, "'%s/history/%s%06lld.json' is there already",
-                         store_folder, documents[kind].prefix, (long long)number);
-    return status ? status : neph_document_write(store_folder, kind, number, document, diag);
+    return is_taken(store_folder, kind, number)
+               ? neph_fail(diag, NEPH_ERR_IO, "'%s' is there already",
+                           neph_document_path(store_folder, kind, number).text)
+               : neph_document_write(store_folder, kind, number, document, diag);
 }
 
 /* What its rows cannot be without. */
@@ -125,13 +111,10 @@ static bool is_whole(const json_t *document, enum neph_document kind)
 enum neph_status neph_document_read(const char *path, enum neph_document kind, json_t **document,
                                     struct neph_diag *diag)
 {
-    char *text = NULL;
-    size_t size;
-    const enum neph_status status = neph_file_read(path, document_limit_bytes, &text, &size, diag);
+    json_t *read = NULL;
+    const enum neph_status status = neph_json_read(path, document_limit_bytes, &read, diag);
     if (status)
         return status;
-    json_t *read = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
-    free(text);
     if (!is_whole(read, kind)) {
         json_decref(read);
         return neph_fail(diag, NEPH_ERR_INPUT, "it is no whole %s", documents[kind].format);
@@ -140,102 +123,167 @@ enum neph_status neph_document_read(const char *path, enum neph_document kind, j
     return NEPH_OK;
 }
 
-enum neph_status neph_document_digest(const json_t *document, char digest[NEPH_HASH_HEX_SIZE],
-                                      struct neph_diag *diag)
-{
-    char *text = json_dumps(document, JSON_COMPACT | JSON_SORT_KEYS);
-    const enum neph_status status = text ? neph_hash(text, strlen(text), digest, diag)
-                                         : neph_fail_memory(diag);
-    free(text);
-    return status;
-}
-
 enum neph_status neph_document_digest_night(const char *store_folder, int64_t night,
                                             char digest[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
 {
     json_t *document = NULL;
-    char *path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
-    enum neph_status status = path ? neph_document_read(path, NEPH_DOCUMENT_NIGHT, &document, NULL)
-                                   : neph_fail_memory(diag);
+    const struct neph_path path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
     digest[0] = '\0';
-    if (!status)
-        status = neph_document_digest(document, digest, diag);
-    else if (path)
-        status = NEPH_OK;
+    if (neph_document_read(path.text, NEPH_DOCUMENT_NIGHT, &document, NULL))
+        return NEPH_OK;
+    const enum neph_status status = neph_json_digest(document, digest, diag);
     json_decref(document);
-    free(path);
     return status;
 }
 
 /* ---- rows of documents ----------------------------------------------------------------------- */
 
-static enum neph_status insert_measurement(struct neph_database *index, int64_t night,
-                                           const char *step, const struct neph_measurement *m,
-                                           const char *judgement, struct neph_diag *diag)
-{
-    const enum neph_status status = neph_database_do(
-        index, diag, "INSERT OR IGNORE INTO series (name) VALUES (?)", "s", m->series);
-    return status ? status
-                  : neph_database_do(index, diag,
-                                     "INSERT OR REPLACE INTO measurements VALUES (?, (SELECT id "
-                                     "FROM series WHERE name = ?), ?, ?, ?, ?, ?, ?, ?)",
-                                     "isssddsss", night, m->series, step, m->kind, m->value,
-                                     m->standard_error, m->environment, judgement, m->frame);
-}
+const struct neph_record_field neph_history_step_fields[] = {
+    NEPH_FIELD('s', neph_history_step, name),
+    NEPH_FIELD('s', neph_history_step, outcome),
+    NEPH_FIELD('s', neph_history_step, reason),
+    NEPH_FIELD('s', neph_history_step, size),
+    NEPH_FIELD('d', neph_history_step, wall_s),
+    NEPH_FIELD('n', neph_history_step, calibration_s),
+    {NULL, 0, 0}};
 
-static enum neph_status insert_step(struct neph_database *index, int64_t night,
-                                    const struct neph_history_step *step, struct neph_diag *diag)
+const struct neph_record_field neph_measurement_fields[] = {
+    NEPH_FIELD('s', neph_measurement, series),
+    NEPH_FIELD('s', neph_measurement, kind),
+    NEPH_FIELD('n', neph_measurement, value),
+    NEPH_FIELD('n', neph_measurement, standard_error),
+    NEPH_FIELD('s', neph_measurement, environment),
+    NEPH_FIELD('s', neph_measurement, frame),
+    {NULL, 0, 0}};
+
+/* A measurement as a row. */
+struct measured {
+    const char *series, *step, *kind;
+    double value, standard_error;
+    const char *environment, *judgement, *frame;
+};
+
+/* Documents of before numbers knew their pictures have no "frame". */
+static const struct neph_record_field measured_fields[] = {
+    NEPH_FIELD('s', measured, series),
+    NEPH_FIELD('s', measured, step),
+    NEPH_FIELD('s', measured, kind),
+    NEPH_FIELD('n', measured, value),
+    NEPH_FIELD('n', measured, standard_error),
+    NEPH_FIELD('s', measured, environment),
+    NEPH_FIELD('s', measured, judgement),
+    NEPH_FIELD('o', measured, frame),
+    {NULL, 0, 0}};
+
+static const struct neph_record_field scene_fields[] = {NEPH_FIELD('s', neph_history_scene, step),
+                                                        NEPH_FIELD('s', neph_history_scene, scene),
+                                                        NEPH_FIELD('s', neph_history_scene, hash),
+                                                        NEPH_FIELD('s', neph_history_scene, terms),
+                                                        {NULL, 0, 0}};
+
+/* A night as a row. */
+struct head {
+    const char *format, *started_utc, *ended_utc, *verdict;
+    const char *plan, *revision, *program, *host;
+    int64_t night;
+};
+
+static const struct neph_record_field head_fields[] = {
+    NEPH_FIELD('s', head, format),      NEPH_FIELD('i', head, night),
+    NEPH_FIELD('s', head, started_utc), NEPH_FIELD('s', head, ended_utc),
+    NEPH_FIELD('s', head, plan),        NEPH_FIELD('s', head, revision),
+    NEPH_FIELD('s', head, program),     NEPH_FIELD('s', head, host),
+    NEPH_FIELD('s', head, verdict),     {NULL, 0, 0}};
+
+struct acceptance {
+    const char *format, *series, *who, *when_utc, *why;
+    int64_t acceptance, night;
+};
+
+static const struct neph_record_field acceptance_fields[] = {
+    NEPH_FIELD('s', acceptance, format), NEPH_FIELD('i', acceptance, acceptance),
+    NEPH_FIELD('s', acceptance, series), NEPH_FIELD('i', acceptance, night),
+    NEPH_FIELD('s', acceptance, who),    NEPH_FIELD('s', acceptance, when_utc),
+    NEPH_FIELD('s', acceptance, why),    {NULL, 0, 0}};
+
+static const struct neph_record_field frame_fields[] = {{"", 's', 0}, {NULL, 0, 0}};
+
+union row {
+    struct neph_history_step step;
+    struct measured measured;
+    struct neph_history_scene scene;
+    const char *frame;
+    struct head head;
+    struct acceptance acceptance;
+};
+
+/* The lists of a night's document. */
+static const struct list {
+    const char *name, *question, *insert;
+    const struct neph_record_field *fields;
+    bool may_lack; /* nights of before it was kept have none */
+} step_list =
+    {"steps",
+     "SELECT name, outcome, reason, size, wall_s, calibration_s FROM steps WHERE night = ? "
+     "ORDER BY name",
+     "INSERT OR REPLACE INTO steps VALUES (?, ?, ?, ?, ?, ?, ?)", neph_history_step_fields, false},
+  measurement_list =
+      {"measurements",
+       "SELECT name, step, kind, value, standard_error, environment, judgement, frame FROM "
+       "measurements JOIN series ON series.id = measurements.series WHERE night = ? ORDER BY "
+       "name",
+       "INSERT OR REPLACE INTO measurements VALUES (?, (SELECT id FROM series WHERE name = ?), ?, "
+       "?, ?, ?, ?, ?, ?)",
+       measured_fields, false},
+  scene_list = {"scenes",
+                "SELECT step, scene, hash, terms FROM night_scenes WHERE night = ? ORDER BY step",
+                "INSERT OR REPLACE INTO night_scenes VALUES (?, ?, ?, ?, ?)", scene_fields, true},
+  frame_list = {"frames", "SELECT key FROM night_frames WHERE night = ? ORDER BY key",
+                "INSERT OR IGNORE INTO night_frames VALUES (?, ?)", frame_fields, false};
+static const struct list *const lists[] = {&step_list, &measurement_list, &scene_list, &frame_list};
+enum { LISTS = sizeof(lists) / sizeof(lists[0]) };
+
+/* `row` is a union row, or the member that the list has. */
+static enum neph_status insert(struct neph_database *index, const struct list *list, int64_t night,
+                               const void *row, struct neph_diag *diag)
 {
-    return neph_database_do(
-        index, diag, "INSERT OR REPLACE INTO steps VALUES (?, ?, ?, ?, ?, ?, ?)", "issssdd", night,
-        step->name, step->outcome, step->reason, step->size, step->wall_s, step->calibration_s);
+    enum neph_status status = NEPH_OK;
+    if (list == &measurement_list)
+        status = neph_database_do(index, diag, "INSERT OR IGNORE INTO series (name) VALUES (?)",
+                                  "s", ((const struct measured *)row)->series);
+    return status ? status : neph_record_put(index, diag, list->insert, night, list->fields, row);
 }
 
 enum neph_status neph_history_add_scene(struct neph_database *index, int64_t night,
                                         const struct neph_history_scene *scene,
                                         struct neph_diag *diag)
 {
-    return neph_database_do(index, diag,
-                            "INSERT OR REPLACE INTO night_scenes VALUES (?, ?, ?, ?, ?)", "issss",
-                            night, scene->step, scene->scene, scene->hash, scene->terms);
+    return insert(index, &scene_list, night, scene, diag);
 }
 
 static enum neph_status insert_lists(struct neph_database *index, int64_t night,
                                      const json_t *document, struct neph_diag *diag)
 {
-    const json_t *steps = json_object_get(document, "steps"),
-                 *measurements = json_object_get(document, "measurements"),
-                 *scenes = json_object_get(document, "scenes"),
-                 *frames = json_object_get(document, "frames");
     enum neph_status status = NEPH_OK;
-    for (size_t i = 0; !status && i < json_array_size(steps); i++) {
-        const json_t *s = json_array_get(steps, i);
-        const struct neph_history_step step = {
-            neph_json_text(s, "name"),   neph_json_text(s, "outcome"),
-            neph_json_text(s, "reason"), neph_json_text(s, "size"),
-            neph_json_real(s, "wall_s"), neph_json_real(s, "calibration_s")};
-        status = insert_step(index, night, &step, diag);
+    for (int i = 0; i < LISTS; i++) {
+        const json_t *of_document = json_object_get(document, lists[i]->name);
+        for (size_t k = 0; !status && k < json_array_size(of_document); k++) {
+            const json_t *item = json_array_get(of_document, k);
+            union row row = {.frame = json_string_value(item)};
+            if (lists[i] != &frame_list)
+                neph_record_read(lists[i]->fields, item, &row);
+            status = insert(index, lists[i], night, &row, diag);
+        }
     }
-    for (size_t i = 0; !status && i < json_array_size(measurements); i++) {
-        const json_t *m = json_array_get(measurements, i);
-        const struct neph_measurement measurement = {
-            neph_json_text(m, "series"),      neph_json_text(m, "kind"),
-            neph_json_real(m, "value"),       neph_json_real(m, "standard_error"),
-            neph_json_text(m, "environment"), neph_json_text(m, "frame")};
-        status = insert_measurement(index, night, neph_json_text(m, "step"), &measurement,
-                                    neph_json_text(m, "judgement"), diag);
-    }
-    for (size_t i = 0; !status && i < json_array_size(scenes); i++) {
-        const json_t *s = json_array_get(scenes, i);
-        const struct neph_history_scene scene = {
-            neph_json_text(s, "step"), neph_json_text(s, "scene"), neph_json_text(s, "hash"),
-            neph_json_text(s, "terms")};
-        status = neph_history_add_scene(index, night, &scene, diag);
-    }
-    for (size_t i = 0; !status && i < json_array_size(frames); i++)
-        status = neph_database_do(index, diag, "INSERT OR IGNORE INTO night_frames VALUES (?, ?)",
-                                  "is", night, json_string_value(json_array_get(frames, i)));
     return status;
+}
+
+/* The columns after the night's number. */
+static enum neph_status insert_head(struct neph_database *index, int64_t night,
+                                    const struct head *head, struct neph_diag *diag)
+{
+    return neph_record_put(index, diag, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)", night,
+                           head_fields + 2, head);
 }
 
 static enum neph_status forget_night(struct neph_database *index, int64_t night,
@@ -251,28 +299,26 @@ static enum neph_status forget_night(struct neph_database *index, int64_t night,
     return status;
 }
 
-static enum neph_status insert_night(struct neph_database *index, int64_t night, const json_t *d,
-                                     struct neph_diag *diag)
+static enum neph_status insert_night(struct neph_database *index, int64_t night,
+                                     const json_t *document, struct neph_diag *diag)
 {
+    struct head head;
+    neph_record_read(head_fields, document, &head);
     enum neph_status status = forget_night(index, night, diag);
     if (!status)
-        status = neph_database_do(index, diag, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-                                  "isssssss", night, neph_json_text(d, "started_utc"),
-                                  neph_json_text(d, "ended_utc"), neph_json_text(d, "plan"),
-                                  neph_json_text(d, "revision"), neph_json_text(d, "program"),
-                                  neph_json_text(d, "host"), neph_json_text(d, "verdict"));
-    return status ? status : insert_lists(index, night, d, diag);
+        status = insert_head(index, night, &head, diag);
+    return status ? status : insert_lists(index, night, document, diag);
 }
 
 /* Whoever opens the store while it is accepted may have found its document first. */
 static enum neph_status insert_acceptance(struct neph_database *index, int64_t number,
-                                          const json_t *d, struct neph_diag *diag)
+                                          const json_t *document, struct neph_diag *diag)
 {
-    return neph_database_do(
-        index, diag, "INSERT OR IGNORE INTO acceptances VALUES (?, ?, ?, ?, ?, ?)", "isisss",
-        number, neph_json_text(d, "series"),
-        (int64_t)json_integer_value(json_object_get(d, "night")), neph_json_text(d, "who"),
-        neph_json_text(d, "when_utc"), neph_json_text(d, "why"));
+    struct acceptance acceptance;
+    neph_record_read(acceptance_fields, document, &acceptance);
+    return neph_record_put(index, diag,
+                           "INSERT OR IGNORE INTO acceptances VALUES (?, ?, ?, ?, ?, ?)", number,
+                           acceptance_fields + 2, &acceptance);
 }
 
 /* All of a document's rows or none. */
@@ -284,10 +330,7 @@ enum neph_status neph_document_insert(struct neph_database *index, enum neph_doc
     if (!status)
         status = kind == NEPH_DOCUMENT_NIGHT ? insert_night(index, number, document, diag)
                                              : insert_acceptance(index, number, document, diag);
-    if (!status)
-        return neph_database_commit(index, diag);
-    neph_database_rollback(index);
-    return status;
+    return neph_database_end(index, status, diag);
 }
 
 /* ---- taking over ----------------------------------------------------------------------------- */
@@ -303,19 +346,16 @@ static enum neph_status take_document(struct neph_database *index, const char *s
     if (status || known > 0)
         return status;
     struct neph_diag why = {.line = 0};
-    char *path = neph_document_path(store_folder, kind, number);
-    status = path ? neph_document_read(path, kind, &document, &why) : neph_fail_memory(&why);
-    if (status && status != NEPH_ERR_MEMORY) {
-        neph_progress_warn("'%s' is left out of the history: %s", path, why.message);
-        status = NEPH_OK;
-    } else if (!status) {
+    const struct neph_path path = neph_document_path(store_folder, kind, number);
+    status = neph_document_read(path.text, kind, &document, &why);
+    if (!status)
         status = neph_document_insert(index, kind, number, document, diag);
-    } else if (diag) {
-        *diag = why;
-    }
+    else if (status == NEPH_ERR_MEMORY)
+        return neph_fail_memory(diag);
+    else
+        neph_progress_warn("'%s' is left out of the history: %s", path.text, why.message);
     json_decref(document);
-    free(path);
-    return status;
+    return document ? status : NEPH_OK;
 }
 
 static enum neph_status take_documents(struct neph_database *index, const char *store_folder,
@@ -331,23 +371,35 @@ static enum neph_status take_documents(struct neph_database *index, const char *
     return status;
 }
 
+enum neph_status neph_history_list(const char *store_folder, struct dirent ***names, int *count,
+                                   struct neph_diag *diag)
+{
+    const struct neph_path folder = neph_path_in(store_folder, "history");
+    *names = NULL;
+    *count = scandir(folder.text, names, NULL, alphasort);
+    return *count >= 0 || errno == ENOENT
+               ? NEPH_OK
+               : neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder.text, strerror(errno));
+}
+
+void neph_history_free_list(struct dirent **names, int count)
+{
+    for (int i = 0; i < count; i++)
+        free(names[i]);
+    free(names);
+}
+
 enum neph_status neph_history_refresh(struct neph_database *index, const char *store_folder,
                                       struct neph_diag *diag)
 {
-    struct dirent **names = NULL;
-    char *folder = neph_path_join(store_folder, "history");
-    const int count = folder ? scandir(folder, &names, NULL, alphasort) : -1;
-    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
-    if (folder && count < 0 && errno != ENOENT)
-        status = neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder, strerror(errno));
+    struct dirent **names;
+    int count;
+    enum neph_status status = neph_history_list(store_folder, &names, &count, diag);
     if (!status) /* acceptances are of nights */
         status = take_documents(index, store_folder, NEPH_DOCUMENT_NIGHT, names, count, diag);
     if (!status)
         status = take_documents(index, store_folder, NEPH_DOCUMENT_ACCEPTANCE, names, count, diag);
-    for (int i = 0; i < count; i++)
-        free(names[i]);
-    free(names);
-    free(folder);
+    neph_history_free_list(names, count);
     return status;
 }
 
@@ -356,7 +408,7 @@ enum neph_status neph_history_refresh(struct neph_database *index, const char *s
 static enum neph_status forget_unfinished(struct neph_database *index, int64_t but,
                                           struct neph_diag *diag)
 {
-    int64_t night = 0;
+    int64_t night;
     enum neph_status status;
     do {
         night = 0;
@@ -373,9 +425,14 @@ static enum neph_status insert_beginning(struct neph_database *index,
                                          const struct neph_history_night *night, int64_t id,
                                          const char *started_utc, struct neph_diag *diag)
 {
-    return neph_database_do(index, diag, "INSERT INTO nights VALUES (?, ?, '', ?, ?, ?, ?, '')",
-                            "isssss", id, started_utc, night->plan, night->revision, night->program,
-                            night->host);
+    const struct head head = {.started_utc = started_utc,
+                              .ended_utc = "",
+                              .plan = night->plan,
+                              .revision = night->revision,
+                              .program = night->program,
+                              .host = night->host,
+                              .verdict = ""};
+    return insert_head(index, id, &head, diag);
 }
 
 /* One of its own: acceptances know nights that have no rows. */
@@ -390,25 +447,24 @@ static enum neph_status insert_new_night(struct neph_database *index, const char
         "SELECT coalesce(max(id), 0) + 1 FROM (SELECT id FROM nights UNION SELECT night FROM "
         "acceptances)",
         "");
-    if (!status)
-        status = next_number(store_folder, NEPH_DOCUMENT_NIGHT, id, diag);
-    return status ? status : insert_beginning(index, night, *id, now, diag);
+    if (status)
+        return status;
+    *id = next_number(store_folder, NEPH_DOCUMENT_NIGHT, *id);
+    return insert_beginning(index, night, *id, now, diag);
 }
 
 static enum neph_status find_or_insert_night(struct neph_database *index, const char *store_folder,
                                              const struct neph_history_night *night, int64_t *id,
                                              bool *resumed, struct neph_diag *diag)
 {
-    bool taken = false;
     *id = 0;
     enum neph_status status = neph_database_count(
         index, id, diag,
         "SELECT id FROM nights WHERE ended_utc = '' AND plan = ? AND revision = ? AND program = ? "
         "AND host = ? ORDER BY id DESC",
         "ssss", night->plan, night->revision, night->program, night->host);
-    if (!status && *id > 0)
-        status = is_taken(store_folder, NEPH_DOCUMENT_NIGHT, *id, &taken, diag);
-    *id = taken ? 0 : *id; /* it could not end */
+    if (is_taken(store_folder, NEPH_DOCUMENT_NIGHT, *id))
+        *id = 0; /* it could not end */
     *resumed = *id > 0;
     if (!status)
         status = forget_unfinished(index, *id, diag);
@@ -424,11 +480,7 @@ enum neph_status neph_history_begin(struct neph_database *index, const char *sto
     enum neph_status status = neph_database_begin(index, diag);
     if (!status)
         status = find_or_insert_night(index, store_folder, night, &found, &is_old, diag);
-    if (status) {
-        neph_database_rollback(index);
-        return status;
-    }
-    status = neph_database_commit(index, diag);
+    status = neph_database_end(index, status, diag);
     if (!status) {
         *id = found;
         *resumed = is_old;
@@ -440,38 +492,32 @@ enum neph_status neph_history_adopt(struct neph_database *index, const char *sto
                                     const struct neph_history_night *night, int64_t id,
                                     const char *started_utc, struct neph_diag *diag)
 {
-    bool taken = false;
-    enum neph_status status = is_taken(store_folder, NEPH_DOCUMENT_NIGHT, id, &taken, diag);
-    if (!status && taken)
-        status = neph_fail(diag, NEPH_ERR_IO, "night %lld is over: its document is in '%s/history'",
-                           (long long)id, store_folder);
+    if (neph_history_is_over(store_folder, id))
+        return neph_fail(diag, NEPH_ERR_IO, "night %lld is over: its document is in '%s/history'",
+                         (long long)id, store_folder);
+    enum neph_status status = neph_database_begin(index, diag);
     if (!status)
-        status = neph_database_begin(index, diag);
-    if (status)
-        return status;
-    status = forget_unfinished(index, 0, diag);
+        status = forget_unfinished(index, 0, diag);
     if (!status)
         status = insert_beginning(index, night, id, started_utc, diag);
-    if (!status)
-        return neph_database_commit(index, diag);
-    neph_database_rollback(index);
-    return status;
+    return neph_database_end(index, status, diag);
 }
 
 enum neph_status neph_history_add(struct neph_database *index, int64_t night,
                                   const struct neph_history_step *step,
-                                  const struct neph_measurement *measurements, int count,
+                                  const struct neph_measurement *measured, int count,
                                   struct neph_diag *diag)
 {
     enum neph_status status = neph_database_begin(index, diag);
     if (!status)
-        status = insert_step(index, night, step, diag);
-    for (int i = 0; i < count && !status; i++)
-        status = insert_measurement(index, night, step->name, &measurements[i], "", diag);
-    if (!status)
-        return neph_database_commit(index, diag);
-    neph_database_rollback(index);
-    return status;
+        status = insert(index, &step_list, night, step, diag);
+    for (int i = 0; i < count && !status; i++) {
+        const struct neph_measurement *m = &measured[i];
+        const struct measured row = {m->series,         step->name,     m->kind, m->value,
+                                     m->standard_error, m->environment, "",      m->frame};
+        status = insert(index, &measurement_list, night, &row, diag);
+    }
+    return neph_database_end(index, status, diag);
 }
 
 enum neph_status neph_history_judge(struct neph_database *index, int64_t night, const char *series,
@@ -485,121 +531,41 @@ enum neph_status neph_history_judge(struct neph_database *index, int64_t night, 
 
 /* ---- documents of rows ----------------------------------------------------------------------- */
 
-typedef json_t *neph_row(struct neph_query *query);
-
-static json_t *step_json(struct neph_query *q)
-{
-    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:o}", "name", neph_query_text(q, 0), "outcome",
-                     neph_query_text(q, 1), "reason", neph_query_text(q, 2), "size",
-                     neph_query_text(q, 3), "wall_s", neph_query_real(q, 4), "calibration_s",
-                     neph_json_number(neph_query_real(q, 5)));
-}
-
-/* Documents of before numbers knew their pictures have no "frame". */
-static json_t *measurement_json(struct neph_query *q)
-{
-    json_t *json = json_pack("{s:s, s:s, s:s, s:o, s:o, s:s, s:s}", "series", neph_query_text(q, 0),
-                             "step", neph_query_text(q, 1), "kind", neph_query_text(q, 2), "value",
-                             neph_json_number(neph_query_real(q, 3)), "standard_error",
-                             neph_json_number(neph_query_real(q, 4)), "environment",
-                             neph_query_text(q, 5), "judgement", neph_query_text(q, 6));
-    if (neph_query_text(q, 7)[0])
-        neph_json_set(&json, "frame", json_string(neph_query_text(q, 7)));
-    return json;
-}
-
-static json_t *scene_json(struct neph_query *q)
-{
-    return json_pack("{s:s, s:s, s:s, s:s}", "step", neph_query_text(q, 0), "scene",
-                     neph_query_text(q, 1), "hash", neph_query_text(q, 2), "terms",
-                     neph_query_text(q, 3));
-}
-
-static json_t *frame_json(struct neph_query *q)
-{
-    return json_string(neph_query_text(q, 0));
-}
-
-static json_t *head_json(struct neph_query *q)
-{
-    return json_pack("{s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:s, s:s}", "format",
-                     documents[NEPH_DOCUMENT_NIGHT].format, "night",
-                     (json_int_t)neph_query_integer(q, 0), "started_utc", neph_query_text(q, 1),
-                     "ended_utc", neph_query_text(q, 2), "plan", neph_query_text(q, 3), "revision",
-                     neph_query_text(q, 4), "program", neph_query_text(q, 5), "host",
-                     neph_query_text(q, 6), "verdict", neph_query_text(q, 7));
-}
-
-static json_t *acceptance_json(struct neph_query *q)
-{
-    return json_pack("{s:s, s:I, s:s, s:I, s:s, s:s, s:s}", "format",
-                     documents[NEPH_DOCUMENT_ACCEPTANCE].format, "acceptance",
-                     (json_int_t)neph_query_integer(q, 0), "series", neph_query_text(q, 1), "night",
-                     (json_int_t)neph_query_integer(q, 2), "who", neph_query_text(q, 3), "when_utc",
-                     neph_query_text(q, 4), "why", neph_query_text(q, 5));
-}
-
 /* The rows of a question about a night as a list. */
 static enum neph_status list_rows(struct neph_database *index, const char *question, int64_t night,
-                                  neph_row *row, json_t **list, struct neph_diag *diag)
+                                  const struct neph_record_field *fields, json_t **list,
+                                  struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    json_t *rows = json_array();
-    enum neph_status status = neph_query_begin(index, &query, diag, question, "i", night);
-    while (!status && neph_query_next(query, &status, diag))
-        neph_json_add(&rows, row(query));
-    neph_query_end(query);
-    if (!status && !rows) {
+    enum neph_status status = neph_record_list(index, diag, question, night, fields, list);
+    if (!status && !*list) {
         status = neph_fail(diag, NEPH_ERR_INPUT,
                            "a row of night %lld in the store's database is damaged",
                            (long long)night);
         neph_hint(diag, "`neph store check --repair` makes it again");
     }
-    if (status)
-        json_decref(rows);
-    else
-        *list = rows;
     return status;
 }
 
 enum neph_status neph_history_document(struct neph_database *index, int64_t night,
                                        json_t **document, struct neph_diag *diag)
 {
-    static const struct {
-        const char *name, *question;
-        neph_row *row;
-        bool may_lack; /* nights of before it was kept have none */
-    } lists[] = {
-        {"steps",
-         "SELECT name, outcome, reason, size, wall_s, calibration_s FROM steps WHERE night = ? "
-         "ORDER BY name",
-         step_json, false},
-        {"measurements",
-         "SELECT name, step, kind, value, standard_error, environment, judgement, frame FROM "
-         "measurements JOIN series ON series.id = measurements.series WHERE night = ? ORDER BY "
-         "name",
-         measurement_json, false},
-        {"scenes",
-         "SELECT step, scene, hash, terms FROM night_scenes WHERE night = ? ORDER BY step",
-         scene_json, true},
-        {"frames", "SELECT key FROM night_frames WHERE night = ? ORDER BY key", frame_json, false},
-    };
     json_t *heads = NULL;
-    enum neph_status status = list_rows(index,
-                                        "SELECT id, started_utc, ended_utc, plan, revision, "
-                                        "program, host, verdict FROM nights WHERE id = ?",
-                                        night, head_json, &heads, diag);
+    enum neph_status status = list_rows(
+        index,
+        "SELECT 'neph-night-1', id, started_utc, ended_utc, plan, revision, "
+        "program, host, verdict FROM nights WHERE id = ?",
+        night, head_fields, &heads, diag);
     if (!status && json_array_size(heads) == 0)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld", (long long)night);
     json_t *made = status ? NULL : json_incref(json_array_get(heads, 0));
     json_decref(heads);
-    for (size_t i = 0; !status && i < sizeof(lists) / sizeof(lists[0]); i++) {
+    for (int i = 0; !status && i < LISTS; i++) {
         json_t *list = NULL;
-        status = list_rows(index, lists[i].question, night, lists[i].row, &list, diag);
-        if (!status && lists[i].may_lack && json_array_size(list) == 0)
+        status = list_rows(index, lists[i]->question, night, lists[i]->fields, &list, diag);
+        if (!status && lists[i]->may_lack && json_array_size(list) == 0)
             json_decref(list);
         else if (!status)
-            status = neph_json_put(made, lists[i].name, list, diag);
+            status = neph_json_put(made, lists[i]->name, list, diag);
     }
     if (status)
         json_decref(made);
@@ -612,9 +578,10 @@ enum neph_status neph_history_acceptances(struct neph_database *index, json_t **
                                           struct neph_diag *diag)
 {
     return list_rows(index,
-                     "SELECT id, series, night, who, when_utc, why FROM acceptances WHERE id > ? "
+                     "SELECT 'neph-accept-1', id, series, night, who, when_utc, why FROM "
+                     "acceptances WHERE id > ? "
                      "ORDER BY id",
-                     0, acceptance_json, list, diag);
+                     0, acceptance_fields, list, diag);
 }
 
 /* ---- for good -------------------------------------------------------------------------------- */
@@ -680,8 +647,7 @@ static enum neph_status number_acceptance(struct neph_database *index, const cha
     int64_t number = 0;
     enum neph_status status = neph_database_count(
         index, &number, diag, "SELECT coalesce(max(id), 0) + 1 FROM acceptances", "");
-    if (!status)
-        status = next_number(store_folder, NEPH_DOCUMENT_ACCEPTANCE, &number, diag);
+    number = next_number(store_folder, NEPH_DOCUMENT_ACCEPTANCE, number);
     if (!status)
         status = neph_json_put(document, "acceptance", json_integer(number), diag);
     if (!status)
@@ -696,19 +662,14 @@ static enum neph_status insert_accepted(struct neph_database *index, const char 
                                         json_t *document, struct neph_diag *diag)
 {
     int lock = -1;
-    char *path = neph_path_join(store_folder, ".neph-lock");
-    enum neph_status status = path ? neph_lock_wait(path, &lock, diag) : neph_fail_memory(diag);
-    free(path);
+    enum neph_status status = neph_lock_wait(neph_path_in(store_folder, ".neph-lock").text, &lock,
+                                             diag);
     if (status)
         return status;
     status = neph_database_begin(index, diag);
-    if (!status) {
-        status = number_acceptance(index, store_folder, document, diag);
-        if (!status)
-            status = neph_database_commit(index, diag);
-        else
-            neph_database_rollback(index);
-    }
+    if (!status)
+        status = neph_database_end(index, number_acceptance(index, store_folder, document, diag),
+                                   diag);
     close(lock);
     return status;
 }

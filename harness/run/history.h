@@ -14,7 +14,7 @@
 #define NEPH_HARNESS_RUN_HISTORY_H
 
 #include "harness/json.h"
-#include "harness/run/database.h"
+#include "harness/run/record.h"
 
 /* One number of a night. */
 struct neph_measurement {
@@ -35,6 +35,8 @@ struct neph_history_step {
     double wall_s;
     double calibration_s; /* NaN: nothing was timed */
 };
+
+extern const struct neph_record_field neph_measurement_fields[], neph_history_step_fields[];
 
 /* The scene that a step has measured. `terms` is a digest of what decides about its numbers and
  * changes none: gates, exposure, what is measured over time (night/scene_copy.h). */
@@ -98,8 +100,8 @@ enum neph_status neph_history_accept(struct neph_database *index, const char *st
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag);
 
-/* Where the document of a night is, once it is over; to free. NULL: no memory. */
-char *neph_history_document_path(const char *store_folder, int64_t night);
+/* Whether the night has its document, which is written last. */
+bool neph_history_is_over(const char *store_folder, int64_t night);
 
 /* The document of a night, as it is now. To json_decref. */
 enum neph_status neph_history_document(struct neph_database *index, int64_t night,

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/history_check.h"
 
-#include "base/files.h"
+#include "base/path.h"
 #include "harness/run/history.h"
 #include "harness/run/history_documents.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,22 +12,24 @@
 
 /* `*torn`: the document is there and says nothing. One that is missing or cannot be read is an
  * error: the rows are then all that is left of the night. */
-static enum neph_status compare_night(struct neph_database *index, const char *path, int64_t night,
-                                      json_t **rows, bool *torn, struct neph_diag *diag)
+static enum neph_status compare_night(struct neph_database *index, const char *store_folder,
+                                      int64_t night, json_t **rows, bool *torn,
+                                      struct neph_diag *diag)
 {
     json_t *document = NULL;
+    const struct neph_path path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
     *torn = false;
     enum neph_status status = neph_history_document(index, night, rows, diag);
     if (status)
         return status;
-    status = neph_document_read(path, NEPH_DOCUMENT_NIGHT, &document, diag);
+    status = neph_document_read(path.text, NEPH_DOCUMENT_NIGHT, &document, diag);
     *torn = status == NEPH_ERR_INPUT;
     if (status && !*torn)
         neph_hint(diag, "bring it back from a copy of the store; what it said is still in the "
                         "database, and `neph store export` prints it");
     if (*torn || (!status && !json_equal(*rows, document)))
         status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
-                           (long long)night, path);
+                           (long long)night, path.text);
     json_decref(document);
     return status;
 }
@@ -39,11 +39,8 @@ static enum neph_status check_night(struct neph_database *index, const char *sto
 {
     json_t *rows = NULL;
     bool torn;
-    char *path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
-    const enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
-                                         : neph_fail_memory(diag);
+    const enum neph_status status = compare_night(index, store_folder, night, &rows, &torn, diag);
     json_decref(rows);
-    free(path);
     return status;
 }
 
@@ -53,13 +50,10 @@ static enum neph_status mend_night(struct neph_database *index, const char *stor
 {
     json_t *rows = NULL;
     bool torn = false;
-    char *path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
-    enum neph_status status = path ? compare_night(index, path, night, &rows, &torn, diag)
-                                   : neph_fail_memory(diag);
+    enum neph_status status = compare_night(index, store_folder, night, &rows, &torn, diag);
     if (torn)
         status = neph_document_write(store_folder, NEPH_DOCUMENT_NIGHT, night, rows, diag);
     json_decref(rows);
-    free(path);
     return status == NEPH_ERR_INPUT ? NEPH_OK : status;
 }
 
@@ -68,13 +62,12 @@ static enum neph_status visit_nights(struct neph_database *index, const char *st
                                                                int64_t, struct neph_diag *),
                                      struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
-    while (!status && neph_query_next(query, &status, diag))
+    enum neph_status status = NEPH_OK;
+    struct neph_query *query = neph_query(
+        index, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
+    while (!status && neph_query_next(query))
         status = visit(index, store_folder, neph_query_integer(query, 0), diag);
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, status);
 }
 
 enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
@@ -121,11 +114,9 @@ static enum neph_status read_version(const char *store_folder, enum neph_documen
                                      int64_t number, json_t **version, bool *torn,
                                      struct neph_diag *diag)
 {
-    char *path = neph_document_path(store_folder, kind, number);
     struct neph_diag why = {.line = 0};
-    enum neph_status status = path ? neph_document_read(path, kind, version, &why)
-                                   : neph_fail_memory(&why);
-    free(path);
+    const enum neph_status status = neph_document_read(
+        neph_document_path(store_folder, kind, number).text, kind, version, &why);
     *torn = status == NEPH_ERR_INPUT;
     if (*torn || status == NEPH_ERR_NOT_FOUND)
         return NEPH_OK;
@@ -194,17 +185,12 @@ static enum neph_status write_versions(const struct check *check, int64_t number
     return status;
 }
 
-static enum neph_status tell_fault(const struct check *check, enum neph_document kind,
-                                   int64_t number, const char *why, bool mended,
-                                   struct neph_diag *diag)
+static void tell_fault(const struct check *check, enum neph_document kind, int64_t number,
+                       const char *why, bool mended)
 {
-    char *path = neph_document_path(check->store_folder, kind, number);
-    if (!path)
-        return neph_fail_memory(diag);
-    const struct neph_history_fault fault = {strrchr(path, '/') + 1, why, mended};
+    const struct neph_path path = neph_document_path(check->store_folder, kind, number);
+    const struct neph_history_fault fault = {strrchr(path.text, '/') + 1, why, mended};
     check->tell(&fault, check->context);
-    free(path);
-    return NEPH_OK;
 }
 
 static enum neph_status check_versions(const struct check *check, int64_t number,
@@ -214,10 +200,10 @@ static enum neph_status check_versions(const struct check *check, int64_t number
     const json_t *right = choose_version(v);
     const char *why = find_fault(v, right, &of_copy);
     const bool mends = why && right && check->mends;
-    enum neph_status status = mends ? write_versions(check, number, v, right, diag) : NEPH_OK;
+    const enum neph_status status = mends ? write_versions(check, number, v, right, diag) : NEPH_OK;
     if (!status && why)
-        status = tell_fault(check, of_copy ? NEPH_DOCUMENT_COPY : NEPH_DOCUMENT_ACCEPTANCE, number,
-                            why, mends, diag);
+        tell_fault(check, of_copy ? NEPH_DOCUMENT_COPY : NEPH_DOCUMENT_ACCEPTANCE, number, why,
+                   mends);
     return status;
 }
 
@@ -238,42 +224,22 @@ static enum neph_status check_acceptance(const struct check *check, const json_t
     return status;
 }
 
-/* The names in STORE/history/; none when there is no such folder. */
-static enum neph_status list_history(const char *store_folder, struct dirent ***names, int *count,
-                                     struct neph_diag *diag)
-{
-    char *folder = neph_path_join(store_folder, "history");
-    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
-    *count = folder ? scandir(folder, names, NULL, alphasort) : 0;
-    if (*count < 0 && errno != ENOENT)
-        status = neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder, strerror(errno));
-    free(folder);
-    return status;
-}
-
-static void free_names(struct dirent **names, int count)
-{
-    for (int i = 0; i < count; i++)
-        free(names[i]);
-    free(names);
-}
-
 /* The highest number of a row, a document or a copy. */
 static enum neph_status find_last_acceptance(const struct check *check, int64_t *last,
                                              struct neph_diag *diag)
 {
-    struct dirent **names = NULL;
-    int count = 0;
-    enum neph_status status = neph_database_count(
-        check->index, last, diag, "SELECT coalesce(max(id), 0) FROM acceptances", "");
+    struct dirent **names;
+    int count;
+    enum neph_status status = neph_history_list(check->store_folder, &names, &count, diag);
     if (!status)
-        status = list_history(check->store_folder, &names, &count, diag);
+        status = neph_database_count(check->index, last, diag,
+                                     "SELECT coalesce(max(id), 0) FROM acceptances", "");
     for (int i = 0; i < count && !status; i++) {
         const int64_t a = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_ACCEPTANCE),
                       b = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_COPY);
         *last = a > *last ? a : b > *last ? b : *last;
     }
-    free_names(names, count);
+    neph_history_free_list(names, count);
     return status;
 }
 
@@ -309,10 +275,10 @@ static enum neph_status check_torn(const struct check *check, int64_t night, str
                               diag);
     json_decref(document);
     if (!status && torn)
-        status = tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                            "it is no whole neph-night-1, and the database does not have the "
-                            "night: bring it back from a copy of the store, or remove it",
-                            false, diag);
+        tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
+                   "it is no whole neph-night-1, and the database does not have the "
+                   "night: bring it back from a copy of the store, or remove it",
+                   false);
     return status;
 }
 
@@ -321,15 +287,15 @@ enum neph_status neph_history_check_torn(struct neph_database *index, const char
                                          struct neph_diag *diag)
 {
     const struct check check = {index, store_folder, false, tell, context};
-    struct dirent **names = NULL;
-    int count = 0;
-    enum neph_status status = list_history(store_folder, &names, &count, diag);
+    struct dirent **names;
+    int count;
+    enum neph_status status = neph_history_list(store_folder, &names, &count, diag);
     for (int i = 0; i < count && !status; i++) {
         const int64_t night = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_NIGHT);
         if (night > 0)
             status = check_torn(&check, night, diag);
     }
-    free_names(names, count);
+    neph_history_free_list(names, count);
     return status;
 }
 
@@ -344,19 +310,21 @@ static enum neph_status check_accepted_night(const struct check *check, int64_t 
         "i", night);
     if (status)
         return status;
-    if (known == 0)
-        return tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                          "the night was accepted, and the history does not have it: bring its "
-                          "document back from a copy of the store, or accept another night",
-                          false, diag);
-    status = check_night(check->index, check->store_folder, night, &why);
-    if (status == NEPH_OK)
-        return NEPH_OK;
-    if (status == NEPH_ERR_INPUT || status == NEPH_ERR_NOT_FOUND || status == NEPH_ERR_IO)
-        return tell_fault(check, NEPH_DOCUMENT_NIGHT, night, why.message, false, diag);
-    if (diag)
-        *diag = why;
-    return status;
+    const char *fault = "the night was accepted, and the history does not have it: bring its "
+                        "document back from a copy of the store, or accept another night";
+    if (known > 0) {
+        status = check_night(check->index, check->store_folder, night, &why);
+        if (status == NEPH_OK)
+            return NEPH_OK;
+        fault = why.message;
+        if (status != NEPH_ERR_INPUT && status != NEPH_ERR_NOT_FOUND && status != NEPH_ERR_IO) {
+            if (diag)
+                *diag = why;
+            return status;
+        }
+    }
+    tell_fault(check, NEPH_DOCUMENT_NIGHT, night, fault, false);
+    return NEPH_OK;
 }
 
 /* The night's document is what was accepted. Acceptances of before there was a digest have none. */
@@ -374,10 +342,10 @@ static enum neph_status check_digest(const struct check *check, int64_t number, 
     const bool differs = digest[0] && accepted[0] && strcmp(digest, accepted) != 0;
     json_decref(document);
     if (!status && differs)
-        status = tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                            "it was changed after it was accepted: bring it back from a copy of "
-                            "the store, or accept another night",
-                            false, diag);
+        tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
+                   "it was changed after it was accepted: bring it back from a copy of "
+                   "the store, or accept another night",
+                   false);
     return status;
 }
 
@@ -386,18 +354,17 @@ enum neph_status neph_history_check_baseline(struct neph_database *index, const 
                                              struct neph_diag *diag)
 {
     const struct check check = {index, store_folder, false, tell, context};
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(
-        index, &query, diag,
+    enum neph_status status = NEPH_OK;
+    struct neph_query *query = neph_query(
+        index, diag,
         "SELECT max(id), night FROM acceptances WHERE id >= coalesce((SELECT max(id) FROM "
         "acceptances WHERE series = '*'), 0) GROUP BY night ORDER BY night",
         "");
-    while (!status && neph_query_next(query, &status, diag)) {
+    while (!status && neph_query_next(query)) {
         const int64_t night = neph_query_integer(query, 1);
         status = check_accepted_night(&check, night, diag);
         if (!status)
             status = check_digest(&check, neph_query_integer(query, 0), night, diag);
     }
-    neph_query_end(query);
-    return status;
+    return neph_query_end(query, status);
 }

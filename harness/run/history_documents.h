@@ -6,9 +6,13 @@
 #ifndef NEPH_HARNESS_RUN_HISTORY_DOCUMENTS_H
 #define NEPH_HARNESS_RUN_HISTORY_DOCUMENTS_H
 
+#include "base/files.h"
 #include "base/hash.h"
+#include "base/path.h"
 #include "harness/json.h"
 #include "harness/run/database.h"
+
+#include <dirent.h>
 
 enum neph_document {
     NEPH_DOCUMENT_NIGHT,
@@ -17,8 +21,14 @@ enum neph_document {
     NEPH_DOCUMENT_COUNT,
 };
 
-/* For the caller to free; NULL: no memory. */
-char *neph_document_path(const char *store_folder, enum neph_document kind, int64_t number);
+struct neph_path neph_document_path(const char *store_folder, enum neph_document kind,
+                                    int64_t number);
+
+/* The names in STORE/history/, sorted, to neph_history_free_list() in any case; none, and a count
+ * below 0, where there is no such folder. */
+enum neph_status neph_history_list(const char *store_folder, struct dirent ***names, int *count,
+                                   struct neph_diag *diag);
+void neph_history_free_list(struct dirent **names, int count);
 
 /* The number of a file of this kind; -1: the name is of another kind. */
 int64_t neph_document_number(const char *name, enum neph_document kind);
@@ -36,10 +46,6 @@ enum neph_status neph_document_write(const char *store_folder, enum neph_documen
 /* All rows of a document or none. */
 enum neph_status neph_document_insert(struct neph_database *index, enum neph_document kind,
                                       int64_t number, const json_t *document,
-                                      struct neph_diag *diag);
-
-/* BLAKE2b of what a document says, whatever the order of its keys and its layout. */
-enum neph_status neph_document_digest(const json_t *document, char digest[NEPH_HASH_HEX_SIZE],
                                       struct neph_diag *diag);
 
 /* The digest of a night's document; "" when there is no whole one. */

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/files.h"
 #include "base/hash.h"
+#include "base/path.h"
 #include "harness/progress.h"
 #include "harness/run/history.h"
 #include "harness/run/history_check.h"
@@ -65,32 +66,70 @@ static const char *const steps[] = {
 
 /* ---- a frame's record as rows ---------------------------------------------------------------- */
 
-static double number(const json_t *record, const char *name)
+struct environment {
+    int64_t id;
+    const char *engine, *version, *build, *device, *host;
+};
+
+struct job {
+    const char *key, *format, *scene, *scene_hash, *settings, *frame_blake2b, *made_utc;
+    int64_t environment, size_px[2], frame, seed, peak_memory_bytes, bytes;
+    double render_s, wall_s, cpu_s;
+};
+
+const struct neph_record_field neph_index_environment_fields[] = {
+    NEPH_FIELD('i', environment, id),
+    NEPH_FIELD('s', environment, engine),
+    NEPH_FIELD('s', environment, version),
+    NEPH_FIELD('s', environment, build),
+    NEPH_FIELD('s', environment, device),
+    NEPH_FIELD('s', environment, host),
+    {NULL, 0, 0}};
+enum { ENVIRONMENT_COLUMNS = 6 };
+
+const struct neph_record_field neph_index_job_fields[] = {NEPH_FIELD('s', job, key),
+                                                          NEPH_FIELD('s', job, format),
+                                                          NEPH_FIELD('s', job, scene),
+                                                          NEPH_FIELD('s', job, scene_hash),
+                                                          NEPH_FIELD('i', job, environment),
+                                                          NEPH_FIELD('s', job, settings),
+                                                          NEPH_FIELD('p', job, size_px),
+                                                          NEPH_FIELD('i', job, frame),
+                                                          NEPH_FIELD('i', job, seed),
+                                                          NEPH_FIELD('d', job, render_s),
+                                                          NEPH_FIELD('d', job, wall_s),
+                                                          NEPH_FIELD('d', job, cpu_s),
+                                                          NEPH_FIELD('i', job, peak_memory_bytes),
+                                                          NEPH_FIELD('s', job, frame_blake2b),
+                                                          NEPH_FIELD('i', job, bytes),
+                                                          NEPH_FIELD('s', job, made_utc),
+                                                          {NULL, 0, 0}};
+
+/* What the record of a frame says: all but the number of its environment and its bytes. */
+static void read_record(const char *key, const json_t *record, struct job *job,
+                        struct environment *environment)
 {
-    return json_number_value(json_object_get(record, name));
+    neph_record_read(neph_index_environment_fields, record, environment);
+    neph_record_read(neph_index_job_fields, record, job);
+    job->key = key;
+    job->made_utc = neph_json_text(record, "created_utc");
+    job->environment = job->bytes = environment->id = 0;
 }
 
-static int64_t integer(const json_t *record, const char *name)
-{
-    return json_integer_value(json_object_get(record, name));
-}
-
-static enum neph_status find_environment(struct neph_database *index, const json_t *record,
+static enum neph_status find_environment(struct neph_database *index, const struct environment *e,
                                          int64_t *id, struct neph_diag *diag)
 {
-    const char *engine = neph_json_text(record, "engine"), *build = neph_json_text(record, "build"),
-               *version = neph_json_text(record, "version"),
-               *device = neph_json_text(record, "device"), *host = neph_json_text(record, "host");
     const enum neph_status status = neph_database_do(
         index, diag,
         "INSERT OR IGNORE INTO environments (engine, version, build, device, host)"
         " VALUES (?, ?, ?, ?, ?)",
-        "sssss", engine, version, build, device, host);
-    return status ? status
-                  : neph_database_count(index, id, diag,
-                                        "SELECT id FROM environments WHERE engine = ? AND version "
-                                        "= ? AND build = ? AND device = ? AND host = ?",
-                                        "sssss", engine, version, build, device, host);
+        "sssss", e->engine, e->version, e->build, e->device, e->host);
+    return status
+               ? status
+               : neph_database_count(index, id, diag,
+                                     "SELECT id FROM environments WHERE engine = ? AND version "
+                                     "= ? AND build = ? AND device = ? AND host = ?",
+                                     "sssss", e->engine, e->version, e->build, e->device, e->host);
 }
 
 static int64_t bytes_in(const char *folder)
@@ -98,11 +137,9 @@ static int64_t bytes_in(const char *folder)
     int64_t sum = 0;
     DIR *directory = opendir(folder);
     for (const struct dirent *entry; directory && (entry = readdir(directory));) {
-        char *path = neph_path_join(folder, entry->d_name);
         struct stat info;
-        if (path && stat(path, &info) == 0 && S_ISREG(info.st_mode))
+        if (fstatat(dirfd(directory), entry->d_name, &info, 0) == 0 && S_ISREG(info.st_mode))
             sum += (int64_t)info.st_size;
-        free(path);
     }
     if (directory)
         closedir(directory);
@@ -112,24 +149,16 @@ static int64_t bytes_in(const char *folder)
 static enum neph_status insert_job(struct neph_database *index, const char *folder, const char *key,
                                    const json_t *record, struct neph_diag *diag)
 {
-    const json_t *size = json_object_get(record, "size_px");
-    int64_t environment = 0;
-    const enum neph_status status = find_environment(index, record, &environment, diag);
+    struct environment environment;
+    struct job job;
+    read_record(key, record, &job, &environment);
+    job.bytes = bytes_in(folder);
+    const enum neph_status status = find_environment(index, &environment, &environment.id, diag);
     return status ? status
-                  : neph_database_do(index, diag,
-                                     "INSERT OR REPLACE INTO jobs VALUES "
-                                     "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                                     "ssssisiiiidddisis", key, neph_json_text(record, "format"),
-                                     neph_json_text(record, "scene"),
-                                     neph_json_text(record, "scene_hash"), environment,
-                                     neph_json_text(record, "settings"),
-                                     (int64_t)json_integer_value(json_array_get(size, 0)),
-                                     (int64_t)json_integer_value(json_array_get(size, 1)),
-                                     integer(record, "frame"), integer(record, "seed"),
-                                     number(record, "render_s"), number(record, "wall_s"),
-                                     number(record, "cpu_s"), integer(record, "peak_memory_bytes"),
-                                     neph_json_text(record, "frame_blake2b"), bytes_in(folder),
-                                     neph_json_text(record, "created_utc"));
+                  : neph_record_put(index, diag,
+                                    "INSERT OR REPLACE INTO jobs VALUES (?2, ?3, ?4, ?5, ?1, ?7, "
+                                    "?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18)",
+                                    environment.id, neph_index_job_fields, &job);
 }
 
 /* An entry whose record is bad is none; whoever asks for its key removes it. */
@@ -138,12 +167,11 @@ static enum neph_status take_frame(struct neph_database *index, const char *fram
 {
     char why[NEPH_ENTRY_WHY_BYTES];
     json_t *record = NULL;
-    char *folder = neph_path_join(frames, key);
-    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && neph_entry_read(folder, key, &record, why) == NEPH_ENTRY_GOOD)
-        status = insert_job(index, folder, key, record, diag);
+    const struct neph_path folder = neph_path_in(frames, key);
+    enum neph_status status = NEPH_OK;
+    if (neph_entry_read(folder.text, key, &record, why) == NEPH_ENTRY_GOOD)
+        status = insert_job(index, folder.text, key, record, diag);
     json_decref(record);
-    free(folder);
     return status;
 }
 
@@ -165,11 +193,10 @@ static int by_bytes(const struct dirent **a, const struct dirent **b)
 static enum neph_status compare_sides(struct neph_database *index, struct dirent **names, int count,
                                       json_t *taken, json_t *gone, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    enum neph_status status = neph_query_begin(index, &query, diag,
-                                               "SELECT key FROM jobs ORDER BY key", "");
+    struct neph_query *query = neph_query(index, diag, "SELECT key FROM jobs ORDER BY key", "");
+    enum neph_status status = NEPH_OK;
     int at = 0;
-    while (!status && neph_query_next(query, &status, diag)) {
+    while (!status && neph_query_next(query)) {
         const char *row = neph_query_text(query, 0);
         for (; !status && at < count && strcmp(names[at]->d_name, row) < 0; at++)
             status = neph_json_append(taken, json_string(names[at]->d_name), diag);
@@ -178,9 +205,9 @@ static enum neph_status compare_sides(struct neph_database *index, struct dirent
         else if (!status && neph_json_append(gone, json_string(row), NULL))
             status = neph_fail(diag, NEPH_ERR_INPUT, "a key in its rows is no text");
     }
+    status = neph_query_end(query, status);
     for (; !status && at < count; at++)
         status = neph_json_append(taken, json_string(names[at]->d_name), diag);
-    neph_query_end(query);
     return status;
 }
 
@@ -195,10 +222,7 @@ static enum neph_status apply(struct neph_database *index, const char *frames, c
                                   json_string_value(json_array_get(gone, i)));
     for (size_t i = 0; !status && i < json_array_size(taken); i++)
         status = take_frame(index, frames, json_string_value(json_array_get(taken, i)), diag);
-    if (!status)
-        return neph_database_commit(index, diag);
-    neph_database_rollback(index);
-    return status;
+    return neph_database_end(index, status, diag);
 }
 
 static enum neph_status refresh(struct neph_database *index, const char *frames,
@@ -237,8 +261,7 @@ static enum neph_status name_of_store(const char *store_folder, char name[NEPH_H
 {
     struct stat info;
     char *real = realpath(store_folder, NULL);
-    char *marker = real ? neph_path_join(real, ".neph-owned") : NULL;
-    char *text = marker && stat(marker, &info) == 0
+    char *text = real && stat(neph_path_in(real, ".neph-owned").text, &info) == 0
                      ? neph_format("%s %llu %lld.%09ld", real, (unsigned long long)info.st_ino,
                                    (long long)info.st_mtim.tv_sec, info.st_mtim.tv_nsec)
                      : NULL;
@@ -247,64 +270,49 @@ static enum neph_status name_of_store(const char *store_folder, char name[NEPH_H
                                                      "cannot tell which store '%s' is: %s",
                                                      store_folder, strerror(errno));
     free(text);
-    free(marker);
     free(real);
     return status;
 }
 
-/* The folder of the database, to free. */
-static enum neph_status find_folder(const char *store_folder, char **folder, struct neph_diag *diag)
+/* The folder of the database. */
+static enum neph_status find_folder(const char *store_folder, struct neph_path *folder,
+                                    struct neph_diag *diag)
 {
-    char name[NEPH_HASH_HEX_SIZE] = "";
-    enum neph_status status = NEPH_OK;
-    if (neph_index_place() == NEPH_INDEX_OF_HOST)
-        status = name_of_store(store_folder, name, diag);
-    if (status)
-        return status;
-    *folder = name[0] ? neph_format("%s/%.16s", getenv("NEPH_STORE_INDEX"), name)
-                      : neph_path_join(store_folder, "index");
-    return *folder ? NEPH_OK : neph_fail_memory(diag);
+    char name[NEPH_HASH_HEX_SIZE];
+    *folder = neph_path_in(store_folder, "index");
+    if (neph_index_place() != NEPH_INDEX_OF_HOST)
+        return NEPH_OK;
+    const enum neph_status status = name_of_store(store_folder, name, diag);
+    if (!status)
+        *folder = neph_path_format("%s/%.16s", getenv("NEPH_STORE_INDEX"), name);
+    return status;
 }
 
 /* ---- opening --------------------------------------------------------------------------------- */
 
-/* A name that is free; NULL when memory is short. */
-static char *name_aside(const char *folder)
-{
-    char now[32], *name = NULL;
-    neph_utc_now(now);
-    for (int i = 1; i == 1 || (name && neph_path_exists(name)); i++) {
-        free(name);
-        name = neph_format("%s/damaged-%s-%d.sqlite", folder, now, i);
-    }
-    return name;
-}
-
-/* With what SQLite keeps beside it. */
-static enum neph_status set_aside(const char *path, const char *folder, const char *why,
-                                  struct neph_diag *diag)
+/* The database of a folder with what SQLite keeps beside it, under a name that is free. */
+static enum neph_status set_aside(const char *folder, const char *why, struct neph_diag *diag)
 {
     static const char *const endings[] = {"", "-wal", "-shm"};
-    char *aside = name_aside(folder);
-    enum neph_status status = aside ? NEPH_OK : neph_fail_memory(diag);
-    for (size_t i = 0; !status && i < sizeof(endings) / sizeof(endings[0]); i++) {
-        char *from = neph_format("%s%s", path, endings[i]);
-        char *to = neph_format("%s%s", aside, endings[i]);
-        if (!from || !to)
-            status = neph_fail_memory(diag);
-        else if (rename(from, to) != 0 && errno != ENOENT)
-            status = neph_fail(diag, NEPH_ERR_IO, "cannot set '%s' aside: %s", from,
-                               strerror(errno));
-        free(from);
-        free(to);
+    struct neph_path aside;
+    char now[32];
+    int number = 1;
+    neph_utc_now(now);
+    do
+        aside = neph_path_format("%s/damaged-%s-%d.sqlite", folder, now, number++);
+    while (neph_path_exists(aside.text));
+    for (size_t i = 0; i < sizeof(endings) / sizeof(endings[0]); i++) {
+        const struct neph_path from = neph_path_format("%s/neph.sqlite%s", folder, endings[i]);
+        const struct neph_path to = neph_path_format("%s%s", aside.text, endings[i]);
+        if (rename(from.text, to.text) != 0 && errno != ENOENT)
+            return neph_fail(diag, NEPH_ERR_IO, "cannot set '%s' aside: %s", from.text,
+                             strerror(errno));
     }
-    if (!status)
-        neph_progress_warn("the store's database is damaged (%s): it is set aside as '%s', and a "
-                           "new one is made of the frames and the finished nights, which are "
-                           "whole; a night that was not finished begins anew",
-                           why, aside);
-    free(aside);
-    return status;
+    neph_progress_warn("the store's database is damaged (%s): it is set aside as '%s', and a "
+                       "new one is made of the frames and the finished nights, which are "
+                       "whole; a night that was not finished begins anew",
+                       why, aside.text);
+    return NEPH_OK;
 }
 
 /* Open, look whether it is whole, bring it up to date. */
@@ -312,20 +320,17 @@ static enum neph_status open_whole(const char *path, const char *store_folder, b
                                    struct neph_database **index, struct neph_diag *diag)
 {
     struct neph_database *opened = NULL;
-    char *frames = neph_path_join(store_folder, "frames");
-    enum neph_status status = frames ? neph_database_open(path, steps, &opened, diag)
-                                     : neph_fail_memory(diag);
+    enum neph_status status = neph_database_open(path, steps, &opened, diag);
     if (!status && reads)
         status = neph_database_check(opened, false, diag);
     if (!status)
-        status = refresh(opened, frames, diag);
+        status = refresh(opened, neph_path_in(store_folder, "frames").text, diag);
     if (!status)
         status = neph_history_refresh(opened, store_folder, diag);
     if (status)
         neph_database_close(opened);
     else
         *index = opened;
-    free(frames);
     return status;
 }
 
@@ -355,26 +360,24 @@ enum neph_status neph_index_open(const char *store_folder, bool reads, struct ne
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "NEPH_STORE_INDEX is none: the database of '%s' is not opened here",
                          store_folder);
-    char *folder = NULL;
+    struct neph_path folder;
     struct neph_diag why = {.line = 0};
     enum neph_status status = find_folder(store_folder, &folder, &why);
-    char *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
-    const bool is_new = path && !neph_path_exists(path);
+    const struct neph_path path = neph_path_in(folder.text, "neph.sqlite");
+    const bool is_new = !neph_path_exists(path.text);
     if (!status)
-        status = path ? neph_dir_create(folder, &why) : neph_fail_memory(&why);
+        status = neph_dir_create(folder.text, &why);
     if (!status)
-        status = open_whole(path, store_folder, reads, index, &why);
+        status = open_whole(path.text, store_folder, reads, index, &why);
     if (!status && is_new && neph_index_place() == NEPH_INDEX_IN_STORE)
         tell_new_database(*index, store_folder);
-    if (path && is_damage(status)) {
-        status = set_aside(path, folder, why.message, &why);
+    if (is_damage(status)) {
+        status = set_aside(folder.text, why.message, &why);
         if (!status)
-            status = open_whole(path, store_folder, reads, index, &why);
+            status = open_whole(path.text, store_folder, reads, index, &why);
     }
     if (status && diag)
         *diag = why;
-    free(path);
-    free(folder);
     return status;
 }
 
@@ -395,39 +398,30 @@ enum neph_status neph_index_check(struct neph_database *index, const char *store
 enum neph_status neph_index_agrees(struct neph_database *index, const char *key,
                                    const json_t *record, bool *agrees, struct neph_diag *diag)
 {
-    int64_t count = 0;
-    const json_t *size = json_object_get(record, "size_px");
-    const enum neph_status status = neph_database_count(
-        index, &count, diag,
-        "SELECT count(*) FROM jobs JOIN environments AS e ON e.id = environment WHERE key = ? AND "
-        "format = ? AND scene = ? AND scene_hash = ? AND settings = ? AND width_px = ? AND "
-        "height_px = ? AND frame = ? AND seed = ? AND render_s = ? AND wall_s = ? AND cpu_s = ? "
-        "AND "
-        "peak_memory_bytes = ? AND frame_blake2b = ? AND made_utc = ? AND engine = ? AND version = "
-        "? AND build = ? AND device = ? AND host = ?",
-        "sssssiiiidddisssssss", key, neph_json_text(record, "format"),
-        neph_json_text(record, "scene"), neph_json_text(record, "scene_hash"),
-        neph_json_text(record, "settings"), (int64_t)json_integer_value(json_array_get(size, 0)),
-        (int64_t)json_integer_value(json_array_get(size, 1)), integer(record, "frame"),
-        integer(record, "seed"), number(record, "render_s"), number(record, "wall_s"),
-        number(record, "cpu_s"), integer(record, "peak_memory_bytes"),
-        neph_json_text(record, "frame_blake2b"), neph_json_text(record, "created_utc"),
-        neph_json_text(record, "engine"), neph_json_text(record, "version"),
-        neph_json_text(record, "build"), neph_json_text(record, "device"),
-        neph_json_text(record, "host"));
+    struct job said, job;
+    struct environment said_of, environment;
+    read_record(key, record, &said, &said_of);
+    struct neph_query *query = neph_query(
+        index, diag,
+        "SELECT e.*, jobs.* FROM jobs JOIN environments AS e ON e.id = environment WHERE key = ?",
+        "s", key);
+    bool same = false;
+    if (neph_query_next(query)) {
+        neph_record_row(neph_index_environment_fields, query, 0, &environment);
+        neph_record_row(neph_index_job_fields, query, ENVIRONMENT_COLUMNS, &job);
+        job.environment = job.bytes = environment.id = 0;
+        same = neph_record_is_equal(neph_index_job_fields, &said, &job) &&
+               neph_record_is_equal(neph_index_environment_fields, &said_of, &environment);
+    }
+    const enum neph_status status = neph_query_end(query, NEPH_OK);
     if (!status)
-        *agrees = count == 1;
+        *agrees = same;
     return status;
 }
 
 enum neph_status neph_index_renew(const char *store_folder, const char *why, struct neph_diag *diag)
 {
-    char *folder = NULL;
-    enum neph_status status = find_folder(store_folder, &folder, diag);
-    char *path = folder ? neph_path_join(folder, "neph.sqlite") : NULL;
-    if (!status)
-        status = path ? set_aside(path, folder, why, diag) : neph_fail_memory(diag);
-    free(path);
-    free(folder);
-    return status;
+    struct neph_path folder;
+    const enum neph_status status = find_folder(store_folder, &folder, diag);
+    return status ? status : set_aside(folder.text, why, diag);
 }

@@ -16,8 +16,7 @@
 #ifndef NEPH_HARNESS_RUN_INDEX_H
 #define NEPH_HARNESS_RUN_INDEX_H
 
-#include "harness/json.h"
-#include "harness/run/database.h"
+#include "harness/run/record.h"
 
 enum neph_index_place {
     NEPH_INDEX_IN_STORE,
@@ -44,6 +43,9 @@ enum neph_status neph_index_check(struct neph_database *index, const char *store
 /* Whether the row of a frame says what its record says. */
 enum neph_status neph_index_agrees(struct neph_database *index, const char *key,
                                    const json_t *record, bool *agrees, struct neph_diag *diag);
+
+/* The columns of environments and jobs. */
+extern const struct neph_record_field neph_index_environment_fields[], neph_index_job_fields[];
 
 /* Set a database that is not whole aside, to be made again when it is opened next. Nobody may have
  * it open, and the caller holds the store's lock. */

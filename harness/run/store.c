@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "base/lock.h"
 #include "base/owned.h"
+#include "base/path.h"
 #include "base/usage.h"
 #include "harness/host.h"
 #include "harness/progress.h"
@@ -28,7 +29,7 @@ static const char work_prefix[] = "work-";
 static const time_t rest_limit_s = 30 * 24 * 3600;
 
 struct neph_store {
-    char *folder, *frames, *failed, *tmp, *resting, *lock;
+    struct neph_path folder, frames, failed, tmp, resting, lock;
     char host[NEPH_HOST_CLASS_SIZE];
 };
 
@@ -84,36 +85,28 @@ static bool is_store_part(const char *name)
     return false;
 }
 
-/* Whether `folder`/`part` is a folder of such names alone. */
-static bool holds_alone(const char *folder, const char *part, bool (*fits)(const char *))
+/* Whether a folder has such names alone. */
+static bool holds_alone(const char *path, bool (*fits)(const char *))
 {
-    char *path = neph_path_join(folder, part);
-    DIR *directory = path ? opendir(path) : NULL;
+    DIR *directory = opendir(path);
     bool alone = directory != NULL;
     for (const struct dirent *entry; alone && (entry = readdir(directory));)
         alone = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
                 fits(entry->d_name);
     if (directory)
         closedir(directory);
-    free(path);
     return alone;
-}
-
-static bool has_part(const char *folder, const char *part)
-{
-    char *path = neph_path_join(folder, part);
-    const bool is_there = path && neph_path_exists(path);
-    free(path);
-    return is_there;
 }
 
 /* A store without its marker: its folders, and nothing in them but what it names. */
 static bool is_old_store(const char *folder)
 {
-    bool is_old = holds_alone(folder, ".", is_store_part);
-    for (int i = 0; i < PARTS_OF_OLD && is_old; i++)
-        is_old = (!parts_of_old[i].was_always && !has_part(folder, parts_of_old[i].name)) ||
-                 holds_alone(folder, parts_of_old[i].name, parts_of_old[i].fits);
+    bool is_old = holds_alone(folder, is_store_part);
+    for (int i = 0; i < PARTS_OF_OLD && is_old; i++) {
+        const struct neph_path part = neph_path_in(folder, parts_of_old[i].name);
+        is_old = (!parts_of_old[i].was_always && !neph_path_exists(part.text)) ||
+                 holds_alone(part.text, parts_of_old[i].fits);
+    }
     return is_old;
 }
 
@@ -131,20 +124,15 @@ visit_entries(const struct neph_store *store, const char *folder, bool (*fits)(c
     if (!directory)
         return;
     for (const struct dirent *entry; (entry = readdir(directory));) {
-        char *path = fits(entry->d_name) ? neph_path_join(folder, entry->d_name) : NULL;
-        if (path)
-            visit(store, path, entry->d_name);
-        free(path);
+        if (fits(entry->d_name))
+            visit(store, neph_path_in(folder, entry->d_name).text, entry->d_name);
     }
     closedir(directory);
 }
 
 static bool is_finished(const struct neph_store *store, const char *key)
 {
-    char *entry = neph_path_join(store->frames, key);
-    const bool finished = entry && neph_path_exists(entry);
-    free(entry);
-    return finished;
+    return neph_path_exists(neph_path_in(store->frames.text, key).text);
 }
 
 static void remove_entry(const struct neph_store *store, const char *path, const char *name)
@@ -169,36 +157,32 @@ static void remove_rest_if_old(const struct neph_store *store, const char *path,
 
 static void sweep(const struct neph_store *store)
 {
-    neph_scratch_sweep(store->tmp, work_prefix);
-    neph_file_sweep(store->folder);
-    neph_file_sweep(store->resting);
-    visit_entries(store, store->tmp, is_old_work, remove_entry);
-    visit_entries(store, store->failed, is_key, remove_if_finished);
-    visit_entries(store, store->resting, is_key, remove_rest_if_old);
+    neph_scratch_sweep(store->tmp.text, work_prefix);
+    neph_file_sweep(store->folder.text);
+    neph_file_sweep(store->resting.text);
+    visit_entries(store, store->tmp.text, is_old_work, remove_entry);
+    visit_entries(store, store->failed.text, is_key, remove_if_finished);
+    visit_entries(store, store->resting.text, is_key, remove_rest_if_old);
 }
 
 /* ---- opening --------------------------------------------------------------------------------- */
 
-static enum neph_status name_parts(const char *folder, struct neph_store *store,
-                                   struct neph_diag *diag)
+static void name_parts(const char *folder, struct neph_store *store)
 {
-    store->folder = strdup(folder);
-    store->frames = neph_path_join(folder, "frames");
-    store->failed = neph_path_join(folder, "failed");
-    store->tmp = neph_path_join(folder, "tmp");
-    store->resting = neph_path_join(folder, "resting");
-    store->lock = neph_path_join(folder, ".neph-lock");
+    store->folder = neph_path_in("", folder);
+    store->frames = neph_path_in(folder, "frames");
+    store->failed = neph_path_in(folder, "failed");
+    store->tmp = neph_path_in(folder, "tmp");
+    store->resting = neph_path_in(folder, "resting");
+    store->lock = neph_path_in(folder, ".neph-lock");
     neph_host_class(store->host);
-    return store->folder && store->frames && store->failed && store->tmp && store->resting &&
-                   store->lock
-               ? NEPH_OK
-               : neph_fail_memory(diag);
 }
 
 static enum neph_status make_parts(const struct neph_store *store, struct neph_diag *diag)
 {
-    const char *const parts[] = {store->frames, store->failed, store->tmp, store->resting};
-    enum neph_status status = neph_owned_claim(store->folder, &store_kind, diag);
+    const char *const parts[] = {store->frames.text, store->failed.text, store->tmp.text,
+                                 store->resting.text};
+    enum neph_status status = neph_owned_claim(store->folder.text, &store_kind, diag);
     for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]) && !status; i++)
         status = neph_dir_create(parts[i], diag);
     return status;
@@ -213,7 +197,7 @@ static enum neph_status update_index(const struct neph_store *store, bool reads,
     struct neph_diag why = {.line = 0};
     if (neph_index_place() == NEPH_INDEX_NONE)
         return NEPH_OK;
-    const enum neph_status status = neph_index_open(store->folder, reads, &index, &why);
+    const enum neph_status status = neph_index_open(store->folder.text, reads, &index, &why);
     neph_database_close(index);
     if (status == NEPH_ERR_IO) {
         neph_progress_warn("the store's database is not up to date, which changes no frame: %s",
@@ -225,17 +209,6 @@ static enum neph_status update_index(const struct neph_store *store, bool reads,
     return status;
 }
 
-static void destroy(struct neph_store *store)
-{
-    free(store->folder);
-    free(store->frames);
-    free(store->failed);
-    free(store->tmp);
-    free(store->resting);
-    free(store->lock);
-    free(store);
-}
-
 enum neph_status neph_store_open(const char *folder, struct neph_store **store,
                                  struct neph_diag *diag)
 {
@@ -243,18 +216,17 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
     if (!opened)
         return neph_fail_memory(diag);
     int lock = -1;
-    enum neph_status status = name_parts(folder, opened, diag);
+    name_parts(folder, opened);
+    enum neph_status status = make_parts(opened, diag);
     if (!status)
-        status = make_parts(opened, diag);
-    if (!status)
-        status = neph_lock_wait(opened->lock, &lock, diag);
+        status = neph_lock_wait(opened->lock.text, &lock, diag);
     if (!status) {
         sweep(opened);
         status = update_index(opened, true, diag);
         close(lock);
     }
     if (status)
-        destroy(opened);
+        free(opened);
     else
         *store = opened;
     return status;
@@ -265,26 +237,26 @@ void neph_store_close(struct neph_store *store)
     int lock = -1;
     if (!store)
         return;
-    if (neph_lock_wait(store->lock, &lock, NULL) == NEPH_OK) {
+    if (neph_lock_wait(store->lock.text, &lock, NULL) == NEPH_OK) {
         update_index(store, false, NULL);
         close(lock);
     }
-    destroy(store);
+    free(store);
 }
 
 const char *neph_store_folder(const struct neph_store *store)
 {
-    return store->folder;
+    return store->folder.text;
 }
 
 enum neph_status neph_store_index(const struct neph_store *store, struct neph_database **index,
                                   struct neph_diag *diag)
 {
     int lock = -1;
-    enum neph_status status = neph_lock_wait(store->lock, &lock, diag);
+    enum neph_status status = neph_lock_wait(store->lock.text, &lock, diag);
     if (status)
         return status;
-    status = neph_index_open(store->folder, false, index, diag);
+    status = neph_index_open(store->folder.text, false, index, diag);
     close(lock);
     return status;
 }
@@ -293,12 +265,12 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
                                         struct neph_database **index, struct neph_diag *diag)
 {
     int lock = -1;
-    enum neph_status status = neph_lock_wait(store->lock, &lock, diag);
+    enum neph_status status = neph_lock_wait(store->lock.text, &lock, diag);
     if (status)
         return status;
-    status = neph_index_renew(store->folder, why, diag);
+    status = neph_index_renew(store->folder.text, why, diag);
     if (!status)
-        status = neph_index_open(store->folder, false, index, diag);
+        status = neph_index_open(store->folder.text, false, index, diag);
     close(lock);
     return status;
 }
@@ -313,13 +285,11 @@ static void discard(const struct neph_store *store, const char *entry, const cha
     struct neph_diag diag = {.line = 0};
     if (why)
         neph_progress_warn("'%s' is not used and is removed: %s", entry, why);
-    if (neph_scratch_create(store->tmp, work_prefix, &bin, &diag)) {
+    if (neph_scratch_create(store->tmp.text, work_prefix, &bin, &diag)) {
         neph_progress_warn("'%s' cannot be removed: %s", entry, diag.message);
     } else {
-        char *path = neph_path_join(neph_scratch_path(bin), "entry");
-        if (!path || rename(entry, path) != 0)
+        if (rename(entry, neph_path_in(neph_scratch_path(bin), "entry").text) != 0)
             neph_progress_warn("'%s' cannot be removed: %s", entry, strerror(errno));
-        free(path);
     }
     neph_scratch_destroy(bin);
 }
@@ -330,7 +300,7 @@ static enum neph_entry_state discard_if_bad(const struct neph_store *store, cons
 {
     char why[NEPH_ENTRY_WHY_BYTES];
     int lock = -1;
-    if (neph_lock_wait(store->lock, &lock, NULL))
+    if (neph_lock_wait(store->lock.text, &lock, NULL))
         return NEPH_ENTRY_BAD;
     const enum neph_entry_state state = neph_entry_check(entry, key, record, why);
     if (state == NEPH_ENTRY_BAD)
@@ -343,12 +313,11 @@ static enum neph_entry_state discard_if_bad(const struct neph_store *store, cons
  * by it, and so do the lists of what a night has used. */
 static void note_use(const char *frame_path)
 {
-    char *record = neph_format("%.*sjob.json", (int)(strrchr(frame_path, '/') + 1 - frame_path),
-                               frame_path);
-    if (record && utimensat(AT_FDCWD, record, NULL, 0) != 0)
+    const struct neph_path record = neph_path_format(
+        "%.*sjob.json", (int)(strrchr(frame_path, '/') + 1 - frame_path), frame_path);
+    if (utimensat(AT_FDCWD, record.text, NULL, 0) != 0)
         neph_progress_warn("that '%s' is used cannot be noted, and eviction takes it for older: %s",
-                           record, strerror(errno));
-    free(record);
+                           record.text, strerror(errno));
 }
 
 void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE])
@@ -365,18 +334,16 @@ void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE])
 bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record)
 {
     char why[NEPH_ENTRY_WHY_BYTES];
-    char *entry = neph_path_join(store->frames, key);
-    char *path = entry ? neph_path_join(entry, "frame.exr") : NULL;
+    const struct neph_path entry = neph_path_in(store->frames.text, key);
     json_t *found = NULL;
-    enum neph_entry_state state = path ? neph_entry_check(entry, key, &found, why)
-                                       : NEPH_ENTRY_ABSENT;
+    enum neph_entry_state state = neph_entry_check(entry.text, key, &found, why);
     if (state == NEPH_ENTRY_BAD)
-        state = discard_if_bad(store, entry, key, &found);
+        state = discard_if_bad(store, entry.text, key, &found);
     if (state == NEPH_ENTRY_UNREADABLE)
-        neph_progress_warn("'%s' is not used: %s", entry, why);
-    free(entry);
-    if (state != NEPH_ENTRY_GOOD) {
-        free(path);
+        neph_progress_warn("'%s' is not used: %s", entry.text, why);
+    char *path = state == NEPH_ENTRY_GOOD ? neph_path_join(entry.text, "frame.exr") : NULL;
+    if (!path) {
+        json_decref(state == NEPH_ENTRY_GOOD ? found : NULL);
         return false;
     }
     note_use(path);
@@ -387,7 +354,7 @@ bool neph_store_find(struct neph_store *store, const char *key, char **frame_pat
 
 char *neph_store_resting_place(const struct neph_store *store, const char *key)
 {
-    return neph_path_join(store->resting, key);
+    return neph_path_join(store->resting.text, key);
 }
 
 /* ---- working --------------------------------------------------------------------------------- */
@@ -395,7 +362,7 @@ char *neph_store_resting_place(const struct neph_store *store, const char *key)
 enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch **scratch,
                                   struct neph_diag *diag)
 {
-    return neph_scratch_create(store->tmp, work_prefix, scratch, diag);
+    return neph_scratch_create(store->tmp.text, work_prefix, scratch, diag);
 }
 
 static bool has_ending(const char *name, const char *ending)
@@ -448,14 +415,11 @@ static enum neph_status tidy(const char *scratch, const json_t *record, struct n
     for (const struct dirent *entry; !status && (entry = readdir(directory));) {
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;
-        char *path = neph_path_join(scratch, entry->d_name);
-        if (!path)
-            status = neph_fail_memory(diag);
-        else if (!is_to_stay(path, entry->d_name, record, kept))
-            status = neph_dir_remove(path, diag);
+        const struct neph_path path = neph_path_in(scratch, entry->d_name);
+        if (!is_to_stay(path.text, entry->d_name, record, kept))
+            status = neph_dir_remove(path.text, diag);
         else if (!kept)
-            status = neph_file_sync(path, diag);
-        free(path);
+            status = neph_file_sync(path.text, diag);
     }
     closedir(directory);
     return status || kept ? status : neph_file_sync(scratch, diag);
@@ -465,14 +429,6 @@ enum neph_status neph_store_clean(const struct neph_scratch *scratch, struct nep
 {
     struct neph_usage kept = {.bytes = 0};
     return tidy(neph_scratch_path(scratch), NULL, &kept, diag);
-}
-
-static void remove_failed_try(const struct neph_store *store, const char *key)
-{
-    char *failed = neph_path_join(store->failed, key);
-    if (failed)
-        neph_dir_remove(failed, NULL);
-    free(failed);
 }
 
 /* Under the lock. An entry that is there and good is as good as ours. */
@@ -491,8 +447,8 @@ static enum neph_status put_entry(const struct neph_store *store, const char *ke
         discard(store, entry, why);
     if (rename(scratch, entry) != 0)
         return neph_fail(diag, NEPH_ERR_IO, "cannot publish '%s': %s", entry, strerror(errno));
-    remove_failed_try(store, key);
-    return neph_file_sync(store->frames, diag);
+    neph_dir_remove(neph_path_in(store->failed.text, key).text, NULL);
+    return neph_file_sync(store->frames.text, diag);
 }
 
 enum neph_status neph_store_publish(struct neph_store *store, const char *key,
@@ -500,12 +456,10 @@ enum neph_status neph_store_publish(struct neph_store *store, const char *key,
                                     struct neph_diag *diag)
 {
     const char *path = neph_scratch_path(scratch);
-    char *entry = neph_path_join(store->frames, key);
     char now[32];
     int lock = -1;
     neph_utc_now(now);
-    enum neph_status status = entry ? neph_json_put(record, "host", json_string(store->host), diag)
-                                    : neph_fail_memory(diag);
+    enum neph_status status = neph_json_put(record, "host", json_string(store->host), diag);
     if (!status)
         status = neph_json_put(record, "created_utc", json_string(now), diag);
     if (!status)
@@ -513,49 +467,42 @@ enum neph_status neph_store_publish(struct neph_store *store, const char *key,
     if (!status)
         status = tidy(path, record, NULL, diag);
     if (!status)
-        status = neph_lock_wait(store->lock, &lock, diag);
+        status = neph_lock_wait(store->lock.text, &lock, diag);
     if (!status) {
-        status = put_entry(store, key, path, entry, diag);
+        status = put_entry(store, key, path, neph_path_in(store->frames.text, key).text, diag);
         close(lock);
     }
-    free(entry);
     return status;
 }
 
 bool neph_store_remove(struct neph_store *store, const char *key, int64_t unused_since_s,
                        const char *why)
 {
-    char *entry = neph_path_join(store->frames, key);
-    char *record = entry ? neph_path_join(entry, "job.json") : NULL;
+    const struct neph_path entry = neph_path_in(store->frames.text, key);
     struct stat info;
     int lock = -1;
-    bool removes = record && neph_lock_wait(store->lock, &lock, NULL) == NEPH_OK;
-    if (removes && unused_since_s > 0 && stat(record, &info) == 0)
+    bool removes = neph_lock_wait(store->lock.text, &lock, NULL) == NEPH_OK;
+    if (removes && unused_since_s > 0 &&
+        stat(neph_path_in(entry.text, "job.json").text, &info) == 0)
         removes = info.st_mtime <= unused_since_s;
     if (removes)
-        discard(store, entry, why);
-    removes = removes && !neph_path_exists(entry);
+        discard(store, entry.text, why);
+    removes = removes && !neph_path_exists(entry.text);
     if (lock >= 0)
         close(lock);
-    free(record);
-    free(entry);
     return removes;
 }
 
 void neph_store_abandon(struct neph_store *store, const char *key,
                         const struct neph_scratch *scratch, char **kept)
 {
-    const char *path = neph_scratch_path(scratch);
-    char *entry = neph_path_join(store->failed, key);
+    const struct neph_path entry = neph_path_in(store->failed.text, key);
     int lock = -1;
     *kept = NULL;
-    if (!entry || neph_store_clean(scratch, NULL) || neph_lock_wait(store->lock, &lock, NULL)) {
-        free(entry);
+    if (neph_store_clean(scratch, NULL) || neph_lock_wait(store->lock.text, &lock, NULL))
         return;
-    }
-    if (neph_dir_remove(entry, NULL) == NEPH_OK && rename(path, entry) == 0)
-        *kept = entry;
-    else
-        free(entry);
+    if (neph_dir_remove(entry.text, NULL) == NEPH_OK &&
+        rename(neph_scratch_path(scratch), entry.text) == 0)
+        *kept = strdup(entry.text);
     close(lock);
 }

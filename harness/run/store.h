@@ -28,11 +28,11 @@
 #include "base/scratch.h"
 #include "base/status.h"
 #include "harness/json.h"
-#include "harness/run/database.h"
 
 #include <stdbool.h>
 
 struct neph_store;
+struct neph_database;
 
 /* Open or create the store in `folder`, which must be free for it (base/owned.h): NEPH_ERR_USAGE
  * else. A store of before the database is taken over; a database that cannot be written, as on a

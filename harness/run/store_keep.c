@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/store_keep.h"
 
-#include "base/files.h"
 #include "base/interrupt.h"
+#include "base/path.h"
 #include "harness/run/history.h"
 #include "harness/run/history_check.h"
 #include "harness/run/index.h"
@@ -19,19 +19,12 @@
 static const char is_of_baseline[] =
     "SELECT count(*) FROM night_frames WHERE key = ? AND night IN (SELECT night FROM acceptances)";
 
-static char *path_of(const struct neph_store *store, const char *key, const char *name)
-{
-    return neph_format("%s/frames/%s%s%s", neph_store_folder(store), key, name ? "/" : "",
-                       name ? name : "");
-}
-
 int64_t neph_store_used_s(const struct neph_store *store, const char *key)
 {
     struct stat info;
-    char *path = path_of(store, key, "job.json");
-    const bool is_there = path && stat(path, &info) == 0;
-    free(path);
-    return is_there ? (int64_t)info.st_mtime : 0;
+    const struct neph_path path = neph_path_format("%s/frames/%s/job.json",
+                                                   neph_store_folder(store), key);
+    return stat(path.text, &info) == 0 ? (int64_t)info.st_mtime : 0;
 }
 
 /* ---- checking -------------------------------------------------------------------------------- */
@@ -66,10 +59,9 @@ static enum neph_status check_frame(struct check *check, const char *key, struct
     char why[NEPH_ENTRY_WHY_BYTES];
     json_t *record = NULL;
     bool agrees = true;
-    char *folder = path_of(check->store, key, NULL);
-    if (!folder)
-        return neph_fail_memory(diag);
-    const enum neph_entry_state state = neph_entry_check(folder, key, &record, why);
+    const struct neph_path folder = neph_path_format("%s/frames/%s",
+                                                     neph_store_folder(check->store), key);
+    const enum neph_entry_state state = neph_entry_check(folder.text, key, &record, why);
     enum neph_status status = NEPH_OK;
     check->sums->frames++;
     if (state == NEPH_ENTRY_BAD || state == NEPH_ENTRY_UNREADABLE)
@@ -78,15 +70,14 @@ static enum neph_status check_frame(struct check *check, const char *key, struct
         status = neph_index_agrees(check->index, key, record, &agrees, diag);
     check->strangers += !agrees;
     json_decref(record);
-    free(folder);
     return status;
 }
 
 static enum neph_status check_frames(struct check *check, struct neph_diag *diag)
 {
-    char *folder = neph_path_join(neph_store_folder(check->store), "frames");
     struct dirent **names = NULL;
-    const int count = folder ? scandir(folder, &names, NULL, alphasort) : -1;
+    const int count = scandir(neph_path_in(neph_store_folder(check->store), "frames").text, &names,
+                              NULL, alphasort);
     enum neph_status status = count < 0 ? neph_fail(diag, NEPH_ERR_IO, "the store has no frames/")
                                         : NEPH_OK;
     for (int i = 0; i < count; i++) {
@@ -97,7 +88,6 @@ static enum neph_status check_frames(struct check *check, struct neph_diag *diag
         free(names[i]);
     }
     free(names);
-    free(folder);
     return status;
 }
 
@@ -202,25 +192,26 @@ static int by_use(const void *a_, const void *b_)
     return a->used_s != b->used_s ? (a->used_s < b->used_s ? -1 : 1) : strcmp(a->key, b->key);
 }
 
+/* `*list` is to be freed in any case. */
 static enum neph_status list_candidates(struct neph_store *store, struct neph_database *index,
                                         struct candidate **list, int *count,
                                         struct neph_store_gc *result, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
     int64_t total = 0;
-    enum neph_status status = neph_database_count(index, &total, diag, "SELECT count(*) FROM jobs",
-                                                  "");
-    struct candidate *made = status ? NULL : calloc((size_t)total + 1, sizeof(*made));
-    if (!status && !made)
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = neph_query_begin(index, &query, diag,
-                                  "SELECT key, bytes, key IN (SELECT key FROM night_frames WHERE "
-                                  "night IN (SELECT night FROM acceptances)) FROM jobs",
-                                  "");
-    int made_count = 0;
-    while (!status && made_count < total && neph_query_next(query, &status, diag)) {
-        struct candidate *c = &made[made_count];
+    const enum neph_status status = neph_database_count(index, &total, diag,
+                                                        "SELECT count(*) FROM jobs", "");
+    if (status)
+        return status;
+    *list = calloc((size_t)total + 1, sizeof(**list));
+    if (!*list)
+        return neph_fail_memory(diag);
+    struct neph_query *query = neph_query(
+        index, diag,
+        "SELECT key, bytes, key IN (SELECT key FROM night_frames WHERE "
+        "night IN (SELECT night FROM acceptances)) FROM jobs",
+        "");
+    while (*count < total && neph_query_next(query)) {
+        struct candidate *c = &(*list)[*count];
         c->bytes = neph_query_integer(query, 1);
         result->frames_before++;
         result->bytes_before += c->bytes;
@@ -230,17 +221,10 @@ static enum neph_status list_candidates(struct neph_store *store, struct neph_da
         }
         memcpy(c->key, neph_query_text(query, 0), sizeof(c->key));
         c->used_s = neph_store_used_s(store, c->key);
-        made_count++;
+        ++*count;
     }
-    neph_query_end(query);
-    if (status) {
-        free(made);
-        return status;
-    }
-    qsort(made, (size_t)made_count, sizeof(*made), by_use);
-    *list = made;
-    *count = made_count;
-    return NEPH_OK;
+    qsort(*list, (size_t)*count, sizeof(**list), by_use);
+    return neph_query_end(query, NEPH_OK);
 }
 
 /* Somebody may have used it since it was listed. */
@@ -282,64 +266,34 @@ enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, do
 
 /* ---- export ---------------------------------------------------------------------------------- */
 
-static json_t *environment_json(struct neph_query *q)
-{
-    return json_pack("{s:I, s:s, s:s, s:s, s:s, s:s}", "id", (json_int_t)neph_query_integer(q, 0),
-                     "engine", neph_query_text(q, 1), "version", neph_query_text(q, 2), "build",
-                     neph_query_text(q, 3), "device", neph_query_text(q, 4), "host",
-                     neph_query_text(q, 5));
-}
-
-static json_t *job_json(struct neph_query *q)
-{
-    return json_pack(
-        "{s:s, s:s, s:s, s:s, s:I, s:s, s:[I,I], s:I, s:I, s:f, s:f, s:f, s:I, s:s, "
-        "s:I, s:s}",
-        "key", neph_query_text(q, 0), "format", neph_query_text(q, 1), "scene",
-        neph_query_text(q, 2), "scene_hash", neph_query_text(q, 3), "environment",
-        (json_int_t)neph_query_integer(q, 4), "settings", neph_query_text(q, 5), "size_px",
-        (json_int_t)neph_query_integer(q, 6), (json_int_t)neph_query_integer(q, 7), "frame",
-        (json_int_t)neph_query_integer(q, 8), "seed", (json_int_t)neph_query_integer(q, 9),
-        "render_s", neph_query_real(q, 10), "wall_s", neph_query_real(q, 11), "cpu_s",
-        neph_query_real(q, 12), "peak_memory_bytes", (json_int_t)neph_query_integer(q, 13),
-        "frame_blake2b", neph_query_text(q, 14), "bytes", (json_int_t)neph_query_integer(q, 15),
-        "made_utc", neph_query_text(q, 16));
-}
-
 static enum neph_status list_all(struct neph_database *index, const char *question,
-                                 json_t *(*row)(struct neph_query *), json_t *document,
+                                 const struct neph_record_field *fields, json_t *document,
                                  const char *name, struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
-    json_t *list = json_array();
-    enum neph_status status = neph_query_begin(index, &query, diag, question, "");
-    while (!status && neph_query_next(query, &status, diag))
-        neph_json_add(&list, row(query));
-    neph_query_end(query);
+    json_t *list = NULL;
+    const enum neph_status status = neph_record_list(index, diag, question, 0, fields, &list);
     if (!status && !list) {
-        status = neph_fail(diag, NEPH_ERR_INPUT, "a row of '%s' in the store's database is damaged",
-                           name);
+        neph_fail(diag, NEPH_ERR_INPUT, "a row of '%s' in the store's database is damaged", name);
         neph_hint(diag, "`neph store check --repair` makes it again");
+        return NEPH_ERR_INPUT;
     }
-    if (status)
-        json_decref(list);
     return status ? status : neph_json_put(document, name, list, diag);
 }
 
 static enum neph_status list_nights(struct neph_database *index, json_t *document,
                                     struct neph_diag *diag)
 {
-    struct neph_query *query = NULL;
     json_t *list = json_array();
-    enum neph_status status = neph_query_begin(
-        index, &query, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
-    while (!status && neph_query_next(query, &status, diag)) {
+    enum neph_status status = NEPH_OK;
+    struct neph_query *query = neph_query(
+        index, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
+    while (!status && neph_query_next(query)) {
         json_t *night = NULL;
         status = neph_history_document(index, neph_query_integer(query, 0), &night, diag);
         if (!status)
             neph_json_add(&list, night);
     }
-    neph_query_end(query);
+    status = neph_query_end(query, status);
     if (status)
         json_decref(list);
     return status ? status : neph_json_put(document, "nights", list, diag);
@@ -352,10 +306,11 @@ enum neph_status neph_store_export(struct neph_store *store, json_t **document,
     json_t *made = json_pack("{s:s}", "format", "neph-store-1"), *acceptances = NULL;
     enum neph_status status = made ? neph_store_index(store, &index, diag) : neph_fail_memory(diag);
     if (!status)
-        status = list_all(index, "SELECT * FROM environments ORDER BY id", environment_json, made,
-                          "environments", diag);
+        status = list_all(index, "SELECT * FROM environments WHERE ? = 0 ORDER BY id",
+                          neph_index_environment_fields, made, "environments", diag);
     if (!status)
-        status = list_all(index, "SELECT * FROM jobs ORDER BY key", job_json, made, "jobs", diag);
+        status = list_all(index, "SELECT * FROM jobs WHERE ? = 0 ORDER BY key",
+                          neph_index_job_fields, made, "jobs", diag);
     if (!status)
         status = list_nights(index, made, diag);
     if (!status)
