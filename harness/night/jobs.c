@@ -2,8 +2,9 @@
 #include "harness/night/jobs.h"
 
 #include "base/files.h"
-#include "base/hash.h"
+#include "base/path.h"
 #include "base/scratch.h"
+#include "harness/json_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -16,6 +17,11 @@ static const char night_format[] = "neph-night-jobs-1", step_format[] = "neph-st
 const char neph_night_job_not_run[] = "not run";
 static const size_t limit_bytes = 64 << 20;
 
+/* Of a night from its format on, and of a step's record after its name. */
+static const char night_fields[] =
+    "s:format s:name i:night s:started_utc s:plan s:revision s:program s:host";
+static const char outcome_fields[] = "s:outcome s:reason s:size d:wall_s n:calibration_s";
+
 /* ---- files ----------------------------------------------------------------------------------- */
 
 static const char *folder_of(struct neph_arena *arena, const char *output)
@@ -27,28 +33,17 @@ static const char *folder_of(struct neph_arena *arena, const char *output)
 static enum neph_status read_json(const char *path, const char *format, json_t **document,
                                   struct neph_diag *diag)
 {
-    char *text = NULL;
-    size_t size;
-    *document = NULL;
-    const enum neph_status status = neph_file_read(path, limit_bytes, &text, &size, diag);
-    if (status)
-        return status == NEPH_ERR_NOT_FOUND ? NEPH_OK : status;
-    json_t *read = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
-    free(text);
-    if (strcmp(neph_json_text(read, "format"), format) == 0)
-        *document = read;
-    else
-        json_decref(read);
-    return NEPH_OK;
+    json_t *read = NULL;
+    const enum neph_status status = neph_json_read(path, limit_bytes, &read, diag);
+    *document = strcmp(neph_json_text(read, "format"), format) == 0 ? json_incref(read) : NULL;
+    json_decref(read);
+    return status == NEPH_ERR_NOT_FOUND ? NEPH_OK : status;
 }
 
 /* Takes the document over. */
 static enum neph_status write_json(const char *path, json_t *document, struct neph_diag *diag)
 {
-    char *text = document ? json_dumps(document, JSON_INDENT(1)) : NULL;
-    const enum neph_status status = text ? neph_file_write(path, text, strlen(text), diag)
-                                         : neph_fail_memory(diag);
-    free(text);
+    const enum neph_status status = neph_json_write(document, JSON_INDENT(1), path, diag);
     json_decref(document);
     return status;
 }
@@ -61,22 +56,14 @@ enum neph_status neph_night_jobs_read(const char *output, struct neph_arena *are
 {
     json_t *d = NULL;
     const char *folder = folder_of(arena, output);
-    const enum neph_status status = read_json(neph_arena_format(arena, "%s/night.json", folder),
-                                              night_format, &d, diag);
+    const enum neph_status status = read_json(neph_path_in(folder, "night.json").text, night_format,
+                                              &d, diag);
     if (status)
         return status;
     *found = d != NULL;
     *jobs = (struct neph_night_jobs){
-        .arena = arena,
-        .folder = folder,
-        .name = neph_arena_text(arena, neph_json_text(d, "name")),
-        .night = json_integer_value(json_object_get(d, "night")),
-        .started_utc = neph_arena_text(arena, neph_json_text(d, "started_utc")),
-        .who = {neph_arena_text(arena, neph_json_text(d, "plan")),
-                neph_arena_text(arena, neph_json_text(d, "revision")),
-                neph_arena_text(arena, neph_json_text(d, "program")),
-                neph_arena_text(arena, neph_json_text(d, "host"))},
-        .steps = json_incref(json_object_get(d, "steps"))};
+        .arena = arena, .folder = folder, .steps = json_incref(json_object_get(d, "steps"))};
+    neph_record_read(night_fields, d, arena, &jobs->format);
     json_decref(d);
     return neph_arena_check(arena, diag);
 }
@@ -106,6 +93,7 @@ enum neph_status neph_night_jobs_begin(const char *output, struct neph_arena *ar
 {
     *jobs = (struct neph_night_jobs){.arena = arena,
                                      .folder = folder_of(arena, output),
+                                     .format = night_format,
                                      .night = night,
                                      .started_utc = started_utc,
                                      .who = *who,
@@ -129,13 +117,9 @@ enum neph_status neph_night_jobs_add(struct neph_night_jobs *jobs, const char *s
 
 enum neph_status neph_night_jobs_write(const struct neph_night_jobs *jobs, struct neph_diag *diag)
 {
-    return write_json(neph_arena_format(jobs->arena, "%s/night.json", jobs->folder),
-                      json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:O}", "format",
-                                night_format, "name", jobs->name, "night", (json_int_t)jobs->night,
-                                "started_utc", jobs->started_utc, "plan", jobs->who.plan,
-                                "revision", jobs->who.revision, "program", jobs->who.program,
-                                "host", jobs->who.host, "steps", jobs->steps),
-                      diag);
+    json_t *document = neph_record_json(night_fields, &jobs->format);
+    neph_json_set(&document, "steps", json_incref(jobs->steps));
+    return write_json(neph_path_in(jobs->folder, "night.json").text, document, diag);
 }
 
 void neph_night_jobs_finish(struct neph_night_jobs *jobs)
@@ -147,16 +131,11 @@ void neph_night_jobs_finish(struct neph_night_jobs *jobs)
 /* First the file that makes it a night. */
 enum neph_status neph_night_jobs_forget(const char *output, struct neph_diag *diag)
 {
-    struct neph_arena arena = {NULL};
-    const char *folder = folder_of(&arena, output);
-    const char *night = neph_arena_format(&arena, "%s/night.json", folder);
-    enum neph_status status = neph_arena_check(&arena, diag);
-    if (!status && unlink(night) != 0 && errno != ENOENT)
-        status = neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", night, strerror(errno));
-    if (!status)
-        status = neph_dir_remove(folder, diag);
-    neph_arena_finish(&arena);
-    return status;
+    const struct neph_path folder = neph_path_in(output, "nightly/jobs"),
+                           night = neph_path_in(folder.text, "night.json");
+    if (unlink(night.text) != 0 && errno != ENOENT)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", night.text, strerror(errno));
+    return neph_dir_remove(folder.text, diag);
 }
 
 bool neph_night_jobs_is_of(const struct neph_night_jobs *jobs, const struct neph_history_night *who)
@@ -194,14 +173,6 @@ static const char *record_path(const struct neph_night_jobs *jobs,
     return neph_step_file(jobs->arena, jobs->folder, step, ".json");
 }
 
-static json_t *measurement_json(const struct neph_measurement *m)
-{
-    return json_pack("{s:s, s:s, s:o, s:o, s:s, s:s}", "series", m->series, "kind", m->kind,
-                     "value", neph_json_number(m->value), "standard_error",
-                     neph_json_number(m->standard_error), "environment", m->environment, "frame",
-                     m->frame);
-}
-
 enum neph_status neph_night_jobs_keep(const struct neph_night_jobs *jobs,
                                       const struct neph_night_step *step,
                                       const struct neph_history_step *record,
@@ -210,14 +181,15 @@ enum neph_status neph_night_jobs_keep(const struct neph_night_jobs *jobs,
 {
     json_t *list = json_array();
     for (int i = 0; i < numbers->count; i++)
-        neph_json_add(&list, measurement_json(&numbers->list[i]));
-    return write_json(record_path(jobs, step),
-                      json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:f, s:o, s:o}", "format",
-                                step_format, "jobs", jobs->name, "step", record->name, "outcome",
-                                record->outcome, "reason", record->reason, "size", record->size,
-                                "wall_s", record->wall_s, "calibration_s",
-                                neph_json_number(record->calibration_s), "measurements", list),
-                      diag);
+        neph_json_add(&list, neph_record_json(neph_measurement_fields, &numbers->list[i]));
+    json_t *document = json_pack("{s:s, s:s, s:s}", "format", step_format, "jobs", jobs->name,
+                                 "step", record->name);
+    json_t *outcome = neph_record_json(outcome_fields, &record->outcome);
+    if (!outcome || json_object_update(document, outcome))
+        neph_json_set(&document, "", NULL);
+    json_decref(outcome);
+    neph_json_set(&document, "measurements", list);
+    return write_json(record_path(jobs, step), document, diag);
 }
 
 static void read_measurements(struct neph_arena *arena, const json_t *list,
@@ -225,16 +197,8 @@ static void read_measurements(struct neph_arena *arena, const json_t *list,
 {
     const size_t count = json_array_size(list);
     struct neph_measurement *read = neph_arena_zeroed(arena, count + 1, sizeof(*read));
-    for (size_t i = 0; read && i < count; i++) {
-        const json_t *m = json_array_get(list, i);
-        read[i] = (struct neph_measurement){
-            .series = neph_arena_text(arena, neph_json_text(m, "series")),
-            .kind = neph_arena_text(arena, neph_json_text(m, "kind")),
-            .value = neph_json_real(m, "value"),
-            .standard_error = neph_json_real(m, "standard_error"),
-            .environment = neph_arena_text(arena, neph_json_text(m, "environment")),
-            .frame = neph_arena_text(arena, neph_json_text(m, "frame"))};
-    }
+    for (size_t i = 0; read && i < count; i++)
+        neph_record_read(neph_measurement_fields, json_array_get(list, i), arena, &read[i]);
     *numbers = (struct neph_night_numbers){.list = read, .count = (int)count};
 }
 
@@ -248,13 +212,8 @@ enum neph_status neph_night_jobs_look(const struct neph_night_jobs *jobs,
     const enum neph_status status = read_json(record_path(jobs, step), step_format, &d, diag);
     *found = !status && strcmp(neph_json_text(d, "jobs"), jobs->name) == 0;
     if (*found) {
-        *record = (struct neph_history_step){
-            .name = step->name,
-            .outcome = neph_arena_text(arena, neph_json_text(d, "outcome")),
-            .reason = neph_arena_text(arena, neph_json_text(d, "reason")),
-            .size = neph_arena_text(arena, neph_json_text(d, "size")),
-            .wall_s = neph_json_real(d, "wall_s"),
-            .calibration_s = neph_json_real(d, "calibration_s")};
+        record->name = step->name;
+        neph_record_read(outcome_fields, d, arena, &record->outcome);
         read_measurements(arena, json_object_get(d, "measurements"), numbers);
         numbers->size = record->size;
     }
@@ -265,15 +224,15 @@ enum neph_status neph_night_jobs_look(const struct neph_night_jobs *jobs,
 /* ---- running one ----------------------------------------------------------------------------- */
 
 /* A folder of its own for what the step writes, in which the store is that of all. */
-static enum neph_status link_store(struct neph_arena *arena, const char *output, const char *work,
-                                   struct neph_diag *diag)
+static enum neph_status link_store(const char *output, const char *work, struct neph_diag *diag)
 {
-    char *store = realpath(neph_arena_format(arena, "%s/store", output), NULL);
-    const char *link = neph_arena_format(arena, "%s/store", work);
-    enum neph_status status = neph_arena_check(arena, diag);
-    if (!status && (!store || symlink(store, link) != 0))
-        status = neph_fail(diag, NEPH_ERR_IO, "cannot link '%s' to the store of '%s': %s", link,
-                           output, strerror(errno));
+    char *store = realpath(neph_path_in(output, "store").text, NULL);
+    const struct neph_path link = neph_path_in(work, "store");
+    const enum neph_status status = store && symlink(store, link.text) == 0
+                                        ? NEPH_OK
+                                        : neph_fail(diag, NEPH_ERR_IO,
+                                                    "cannot link '%s' to the store of '%s': %s",
+                                                    link.text, output, strerror(errno));
     free(store);
     return status;
 }
@@ -300,7 +259,7 @@ static enum neph_status run(const struct neph_night_jobs *jobs, const struct nep
     struct neph_scratch *scratch = NULL;
     enum neph_status status = neph_scratch_create(jobs->folder, "work-", &scratch, diag);
     if (!status)
-        status = link_store(jobs->arena, output, neph_scratch_path(scratch), diag);
+        status = link_store(output, neph_scratch_path(scratch), diag);
     if (!status)
         status = neph_step_place_settle(place, false, diag);
     if (!status)

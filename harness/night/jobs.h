@@ -26,11 +26,13 @@ extern const char neph_night_job_not_run[];
 struct neph_night_jobs {
     struct neph_arena *arena;
     const char *folder; /* OUTPUT/nightly/jobs */
-    const char *name;   /* of this night's jobs, and of no other's */
+    json_t *steps;      /* {STEP: {"limit_s", "begin_by"}} of those that there are jobs for */
+    /* As in its document: */
+    const char *format;
+    const char *name; /* of this night's jobs, and of no other's */
     int64_t night;
     const char *started_utc;
     struct neph_history_night who;
-    json_t *steps; /* {STEP: {"limit_s", "begin_by"}} of those that there are jobs for */
 };
 
 /* What a job of a step is told. */

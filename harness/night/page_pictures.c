@@ -21,21 +21,19 @@ enum neph_status neph_night_pictures_begin(struct neph_night_pictures *pictures,
                                            size_t limit_bytes, struct neph_diag *diag)
 {
     *pictures = (struct neph_night_pictures){.store = store,
-                                             .folder = neph_path_join(page_folder, "images"),
+                                             .folder = neph_path_in(page_folder, "images"),
                                              .scenes = json_object(),
                                              .counted = json_object(),
                                              .limit_bytes = limit_bytes};
-    if (!pictures->folder || !pictures->scenes || !pictures->counted)
-        return neph_fail_memory(diag);
-    return neph_dir_create(pictures->folder, diag);
+    return pictures->scenes && pictures->counted ? neph_dir_create(pictures->folder.text, diag)
+                                                 : neph_fail_memory(diag);
 }
 
 void neph_night_pictures_end(struct neph_night_pictures *pictures)
 {
-    free(pictures->folder);
     json_decref(pictures->scenes);
     json_decref(pictures->counted);
-    *pictures = (struct neph_night_pictures){.folder = NULL};
+    *pictures = (struct neph_night_pictures){.store = NULL};
 }
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
@@ -152,12 +150,10 @@ static enum neph_status hang(struct neph_night_pictures *pictures, const char *n
                              double exposure_or_scale, json_t **picture, struct neph_diag *diag)
 {
     bool fits = false;
-    char *path = neph_path_join(pictures->folder, name);
-    enum neph_status status = path ? draw(path, frame, reference, exposure_or_scale, diag)
-                                   : neph_fail_memory(diag);
+    const struct neph_path path = neph_path_in(pictures->folder.text, name);
+    enum neph_status status = draw(path.text, frame, reference, exposure_or_scale, diag);
     if (!status)
-        status = count_picture(pictures, name, path, &fits, diag);
-    free(path);
+        status = count_picture(pictures, name, path.text, &fits, diag);
     if (!status)
         *picture = fits ? json_sprintf("images/%s", name) : json_null();
     return status;

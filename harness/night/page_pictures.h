@@ -7,13 +7,14 @@
 #ifndef NEPH_HARNESS_NIGHT_PAGE_PICTURES_H
 #define NEPH_HARNESS_NIGHT_PAGE_PICTURES_H
 
+#include "base/path.h"
 #include "harness/json.h"
 #include "harness/run/store.h"
 
 /* Free with _end. */
 struct neph_night_pictures {
     struct neph_store *store; /* borrowed */
-    char *folder;             /* owned: images/ of the page */
+    struct neph_path folder;  /* images/ of the page */
     json_t *scenes;           /* owned: {"SCENE": {"title": ..., "exposure_ev": ...}} */
     json_t *counted;          /* owned: names of pictures that are in `bytes` */
     size_t limit_bytes, bytes;

@@ -2,6 +2,7 @@
 #include "harness/night/scene_copy.h"
 
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/data.h"
 
 #include <stdio.h>
@@ -80,15 +81,15 @@ const char *neph_scene_copy_path(const char *store_folder, const struct neph_his
 static enum neph_status write_copy(const char *from, const char *to, struct neph_diag *diag)
 {
     static const size_t scene_limit_bytes = 64 << 20;
-    char *folder = neph_format("%.*s", (int)(strrchr(to, '/') - to), to), *text = NULL;
+    char *text = NULL;
     size_t size = 0;
-    enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
+    enum neph_status status = neph_dir_create(
+        neph_path_format("%.*s", (int)(strrchr(to, '/') - to), to).text, diag);
     if (!status)
         status = neph_file_read(from, scene_limit_bytes, &text, &size, diag);
     if (!status)
         status = neph_file_write(to, text, size, diag);
     free(text);
-    free(folder);
     return status;
 }
 

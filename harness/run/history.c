@@ -138,89 +138,44 @@ enum neph_status neph_document_digest_night(const char *store_folder, int64_t ni
 
 /* ---- rows of documents ----------------------------------------------------------------------- */
 
-const struct neph_record_field neph_history_step_fields[] = {
-    NEPH_FIELD('s', neph_history_step, name),
-    NEPH_FIELD('s', neph_history_step, outcome),
-    NEPH_FIELD('s', neph_history_step, reason),
-    NEPH_FIELD('s', neph_history_step, size),
-    NEPH_FIELD('d', neph_history_step, wall_s),
-    NEPH_FIELD('n', neph_history_step, calibration_s),
-    {NULL, 0, 0}};
+const char neph_history_step_fields[] = "s:name s:outcome s:reason s:size d:wall_s n:calibration_s";
+const char neph_measurement_fields[] =
+    "s:series s:kind n:value n:standard_error s:environment s:frame";
 
-const struct neph_record_field neph_measurement_fields[] = {
-    NEPH_FIELD('s', neph_measurement, series),
-    NEPH_FIELD('s', neph_measurement, kind),
-    NEPH_FIELD('n', neph_measurement, value),
-    NEPH_FIELD('n', neph_measurement, standard_error),
-    NEPH_FIELD('s', neph_measurement, environment),
-    NEPH_FIELD('s', neph_measurement, frame),
-    {NULL, 0, 0}};
-
-/* A measurement as a row. */
+/* A measurement as a row. Documents of before numbers knew their pictures have no "frame". */
 struct measured {
     const char *series, *step, *kind;
     double value, standard_error;
     const char *environment, *judgement, *frame;
 };
+static const char measured_fields[] =
+    "s:series s:step s:kind n:value n:standard_error s:environment s:judgement o:frame";
 
-/* Documents of before numbers knew their pictures have no "frame". */
-static const struct neph_record_field measured_fields[] = {
-    NEPH_FIELD('s', measured, series),
-    NEPH_FIELD('s', measured, step),
-    NEPH_FIELD('s', measured, kind),
-    NEPH_FIELD('n', measured, value),
-    NEPH_FIELD('n', measured, standard_error),
-    NEPH_FIELD('s', measured, environment),
-    NEPH_FIELD('s', measured, judgement),
-    NEPH_FIELD('o', measured, frame),
-    {NULL, 0, 0}};
+static const char scene_fields[] = "s:step s:scene s:hash s:terms", frame_fields[] = "s:";
 
-static const struct neph_record_field scene_fields[] = {NEPH_FIELD('s', neph_history_scene, step),
-                                                        NEPH_FIELD('s', neph_history_scene, scene),
-                                                        NEPH_FIELD('s', neph_history_scene, hash),
-                                                        NEPH_FIELD('s', neph_history_scene, terms),
-                                                        {NULL, 0, 0}};
-
-/* A night as a row. */
+/* What a night and an acceptance are, and what of it are columns beside their numbers. */
 struct head {
-    const char *format, *started_utc, *ended_utc, *verdict;
-    const char *plan, *revision, *program, *host;
-    int64_t night;
+    const char *started_utc, *ended_utc, *plan, *revision, *program, *host, *verdict;
 };
-
-static const struct neph_record_field head_fields[] = {
-    NEPH_FIELD('s', head, format),      NEPH_FIELD('i', head, night),
-    NEPH_FIELD('s', head, started_utc), NEPH_FIELD('s', head, ended_utc),
-    NEPH_FIELD('s', head, plan),        NEPH_FIELD('s', head, revision),
-    NEPH_FIELD('s', head, program),     NEPH_FIELD('s', head, host),
-    NEPH_FIELD('s', head, verdict),     {NULL, 0, 0}};
+#define HEAD_FIELDS "s:started_utc s:ended_utc s:plan s:revision s:program s:host s:verdict"
 
 struct acceptance {
-    const char *format, *series, *who, *when_utc, *why;
-    int64_t acceptance, night;
+    const char *series;
+    int64_t night;
+    const char *who, *when_utc, *why;
 };
-
-static const struct neph_record_field acceptance_fields[] = {
-    NEPH_FIELD('s', acceptance, format), NEPH_FIELD('i', acceptance, acceptance),
-    NEPH_FIELD('s', acceptance, series), NEPH_FIELD('i', acceptance, night),
-    NEPH_FIELD('s', acceptance, who),    NEPH_FIELD('s', acceptance, when_utc),
-    NEPH_FIELD('s', acceptance, why),    {NULL, 0, 0}};
-
-static const struct neph_record_field frame_fields[] = {{"", 's', 0}, {NULL, 0, 0}};
+#define ACCEPTANCE_FIELDS "s:series i:night s:who s:when_utc s:why"
 
 union row {
     struct neph_history_step step;
     struct measured measured;
     struct neph_history_scene scene;
     const char *frame;
-    struct head head;
-    struct acceptance acceptance;
 };
 
 /* The lists of a night's document. */
 static const struct list {
-    const char *name, *question, *insert;
-    const struct neph_record_field *fields;
+    const char *name, *question, *insert, *fields;
     bool may_lack; /* nights of before it was kept have none */
 } step_list =
     {"steps",
@@ -271,7 +226,7 @@ static enum neph_status insert_lists(struct neph_database *index, int64_t night,
             const json_t *item = json_array_get(of_document, k);
             union row row = {.frame = json_string_value(item)};
             if (lists[i] != &frame_list)
-                neph_record_read(lists[i]->fields, item, &row);
+                neph_record_read(lists[i]->fields, item, NULL, &row);
             status = insert(index, lists[i], night, &row, diag);
         }
     }
@@ -283,7 +238,7 @@ static enum neph_status insert_head(struct neph_database *index, int64_t night,
                                     const struct head *head, struct neph_diag *diag)
 {
     return neph_record_put(index, diag, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)", night,
-                           head_fields + 2, head);
+                           HEAD_FIELDS, head);
 }
 
 static enum neph_status forget_night(struct neph_database *index, int64_t night,
@@ -303,7 +258,7 @@ static enum neph_status insert_night(struct neph_database *index, int64_t night,
                                      const json_t *document, struct neph_diag *diag)
 {
     struct head head;
-    neph_record_read(head_fields, document, &head);
+    neph_record_read(HEAD_FIELDS, document, NULL, &head);
     enum neph_status status = forget_night(index, night, diag);
     if (!status)
         status = insert_head(index, night, &head, diag);
@@ -315,10 +270,10 @@ static enum neph_status insert_acceptance(struct neph_database *index, int64_t n
                                           const json_t *document, struct neph_diag *diag)
 {
     struct acceptance acceptance;
-    neph_record_read(acceptance_fields, document, &acceptance);
+    neph_record_read(ACCEPTANCE_FIELDS, document, NULL, &acceptance);
     return neph_record_put(index, diag,
                            "INSERT OR IGNORE INTO acceptances VALUES (?, ?, ?, ?, ?, ?)", number,
-                           acceptance_fields + 2, &acceptance);
+                           ACCEPTANCE_FIELDS, &acceptance);
 }
 
 /* All of a document's rows or none. */
@@ -533,8 +488,7 @@ enum neph_status neph_history_judge(struct neph_database *index, int64_t night, 
 
 /* The rows of a question about a night as a list. */
 static enum neph_status list_rows(struct neph_database *index, const char *question, int64_t night,
-                                  const struct neph_record_field *fields, json_t **list,
-                                  struct neph_diag *diag)
+                                  const char *fields, json_t **list, struct neph_diag *diag)
 {
     enum neph_status status = neph_record_list(index, diag, question, night, fields, list);
     if (!status && !*list) {
@@ -554,7 +508,7 @@ enum neph_status neph_history_document(struct neph_database *index, int64_t nigh
         index,
         "SELECT 'neph-night-1', id, started_utc, ended_utc, plan, revision, "
         "program, host, verdict FROM nights WHERE id = ?",
-        night, head_fields, &heads, diag);
+        night, "s:format i:night " HEAD_FIELDS, &heads, diag);
     if (!status && json_array_size(heads) == 0)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld", (long long)night);
     json_t *made = status ? NULL : json_incref(json_array_get(heads, 0));
@@ -581,7 +535,7 @@ enum neph_status neph_history_acceptances(struct neph_database *index, json_t **
                      "SELECT 'neph-accept-1', id, series, night, who, when_utc, why FROM "
                      "acceptances WHERE id > ? "
                      "ORDER BY id",
-                     0, acceptance_fields, list, diag);
+                     0, "s:format i:acceptance " ACCEPTANCE_FIELDS, list, diag);
 }
 
 /* ---- for good -------------------------------------------------------------------------------- */

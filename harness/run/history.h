@@ -36,7 +36,8 @@ struct neph_history_step {
     double calibration_s; /* NaN: nothing was timed */
 };
 
-extern const struct neph_record_field neph_measurement_fields[], neph_history_step_fields[];
+/* As of record.h. */
+extern const char neph_measurement_fields[], neph_history_step_fields[];
 
 /* The scene that a step has measured. `terms` is a digest of what decides about its numbers and
  * changes none: gates, exposure, what is measured over time (night/scene_copy.h). */

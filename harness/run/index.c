@@ -70,47 +70,30 @@ struct environment {
     int64_t id;
     const char *engine, *version, *build, *device, *host;
 };
+enum { ENVIRONMENT_COLUMNS = 6 };
+const char neph_index_environment_fields[] = "i:id s:engine s:version s:build s:device s:host";
 
 struct job {
-    const char *key, *format, *scene, *scene_hash, *settings, *frame_blake2b, *made_utc;
-    int64_t environment, size_px[2], frame, seed, peak_memory_bytes, bytes;
+    const char *key, *format, *scene, *scene_hash;
+    int64_t environment;
+    const char *settings;
+    int64_t size_px[2], frame, seed;
     double render_s, wall_s, cpu_s;
+    int64_t peak_memory_bytes;
+    const char *frame_blake2b;
+    int64_t bytes;
+    const char *made_utc;
 };
-
-const struct neph_record_field neph_index_environment_fields[] = {
-    NEPH_FIELD('i', environment, id),
-    NEPH_FIELD('s', environment, engine),
-    NEPH_FIELD('s', environment, version),
-    NEPH_FIELD('s', environment, build),
-    NEPH_FIELD('s', environment, device),
-    NEPH_FIELD('s', environment, host),
-    {NULL, 0, 0}};
-enum { ENVIRONMENT_COLUMNS = 6 };
-
-const struct neph_record_field neph_index_job_fields[] = {NEPH_FIELD('s', job, key),
-                                                          NEPH_FIELD('s', job, format),
-                                                          NEPH_FIELD('s', job, scene),
-                                                          NEPH_FIELD('s', job, scene_hash),
-                                                          NEPH_FIELD('i', job, environment),
-                                                          NEPH_FIELD('s', job, settings),
-                                                          NEPH_FIELD('p', job, size_px),
-                                                          NEPH_FIELD('i', job, frame),
-                                                          NEPH_FIELD('i', job, seed),
-                                                          NEPH_FIELD('d', job, render_s),
-                                                          NEPH_FIELD('d', job, wall_s),
-                                                          NEPH_FIELD('d', job, cpu_s),
-                                                          NEPH_FIELD('i', job, peak_memory_bytes),
-                                                          NEPH_FIELD('s', job, frame_blake2b),
-                                                          NEPH_FIELD('i', job, bytes),
-                                                          NEPH_FIELD('s', job, made_utc),
-                                                          {NULL, 0, 0}};
+const char neph_index_job_fields[] =
+    "s:key s:format s:scene s:scene_hash i:environment s:settings p:size_px i:frame i:seed "
+    "d:render_s d:wall_s d:cpu_s i:peak_memory_bytes s:frame_blake2b i:bytes s:made_utc";
 
 /* What the record of a frame says: all but the number of its environment and its bytes. */
 static void read_record(const char *key, const json_t *record, struct job *job,
                         struct environment *environment)
 {
-    neph_record_read(neph_index_environment_fields, record, environment);
-    neph_record_read(neph_index_job_fields, record, job);
+    neph_record_read(neph_index_environment_fields, record, NULL, environment);
+    neph_record_read(neph_index_job_fields, record, NULL, job);
     job->key = key;
     job->made_utc = neph_json_text(record, "created_utc");
     job->environment = job->bytes = environment->id = 0;

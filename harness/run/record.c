@@ -1,39 +1,52 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/record.h"
 
+#include <stdio.h>
 #include <string.h>
 
-_Static_assert(sizeof(union neph_database_value) == sizeof(const char *) &&
-                   sizeof(union neph_database_value) == sizeof(int64_t) &&
-                   sizeof(union neph_database_value) == sizeof(double),
-               "all members have one size");
+/* All members have the size of a value of the database. */
+enum { SIZE = sizeof(union neph_database_value) };
+_Static_assert(SIZE == sizeof(const char *) && SIZE == sizeof(int64_t) && SIZE == sizeof(double),
+               "members have one size");
 
-/* The columns of a field. */
-static int count(const struct neph_record_field *field)
+struct field {
+    char type, column_type; /* the latter in terms of database.h */
+    char name[32];
+    int columns;
+};
+
+/* Take the next field from a text of them; false: there is none. */
+static bool next(const char **fields, struct field *field)
 {
-    return field->type == 'p' ? 2 : 1;
+    const char *at = *fields + strspn(*fields, " ");
+    if (!*at)
+        return false;
+    const size_t length = strcspn(at, " ");
+    field->type = *at;
+    field->column_type = strchr("ip", *at) ? 'i' : strchr("dn", *at) ? 'd' : 's';
+    field->columns = *at == 'p' ? 2 : 1;
+    snprintf(field->name, sizeof(field->name), "%.*s", (int)length - 2, at + 2);
+    *fields = at + length;
+    return true;
 }
 
-/* In terms of database.h. */
-static char column_type(const struct neph_record_field *field)
+/* Copy a record to values, and back; returns how many they are. */
+static int get(const char *fields, const void *record, union neph_database_value *values)
 {
-    return strchr("ip", field->type) ? 'i' : strchr("dn", field->type) ? 'd' : 's';
+    struct field field;
+    int count = 0;
+    while (next(&fields, &field))
+        count += field.columns;
+    memcpy(values, record, (size_t)count * SIZE);
+    return count;
 }
 
-static void get(const struct neph_record_field *field, const void *record,
-                union neph_database_value values[2])
+static void set(void *record, const union neph_database_value *values, int count)
 {
-    memcpy(values, (const char *)record + field->at, (size_t)count(field) * sizeof(*values));
+    memcpy(record, values, (size_t)count * SIZE);
 }
 
-static void set(const struct neph_record_field *field, void *record,
-                const union neph_database_value values[2])
-{
-    memcpy((char *)record + field->at, values, (size_t)count(field) * sizeof(*values));
-}
-
-static json_t *field_json(const struct neph_record_field *field,
-                          const union neph_database_value values[2])
+static json_t *field_json(const struct field *field, const union neph_database_value *values)
 {
     switch (field->type) {
     case 'i':
@@ -49,65 +62,69 @@ static json_t *field_json(const struct neph_record_field *field,
     }
 }
 
-json_t *neph_record_json(const struct neph_record_field *fields, const void *record)
+json_t *neph_record_json(const char *fields, const void *record)
 {
+    union neph_database_value values[NEPH_RECORD_COLUMNS], *at = values;
+    struct field field;
     json_t *json = json_object();
-    for (; fields->name; fields++) {
-        union neph_database_value values[2];
-        get(fields, record, values);
-        if (fields->type != 'o' || values[0].text[0])
-            neph_json_set(&json, fields->name, field_json(fields, values));
-    }
+    get(fields, record, values);
+    for (; next(&fields, &field); at += field.columns)
+        if (field.type != 'o' || at->text[0])
+            neph_json_set(&json, field.name, field_json(&field, at));
     return json;
 }
 
-void neph_record_read(const struct neph_record_field *fields, const json_t *json, void *record)
+void neph_record_read(const char *fields, const json_t *json, struct neph_arena *arena,
+                      void *record)
 {
-    for (; fields->name; fields++) {
-        const json_t *found = json_object_get(json, fields->name);
-        union neph_database_value values[2] = {{.text = neph_json_text(json, fields->name)}};
-        if (fields->type == 'i')
-            values[0].integer = json_integer_value(found);
-        else if (fields->type == 'd')
-            values[0].real = json_number_value(found);
-        else if (fields->type == 'n')
-            values[0].real = neph_json_real(json, fields->name);
-        for (size_t i = 0; fields->type == 'p' && i < 2; i++)
-            values[i].integer = json_integer_value(json_array_get(found, i));
-        set(fields, record, values);
+    union neph_database_value values[NEPH_RECORD_COLUMNS];
+    struct field field;
+    int count = 0;
+    while (next(&fields, &field)) {
+        const json_t *found = json_object_get(json, field.name);
+        const char *text = neph_json_text(json, field.name);
+        for (size_t i = 0; field.type == 'p' && i < 2; i++)
+            values[count++].integer = json_integer_value(json_array_get(found, i));
+        if (field.type == 'i')
+            values[count++].integer = json_integer_value(found);
+        else if (field.type == 'd')
+            values[count++].real = json_number_value(found);
+        else if (field.type == 'n')
+            values[count++].real = neph_json_real(json, field.name);
+        else if (field.type != 'p')
+            values[count++].text = arena ? neph_arena_text(arena, text) : text;
     }
+    set(record, values, count);
 }
 
-void neph_record_row(const struct neph_record_field *fields, struct neph_query *row, int column,
-                     void *record)
+void neph_record_row(const char *fields, struct neph_query *row, int column, void *record)
 {
-    for (; fields->name; fields++) {
-        union neph_database_value values[2];
-        for (int i = 0; i < count(fields); i++, column++) {
-            if (column_type(fields) == 'i')
-                values[i].integer = neph_query_integer(row, column);
-            else if (column_type(fields) == 'd')
-                values[i].real = neph_query_real(row, column);
+    union neph_database_value values[NEPH_RECORD_COLUMNS];
+    struct field field;
+    int count = 0;
+    while (next(&fields, &field))
+        for (int i = 0; i < field.columns; i++, column++, count++) {
+            if (field.column_type == 'i')
+                values[count].integer = neph_query_integer(row, column);
+            else if (field.column_type == 'd')
+                values[count].real = neph_query_real(row, column);
             else
-                values[i].text = neph_query_text(row, column);
+                values[count].text = neph_query_text(row, column);
         }
-        set(fields, record, values);
-    }
+    set(record, values, count);
 }
 
 enum neph_status neph_record_list(struct neph_database *database, struct neph_diag *diag,
-                                  const char *question, int64_t first,
-                                  const struct neph_record_field *fields, json_t **list)
+                                  const char *question, int64_t first, const char *fields,
+                                  json_t **list)
 {
-    const bool is_text = !fields[0].name[0];
     json_t *rows = json_array();
     struct neph_query *query = neph_query(database, diag, question, "i", first);
     while (neph_query_next(query)) {
         union neph_database_value record[NEPH_RECORD_COLUMNS];
-        if (!is_text)
-            neph_record_row(fields, query, 0, record);
-        neph_json_add(&rows, is_text ? json_string(neph_query_text(query, 0))
-                                     : neph_record_json(fields, record));
+        neph_record_row(fields, query, 0, record);
+        neph_json_add(&rows, strcmp(fields, "s:") == 0 ? json_string(record[0].text)
+                                                       : neph_record_json(fields, record));
     }
     const enum neph_status status = neph_query_end(query, NEPH_OK);
     if (status)
@@ -117,31 +134,31 @@ enum neph_status neph_record_list(struct neph_database *database, struct neph_di
     return status;
 }
 
-bool neph_record_is_equal(const struct neph_record_field *fields, const void *a, const void *b)
+bool neph_record_is_equal(const char *fields, const void *a, const void *b)
 {
+    union neph_database_value of_a[NEPH_RECORD_COLUMNS], of_b[NEPH_RECORD_COLUMNS];
+    struct field field;
     bool same = true;
-    for (; same && fields->name; fields++) {
-        union neph_database_value of_a[2], of_b[2];
-        get(fields, a, of_a);
-        get(fields, b, of_b);
-        for (int i = 0; i < count(fields); i++)
-            same = same && (column_type(fields) == 's'   ? strcmp(of_a[i].text, of_b[i].text) == 0
-                            : column_type(fields) == 'i' ? of_a[i].integer == of_b[i].integer
-                                                         : of_a[i].real == of_b[i].real);
-    }
+    get(fields, a, of_a);
+    get(fields, b, of_b);
+    for (int at = 0; next(&fields, &field);)
+        for (int i = 0; i < field.columns; i++, at++)
+            same = same && (field.column_type == 's'   ? strcmp(of_a[at].text, of_b[at].text) == 0
+                            : field.column_type == 'i' ? of_a[at].integer == of_b[at].integer
+                                                       : of_a[at].real == of_b[at].real);
     return same;
 }
 
 enum neph_status neph_record_put(struct neph_database *database, struct neph_diag *diag,
-                                 const char *statement, int64_t first,
-                                 const struct neph_record_field *fields, const void *record)
+                                 const char *statement, int64_t first, const char *fields,
+                                 const void *record)
 {
-    union neph_database_value values[NEPH_RECORD_COLUMNS] = {{.integer = first}};
-    char types[NEPH_RECORD_COLUMNS + 1] = "i";
-    for (int at = 1; fields->name; fields++) {
-        get(fields, record, &values[at]);
-        for (int i = 0; i < count(fields); i++)
-            types[at++] = column_type(fields);
-    }
+    union neph_database_value values[NEPH_RECORD_COLUMNS + 1] = {{.integer = first}};
+    char types[NEPH_RECORD_COLUMNS + 2] = "i";
+    struct field field;
+    get(fields, record, &values[1]);
+    for (int at = 1; next(&fields, &field);)
+        for (int i = 0; i < field.columns; i++)
+            types[at++] = field.column_type;
     return neph_database_put(database, diag, statement, types, values);
 }

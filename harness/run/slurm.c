@@ -4,6 +4,8 @@
 #include "base/child.h"
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "base/path.h"
+#include "base/written.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -69,15 +71,15 @@ static enum neph_status ask(const char *logs, const char *const *words, char **a
 {
     static const char *const nothing[] = {NULL};
     const char *variables[VARIABLES_MAX];
-    char *log = neph_path_join(logs, "slurm-answer.log");
+    const struct neph_path log = neph_path_in(logs, "slurm-answer.log");
     size_t size;
-    enum neph_status status = log ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && neph_child_inherit(variables, VARIABLES_MAX, nothing) < 0)
+    enum neph_status status = NEPH_OK;
+    if (neph_child_inherit(variables, VARIABLES_MAX, nothing) < 0)
         status = neph_fail(diag, NEPH_ERR_USAGE, "the environment has more than %d variables",
                            VARIABLES_MAX - 1);
     if (!status) {
         const struct neph_child_params child = {.argv = words,
-                                                .log_path = log,
+                                                .log_path = log.text,
                                                 .home = getenv("HOME"),
                                                 .environment = variables,
                                                 .time_limit_s = patience_s};
@@ -87,8 +89,7 @@ static enum neph_status ask(const char *logs, const char *const *words, char **a
     if (status == NEPH_ERR_UNAVAILABLE)
         neph_hint(diag, "%s", install_line);
     if (!status)
-        status = neph_file_read(log, answer_limit_bytes, answer, &size, diag);
-    free(log);
+        status = neph_file_read(log.text, answer_limit_bytes, answer, &size, diag);
     return status;
 }
 
@@ -152,6 +153,7 @@ const char *neph_slurm_line(struct neph_arena *arena, const char *const *words)
 struct submission {
     const struct neph_slurm_settings *settings;
     const struct neph_slurm_batch *batch;
+    const struct neph_slurm_task *tasks; /* sorted */
     struct neph_arena arena;
     const char *manifest; /* its path, quoted for a shell */
     const char *dependency;
@@ -259,10 +261,10 @@ static bool is_alike(const struct neph_slurm_task *a, const struct neph_slurm_ta
 }
 
 /* Arrays of tasks for the same hosts, in the order of the manifest. */
-static enum neph_status submit_arrays(struct submission *submission,
-                                      const struct neph_slurm_task *tasks, int count,
-                                      struct neph_diag *diag)
+static enum neph_status submit_arrays(struct submission *submission, struct neph_diag *diag)
 {
+    const struct neph_slurm_task *tasks = submission->tasks;
+    const int count = submission->batch->task_count;
     enum neph_status status = NEPH_OK;
     for (int first = 0, size; first < count && !status; first += size) {
         for (size = 1; first + size < count && size < submission->array_limit &&
@@ -301,17 +303,19 @@ static struct neph_slurm_task *sort(struct submission *submission)
     return sorted;
 }
 
-static enum neph_status write_manifest(const struct neph_slurm_batch *batch,
-                                       const struct neph_slurm_task *tasks, struct neph_diag *diag)
+static void print_lines(const void *given, FILE *out)
+{
+    const struct submission *submission = given;
+    for (int i = 0; i < submission->batch->task_count; i++)
+        fprintf(out, "%s\n", submission->tasks[i].line);
+}
+
+static enum neph_status write_manifest(const struct submission *submission, struct neph_diag *diag)
 {
     char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    for (int i = 0; out && i < batch->task_count; i++)
-        fprintf(out, "%s\n", tasks[i].line);
-    const bool whole = out && fclose(out) == 0;
-    const enum neph_status status = whole ? neph_file_write(batch->manifest, text, size, diag)
-                                          : neph_fail_memory(diag);
+    enum neph_status status = neph_written(print_lines, submission, &text, diag);
+    if (!status)
+        status = neph_file_write(submission->batch->manifest, text, strlen(text), diag);
     free(text);
     return status;
 }
@@ -331,15 +335,15 @@ enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
                                    const struct neph_slurm_batch *batch, struct neph_diag *diag)
 {
     struct submission submission = {.settings = settings, .batch = batch, .dependency = ""};
-    const struct neph_slurm_task *tasks = sort(&submission);
+    submission.tasks = sort(&submission);
     submission.manifest = quote(&submission.arena, batch->manifest);
     enum neph_status status = check_lines(batch, diag);
     if (!status)
-        status = tasks ? write_manifest(batch, tasks, diag) : neph_fail_memory(diag);
+        status = submission.tasks ? write_manifest(&submission, diag) : neph_fail_memory(diag);
     if (!status)
         status = read_array_limit(batch->logs, &submission.array_limit, diag);
     if (!status) {
-        status = submit_arrays(&submission, tasks, batch->task_count, diag);
+        status = submit_arrays(&submission, diag);
         if (!status)
             status = submit_last(&submission, diag);
         if (status)

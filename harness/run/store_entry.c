@@ -2,8 +2,9 @@
 #include "harness/run/store_entry.h"
 
 #include "base/files.h"
-#include "base/hash.h"
+#include "base/path.h"
 #include "base/text.h"
+#include "harness/json_file.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -20,10 +21,7 @@ static enum neph_status hash_record(const json_t *record, char hex[NEPH_HASH_HEX
     json_t *rest = json_copy((json_t *)record); /* it takes non-const and changes nothing */
     if (rest)
         json_object_del(rest, "record_blake2b");
-    char *text = rest ? json_dumps(rest, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
-    const enum neph_status status = text ? neph_hash(text, strlen(text), hex, diag)
-                                         : neph_fail_memory(diag);
-    free(text);
+    const enum neph_status status = neph_json_digest(rest, hex, diag);
     json_decref(rest);
     return status;
 }
@@ -31,10 +29,7 @@ static enum neph_status hash_record(const json_t *record, char hex[NEPH_HASH_HEX
 static enum neph_status hash_file(const char *folder, const char *name,
                                   char hex[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
 {
-    char *path = neph_path_join(folder, name);
-    const enum neph_status status = path ? neph_hash_file(path, hex, diag) : neph_fail_memory(diag);
-    free(path);
-    return status;
+    return neph_hash_file(neph_path_in(folder, name).text, hex, diag);
 }
 
 bool neph_entry_has_picture(const json_t *record, const char *name)
@@ -104,15 +99,10 @@ static enum neph_status sign(const char *folder, const char *key, json_t *record
 enum neph_status neph_entry_write_record(const char *folder, const char *key, json_t *record,
                                          struct neph_diag *diag)
 {
-    char *path = neph_path_join(folder, "job.json"), *text = NULL;
-    enum neph_status status = path ? sign(folder, key, record, diag) : neph_fail_memory(diag);
-    if (!status && !(text = json_dumps(record, JSON_INDENT(2))))
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = neph_file_write(path, text, strlen(text), diag);
-    free(text);
-    free(path);
-    return status;
+    const enum neph_status status = sign(folder, key, record, diag);
+    return status ? status
+                  : neph_json_write(record, JSON_INDENT(2), neph_path_in(folder, "job.json").text,
+                                    diag);
 }
 
 /* ---- checking -------------------------------------------------------------------------------- */
@@ -135,14 +125,12 @@ static enum neph_entry_state judge_file(enum neph_status status, const struct ne
 static enum neph_entry_state read_record(const char *folder, json_t **record,
                                          char why[NEPH_ENTRY_WHY_BYTES])
 {
-    char *path = neph_path_join(folder, "job.json"), *text = NULL;
+    char *text = NULL;
     size_t size;
     struct neph_diag diag = {.line = 0};
     json_error_t error;
-    const enum neph_status status = path ? neph_file_read(path, record_limit_bytes, &text, &size,
-                                                          &diag)
-                                         : neph_fail_memory(&diag);
-    free(path);
+    const enum neph_status status = neph_file_read(neph_path_in(folder, "job.json").text,
+                                                   record_limit_bytes, &text, &size, &diag);
     if (status)
         return judge_file(status, &diag, why);
     *record = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);

@@ -267,8 +267,8 @@ enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, do
 /* ---- export ---------------------------------------------------------------------------------- */
 
 static enum neph_status list_all(struct neph_database *index, const char *question,
-                                 const struct neph_record_field *fields, json_t *document,
-                                 const char *name, struct neph_diag *diag)
+                                 const char *fields, json_t *document, const char *name,
+                                 struct neph_diag *diag)
 {
     json_t *list = NULL;
     const enum neph_status status = neph_record_list(index, diag, question, 0, fields, &list);
