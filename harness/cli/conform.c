@@ -111,18 +111,16 @@ static void print_wrong(const json_t *report)
     json_t *scene, *entry;
     json_array_foreach(report, i, scene)
     {
-        const char *absent = json_string_value(json_object_get(scene, "absent"));
-        if (absent)
-            printf("%s: left out: %s\n", json_string_value(json_object_get(scene, "scene")),
-                   absent);
+        const char *absent = neph_json_text(scene, "absent");
+        if (absent[0])
+            printf("%s: left out: %s\n", neph_json_text(scene, "scene"), absent);
         json_array_foreach(json_object_get(scene, "pictures"), j, entry)
         {
-            const char *reason = json_string_value(json_object_get(entry, "reason"));
-            const char *wrong = json_string_value(json_object_get(entry, "first_wrong"));
-            const char *outcome = json_string_value(json_object_get(entry, "outcome"));
+            const char *reason = neph_json_text(entry, "reason");
+            const char *wrong = neph_json_text(entry, "first_wrong");
+            const char *outcome = neph_json_text(entry, "outcome");
             if (strcmp(outcome, "failed") == 0 || wrong[0])
-                printf("%s: %s\n", json_string_value(json_object_get(entry, "picture")),
-                       wrong[0] ? wrong : reason);
+                printf("%s: %s\n", neph_json_text(entry, "picture"), wrong[0] ? wrong : reason);
         }
     }
 }
@@ -180,8 +178,8 @@ static void print_comparison(const json_t *report)
     json_array_foreach(json_object_get(report, "pictures"), i, picture)
     {
         if (!json_is_true(json_object_get(picture, "agrees")))
-            printf("%s: %s\n", json_string_value(json_object_get(picture, "picture")),
-                   json_string_value(json_object_get(picture, "because")));
+            printf("%s: %s\n", neph_json_text(picture, "picture"),
+                   neph_json_text(picture, "because"));
     }
     printf("%lld of %lld pictures agree between %s and %s\n",
            (long long)json_integer_value(json_object_get(report, "agreeing")),

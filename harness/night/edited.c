@@ -222,14 +222,6 @@ static enum neph_status render(struct neph_night_work *work, const struct neph_h
 
 /* ---- all of them ----------------------------------------------------------------------------- */
 
-static int find_step(const struct neph_night_work *work, const char *name)
-{
-    for (int i = 0; i < work->night->plan.count; i++)
-        if (strcmp(work->night->plan.steps[i].name, name) == 0)
-            return i;
-    return -1;
-}
-
 static enum neph_status was_done(struct neph_night_work *work, const struct neph_night_edit *edit,
                                  bool *done, struct neph_diag *diag)
 {
@@ -254,7 +246,8 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
     struct neph_history_scene scene;
     const char *copy = "";
     bool done = false;
-    const int index = find_step(work, edit->step);
+    const struct neph_night_step *step = neph_night_plan_find(&work->night->plan, edit->step);
+    const int index = step ? (int)(step - work->night->plan.steps) : -1;
     const double start_s = neph_wall_s(),
                  left_s = work->params->budget_s - (start_s - work->start_s);
     enum neph_status status = was_done(work, edit, &done, diag);
@@ -263,8 +256,7 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
     status = find_version(work, edit, &scene, &why);
     if (!status)
         copy = neph_scene_copy_path(neph_store_folder(work->store), &scene, &work->night->arena);
-    if (!done &&
-        neph_night_step_cost(&work->night->plan.steps[index], &work->history[index]) > left_s) {
+    if (!done && neph_night_step_cost(step, &work->history[index]) > left_s) {
         edit->words = "no time was left to render the accepted version once more";
         return NEPH_OK;
     }
@@ -275,11 +267,8 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
         edit->words = words_of(work, copy);
         return done ? NEPH_OK : keep(work, edit, &numbers, neph_wall_s() - start_s, diag);
     }
-    if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
-        if (diag)
-            *diag = why;
+    if (neph_step_ends_night(status, &why, diag))
         return status;
-    }
     edit->words = neph_arena_format(&work->night->arena,
                                     "the accepted version could not be rendered once more: %s",
                                     why.message);

@@ -47,11 +47,8 @@ static enum neph_status keep_scene(struct neph_night_work *work, struct neph_dat
         return NEPH_OK;
     const enum neph_status status = neph_scene_copy_keep(neph_store_folder(work->store),
                                                          step->scene, arena, &scene, &why);
-    if (status == NEPH_ERR_MEMORY || status == NEPH_ERR_INTERRUPTED) {
-        if (diag)
-            *diag = why;
+    if (neph_step_ends_night(status, &why, diag))
         return status;
-    }
     if (status)
         neph_progress_warn("the store gets no copy of scene '%s': %s", step->scene, why.message);
     return status || !is_measured(numbers, &scene, arena)
@@ -254,11 +251,8 @@ static enum neph_status run_again(struct neph_night_work *work, int index, struc
         work->night->again_count++;
         return compare_bits(work, step, &numbers, diag);
     }
-    if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
-        if (diag)
-            *diag = why;
+    if (neph_step_ends_night(status, &why, diag))
         return status;
-    }
     find_otherwise(work, step->name, step,
                    neph_arena_format(&work->night->comparison.arena,
                                      "it was done, and run once more in an empty folder it was "

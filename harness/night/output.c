@@ -29,19 +29,10 @@ static int count_found(const struct neph_night *night, enum neph_found found)
     return count;
 }
 
-/* NULL: tonight's plan does not have it. */
-static const struct neph_night_step *find_step(const struct neph_night *night, const char *step)
-{
-    for (int i = 0; i < night->plan.count; i++)
-        if (strcmp(night->plan.steps[i].name, step) == 0)
-            return &night->plan.steps[i];
-    return NULL;
-}
-
 /* What renders a step's numbers again; "" of what is of several. */
 static void print_command(const struct neph_night *night, const char *step, FILE *out)
 {
-    const struct neph_night_step *s = find_step(night, step);
+    const struct neph_night_step *s = neph_night_plan_find(&night->plan, step);
     if (s)
         fputs("neph", out);
     for (int w = 0; s && s->words[w]; w++)
@@ -95,7 +86,7 @@ static void print_findings(const struct neph_night *night, FILE *out)
     for (int i = 0; i < c->finding_count && i < TOLD; i++) {
         const struct neph_finding *f = &c->findings[i];
         fprintf(out, " %s: %s: %s", neph_found_word(f->found), f->series, f->words);
-        if (i == 0 && find_step(night, f->step)) {
+        if (i == 0 && neph_night_plan_find(&night->plan, f->step)) {
             fputs("; again: ", out);
             print_command(night, f->step, out);
         }

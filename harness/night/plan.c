@@ -117,9 +117,8 @@ struct making {
 
 static bool is_wanted(const struct making *making, const char *name)
 {
-    for (int i = 0; i < making->plan->count; i++)
-        if (strcmp(making->plan->steps[i].name, name) == 0)
-            return false;
+    if (neph_night_plan_find(making->plan, name))
+        return false;
     for (int i = 0; i < making->params->only_count; i++)
         if (strstr(name, making->params->only[i]))
             return true;
@@ -267,6 +266,15 @@ enum neph_status neph_night_plan_make(const struct neph_night_plan_params *param
                            STEPS_MAX);
     plan->identity = identity_of(arena, params->tier, plan);
     return status ? status : neph_arena_check(arena, diag);
+}
+
+const struct neph_night_step *neph_night_plan_find(const struct neph_night_plan *plan,
+                                                   const char *name)
+{
+    for (int i = 0; i < plan->count; i++)
+        if (strcmp(plan->steps[i].name, name) == 0)
+            return &plan->steps[i];
+    return NULL;
 }
 
 /* ---- order ----------------------------------------------------------------------------------- */

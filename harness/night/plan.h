@@ -58,6 +58,10 @@ enum neph_status neph_night_plan_make(const struct neph_night_plan_params *param
                                       struct neph_arena *arena, struct neph_night_plan *plan,
                                       struct neph_diag *diag);
 
+/* The step of a name; NULL: there is none. */
+const struct neph_night_step *neph_night_plan_find(const struct neph_night_plan *plan,
+                                                   const char *name);
+
 /* The name of a step as that of a file. */
 enum { NEPH_STEP_LOG_SIZE = 128 };
 void neph_night_step_log(const struct neph_night_step *step, char name[NEPH_STEP_LOG_SIZE]);

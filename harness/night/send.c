@@ -378,13 +378,9 @@ enum neph_status neph_night_send(const struct neph_night_params *params,
 static enum neph_status run_step(struct neph_night_work *work, const char *name,
                                  struct neph_diag *diag)
 {
-    const struct neph_night_plan *plan = &work->night->plan;
     const struct neph_history_night who = neph_night_who(work->night);
-    const struct neph_night_step *step = NULL;
+    const struct neph_night_step *step = neph_night_plan_find(&work->night->plan, name);
     bool found = false;
-    for (int i = 0; i < plan->count; i++)
-        if (strcmp(plan->steps[i].name, name) == 0)
-            step = &plan->steps[i];
     if (!step)
         return neph_fail(diag, NEPH_ERR_USAGE, "there is no step '%s'", name);
     enum neph_status status = neph_night_jobs_read(work->params->output, &work->night->arena,

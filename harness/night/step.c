@@ -112,6 +112,15 @@ static enum neph_status run_command(const struct neph_step_place *place,
 
 /* ---- a step ---------------------------------------------------------------------------------- */
 
+bool neph_step_ends_night(enum neph_status status, const struct neph_diag *why,
+                          struct neph_diag *diag)
+{
+    const bool ends = status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY;
+    if (ends && diag)
+        *diag = *why;
+    return ends;
+}
+
 enum neph_status neph_step_measure(const struct neph_step_place *place,
                                    const struct neph_night_step *step, const char *output,
                                    const char *log, double limit_s,
@@ -153,11 +162,8 @@ enum neph_status neph_step_run(const struct neph_step_place *place,
         status = neph_night_read(step->suite, document, record->calibration_s, place->host, arena,
                                  numbers, &why);
     json_decref(document);
-    if (status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY) {
-        if (diag)
-            *diag = why;
+    if (neph_step_ends_night(status, &why, diag))
         return status;
-    }
     record->outcome = !status ? neph_step_done : status == NEPH_ERR_TIMEOUT ? "timeout" : "failed";
     record->reason = status ? neph_arena_text(arena, why.message) : "";
     if (!status && is_timed && !steady)

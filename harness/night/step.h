@@ -32,6 +32,10 @@ enum neph_status neph_step_place_settle(struct neph_step_place *place, bool has_
 const char *neph_step_file(struct neph_arena *arena, const char *folder,
                            const struct neph_night_step *step, const char *ending);
 
+/* Whether a failure within a night ends the night; then `diag` is told `why`. */
+bool neph_step_ends_night(enum neph_status status, const struct neph_diag *why,
+                          struct neph_diag *diag);
+
 /* Run a step in the folder `output` and read its results, which may not be those of an earlier
  * run. Durations are left out. */
 enum neph_status neph_step_measure(const struct neph_step_place *place,

@@ -4,8 +4,10 @@
 #include "base/clock.h"
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/json_file.h"
 #include "harness/progress.h"
 #include "harness/run/job.h"
 #include "metrics/validity.h"
@@ -46,10 +48,10 @@ static int list_pictures(const struct neph_conform_params *params, struct pictur
     return count;
 }
 
-static char *name_picture(const char *scene, const struct picture *picture)
+static struct neph_path name_picture(const char *scene, const struct picture *picture)
 {
-    return neph_format("%s_%s%s%s", scene, picture->engine->name, picture->preset ? "_" : "",
-                       picture->preset ? picture->preset->name : "");
+    return neph_path_format("%s_%s%s%s", scene, picture->engine->name, picture->preset ? "_" : "",
+                            picture->preset ? picture->preset->name : "");
 }
 
 /* --- rendering ---------------------------------------------------------------------------- */
@@ -154,17 +156,12 @@ static enum neph_status render_pictures(struct neph_job *job, int count, struct 
 
 /* --- what is kept ------------------------------------------------------------------------- */
 
-static int least(int a, int b)
-{
-    return a < b ? a : b;
-}
-
 /* Pixels in the middle of equal parts of the picture. */
 static enum neph_status take_lattice(const struct neph_image *frame, struct neph_image **lattice,
                                      struct neph_diag *diag)
 {
-    const int width_px = least(frame->width_px, NEPH_CONFORM_LATTICE_WIDTH_PX);
-    const int height_px = least(frame->height_px, NEPH_CONFORM_LATTICE_HEIGHT_PX);
+    const int width_px = (int)fmin(frame->width_px, NEPH_CONFORM_LATTICE_WIDTH_PX);
+    const int height_px = (int)fmin(frame->height_px, NEPH_CONFORM_LATTICE_HEIGHT_PX);
     struct neph_image *taken = NULL;
     enum neph_status status = neph_image_create(width_px, height_px, &taken, diag);
     for (int c = 0; c < frame->channel_count && !status; c++) {
@@ -274,45 +271,24 @@ static enum neph_status conform_picture(const struct neph_conform_params *params
         *diag = words;
         return rendered;
     }
-    char *path = neph_format("%s/%s.exr", params->folder, name);
     json_t *entry = entry_json(name, &job, count, &tally, rendered, words.message,
                                neph_wall_s() - start_s);
-    status = path && entry ? NEPH_OK : neph_fail_memory(diag);
+    status = neph_json_append(entries, entry, diag);
     if (!status && frame)
-        status = describe_frame(frame, path, entry, diag);
-    if (!status && json_array_append(entries, entry))
-        status = neph_fail_memory(diag);
-    json_decref(entry);
+        status = describe_frame(frame, neph_path_format("%s/%s.exr", params->folder, name).text,
+                                entry, diag);
     neph_image_destroy(frame);
-    free(path);
     return status;
-}
-
-static const char *outcome_of(const json_t *entry)
-{
-    return json_string_value(json_object_get(entry, "outcome"));
 }
 
 static bool is_sound(const json_t *entry)
 {
-    return strcmp(outcome_of(entry), "rendered") == 0 &&
+    return strcmp(neph_json_text(entry, "outcome"), "rendered") == 0 &&
            json_integer_value(json_object_get(entry, "non_finite")) == 0 &&
            json_integer_value(json_object_get(entry, "negative")) == 0;
 }
 
 /* --- one scene ---------------------------------------------------------------------------- */
-
-static enum neph_status write_json(const char *folder, const char *scene, const json_t *json,
-                                   struct neph_diag *diag)
-{
-    char *path = neph_format("%s/%s.json", folder, scene);
-    char *text = json_dumps(json, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
-                                                 : neph_fail_memory(diag);
-    free(text);
-    free(path);
-    return status;
-}
 
 static enum neph_status conform_scene(const struct neph_conform_params *params, const char *which,
                                       const struct picture pictures[], int picture_count,
@@ -326,31 +302,26 @@ static enum neph_status conform_scene(const struct neph_conform_params *params, 
     json_t *entries = json_array();
     for (int i = 0; i < picture_count && !status; i++) {
         const double start_s = neph_wall_s();
-        char *name = name_picture(scene->name, &pictures[i]);
-        status = name ? NEPH_OK : neph_fail_memory(diag);
-        if (!status) {
-            neph_progress_begin(progress, name);
-            status = conform_picture(params, scene, &pictures[i], name, entries, diag);
-        }
+        const struct neph_path name = name_picture(scene->name, &pictures[i]);
+        neph_progress_begin(progress, name.text);
+        status = conform_picture(params, scene, &pictures[i], name.text, entries, diag);
         const json_t *entry = json_array_get(entries, (size_t)i);
-        const char *outcome = !entry ? neph_status_name(status) : outcome_of(entry);
-        if (entry && strcmp(outcome, "rendered") == 0 && !is_sound(entry))
-            outcome = json_string_value(json_object_get(entry, "first_wrong"));
-        neph_progress_step(progress, name ? name : "?", outcome, neph_wall_s() - start_s);
-        free(name);
+        const char *outcome = status ? neph_status_name(status) : neph_json_text(entry, "outcome");
+        if (strcmp(outcome, "rendered") == 0 && !is_sound(entry))
+            outcome = neph_json_text(entry, "first_wrong");
+        neph_progress_step(progress, name.text, outcome, neph_wall_s() - start_s);
     }
-    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:s, s:O}", "format", "neph-conform-1", "scene",
+    json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-conform-1", "scene",
                              scene->name, "scene_hash", scene->hash, "device",
                              pictures[0].info.device, "driver", pictures[0].info.version,
                              "pictures", entries);
-    if (!status && !json)
-        status = neph_fail_memory(diag);
     if (!status)
-        status = write_json(params->folder, scene->name, json, diag);
-    if (!status && json_array_append(report, json))
-        status = neph_fail_memory(diag);
+        status = neph_json_write(json, JSON_INDENT(1) | JSON_REAL_PRECISION(9),
+                                 neph_path_format("%s/%s.json", params->folder, scene->name).text,
+                                 diag);
+    if (!status)
+        status = neph_json_append(report, json_incref(json), diag);
     json_decref(json);
-    json_decref(entries);
     neph_scene_destroy(scene);
     return status;
 }
@@ -415,7 +386,7 @@ void neph_conform_count(const json_t *report, int *expected, int *sound)
     {
         json_array_foreach(json_object_get(scene, "pictures"), j, entry)
         {
-            *expected += strcmp(outcome_of(entry), "cannot") != 0;
+            *expected += strcmp(neph_json_text(entry, "outcome"), "cannot") != 0;
             *sound += is_sound(entry);
         }
     }

@@ -2,7 +2,7 @@
 #include "harness/run/conform.h"
 
 #include "base/exr.h"
-#include "base/files.h"
+#include "base/path.h"
 #include "metrics/validity.h"
 
 #include <dirent.h>
@@ -97,8 +97,7 @@ static int keep_json(const struct dirent *entry)
 
 static enum neph_status check_scene(const char *path, const json_t *scene, struct neph_diag *diag)
 {
-    const char *format = json_string_value(json_object_get(scene, "format"));
-    if (format && strcmp(format, "neph-conform-1") == 0 &&
+    if (strcmp(neph_json_text(scene, "format"), "neph-conform-1") == 0 &&
         json_is_string(json_object_get(scene, "scene_hash")) &&
         json_is_string(json_object_get(scene, "device")) &&
         json_is_array(json_object_get(scene, "pictures")))
@@ -109,18 +108,15 @@ static enum neph_status check_scene(const char *path, const json_t *scene, struc
 static enum neph_status read_scene(const char *folder, const char *file, json_t *scenes,
                                    struct neph_diag *diag)
 {
-    char *path = neph_path_join(folder, file);
+    const struct neph_path path = neph_path_in(folder, file);
     json_error_t error;
-    json_t *scene = path ? json_load_file(path, JSON_REJECT_DUPLICATES, &error) : NULL;
-    enum neph_status status = path ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && !scene)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path, error.text);
+    json_t *scene = json_load_file(path.text, JSON_REJECT_DUPLICATES, &error);
+    if (!scene)
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path.text, error.text);
+    enum neph_status status = check_scene(path.text, scene, diag);
     if (!status)
-        status = check_scene(path, scene, diag);
-    if (!status && json_object_set(scenes, file, scene))
-        status = neph_fail_memory(diag);
+        status = neph_json_put(scenes, file, json_incref(scene), diag);
     json_decref(scene);
-    free(path);
     return status;
 }
 
@@ -156,8 +152,7 @@ static const json_t *find_named(const json_t *list, const char *key, const char 
     json_t *item;
     json_array_foreach(list, i, item)
     {
-        const char *text = json_string_value(json_object_get(item, key));
-        if (text && strcmp(text, name) == 0)
+        if (strcmp(neph_json_text(item, key), name) == 0)
             return item;
     }
     return NULL;
@@ -182,27 +177,18 @@ struct distance {
     double mean, mean_allowed; /* both of the largest value */
 };
 
-static double largest_of(const struct pair *pair, const char *channel)
-{
-    return fmax(number_of(pair->entry[0], channel, "largest"),
-                number_of(pair->entry[1], channel, "largest"));
-}
-
-static double mean_apart(const struct pair *pair, const char *channel)
-{
-    return fabs(number_of(pair->entry[0], channel, "mean") -
-                number_of(pair->entry[1], channel, "mean"));
-}
-
 static struct distance measure(const struct pair *pair, const char *channel,
                                const struct bound *bound)
 {
     const float *a = neph_image_channel(pair->lattice[0], channel);
     const float *b = neph_image_channel(pair->lattice[1], channel);
     const size_t count = neph_image_pixel_count(pair->lattice[0]);
-    const double largest = largest_of(pair, channel);
+    const double largest = fmax(number_of(pair->entry[0], channel, "largest"),
+                                number_of(pair->entry[1], channel, "largest"));
+    const double apart_means = fabs(number_of(pair->entry[0], channel, "mean") -
+                                    number_of(pair->entry[1], channel, "mean"));
     struct distance distance = {.allowed = (size_t)(bound->share * (double)count),
-                                .mean = mean_apart(pair, channel) / fmax(largest, 1e-30),
+                                .mean = apart_means / fmax(largest, 1e-30),
                                 .mean_allowed = bound->mean};
     for (size_t i = 0; i < count; i++) {
         if (a[i] == b[i])
@@ -258,18 +244,7 @@ static const char *find_difference(const json_t *a, const json_t *b)
     for (size_t k = 0; k < sizeof(keys) / sizeof(keys[0]); k++)
         if (!json_equal(json_object_get(a, keys[k]), json_object_get(b, keys[k])))
             return differences[k];
-    return strcmp(json_string_value(json_object_get(a, "outcome")), "rendered") != 0 ? "both failed"
-                                                                                     : NULL;
-}
-
-static enum neph_status read_lattice(const char *folder, const char *name,
-                                     struct neph_image **lattice, struct neph_diag *diag)
-{
-    char *path = neph_format("%s/%s.exr", folder, name);
-    const enum neph_status status = path ? neph_exr_read(path, lattice, diag)
-                                         : neph_fail_memory(diag);
-    free(path);
-    return status;
+    return strcmp(neph_json_text(a, "outcome"), "rendered") != 0 ? "both failed" : NULL;
 }
 
 /* NEPH_OK: `*agrees` says it. */
@@ -279,16 +254,17 @@ static enum neph_status compare_lattices(const char *const folders[2], const cha
                                          struct neph_diag *diag)
 {
     struct neph_image *a = NULL, *b = NULL;
-    enum neph_status status = read_lattice(folders[0], name, &a, diag);
+    enum neph_status status = neph_exr_read(neph_path_format("%s/%s.exr", folders[0], name).text,
+                                            &a, diag);
     if (!status)
-        status = read_lattice(folders[1], name, &b, diag);
+        status = neph_exr_read(neph_path_format("%s/%s.exr", folders[1], name).text, &b, diag);
     if (!status)
         status = neph_validity_same_size(a, b, diag);
     if (!status)
         status = neph_validity_same_channels(a, b, diag);
     if (!status) {
-        const char *engine = json_string_value(json_object_get(entries[0], "engine"));
-        const struct pair pair = {engine ? engine : "", {entries[0], entries[1]}, {a, b}};
+        const struct pair pair = {
+            neph_json_text(entries[0], "engine"), {entries[0], entries[1]}, {a, b}};
         *agrees = compare_channels(&pair, channels, because, size);
     }
     neph_image_destroy(a);
@@ -298,8 +274,7 @@ static enum neph_status compare_lattices(const char *const folders[2], const cha
 
 static bool is_expected(const json_t *entry)
 {
-    const char *outcome = json_string_value(json_object_get(entry, "outcome"));
-    return !outcome || strcmp(outcome, "cannot") != 0;
+    return strcmp(neph_json_text(entry, "outcome"), "cannot") != 0;
 }
 
 /* A picture of one folder or of both (the other entry is NULL then). */
@@ -336,17 +311,11 @@ static enum neph_status compare_picture(const char *const folders[2],
 
 /* --- all of them -------------------------------------------------------------------------- */
 
-static const json_t *picture_of(const json_t *scene, const char *name)
-{
-    return find_named(json_object_get(scene, "pictures"), "picture", name);
-}
-
 static bool is_wanted_scene(const struct neph_conform_part *part, const json_t *scene)
 {
-    const char *name = json_string_value(json_object_get(scene, "scene"));
     bool wanted = part->scene_count == 0;
-    for (int i = 0; i < part->scene_count && name; i++)
-        wanted = wanted || strcmp(part->scenes[i], name) == 0;
+    for (int i = 0; i < part->scene_count; i++)
+        wanted = wanted || strcmp(part->scenes[i], neph_json_text(scene, "scene")) == 0;
     return wanted;
 }
 
@@ -371,7 +340,9 @@ static enum neph_status compare_scene(const char *const folders[2], const json_t
     json_array_foreach(json_object_get(scene, "pictures"), i, entry)
     {
         const char *name = json_string_value(json_object_get(entry, "picture"));
-        const json_t *beside = name ? picture_of(other, name) : NULL;
+        const json_t *beside = name
+                                   ? find_named(json_object_get(other, "pictures"), "picture", name)
+                                   : NULL;
         if (status || !is_wanted(part, entry) || (which == 1 && beside) ||
             (!is_expected(entry) && (!beside || !is_expected(beside))))
             continue;
@@ -429,7 +400,7 @@ enum neph_status neph_conform_compare(const char *folder_a, const char *folder_b
         made = json_pack("{s:[O,O], s:i, s:i, s:O}", "devices", first_device(scenes[0]),
                          first_device(scenes[1]), "expected", (int)json_array_size(pictures),
                          "agreeing", count_agreeing(pictures), "pictures", pictures);
-        status = made ? NEPH_OK : neph_fail_memory(diag);
+        status = neph_json_check(made, diag);
     }
     json_decref(pictures);
     json_decref(scenes[0]);

@@ -346,17 +346,20 @@ static void test_results_between_warnings(void **state)
 struct bench {
     struct neph_store *store;
     struct neph_database *index;
+    struct neph_night_comparison c; /* the last */
 };
 
 static void open_bench(void **state, struct bench *bench)
 {
     char path[SCRATCH_PATH_MAX];
+    *bench = (struct bench){.store = NULL};
     neph_assert_ok(neph_store_open(scratch_path(state, path, "store"), &bench->store, NULL), NULL);
     neph_assert_ok(neph_store_index(bench->store, &bench->index, NULL), NULL);
 }
 
 static void close_bench(struct bench *bench)
 {
+    neph_night_comparison_finish(&bench->c);
     neph_database_close(bench->index);
     neph_store_close(bench->store);
 }
@@ -393,6 +396,9 @@ static const struct neph_history_step fog_step = {"catalog fog", "done", "", "96
 
 #define FOG(hash, end) "catalog/fog@" hash "/march/" end
 
+static const struct neph_measurement fog = {
+    FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+
 static int count_found(const struct neph_night_comparison *c, enum neph_found found)
 {
     int count = 0;
@@ -401,36 +407,41 @@ static int count_found(const struct neph_night_comparison *c, enum neph_found fo
     return count;
 }
 
-static void compare(struct bench *bench, int64_t night, int64_t against,
-                    struct neph_night_comparison *comparison)
+static void compare_within(struct bench *bench, int64_t night, int64_t against,
+                           const struct neph_night_scope *scope)
 {
     struct neph_diag diag = {0};
-    *comparison = (struct neph_night_comparison){.night = 0};
-    neph_assert_ok(neph_night_compare(bench->index, night, against, NULL, alpha, comparison, &diag),
+    neph_night_comparison_finish(&bench->c);
+    neph_assert_ok(neph_night_compare(bench->index, night, against, scope, alpha, &bench->c, &diag),
                    &diag);
+}
+
+static void compare(struct bench *bench, int64_t night, int64_t against)
+{
+    compare_within(bench, night, against, NULL);
+}
+
+/* Tonight has this number of the fog alone. */
+static void compare_fog_of(struct bench *bench, const struct neph_measurement *number)
+{
+    compare(bench, add_night(bench, &fog_step, number, 1, true), 0);
 }
 
 static void test_a_night_without_a_baseline_compares_nothing(void **state)
 {
     struct bench bench;
-    struct neph_night_comparison c;
-    const struct neph_measurement number = {
-        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
     open_bench(state, &bench);
-    const int64_t first = add_night(&bench, &fog_step, &number, 1, true);
-    const int64_t night = add_night(&bench, &fog_step, &number, 1, false);
-    compare(&bench, night, 0, &c);
-    assert_int_equal(c.compared, 0);
-    assert_int_equal(c.fresh, 1);
-    assert_false(c.passes);
-    neph_night_comparison_finish(&c);
-    compare(&bench, night, first, &c); /* unless one is named */
-    assert_int_equal(c.compared, 1);
-    assert_true(c.passes);
-    neph_night_comparison_finish(&c);
-    assert_int_equal(neph_night_compare(bench.index, night, 99, NULL, alpha, &c, NULL),
+    const int64_t first = add_night(&bench, &fog_step, &fog, 1, true);
+    const int64_t night = add_night(&bench, &fog_step, &fog, 1, false);
+    compare(&bench, night, 0);
+    assert_int_equal(bench.c.compared, 0);
+    assert_int_equal(bench.c.fresh, 1);
+    assert_false(bench.c.passes);
+    compare(&bench, night, first); /* unless one is named */
+    assert_int_equal(bench.c.compared, 1);
+    assert_true(bench.c.passes);
+    assert_int_equal(neph_night_compare(bench.index, night, 99, NULL, alpha, &bench.c, NULL),
                      NEPH_ERR_NOT_FOUND);
-    neph_night_comparison_finish(&c);
     close_bench(&bench);
 }
 
@@ -464,46 +475,39 @@ static void test_what_is_found_in_a_night(void **state)
         {NEPH_FOUND_MOVED, "p99/exact"},
     };
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
     accept(&bench, "*", add_night(&bench, &fog_step, before, COUNT(before), true));
-    compare(&bench, add_night(&bench, &fog_step, tonight, COUNT(tonight), false), 0, &c);
-    assert_int_equal(c.finding_count, COUNT(expected));
-    for (int i = 0; i < c.finding_count; i++) {
-        const char *series = c.findings[i].series, *end = expected[i].series;
-        assert_int_equal(c.findings[i].found, expected[i].found);
+    compare(&bench, add_night(&bench, &fog_step, tonight, COUNT(tonight), false), 0);
+    assert_int_equal(bench.c.finding_count, COUNT(expected));
+    for (int i = 0; i < bench.c.finding_count; i++) {
+        const char *series = bench.c.findings[i].series, *end = expected[i].series;
+        assert_int_equal(bench.c.findings[i].found, expected[i].found);
         assert_string_equal(series + strlen(series) - strlen(end), end);
     }
-    assert_int_equal(c.compared, 3);
-    assert_int_equal(c.fresh, 1); /* the scene that was changed */
-    assert_int_equal(c.elsewhere, 1);
-    assert_false(c.passes);
-    neph_night_comparison_finish(&c);
+    assert_int_equal(bench.c.compared, 3);
+    assert_int_equal(bench.c.fresh, 1); /* the scene that was changed */
+    assert_int_equal(bench.c.elsewhere, 1);
+    assert_false(bench.c.passes);
     close_bench(&bench);
 }
 
 static void test_another_size_and_a_broken_step(void **state)
 {
-    const struct neph_measurement number = {
-        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
     struct neph_history_step step = fog_step;
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
-    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    accept(&bench, "*", add_night(&bench, &fog_step, &fog, 1, true));
     step.size = "48x27";
-    compare(&bench, add_night(&bench, &step, &number, 1, true), 0, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_SIZE), 1);
-    assert_int_equal(c.compared, 0);
-    assert_false(c.passes);
-    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &step, &fog, 1, true), 0);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_SIZE), 1);
+    assert_int_equal(bench.c.compared, 0);
+    assert_false(bench.c.passes);
     step.outcome = "failed";
     step.reason = "a crash";
-    compare(&bench, add_night(&bench, &step, NULL, 0, false), 0, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_STEP), 1);
-    assert_int_equal(count_found(&c, NEPH_FOUND_MISSING), 0); /* that is said once */
-    assert_false(c.passes);
-    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &step, NULL, 0, false), 0);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_STEP), 1);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_MISSING), 0); /* that is said once */
+    assert_false(bench.c.passes);
     close_bench(&bench);
 }
 
@@ -520,17 +524,15 @@ static void test_a_busy_machine_fails_no_night(void **state)
     } cases[] = {{0, 2, 0.1, 0}, {0, 1, NAN, 0}, {0, 1, 0.1, 1}, {1, 1, 0.1, 1}, {0, 0, NAN, 1}};
     struct neph_history_step step = {"speed fog", "done", "", "192x108", 1.0, 0.1};
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
     accept(&bench, "*", add_night(&bench, &step, numbers, 2, true));
     for (size_t i = 0; i < COUNT(cases); i++) {
         step.calibration_s = cases[i].calibration_s;
-        compare(&bench, add_night(&bench, &step, numbers + cases[i].first, cases[i].count, true), 0,
-                &c);
-        assert_int_equal(count_found(&c, NEPH_FOUND_MISSING), cases[i].missing);
+        compare(&bench, add_night(&bench, &step, numbers + cases[i].first, cases[i].count, true),
+                0);
+        assert_int_equal(count_found(&bench.c, NEPH_FOUND_MISSING), cases[i].missing);
         if (i < 2)
-            assert_true(c.passes);
-        neph_night_comparison_finish(&c);
+            assert_true(bench.c.passes);
     }
     close_bench(&bench);
 }
@@ -546,22 +548,18 @@ static void test_acceptances_of_a_series(void **state)
                                   new[] = {{a, "fixed", 0.30, NAN, "D", ""},
                                            {b, "fixed", 0.6, NAN, "D", ""}};
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
     accept(&bench, "*", add_night(&bench, &fog_step, old, 2, true));
     const int64_t changed = add_night(&bench, &fog_step, new, 2, true);
     accept(&bench, a, changed);
-    compare(&bench, add_night(&bench, &fog_step, new, 2, true), 0, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
-    assert_string_equal(c.findings[0].series, b);
-    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &fog_step, new, 2, true), 0);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
+    assert_string_equal(bench.c.findings[0].series, b);
     accept(&bench, "*", changed);
-    compare(&bench, add_night(&bench, &fog_step, new, 2, true), 0, &c);
-    assert_true(c.passes && c.finding_count == 0);
-    neph_night_comparison_finish(&c);
-    compare(&bench, add_night(&bench, &fog_step, old, 2, true), 0, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_BETTER), 2);
-    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &fog_step, new, 2, true), 0);
+    assert_true(bench.c.passes && bench.c.finding_count == 0);
+    compare(&bench, add_night(&bench, &fog_step, old, 2, true), 0);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_BETTER), 2);
     close_bench(&bench);
 }
 
@@ -573,24 +571,20 @@ static void test_what_was_accepted_by_itself_is_missed(void **state)
     const struct neph_measurement numbers[] = {{a, "fixed", 0.25, NAN, "D", ""},
                                                {b, "fixed", 0.5, NAN, "D", ""}};
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
     const int64_t first = add_night(&bench, &fog_step, numbers, 1, true);
     accept(&bench, "*", first);
     accept(&bench, b, add_night(&bench, &fog_step, numbers, 2, true));
     const int64_t without = add_night(&bench, &fog_step, numbers, 1, true);
-    compare(&bench, without, 0, &c);
-    assert_int_equal(c.finding_count, 1);
-    assert_int_equal(c.findings[0].found, NEPH_FOUND_MISSING);
-    assert_string_equal(c.findings[0].series, b);
-    neph_night_comparison_finish(&c);
-    compare(&bench, without, first, &c);
-    assert_int_equal(c.finding_count, 0);
-    neph_night_comparison_finish(&c);
+    compare(&bench, without, 0);
+    assert_int_equal(bench.c.finding_count, 1);
+    assert_int_equal(bench.c.findings[0].found, NEPH_FOUND_MISSING);
+    assert_string_equal(bench.c.findings[0].series, b);
+    compare(&bench, without, first);
+    assert_int_equal(bench.c.finding_count, 0);
     accept(&bench, "*", without);
-    compare(&bench, add_night(&bench, &fog_step, numbers, 1, true), 0, &c);
-    assert_int_equal(c.finding_count, 0);
-    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &fog_step, numbers, 1, true), 0);
+    assert_int_equal(bench.c.finding_count, 0);
     close_bench(&bench);
 }
 
@@ -601,24 +595,19 @@ static void test_what_was_accepted_by_itself_is_missed(void **state)
 static const struct neph_history_step sea_step = {"catalog sea", "done", "", "96x54", 1.0, NAN};
 
 /* A first night of fog and sea, accepted. */
-static void accept_two_steps(struct bench *bench, const struct neph_measurement *fog)
+static void accept_two_steps(struct bench *bench)
 {
     const struct neph_measurement sea = {SEA, "fixed", 0.25, NAN, "D", ""};
-    const int64_t first = add_night(bench, &fog_step, fog, 1, false);
+    const int64_t first = add_night(bench, &fog_step, &fog, 1, false);
     add_night(bench, &sea_step, &sea, 1, true);
     accept(bench, "*", first);
 }
 
 /* Compare a night of the fog alone, with these steps in its plan. */
-static void compare_fog(struct bench *bench, const struct neph_measurement *fog,
-                        const char *const *planned, int planned_count,
-                        struct neph_night_comparison *c)
+static void compare_fog(struct bench *bench, const char *const *planned, int planned_count)
 {
-    struct neph_diag diag = {0};
     const struct neph_night_scope scope = {.planned = planned, .planned_count = planned_count};
-    const int64_t night = add_night(bench, &fog_step, fog, 1, false);
-    *c = (struct neph_night_comparison){.night = 0};
-    neph_assert_ok(neph_night_compare(bench->index, night, 0, &scope, alpha, c, &diag), &diag);
+    compare_within(bench, add_night(bench, &fog_step, &fog, 1, false), 0, &scope);
 }
 
 /* What the plan has and time did not allow is no alarm, for thirty nights; what the plan has not,
@@ -626,30 +615,24 @@ static void compare_fog(struct bench *bench, const struct neph_measurement *fog,
 static void test_a_step_that_was_not_run_and_one_that_is_gone(void **state)
 {
     static const char *const planned[] = {"catalog fog", "catalog sea"};
-    const struct neph_measurement fog = {
-        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
-    accept_two_steps(&bench, &fog);
-    compare_fog(&bench, &fog, planned, 1, &c);
-    assert_int_equal(c.finding_count, 1);
-    assert_int_equal(c.findings[0].found, NEPH_FOUND_LOST);
-    assert_string_equal(c.findings[0].series, SEA);
-    assert_true(!c.passes && c.not_run == 0);
-    neph_night_comparison_finish(&c);
+    accept_two_steps(&bench);
+    compare_fog(&bench, planned, 1);
+    assert_int_equal(bench.c.finding_count, 1);
+    assert_int_equal(bench.c.findings[0].found, NEPH_FOUND_LOST);
+    assert_string_equal(bench.c.findings[0].series, SEA);
+    assert_true(!bench.c.passes && bench.c.not_run == 0);
     for (int nights = 1; nights <= neph_lost_after_nights + 1; nights++) {
-        compare_fog(&bench, &fog, planned, 2, &c);
+        compare_fog(&bench, planned, 2);
         const bool overdue = nights > neph_lost_after_nights;
-        assert_int_equal(count_found(&c, NEPH_FOUND_LOST), overdue);
-        assert_true(c.passes != overdue && c.not_run == 1);
-        neph_night_comparison_finish(&c);
+        assert_int_equal(count_found(&bench.c, NEPH_FOUND_LOST), overdue);
+        assert_true(bench.c.passes != overdue && bench.c.not_run == 1);
         add_night(&bench, &fog_step, &fog, 1, true);
     }
     accept(&bench, SEA, 5); /* which has not measured it */
-    compare_fog(&bench, &fog, planned, 1, &c);
-    assert_true(c.passes && c.finding_count == 0);
-    neph_night_comparison_finish(&c);
+    compare_fog(&bench, planned, 1);
+    assert_true(bench.c.passes && bench.c.finding_count == 0);
     close_bench(&bench);
 }
 
@@ -657,25 +640,20 @@ static void test_a_step_that_was_not_run_and_one_that_is_gone(void **state)
 static void test_an_accepted_night_loses_no_step_that_it_had_no_time_for(void **state)
 {
     static const char *const planned[] = {"catalog fog", "catalog sea"};
-    const struct neph_measurement fog = {
-        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
     const struct neph_measurement sea = {SEA, "fixed", 0.26, NAN, "D", ""};
     const struct neph_history_step left_out = {"catalog sea", "not run", "", "", 0.0, NAN};
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
-    accept_two_steps(&bench, &fog);
+    accept_two_steps(&bench);
     const int64_t short_of_time = add_night(&bench, &fog_step, &fog, 1, false);
     add_night(&bench, &left_out, NULL, 0, true);
     accept(&bench, "*", short_of_time);
-    compare_fog(&bench, &fog, planned, 1, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_LOST), 1);
-    neph_night_comparison_finish(&c);
+    compare_fog(&bench, planned, 1);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_LOST), 1);
     add_night(&bench, &fog_step, &fog, 1, true);
-    compare(&bench, add_night(&bench, &sea_step, &sea, 1, true), 0, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
-    assert_int_equal(c.fresh, 0);
-    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &sea_step, &sea, 1, true), 0);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
+    assert_int_equal(bench.c.fresh, 0);
     close_bench(&bench);
 }
 
@@ -687,12 +665,10 @@ static void judge_elsewhere(struct bench *bench, const struct neph_measurement *
     const struct neph_measurement steady = {
         FOG("1", "radiance p99/exact"), "fixed", 0.25, NAN, "D", ""};
     const struct neph_measurement first[] = {*before, steady}, second[] = {*tonight, steady};
-    struct neph_night_comparison c;
     accept(bench, "*", add_night(bench, &fog_step, first, 2, true));
-    compare(bench, add_night(bench, &fog_step, second, 2, true), 0, &c);
-    assert_int_equal(c.passes, passes);
-    assert_int_equal(c.findings[0].found, found);
-    neph_night_comparison_finish(&c);
+    compare(bench, add_night(bench, &fog_step, second, 2, true), 0);
+    assert_int_equal(bench->c.passes, passes);
+    assert_int_equal(bench->c.findings[0].found, found);
 }
 
 /* A version that is raised in the night of a regression does not hide it, and one that is raised
@@ -747,34 +723,28 @@ static void test_numbers_of_another_environment(void **state)
 /* An engine that is said to draw from tonight on, so that it would have eight nights of grace. */
 static void test_a_fixed_number_that_is_called_drawn_is_judged_as_before(void **state)
 {
-    struct neph_measurement number = {
-        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    struct neph_measurement number = fog;
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
     accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
     number.kind = "drawn";
     number.value = 0.26;
-    compare(&bench, add_night(&bench, &fog_step, &number, 1, false), 0, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
-    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &fog_step, &number, 1, false), 0);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
     close_bench(&bench);
 }
 
 /* By less than matters each night: the accepted night is what each is compared with. */
 static void test_a_little_worse_each_night_is_found(void **state)
 {
-    struct neph_measurement number = {
-        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    struct neph_measurement number = fog;
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
     accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
     for (int i = 1; i <= 2; i++) {
         number.value = 0.25 * (1.0 + 0.004 * i);
-        compare(&bench, add_night(&bench, &fog_step, &number, 1, true), 0, &c);
-        assert_int_equal(c.findings[0].found, i == 1 ? NEPH_FOUND_MOVED : NEPH_FOUND_WORSE);
-        neph_night_comparison_finish(&c);
+        compare_fog_of(&bench, &number);
+        assert_int_equal(bench.c.findings[0].found, i == 1 ? NEPH_FOUND_MOVED : NEPH_FOUND_WORSE);
     }
     close_bench(&bench);
 }
@@ -783,10 +753,8 @@ static void test_a_little_worse_each_night_is_found(void **state)
 static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
 {
     const struct neph_history_night who = {"quick", "a", "program", "host"};
-    struct neph_measurement number = {
-        FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""};
+    struct neph_measurement number = fog;
     struct bench bench;
-    struct neph_night_comparison c;
     open_bench(state, &bench);
     accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
     number.value = 0.26;
@@ -794,9 +762,8 @@ static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
                                       "1970-01-01T00:00:00Z", NULL),
                    NULL);
     neph_assert_ok(neph_history_add(bench.index, 2, &fog_step, &number, 1, NULL), NULL);
-    compare(&bench, 2, 0, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
-    neph_night_comparison_finish(&c);
+    compare(&bench, 2, 0);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
     close_bench(&bench);
 }
 
@@ -804,7 +771,6 @@ static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
 static void test_nights_that_were_worse_are_set_aside(void **state)
 {
     struct bench bench;
-    struct neph_night_comparison c;
     struct neph_measurement number = {
         "speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host", ""};
     open_bench(state, &bench);
@@ -819,10 +785,9 @@ static void test_nights_that_were_worse_are_set_aside(void **state)
         if (i == 0)
             accept(&bench, "*", night);
     }
-    compare(&bench, add_night(&bench, &fog_step, &number, 1, false), 0, &c);
-    assert_int_equal(count_found(&c, NEPH_FOUND_WORSE), 1);
-    neph_assert_close(c.findings[0].change, 1.0, 0.03, 0.0);
-    neph_night_comparison_finish(&c);
+    compare(&bench, add_night(&bench, &fog_step, &number, 1, false), 0);
+    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
+    neph_assert_close(bench.c.findings[0].change, 1.0, 0.03, 0.0);
     close_bench(&bench);
 }
 

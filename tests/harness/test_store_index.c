@@ -86,6 +86,15 @@ static json_t *export_of(struct neph_store *store)
     return document;
 }
 
+/* The store says what it said; frees that. */
+static void assert_exports(struct neph_store *store, json_t *before)
+{
+    json_t *after = export_of(store);
+    assert_true(json_equal(before, after));
+    json_decref(after);
+    json_decref(before);
+}
+
 static int count_rows(struct neph_store *store, const char *list)
 {
     json_t *document = export_of(store);
@@ -100,10 +109,11 @@ static void remove_index(void **state)
     neph_assert_ok(neph_dir_remove(scratch_path(state, path, "store/index"), NULL), NULL);
 }
 
-/* A night of two series, accepted. */
+/* A night of two series, and of a frame; NULL: of none. */
 static int64_t make_night(struct neph_store *store, const char *revision, double value,
-                          const json_t *frames)
+                          const char *frame)
 {
+    json_t *frames = frame ? json_pack("[s]", frame) : json_array();
     struct neph_database *index = NULL;
     struct neph_diag diag = {0};
     int64_t night = 0;
@@ -121,6 +131,7 @@ static int64_t make_night(struct neph_store *store, const char *revision, double
     neph_assert_ok(neph_history_end(index, neph_store_folder(store), night, "pass", frames, &diag),
                    &diag);
     neph_database_close(index);
+    json_decref(frames);
     return night;
 }
 
@@ -142,20 +153,15 @@ static void test_a_store_without_a_database_is_taken_over(void **state)
     struct neph_store *store = open_store(state);
     for (int i = 0; i < 5; i++)
         must_publish(store, i, 100);
-    json_t *frames = json_pack("[s]", "0000");
-    accept(store, "*", make_night(store, "a", 0.25, frames), NEPH_OK);
+    accept(store, "*", make_night(store, "a", 0.25, "0000"), NEPH_OK);
     json_t *before = export_of(store);
     assert_int_equal(json_array_size(json_object_get(before, "jobs")), 5);
     assert_int_equal(json_array_size(json_object_get(before, "environments")), 1);
     neph_store_close(store);
     remove_index(state);
     store = open_store(state);
-    json_t *after = export_of(store);
-    assert_true(json_equal(before, after));
+    assert_exports(store, before);
     neph_store_close(store);
-    json_decref(before);
-    json_decref(after);
-    json_decref(frames);
 }
 
 static void damage(const char *path, uint64_t *random)
@@ -191,8 +197,7 @@ static void test_a_damaged_database_costs_nothing_that_was_finished(void **state
     struct neph_store *store = open_store(state);
     for (int i = 0; i < 12; i++)
         must_publish(store, i, 10);
-    json_t *none = json_array();
-    make_night(store, "a", 0.25, none);
+    make_night(store, "a", 0.25, NULL);
     json_t *before = export_of(store);
     neph_store_close(store);
     scratch_path(state, path, "store/index/neph.sqlite");
@@ -202,13 +207,11 @@ static void test_a_damaged_database_costs_nothing_that_was_finished(void **state
         for (int key = 0; key < 12; key++)
             assert_true(has_frame(store, key));
         neph_assert_ok(neph_store_check(store, true, ignore_fault, NULL, &sums, NULL), NULL);
-        json_t *after = export_of(store);
-        assert_true(json_equal(before, after));
-        json_decref(after);
+        assert_exports(store, json_incref(before));
         neph_store_close(store);
     }
     json_decref(before);
-    json_decref(none);
+    json_decref(before);
 }
 
 static void test_a_database_of_a_later_neph_is_refused(void **state)
@@ -347,6 +350,15 @@ static void test_kills_at_random_moments_are_survived(void **state)
     assert_int_equal(count_in(state, "store/index"), 1); /* none was ever set aside */
 }
 
+static void wait_for_all(const pid_t *pids, int count)
+{
+    for (int run = 0; run < count; run++) {
+        int how = 1;
+        waitpid(pids[run], &how, 0);
+        assert_int_equal(how, 0);
+    }
+}
+
 static void test_runs_at_the_same_time_lose_nothing(void **state)
 {
     enum { RUNS = 4, FRAMES = 15 };
@@ -362,11 +374,7 @@ static void test_runs_at_the_same_time_lose_nothing(void **state)
         }
         _exit(0);
     }
-    for (int run = 0; run < RUNS; run++) {
-        int how = 1;
-        waitpid(pids[run], &how, 0);
-        assert_int_equal(how, 0);
-    }
+    wait_for_all(pids, RUNS);
     struct neph_store *store = open_store(state);
     assert_int_equal(count_rows(store, "jobs"), RUNS * FRAMES);
     neph_store_close(store);
@@ -417,9 +425,8 @@ static void test_check_holds_nights_against_their_documents(void **state)
     struct neph_store_sums sums;
     struct neph_database *index = NULL;
     struct neph_store *store = open_store(state);
-    json_t *none = json_array();
     int faults = 0;
-    make_night(store, "a", 0.25, none);
+    make_night(store, "a", 0.25, NULL);
     json_t *before = export_of(store);
     neph_assert_ok(neph_store_check(store, false, take_fault, &faults, &sums, NULL), NULL);
     assert_int_equal(faults + (int)sums.bad, 0);
@@ -435,11 +442,7 @@ static void test_check_holds_nights_against_their_documents(void **state)
     neph_assert_ok(neph_store_check(store, true, take_fault, &faults, &sums, NULL), NULL);
     neph_assert_ok(neph_store_check(store, true, take_fault, &faults, &sums, NULL), NULL);
     assert_int_equal(faults, 2);
-    json_t *after = export_of(store);
-    assert_true(json_equal(before, after));
-    json_decref(before);
-    json_decref(after);
-    json_decref(none);
+    assert_exports(store, before);
     neph_store_close(store);
 }
 
@@ -453,16 +456,13 @@ static void count_any_fault(const struct neph_store_fault *fault, void *context)
 static json_t *spoil_a_document(void **state, struct neph_store *store, const char *text)
 {
     char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX];
-    json_t *none = json_array(), *frames = json_pack("[s]", "0000");
-    make_night(store, "a", 0.25, none);
-    accept(store, "*", make_night(store, "b", 0.5, frames), NEPH_OK);
+    make_night(store, "a", 0.25, NULL);
+    accept(store, "*", make_night(store, "b", 0.5, "0000"), NEPH_OK);
     scratch_path(state, folder, "store/history");
     if (text)
         write_text(folder, "night-000002.json", text);
     else
         assert_int_equal(unlink(scratch_path(state, path, "store/history/night-000002.json")), 0);
-    json_decref(none);
-    json_decref(frames);
     return export_of(store);
 }
 
@@ -477,11 +477,8 @@ static void test_a_repair_keeps_a_night_whose_document_is_missing(void **state)
     assert_int_equal(neph_store_check(store, true, count_any_fault, &removed, &sums, &diag),
                      NEPH_ERR_NOT_FOUND);
     assert_non_null(strstr(diag.message, "night-000002.json"));
-    json_t *after = export_of(store);
-    assert_true(json_equal(before, after));
+    assert_exports(store, before);
     assert_int_equal(removed, 0);
-    json_decref(before);
-    json_decref(after);
     neph_store_close(store);
 }
 
@@ -500,10 +497,7 @@ static void test_a_repair_writes_a_torn_document_from_its_rows(void **state)
     }
     neph_assert_ok(neph_store_check(store, true, count_any_fault, &removed, &sums, NULL), NULL);
     assert_int_equal(sums.bad, 0);
-    json_t *after = export_of(store);
-    assert_true(json_equal(before, after));
-    json_decref(before);
-    json_decref(after);
+    assert_exports(store, before);
     neph_store_close(store);
 }
 
@@ -545,8 +539,7 @@ static void test_gc_takes_the_longest_unused_and_no_baseline(void **state)
             set_age(state, i, 20 - i);
     }
     name_key(key, 1);
-    json_t *frames = json_pack("[s]", key);
-    accept(store, "*", make_night(store, "a", 0.25, frames), NEPH_OK);
+    accept(store, "*", make_night(store, "a", 0.25, key), NEPH_OK);
     assert_true(has_frame(store, 2));
     struct neph_store_gc gc = collect(store, 45000);
     assert_int_equal(gc.frames_before, 6);
@@ -561,7 +554,6 @@ static void test_gc_takes_the_longest_unused_and_no_baseline(void **state)
     assert_true(lies_in(state, 1) && lies_in(state, 2) && lies_in(state, 6));
     assert_true(gc.bytes_of_baselines > 10000 && gc.bytes_in_use > 20000);
     neph_store_close(store);
-    json_decref(frames);
 }
 
 static void test_gc_tells_what_it_could_not_remove(void **state)
@@ -595,18 +587,17 @@ static void be_host(void **state, const char *disk)
 static void test_hosts_with_databases_of_their_own_agree(void **state)
 {
     char path[SCRATCH_PATH_MAX];
-    json_t *none = json_array();
     be_host(state, "disk_a");
     struct neph_store *store = open_store(state);
     must_publish(store, 1, 10);
-    accept(store, "*", make_night(store, "a", 0.25, none), NEPH_OK);
+    accept(store, "*", make_night(store, "a", 0.25, NULL), NEPH_OK);
     json_t *of_a = export_of(store);
     be_host(state, "disk_b");
     struct neph_store *other = open_store(state);
     json_t *of_b = export_of(other);
     assert_true(json_array_size(json_object_get(of_a, "nights")) == 1 && json_equal(of_a, of_b));
     must_publish(other, 2, 10);
-    assert_int_equal(make_night(other, "b", 0.5, none), 2);
+    assert_int_equal(make_night(other, "b", 0.5, NULL), 2);
     neph_store_close(other);
     be_host(state, "disk_a");
     assert_int_equal(count_rows(store, "jobs"), 2);
@@ -616,25 +607,22 @@ static void test_hosts_with_databases_of_their_own_agree(void **state)
     be_host(state, "");
     json_decref(of_b);
     json_decref(of_a);
-    json_decref(none);
 }
 
 /* Rows of a store that was removed are none of the next at its path. */
 static void test_a_store_that_was_made_again_is_another(void **state)
 {
     char path[SCRATCH_PATH_MAX];
-    json_t *none = json_array();
     be_host(state, "disk");
     struct neph_store *store = open_store(state);
-    make_night(store, "a", 0.25, none);
+    make_night(store, "a", 0.25, NULL);
     neph_store_close(store);
     neph_assert_ok(neph_dir_remove(scratch_path(state, path, "store"), NULL), NULL);
     store = open_store(state);
     assert_int_equal(count_rows(store, "nights"), 0);
-    assert_int_equal(make_night(store, "a", 0.25, none), 1);
+    assert_int_equal(make_night(store, "a", 0.25, NULL), 1);
     neph_store_close(store);
     be_host(state, "");
-    json_decref(none);
 }
 
 static void test_where_no_database_is_wanted_frames_are_made_all_the_same(void **state)
@@ -729,9 +717,8 @@ static void test_acceptances_are_added_and_never_changed(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_store *store = open_store(state);
-    json_t *none = json_array();
-    const int64_t first = make_night(store, "a", 0.25, none),
-                  second = make_night(store, "b", 0.5, none);
+    const int64_t first = make_night(store, "a", 0.25, NULL),
+                  second = make_night(store, "b", 0.5, NULL);
     accept(store, "*", first, NEPH_OK);
     accept(store, "fog/march/radiance/rel_rmse/all", second, NEPH_OK);
     accept(store, "fog/none", second, NEPH_ERR_NOT_FOUND);
@@ -744,7 +731,6 @@ static void test_acceptances_are_added_and_never_changed(void **state)
     store = open_store(state); /* what hangs on a torn document is named and left out */
     assert_int_equal(count_rows(store, "nights"), 1);
     neph_store_close(store);
-    json_decref(none);
 }
 
 /* What remains of one that is torn is not written over, and no later night has its number, by which
@@ -754,9 +740,8 @@ static void test_numbers_of_torn_documents_are_not_given_again(void **state)
     char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX], *text = NULL;
     size_t size;
     struct neph_store *store = open_store(state);
-    json_t *none = json_array();
-    make_night(store, "a", 0.25, none);
-    accept(store, "*", make_night(store, "b", 0.5, none), NEPH_OK);
+    make_night(store, "a", 0.25, NULL);
+    accept(store, "*", make_night(store, "b", 0.5, NULL), NEPH_OK);
     accept(store, "*", 1, NEPH_OK);
     neph_store_close(store);
     scratch_path(state, folder, "store/history");
@@ -764,7 +749,7 @@ static void test_numbers_of_torn_documents_are_not_given_again(void **state)
     write_text(folder, "accept-000002.json", "{\"torn, too");
     remove_index(state);
     store = open_store(state);
-    assert_int_equal(make_night(store, "c", 0.75, none), 3);
+    assert_int_equal(make_night(store, "c", 0.75, NULL), 3);
     accept(store, "*", 3, NEPH_OK);
     assert_int_equal(count_rows(store, "acceptances"), 2);
     static const char *const torn[][2] = {{"store/history/night-000002.json", "{\"torn"},
@@ -777,7 +762,6 @@ static void test_numbers_of_torn_documents_are_not_given_again(void **state)
     }
     assert_true(neph_path_exists(scratch_path(state, path, "store/history/accept-000003.json")));
     neph_store_close(store);
-    json_decref(none);
 }
 
 /* Its rows would be refused, for which the good database would be set aside at each opening. */
@@ -785,8 +769,7 @@ static void test_a_step_without_a_time_leaves_its_night_out(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_store *store = open_store(state);
-    json_t *none = json_array();
-    make_night(store, "a", 0.25, none);
+    make_night(store, "a", 0.25, NULL);
     write_text(
         scratch_path(state, path, "store/history"), "night-000002.json",
         "{\"format\": \"neph-night-1\", \"ended_utc\": \"2026\", \"steps\": [{\"name\": \"a\"}]}");
@@ -795,7 +778,6 @@ static void test_a_step_without_a_time_leaves_its_night_out(void **state)
     assert_int_equal(count_rows(store, "nights"), 1);
     neph_store_close(store);
     assert_int_equal(count_in(state, "store/index"), 1); /* none was set aside */
-    json_decref(none);
 }
 
 /* Each has a number and a document. */
@@ -805,8 +787,7 @@ static void test_acceptances_at_the_same_time_are_all_kept(void **state)
     enum { RUNS = 4, EACH = 5 };
     pid_t pids[RUNS];
     struct neph_store *store = open_store(state);
-    json_t *none = json_array();
-    make_night(store, "a", 0.25, none);
+    make_night(store, "a", 0.25, NULL);
     for (int run = 0; run < RUNS; run++) {
         pids[run] = fork();
         if (pids[run] != 0)
@@ -816,15 +797,10 @@ static void test_acceptances_at_the_same_time_are_all_kept(void **state)
             accept(store, "*", 1, NEPH_OK);
         _exit(0);
     }
-    for (int run = 0; run < RUNS; run++) {
-        int how = 1;
-        waitpid(pids[run], &how, 0);
-        assert_int_equal(how, 0);
-    }
+    wait_for_all(pids, RUNS);
     assert_int_equal(count_rows(store, "acceptances"), RUNS * EACH);
     neph_store_close(store);
     assert_int_equal(count_in(state, "store/index"), 1); /* none was set aside */
-    json_decref(none);
 }
 
 int main(void)
