@@ -4,6 +4,7 @@
  */
 #include "harness/cli/cli.h"
 
+#include "harness/run/record.h"
 #include "harness/run/store_keep.h"
 
 #include <math.h>
@@ -92,6 +93,15 @@ static void tell_fault(const struct neph_store_fault *fault, void *context)
                                     : "; made again");
 }
 
+/* A record as JSON, with one value more. */
+static enum neph_status print_record(const char *fields, const void *record, const char *key,
+                                     json_t *value, struct neph_diag *diag)
+{
+    json_t *json = neph_record_json(fields, record);
+    neph_json_set(&json, key, value);
+    return neph_json_print(json, diag);
+}
+
 static enum neph_status run_check(const struct request *request, struct neph_store *store,
                                   struct neph_diag *diag)
 {
@@ -101,11 +111,8 @@ static enum neph_status run_check(const struct request *request, struct neph_sto
     enum neph_status status = neph_store_check(store, request->repairs, tell_fault,
                                                json ? &faults : NULL, &sums, diag);
     if (!status && json)
-        status = neph_json_print(
-            json_pack("{s:I, s:I, s:I, s:I, s:I, s:O}", "frames", (json_int_t)sums.frames, "bytes",
-                      (json_int_t)sums.bytes, "nights", (json_int_t)sums.nights, "acceptances",
-                      (json_int_t)sums.accepted, "bad", (json_int_t)sums.bad, "faults", faults),
-            diag);
+        status = print_record("i:frames i:bytes i:nights i:acceptances i:bad", &sums, "faults",
+                              json_incref(faults), diag);
     else if (!status)
         printf("%lld frames, %.1f MB, %lld nights, %lld acceptances; %lld damaged\n",
                (long long)sums.frames, 1e-6 * (double)sums.bytes, (long long)sums.nights,
@@ -147,15 +154,9 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
     enum neph_status status = neph_store_gc(store, (int64_t)limit, 3600.0 * request->spare_hours,
                                             &gc, diag);
     if (!status && request->shared.json)
-        status = neph_json_print(
-            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "frames_before",
-                      (json_int_t)gc.frames_before, "bytes_before", (json_int_t)gc.bytes_before,
-                      "frames_removed", (json_int_t)gc.frames_removed, "bytes_removed",
-                      (json_int_t)gc.bytes_removed, "bytes_of_baselines",
-                      (json_int_t)gc.bytes_of_baselines, "bytes_in_use",
-                      (json_int_t)gc.bytes_in_use, "frames_that_stayed",
-                      (json_int_t)gc.frames_that_stayed, "fits", gc.fits),
-            diag);
+        status = print_record("i:frames_before i:bytes_before i:frames_removed i:bytes_removed "
+                              "i:bytes_of_baselines i:bytes_in_use i:frames_that_stayed",
+                              &gc, "fits", json_boolean(gc.fits), diag);
     else if (!status)
         printf("removed %lld of %lld frames, %.1f of %.1f MB; of accepted nights %.1f MB, in use "
                "%.1f MB\n",

@@ -92,6 +92,9 @@ struct neph_night_verdict neph_night_verdict(const struct neph_night_comparison 
 struct neph_finding neph_finding(enum neph_found found, const char *series, const char *step,
                                  const char *words);
 
+/* Say whether the night passes, by its findings. */
+void neph_night_settle(struct neph_night_comparison *comparison);
+
 /* Add what somebody else has found, and judge anew whether the night passes. When memory is short,
  * neph_arena_check() of its arena says so. */
 void neph_night_add_finding(struct neph_night_comparison *comparison,

@@ -4,7 +4,6 @@
 #include "base/clock.h"
 #include "base/files.h"
 #include "base/path.h"
-#include "harness/night/edited.h"
 #include "harness/night/scene_copy.h"
 #include "harness/run/history.h"
 #include "harness/run/history_check.h"

@@ -11,7 +11,7 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
 
-enum { STEPS_MAX = 512, WORDS_MAX = 24 };
+enum { STEPS_MAX = 512 };
 
 static const char *const suite_names[] = {
     [NEPH_NIGHT_CATALOG] = "catalog", [NEPH_NIGHT_PHYSICS] = "physics",
@@ -23,73 +23,59 @@ static const char *const suite_names[] = {
  * as far as nobody has measured it. A tier only adds steps: those of the quick one are the same in
  * the full one, so that their series go on. */
 static const struct {
-    const char *before[4], *after[WORDS_MAX];
+    const char *before, *after;
     const char *size; /* NULL: its own */
     double guess_s;
     int guess_series;
 } suites[] = {
-    [NEPH_NIGHT_CATALOG] = {{"validate"},
-                            {"-e",          "exact",    "-e", "surfaces", "-e", "tracer",
-                             "-e",          "march",    "-e", "realtime", "-e", "fog_look",
-                             "-e",          "sky",      "-e", "cycles",   "-e", "povray",
-                             "--no-charts", "--budget", "60"},
-                            "96x54",
-                            20.0,
-                            12},
-    [NEPH_NIGHT_PHYSICS] = {{"validate", "--suite", "physics", "--check"},
-                            {"-e", "exact", "-e", "oracle", "-e", "tracer", "-e", "march", "-e",
-                             "povray", "--samples", "64"},
-                            NULL,
-                            30.0,
-                            5},
-    [NEPH_NIGHT_FAILURE] = {{"validate", "--suite", "failure", "--only"}, {NULL}, NULL, 20.0, 9},
-    [NEPH_NIGHT_SWEEP] = {{"sweep"}, {"--untimed", "--only", "march,ours"}, "96x54", 60.0, 16},
-    [NEPH_NIGHT_SPEED] = {{"benchmark"}, {"-e", "march,realtime"}, "192x108", 30.0, 2},
+    [NEPH_NIGHT_CATALOG] = {"validate",
+                            "-e exact -e surfaces -e tracer -e march -e realtime -e fog_look "
+                            "-e sky -e cycles -e povray --no-charts --budget 60",
+                            "96x54", 20.0, 12},
+    [NEPH_NIGHT_PHYSICS] = {"validate --suite physics --check",
+                            "-e exact -e oracle -e tracer -e march -e povray --samples 64", NULL,
+                            30.0, 5},
+    [NEPH_NIGHT_FAILURE] = {"validate --suite failure --only", "", NULL, 20.0, 9},
+    [NEPH_NIGHT_SWEEP] = {"sweep", "--untimed --only march,ours", "96x54", 60.0, 16},
+    [NEPH_NIGHT_SPEED] = {"benchmark", "-e march,realtime", "192x108", 30.0, 2},
 };
 
 /* A step, and the words after its name where they are not those of its suite. */
 struct listed {
     enum neph_night_suite suite;
-    const char *name, *words[WORDS_MAX];
+    const char *name, *words;
 };
 
 /* What the quick tier has; the full one has the whole catalogue and all checks and scenarios. */
-static const struct listed quick_steps[] =
-    {
-        {NEPH_NIGHT_CATALOG, "height_fog_down", {NULL}},
-        {NEPH_NIGHT_CATALOG, "scattering_slab_above", {NULL}},
-        {NEPH_NIGHT_CATALOG, "grid_cloud_single", {NULL}},
-        {NEPH_NIGHT_CATALOG, "voxel_grid", {NULL}},
-        {NEPH_NIGHT_CATALOG, "fog_look_physical", {NULL}},
-        {NEPH_NIGHT_CATALOG, "sky_earth", {NULL}},
-        {NEPH_NIGHT_PHYSICS, "single_slab_thin", {NULL}},
-        {NEPH_NIGHT_FAILURE, "ridge_far", {NULL}},
-        {NEPH_NIGHT_FAILURE, "blob_sky", {NULL}},
-        {NEPH_NIGHT_FAILURE, "fog_none", {NULL}},
-        {NEPH_NIGHT_FAILURE, "edge_halo", {NULL}},
-        {NEPH_NIGHT_FAILURE,
-         "froxel_leak",
-         {"--preset", "seed", "--preset", "fixed", "--preset", "ours", "--preset",
-          "fixed+froxels=on"}},
-        {NEPH_NIGHT_SWEEP, "voxel_grid", {NULL}},
-        {NEPH_NIGHT_SWEEP, "spot_fence", {"--untimed", "--only", "march,tracer"}},
-        {NEPH_NIGHT_SWEEP, "cirrus", {"--untimed", "--only", "march"}},
-        {NEPH_NIGHT_SWEEP, "cloud_gaps", {"--untimed", "--plan", "shadows", "--only", "map"}},
-        {NEPH_NIGHT_SPEED, "voxel_grid", {NULL}},
-},
-                           full_steps[] = {
-                               {NEPH_NIGHT_FAILURE,
-                                "froxel_seam",
-                                {"--preset", "seed", "--preset", "fixed", "--preset", "ours",
-                                 "--preset", "fixed+froxels=on"}},
-                               {NEPH_NIGHT_FAILURE,
-                                "shadow_crawl",
-                                {"--preset", "off", "--preset", "fixed", "--preset",
-                                 "off+cloud_shadow=map"}},
-                               {NEPH_NIGHT_SWEEP, "cloud_below", {NULL}},
-                               {NEPH_NIGHT_SWEEP, "fence_backlit", {NULL}},
-                               {NEPH_NIGHT_SPEED, "grid_cloud_single", {NULL}},
-                               {NEPH_NIGHT_SPEED, "fence_backlit", {NULL}},
+static const struct listed quick_steps[] = {
+    {NEPH_NIGHT_CATALOG, "height_fog_down", NULL},
+    {NEPH_NIGHT_CATALOG, "scattering_slab_above", NULL},
+    {NEPH_NIGHT_CATALOG, "grid_cloud_single", NULL},
+    {NEPH_NIGHT_CATALOG, "voxel_grid", NULL},
+    {NEPH_NIGHT_CATALOG, "fog_look_physical", NULL},
+    {NEPH_NIGHT_CATALOG, "sky_earth", NULL},
+    {NEPH_NIGHT_PHYSICS, "single_slab_thin", NULL},
+    {NEPH_NIGHT_FAILURE, "ridge_far", NULL},
+    {NEPH_NIGHT_FAILURE, "blob_sky", NULL},
+    {NEPH_NIGHT_FAILURE, "fog_none", NULL},
+    {NEPH_NIGHT_FAILURE, "edge_halo", NULL},
+    {NEPH_NIGHT_FAILURE, "froxel_leak",
+     "--preset seed --preset fixed --preset ours --preset fixed+froxels=on"},
+    {NEPH_NIGHT_SWEEP, "voxel_grid", NULL},
+    {NEPH_NIGHT_SWEEP, "spot_fence", "--untimed --only march,tracer"},
+    {NEPH_NIGHT_SWEEP, "cirrus", "--untimed --only march"},
+    {NEPH_NIGHT_SWEEP, "cloud_gaps", "--untimed --plan shadows --only map"},
+    {NEPH_NIGHT_SPEED, "voxel_grid", NULL},
+};
+static const struct listed full_steps[] = {
+    {NEPH_NIGHT_FAILURE, "froxel_seam",
+     "--preset seed --preset fixed --preset ours --preset fixed+froxels=on"},
+    {NEPH_NIGHT_FAILURE, "shadow_crawl",
+     "--preset off --preset fixed --preset off+cloud_shadow=map"},
+    {NEPH_NIGHT_SWEEP, "cloud_below", NULL},
+    {NEPH_NIGHT_SWEEP, "fence_backlit", NULL},
+    {NEPH_NIGHT_SPEED, "grid_cloud_single", NULL},
+    {NEPH_NIGHT_SPEED, "fence_backlit", NULL},
 };
 
 const char *neph_night_suite_name(enum neph_night_suite suite)
@@ -125,40 +111,47 @@ static bool is_wanted(const struct making *making, const char *name)
     return making->params->only_count == 0;
 }
 
-static void add_words(struct making *making, struct neph_night_step *step, const char *const *words,
-                      int most)
+/* NULL: none. */
+static void add_word(struct making *making, struct neph_night_step *step, const char *word)
 {
     int count = 0;
     while (step->words[count])
         count++;
-    for (int i = 0; i < most && words[i]; i++) {
-        if (count < NEPH_STEP_WORDS - 1)
-            step->words[count++] = words[i];
-        else
-            making->too_many_words = true;
+    if (word && count < NEPH_STEP_WORDS - 1)
+        step->words[count] = word;
+    else
+        making->too_many_words = making->too_many_words || word;
+}
+
+/* Words between blanks. */
+static void add_words(struct making *making, struct neph_night_step *step, const char *words)
+{
+    for (size_t length; *words; words += length + strspn(words + length, " ")) {
+        length = strcspn(words, " ");
+        add_word(making, step, neph_arena_format(making->arena, "%.*s", (int)length, words));
     }
 }
 
 static void add_settings(struct making *making, struct neph_night_step *step)
 {
-    if (step->suite == NEPH_NIGHT_CATALOG && making->params->seed > 1) {
-        const char *const words[] = {"--seed",
-                                     neph_arena_format(making->arena, "%d", making->params->seed)};
-        add_words(making, step, words, 2);
+    const struct neph_night_plan_params *params = making->params;
+    if (step->suite != NEPH_NIGHT_CATALOG)
+        return;
+    if (params->seed > 1)
+        add_words(making, step, neph_arena_format(making->arena, "--seed %d", params->seed));
+    for (int i = 0; i < params->engine_count; i++) {
+        add_word(making, step, "-e");
+        add_word(making, step, params->engines[i]);
     }
-    for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->engine_count; i++) {
-        const char *const words[] = {"-e", making->params->engines[i]};
-        add_words(making, step, words, 2);
-    }
-    for (int i = 0; step->suite == NEPH_NIGHT_CATALOG && i < making->params->setting_count; i++) {
-        const char *const words[] = {"-s", making->params->settings[i]};
-        add_words(making, step, words, 2);
+    for (int i = 0; i < params->setting_count; i++) {
+        add_word(making, step, "-s");
+        add_word(making, step, params->settings[i]);
     }
 }
 
 /* `words` as in struct listed; NULL: those of the suite. */
 static void add_step(struct making *making, enum neph_night_suite suite, const char *of,
-                     const char *const *words)
+                     const char *words)
 {
     const char *name = neph_arena_format(making->arena, "%s %s", suite_names[suite], of);
     const char *size = suites[suite].size;
@@ -177,10 +170,11 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
         .scene = suite == NEPH_NIGHT_PHYSICS ? NULL : neph_arena_text(making->arena, of),
         .guess_s = suites[suite].guess_s,
         .guess_series = suites[suite].guess_series};
-    const char *const own[] = {neph_arena_text(making->arena, of), size ? "--size" : NULL, size};
-    add_words(making, step, suites[suite].before, 4);
-    add_words(making, step, own, 3);
-    add_words(making, step, words && words[0] ? words : suites[suite].after, WORDS_MAX);
+    add_words(making, step, suites[suite].before);
+    add_word(making, step, neph_arena_text(making->arena, of));
+    add_word(making, step, size ? "--size" : NULL);
+    add_word(making, step, size);
+    add_words(making, step, words ? words : suites[suite].after);
     add_settings(making, step);
 }
 

@@ -86,6 +86,13 @@ double neph_night_limit_s(const struct neph_night_work *work, int step);
 void neph_night_note(struct neph_night_work *work, int step, const char *outcome,
                      const char *reason);
 
+/* Find the edits of tonight, run the step of each once more with the accepted version in place of
+ * the edited scene, and keep its numbers as measured by the step "NAME, as accepted". `scope` gets
+ * the edits with what became of them; texts are of the night's arena. An accepted version that
+ * cannot be rendered is no error. */
+enum neph_status neph_night_render_accepted(struct neph_night_work *work,
+                                            struct neph_night_scope *scope, struct neph_diag *diag);
+
 /* Where the log of a step goes. */
 const char *neph_night_log(struct neph_night_work *work, int step, const char *ending);
 
