@@ -319,13 +319,12 @@ static json_t *colours_json(void)
     return colours;
 }
 
-static const char *state_of(const struct neph_night *night)
-{
-    return night->is_over ? "finished" : night->is_interrupted ? "interrupted" : "running";
-}
-
 static enum neph_status set_head(const struct work *work, json_t *document, struct neph_diag *diag)
 {
+    const struct neph_night *night = work->night;
+    const char *state = night->is_over          ? "finished"
+                        : night->is_interrupted ? "interrupted"
+                                                : "running";
     char created[32];
     neph_utc_now(created);
     char *summary = NULL;
@@ -333,9 +332,9 @@ static enum neph_status set_head(const struct work *work, json_t *document, stru
     if (!status)
         status = take_all(document,
                           json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1",
-                                    "state", state_of(work->night), "created_utc", created,
-                                    "neph_version", NEPH_VERSION, "summary", summary,
-                                    "difference_colours", colours_json()),
+                                    "state", state, "created_utc", created, "neph_version",
+                                    NEPH_VERSION, "summary", summary, "difference_colours",
+                                    colours_json()),
                           diag);
     free(summary);
     return status;
