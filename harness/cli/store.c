@@ -175,19 +175,13 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
     return NEPH_ERR_GATE;
 }
 
-static enum neph_status run_export(struct neph_store *store, struct neph_diag *diag)
-{
-    json_t *document = NULL;
-    const enum neph_status status = neph_store_export(store, &document, diag);
-    return status ? status : neph_json_print(document, diag);
-}
-
 /* ---- all ------------------------------------------------------------------------------------- */
 
 enum neph_status neph_cli_store(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     struct neph_store *store = NULL;
+    json_t *document = NULL;
     neph_cli_parse(&syntax, argc, argv, &request);
     const char *verb = request.shared.operands[0];
     enum neph_status status = neph_cli_open_store(request.shared.output, &store, diag);
@@ -195,8 +189,8 @@ enum neph_status neph_cli_store(int argc, char **argv, struct neph_diag *diag)
         status = run_check(&request, store, diag);
     else if (!status && strcmp(verb, "gc") == 0)
         status = run_gc(&request, store, diag);
-    else if (!status)
-        status = run_export(store, diag);
+    else if (!status && !(status = neph_store_export(store, &document, diag)))
+        status = neph_json_print(document, diag);
     neph_store_close(store);
     return status;
 }

@@ -17,7 +17,7 @@ static const char night_format[] = "neph-night-jobs-1", step_format[] = "neph-st
 const char neph_night_job_not_run[] = "not run";
 static const size_t limit_bytes = 64 << 20;
 
-/* Of a night from its format on, and of a step's record after its name. */
+/* The fields of a night from its format on, and those of a step's record after its name. */
 static const char night_fields[] =
     "s:format s:name i:night s:started_utc s:plan s:revision s:program s:host";
 static const char outcome_fields[] = "s:outcome s:reason s:size d:wall_s n:calibration_s";

@@ -511,14 +511,6 @@ static void tally(const struct neph_judgement *judgement, struct neph_verdicts *
     verdicts->moved += judgement->judged == NEPH_JUDGED_MOVED;
 }
 
-/* A pool as if it were a series: its levels are changes, its baseline is 1. */
-static struct neph_judgement judge_pool(const struct trial *trial, enum neph_series_kind kind,
-                                        double adjusted, double alpha, int chances)
-{
-    const struct neph_series as_series = {.kind = kind, .unit = 1.0};
-    return judge_trial(trial, &as_series, adjusted, alpha, chances);
-}
-
 struct work {
     struct trial *trials; /* of the series, and then of the pools */
     double *p, *adjusted; /* of those in which chance has a part */
@@ -552,9 +544,10 @@ static void judge_all(const struct neph_series *series, int count, double alpha,
         const double p = trial->judged && trial->by_chance ? work->adjusted[at++] : trial->p;
         struct neph_judgement *judgement = i < count ? &verdicts->series[i]
                                                      : &verdicts->pools[i - count].judgement;
-        *judgement = i < count
-                         ? judge_trial(trial, &series[i], p, alpha, chances)
-                         : judge_pool(trial, verdicts->pools[i - count].kind, p, alpha, chances);
+        /* A pool as if it were a series: its levels are changes, its baseline is 1. */
+        const struct neph_series pool = {
+            .kind = i < count ? series[i].kind : verdicts->pools[i - count].kind, .unit = 1.0};
+        *judgement = judge_trial(trial, i < count ? &series[i] : &pool, p, alpha, chances);
         tally(judgement, verdicts);
     }
     suspect_truths(series, count, verdicts);

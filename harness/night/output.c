@@ -281,12 +281,6 @@ static void print_junit(const void *given, FILE *out)
     fputs("</testsuite>\n", out);
 }
 
-enum neph_status neph_night_junit(const struct neph_night *night, char **text,
-                                  struct neph_diag *diag)
-{
-    return neph_written(print_junit, night, text, diag);
-}
-
 /* ---- files ----------------------------------------------------------------------------------- */
 
 /* `text` is freed. */
@@ -308,7 +302,7 @@ enum neph_status neph_night_write(const struct neph_night *night, const char *ti
         json, JSON_INDENT(1), neph_path_in(output, "nightly/nightly.json").text, diag);
     json_decref(json);
     if (!status)
-        status = neph_night_junit(night, &text, diag);
+        status = neph_written(print_junit, night, &text, diag);
     if (!status)
         status = write_text(output, "junit.xml", text, diag);
     if (!status)

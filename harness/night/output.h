@@ -20,10 +20,6 @@ enum neph_status neph_night_command(const struct neph_night *night, const char *
 /* {"format": "neph-nightly-1", ...}; NULL when memory is short. */
 json_t *neph_night_json(const struct neph_night *night, const char *tier);
 
-/* A test case for each series and each step; for the caller to free. */
-enum neph_status neph_night_junit(const struct neph_night *night, char **text,
-                                  struct neph_diag *diag);
-
 /* OUTPUT/nightly/summary.txt, nightly.json, junit.xml. */
 enum neph_status neph_night_write(const struct neph_night *night, const char *tier,
                                   const char *output, struct neph_diag *diag);

@@ -38,12 +38,6 @@ static bool wants_gpu(void)
     return device && device[0] && !strcasestr(processor, device) && !strcasestr(device, processor);
 }
 
-/* Durations are measured on hosts that are marked for it or not at all. */
-static bool has_hosts(const struct sending *sending, const struct neph_night_step *step)
-{
-    return step->suite != NEPH_NIGHT_SPEED || sending->settings->timing;
-}
-
 /* Before anything is written. */
 static enum neph_status check(const struct neph_slurm_settings *settings, struct neph_diag *diag)
 {
@@ -200,7 +194,8 @@ static enum neph_status choose_steps(struct sending *sending, struct neph_diag *
     while (!status &&
            (index = neph_night_plan_next(plan, work->history, chosen, INFINITY, false)) >= 0) {
         chosen[index] = true;
-        if (has_hosts(sending, &plan->steps[index]))
+        /* Durations are measured on hosts that are marked for it or not at all. */
+        if (plan->steps[index].suite != NEPH_NIGHT_SPEED || sending->settings->timing)
             status = add_step(sending, index, diag);
         else
             neph_progress_warn("'%s' is not run: --slurm timing=FEATURE names no hosts for "

@@ -203,11 +203,6 @@ static struct distance measure(const struct pair *pair, const char *channel,
     return distance;
 }
 
-static bool is_within(const struct distance *distance)
-{
-    return distance->beyond <= distance->allowed && distance->mean <= distance->mean_allowed;
-}
-
 /* --- one picture -------------------------------------------------------------------------- */
 
 static bool compare_channels(const struct pair *pair, json_t **channels, char *because, size_t size)
@@ -218,7 +213,8 @@ static bool compare_channels(const struct pair *pair, json_t **channels, char *b
         if (strncmp(name, "variance.", strlen("variance.")) == 0)
             continue; /* an estimate of chance, not of light */
         const struct distance distance = measure(pair, name, find_bound(pair->engine, name));
-        const bool within = is_within(&distance);
+        const bool within = distance.beyond <= distance.allowed &&
+                            distance.mean <= distance.mean_allowed;
         if (!within && agrees)
             snprintf(because, size,
                      "%s: %zu pixels beyond the bound, %zu allowed; means %.2g of the largest "

@@ -10,76 +10,52 @@
 
 /* ---- nights ---------------------------------------------------------------------------------- */
 
-/* `*torn`: the document is there and says nothing. One that is missing or cannot be read is an
- * error: the rows are then all that is left of the night. */
-static enum neph_status compare_night(struct neph_database *index, const char *store_folder,
-                                      int64_t night, json_t **rows, bool *torn,
-                                      struct neph_diag *diag)
+/* A document that is missing or cannot be read is an error: the rows are then all that is left of
+ * the night. `mends`: one that is torn is written anew from the rows; one that disagrees is right,
+ * and so is the lack of rows that cannot be read. */
+static enum neph_status check_night(struct neph_database *index, const char *store_folder,
+                                    int64_t night, bool mends, struct neph_diag *diag)
 {
-    json_t *document = NULL;
+    json_t *rows = NULL, *document = NULL;
     const struct neph_path path = neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night);
-    *torn = false;
-    enum neph_status status = neph_history_document(index, night, rows, diag);
-    if (status)
-        return status;
-    status = neph_document_read(path.text, NEPH_DOCUMENT_NIGHT, &document, diag);
-    *torn = status == NEPH_ERR_INPUT;
-    if (status && !*torn)
+    enum neph_status status = neph_history_document(index, night, &rows, diag);
+    if (!status)
+        status = neph_document_read(path.text, NEPH_DOCUMENT_NIGHT, &document, diag);
+    const bool torn = rows && status == NEPH_ERR_INPUT;
+    if (rows && status && !torn)
         neph_hint(diag, "bring it back from a copy of the store; what it said is still in the "
                         "database, and `neph store export` prints it");
-    if (*torn || (!status && !json_equal(*rows, document)))
+    if (torn || (!status && !json_equal(rows, document)))
         status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
                            (long long)night, path.text);
-    json_decref(document);
-    return status;
-}
-
-static enum neph_status check_night(struct neph_database *index, const char *store_folder,
-                                    int64_t night, struct neph_diag *diag)
-{
-    json_t *rows = NULL;
-    bool torn;
-    const enum neph_status status = compare_night(index, store_folder, night, &rows, &torn, diag);
-    json_decref(rows);
-    return status;
-}
-
-/* A document that disagrees is right. So is the lack of rows that cannot be read. */
-static enum neph_status mend_night(struct neph_database *index, const char *store_folder,
-                                   int64_t night, struct neph_diag *diag)
-{
-    json_t *rows = NULL;
-    bool torn = false;
-    enum neph_status status = compare_night(index, store_folder, night, &rows, &torn, diag);
-    if (torn)
+    if (torn && mends)
         status = neph_document_write(store_folder, NEPH_DOCUMENT_NIGHT, night, rows, diag);
     json_decref(rows);
-    return status == NEPH_ERR_INPUT ? NEPH_OK : status;
+    json_decref(document);
+    return mends && status == NEPH_ERR_INPUT ? NEPH_OK : status;
 }
 
-static enum neph_status visit_nights(struct neph_database *index, const char *store_folder,
-                                     enum neph_status (*visit)(struct neph_database *, const char *,
-                                                               int64_t, struct neph_diag *),
-                                     struct neph_diag *diag)
+static enum neph_status check_nights(struct neph_database *index, const char *store_folder,
+                                     bool mends, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     struct neph_query *query = neph_query(
         index, diag, "SELECT id FROM nights WHERE ended_utc != '' ORDER BY id", "");
     while (!status && neph_query_next(query))
-        status = visit(index, store_folder, neph_query_integer(query, 0), diag);
+        status = check_night(index, store_folder, neph_query_integer(query, 0), mends, diag);
     return neph_query_end(query, status);
 }
 
 enum neph_status neph_history_check(struct neph_database *index, const char *store_folder,
                                     struct neph_diag *diag)
 {
-    return visit_nights(index, store_folder, check_night, diag);
+    return check_nights(index, store_folder, false, diag);
 }
 
 enum neph_status neph_history_mend(struct neph_database *index, const char *store_folder,
                                    struct neph_diag *diag)
 {
-    const enum neph_status status = visit_nights(index, store_folder, mend_night, diag);
+    const enum neph_status status = check_nights(index, store_folder, true, diag);
     return status == NEPH_ERR_INPUT ? NEPH_OK : status;
 }
 
@@ -313,7 +289,7 @@ static enum neph_status check_accepted_night(const struct check *check, int64_t 
     const char *fault = "the night was accepted, and the history does not have it: bring its "
                         "document back from a copy of the store, or accept another night";
     if (known > 0) {
-        status = check_night(check->index, check->store_folder, night, &why);
+        status = check_night(check->index, check->store_folder, night, false, &why);
         if (status == NEPH_OK)
             return NEPH_OK;
         fault = why.message;

@@ -24,7 +24,7 @@ enum { NEPH_RECORD_COLUMNS = 24 };
 /* A struct as JSON; NULL: it cannot be. */
 json_t *neph_record_json(const char *fields, const void *record);
 
-/* Read a struct from JSON, whose texts it borrows; `arena` not NULL: it gets copies of them. What is
+/* Read a struct from JSON, whose texts it borrows; with an `arena` it gets copies of them. What is
  * missing is "", 0 or NaN. */
 void neph_record_read(const char *fields, const json_t *json, struct neph_arena *arena,
                       void *record);

@@ -211,7 +211,6 @@ static void test_a_damaged_database_costs_nothing_that_was_finished(void **state
         neph_store_close(store);
     }
     json_decref(before);
-    json_decref(before);
 }
 
 static void test_a_database_of_a_later_neph_is_refused(void **state)
