@@ -201,12 +201,6 @@ static void add_unseparated(struct teller *teller)
              periods);
 }
 
-static bool is_bounded(const struct neph_measurement *number)
-{
-    return number->interval != NEPH_INTERVAL_NONE &&
-           number->interval != NEPH_INTERVAL_DETERMINISTIC;
-}
-
 static void add_edge_ratio(struct teller *teller)
 {
     const struct neph_measurement *edge = find(teller, "a4_p95", "depth_edge");
@@ -228,7 +222,8 @@ static void add_edge_ratio(struct teller *teller)
                     "as elsewhere (p95 %.3g)",
         edge->value, ratio, other->value);
     stand_on(item, "value", ratio);
-    const bool bounded = is_bounded(edge) && is_bounded(other);
+    const bool bounded = neph_interval_is_bounded(edge->interval) &&
+                         neph_interval_is_bounded(other->interval);
     item->has_interval = true;
     item->low = bounded ? neph_flicker_edge_ratio(edge->low, other->high) : NAN;
     item->high = bounded ? neph_flicker_edge_ratio(edge->high, other->low) : NAN;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/fly/heat.h"
 
+#include "base/arena.h"
 #include "metrics/display.h"
 #include "metrics/extractors/display_luma.h"
 #include "metrics/extractors/flicker_spectrum.h"
@@ -54,7 +55,8 @@ struct neph_heat_flicker {
     int padded;              /* columns as flicker_sums.h pads them */
     int frame_count;         /* since it was forgotten, without end */
     double *lumas;           /* by frame of the ring, row, column; owned */
-    float *gathered[3];      /* a row of the grid in linear colours; owned */
+    float *gathered[3];      /* a row of the grid in linear colours; of the arena */
+    struct neph_arena arena;
 };
 
 static int step_of(int width_px, int height_px)
@@ -70,8 +72,7 @@ void neph_heat_flicker_destroy(struct neph_heat_flicker *flicker)
     if (!flicker)
         return;
     free(flicker->lumas);
-    for (int c = 0; c < 3; c++)
-        free(flicker->gathered[c]);
+    neph_arena_finish(&flicker->arena);
     free(flicker);
 }
 
@@ -94,12 +95,9 @@ enum neph_status neph_heat_flicker_create(int width_px, int height_px,
     made->rows = (height_px + made->step - 1) / made->step;
     made->padded = neph_flicker_padded(made->columns);
     made->lumas = neph_flicker_zeros(NEPH_HEAT_FRAMES * frame_size(made));
-    bool complete = made->lumas != NULL;
-    for (int c = 0; c < 3; c++) {
-        made->gathered[c] = calloc((size_t)made->columns, sizeof(float));
-        complete &= made->gathered[c] != NULL;
-    }
-    if (!complete) {
+    for (int c = 0; c < 3; c++)
+        made->gathered[c] = neph_arena_zeroed(&made->arena, (size_t)made->columns, sizeof(float));
+    if (!made->lumas || made->arena.is_short) {
         neph_heat_flicker_destroy(made);
         return neph_fail_memory(diag);
     }
@@ -152,14 +150,6 @@ static int frames_of(const struct neph_heat_flicker *flicker)
     return there / NEPH_FLICKER_CYCLE * NEPH_FLICKER_CYCLE;
 }
 
-/* As differences from the first frame, which the sums want: in place. */
-static void subtract_first(double *const rows[], int frame_count, int count)
-{
-    for (int frame = frame_count - 1; frame >= 0; frame--)
-        for (int x = 0; x < count; x++)
-            rows[frame][x] -= rows[0][x];
-}
-
 static void add_up_row(const struct neph_heat_flicker *flicker, int row, int frame_count,
                        double *const rows[], struct neph_flicker_sums *sums)
 {
@@ -170,7 +160,9 @@ static void add_up_row(const struct neph_heat_flicker *flicker, int row, int fra
                (size_t)flicker->padded * sizeof(double));
     for (int cycle = 0; cycle < frame_count / NEPH_FLICKER_CYCLE; cycle++)
         weights[cycle] = neph_flicker_weights_of(cycle * NEPH_FLICKER_CYCLE, frame_count);
-    subtract_first(rows, frame_count, flicker->padded);
+    for (int frame = frame_count - 1; frame >= 0; frame--) /* the sums are of differences */
+        for (int x = 0; x < flicker->padded; x++)
+            rows[frame][x] -= rows[0][x];
     neph_flicker_sums_add(sums, row, frame_count / NEPH_FLICKER_CYCLE, weights,
                           (const double *const *)rows);
 }

@@ -69,26 +69,21 @@ static void wipe(const struct neph_view *view)
                row_bytes - left);
 }
 
-static enum neph_status draw_wipe(struct neph_view *view, const struct neph_image *image,
-                                  const struct neph_image *march, struct neph_diag *diag)
-{
-    enum neph_status status = encode(view, image, view->rgb, diag);
-    if (!status)
-        status = encode(view, march, view->march_rgb, diag);
-    if (!status)
-        wipe(view);
-    return status;
-}
-
 static enum neph_status draw_beside_march(struct neph_view *view, struct neph_studio *studio,
                                           const struct neph_image *image, struct neph_diag *diag)
 {
     const struct neph_image *march = NULL;
-    const enum neph_status status = neph_studio_reference(studio, &march, &view->rays_per_px, diag);
+    enum neph_status status = neph_studio_reference(studio, &march, &view->rays_per_px, diag);
     if (status)
         return status;
-    if (view->kind == NEPH_VIEW_WIPE)
-        return draw_wipe(view, image, march, diag);
+    if (view->kind == NEPH_VIEW_WIPE) {
+        status = encode(view, image, view->rgb, diag);
+        if (!status)
+            status = encode(view, march, view->march_rgb, diag);
+        if (!status)
+            wipe(view);
+        return status;
+    }
     return neph_heat_error(march, image, view->exposure_ev, NEPH_VIEW_ERROR_SCALE, &view->error,
                            view->rgb, diag);
 }
