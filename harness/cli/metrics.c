@@ -33,13 +33,6 @@ static const struct neph_cli_syntax syntax = {
            "  neph metrics --masks",
 };
 
-static json_t *metric_json(const struct neph_metric *metric)
-{
-    return json_pack("{s:s, s:s?, s:o, s:o, s:s}", "name", metric->name, "unit", metric->unit,
-                     "low", neph_json_number(metric->low), "high", neph_json_number(metric->high),
-                     "help", metric->help);
-}
-
 static json_t *quantities_json(const struct neph_extractor *extractor)
 {
     json_t *list = json_array();
@@ -53,7 +46,10 @@ static json_t *extractor_json(const struct neph_extractor *extractor)
 {
     json_t *metrics = json_array(), *maps = json_array();
     for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++)
-        neph_json_add(&metrics, metric_json(metric));
+        neph_json_add(&metrics,
+                      json_pack("{s:s, s:s?, s:o, s:o, s:s}", "name", metric->name, "unit",
+                                metric->unit, "low", neph_json_number(metric->low), "high",
+                                neph_json_number(metric->high), "help", metric->help));
     for (int m = 0; m < extractor->map_count; m++)
         if (extractor->maps[m].name)
             neph_json_add(&maps, json_string(extractor->maps[m].name));

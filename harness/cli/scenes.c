@@ -225,11 +225,9 @@ static json_t *control_json(const struct neph_fog_look *look, enum neph_fog_cont
 
 static json_t *look_json(const struct neph_fog_look *look)
 {
-    json_t *controls = json_array();
-    if (!look->present) {
-        json_decref(controls);
+    if (!look->present)
         return json_null();
-    }
+    json_t *controls = json_array();
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++)
         neph_json_add(&controls, control_json(look, (enum neph_fog_control)c));
     return json_pack("{s:o, s:f, s:o}", "inscattering_w_per_m2_sr",
@@ -237,27 +235,20 @@ static json_t *look_json(const struct neph_fog_look *look)
                      look->directional_exponent, "controls", controls);
 }
 
-static json_t *thin_json(const struct neph_fog_look *physics)
-{
-    return json_pack("{s:o, s:o, s:f}", "inscattering_w_per_m2_sr",
-                     values_json(&physics->inscattering_w_per_m2_sr.r, 3),
-                     "directional_w_per_m2_sr", values_json(&physics->directional_w_per_m2_sr.r, 3),
-                     "directional_exponent", physics->directional_exponent);
-}
-
 static json_t *fog_json(const struct neph_scene *scene)
 {
     const struct neph_medium *fog = neph_fog_look_medium(scene);
-    json_t *lost = json_array();
-    if (!fog) {
-        json_decref(lost);
+    if (!fog)
         return json_null();
-    }
     const struct neph_fog_look physics = neph_fog_look_of_physics(scene, fog);
+    json_t *lost = json_array();
     for (int i = 0; lost_in_looks(scene, fog, i); i++)
         neph_json_add(&lost, json_string(lost_in_looks(scene, fog, i)));
-    return json_pack("{s:o, s:o, s:o}", "look", look_json(&scene->fog_look), "of_physics",
-                     thin_json(&physics), "lost_in_looks", lost);
+    return json_pack("{s:o, s:{s:o, s:o, s:f}, s:o}", "look", look_json(&scene->fog_look),
+                     "of_physics", "inscattering_w_per_m2_sr",
+                     values_json(&physics.inscattering_w_per_m2_sr.r, 3), "directional_w_per_m2_sr",
+                     values_json(&physics.directional_w_per_m2_sr.r, 3), "directional_exponent",
+                     physics.directional_exponent, "lost_in_looks", lost);
 }
 
 /* ---- a scene --------------------------------------------------------------------------------- */

@@ -409,11 +409,6 @@ static enum neph_status give_map(struct work *work, const struct neph_quantity *
     return status;
 }
 
-static bool map_is_shown(const struct neph_map *map, const struct neph_quantity *quantity)
-{
-    return map->name && (map->quantities == 0 || (map->quantities & (unsigned)quantity->bit));
-}
-
 /* The maps of the frame at hand, or (frame < 0) those of the sequence. */
 static enum neph_status give_maps(struct work *work, int frame, struct neph_diag *diag)
 {
@@ -427,9 +422,11 @@ static enum neph_status give_maps(struct work *work, int frame, struct neph_diag
             const struct neph_quantity *quantity = neph_quantity_at(q);
             if (neph_meter_obstacle(work->meter, quantity, extractor))
                 continue;
-            for (int m = 0; m < extractor->map_count && !status; m++)
-                if (map_is_shown(&extractor->maps[m], quantity))
+            for (int m = 0; m < extractor->map_count && !status; m++) {
+                const unsigned shown = extractor->maps[m].quantities;
+                if (extractor->maps[m].name && (shown == 0 || shown & (unsigned)quantity->bit))
                     status = give_map(work, quantity, extractor, m, frame, diag);
+            }
         }
     }
     return status;
@@ -529,16 +526,6 @@ static enum neph_status begin_work(const struct pass *pass, struct work *work,
     return neph_meter_create(&params, &work->meter, diag);
 }
 
-/* The tests of all are the same frames. */
-static enum neph_status watch_frozen(const struct pass *pass, struct work *work,
-                                     struct neph_diag *diag)
-{
-    if (work == pass->works)
-        return neph_frozen_add(&work->frozen, work->test, NULL, diag);
-    work->frozen = pass->works[0].frozen;
-    return NEPH_OK;
-}
-
 static enum neph_status measure_frame(struct pass *pass, struct work *work, int frame,
                                       struct neph_diag *diag)
 {
@@ -555,8 +542,9 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
         note_overlooked(work, work->reference);
         note_overlooked(work, work->test);
     }
-    if (!status)
-        status = watch_frozen(pass, work, diag);
+    if (!status && work == pass->works) /* the tests of all are the same frames */
+        status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
+    work->frozen = pass->works[0].frozen;
     if (!status)
         status = name_file(
             neph_meter_frame(work->meter, work->reference, work->second, work->test, diag), path,

@@ -63,13 +63,8 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* A frame without a channel of a mask has no pixel inside it, as where the sun is not in sight. */
-static bool has_to_stay(const char *channel)
-{
-    return neph_validity_knows(channel) && strncmp(channel, "mask.", strlen("mask.")) != 0;
-}
-
-/* Names of the channels that all frames have to have, in order, a line each. */
+/* Names of the channels that all frames have to have, in order, a line each. A frame without a
+ * channel of a mask has no pixel inside it, as where the sun is not in sight. */
 static const char *list_channels(const struct neph_image *image, struct neph_arena *arena)
 {
     const size_t count = (size_t)image->channel_count;
@@ -78,9 +73,11 @@ static const char *list_channels(const struct neph_image *image, struct neph_are
     size_t known = 0;
     if (!names || !list)
         return "";
-    for (size_t i = 0; i < count; i++)
-        if (has_to_stay(image->channels[i].name))
-            names[known++] = image->channels[i].name;
+    for (size_t i = 0; i < count; i++) {
+        const char *name = image->channels[i].name;
+        if (neph_validity_knows(name) && strncmp(name, "mask.", strlen("mask.")) != 0)
+            names[known++] = name;
+    }
     qsort(names, known, sizeof(*names), by_text);
     for (size_t i = 0; i < known; i++) {
         end = stpcpy(end, names[i]);

@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "harness/compare/frame_number.h"
 
+#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <glob.h>
@@ -17,7 +18,7 @@
 static int compare_paths(const void *a, const void *b)
 {
     const char *first = *(char *const *)a, *second = *(char *const *)b;
-    const int order = neph_frame_compare_shapes(first, second);
+    const int order = neph_frame_compare_shapes(first, second, NULL);
     return order != 0 ? order : strcmp(first, second);
 }
 
@@ -25,7 +26,7 @@ static int compare_paths(const void *a, const void *b)
 static int shape_count(char *const *paths, int count)
 {
     int same = 1;
-    while (same < count && neph_frame_compare_shapes(paths[0], paths[same]) == 0)
+    while (same < count && neph_frame_compare_shapes(paths[0], paths[same], NULL) == 0)
         same++;
     return same;
 }
@@ -137,11 +138,6 @@ struct pattern {
     bool is_any_width; /* zeros before the number or none */
 };
 
-static bool is_letter(char c)
-{
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-
 /* The length of the %d or %0Nd at `text`, or 0. */
 static size_t percent_length(const char *text, struct pattern *pattern)
 {
@@ -162,8 +158,7 @@ static size_t dollar_length(const char *text, struct pattern *pattern)
         return 0;
     const bool has_width = text[2] >= '1' && text[2] <= '9';
     const size_t length = has_width ? 3 : 2;
-    const char behind = text[length];
-    if (is_letter(behind) || (behind >= '0' && behind <= '9') || behind == '_')
+    if (isalnum((unsigned char)text[length]) || text[length] == '_')
         return 0;
     pattern->width = has_width ? (size_t)(text[2] - '0') : 0;
     return length;
@@ -469,8 +464,8 @@ static int mark_references(int from_end, int reference_count, const char *const 
         for (int r = 0; r < reference_count && is_file(operands[i]) && !is_reference[i]; r++)
             is_reference[i] = is_file(references[r]) &&
                               neph_frame_equal_but_for(references[r], operands[i],
-                                                       neph_frame_run_count(references[r]) - 1 -
-                                                           from_end);
+                                                       neph_frame_run_count(references[r], NULL) -
+                                                           1 - from_end);
         marked += is_reference[i];
     }
     return marked;
@@ -491,10 +486,11 @@ static bool is_one_test(int operand_count, const char *const *operands, const bo
             continue;
         }
         *other = operands[i];
-        if (!is_file(*test) || !is_file(*other) || neph_frame_compare_shapes(*test, *other) != 0)
+        if (!is_file(*test) || !is_file(*other) ||
+            neph_frame_compare_shapes(*test, *other, NULL) != 0)
             return false;
-        for (int run = neph_frame_run_count(*test) - 1; run >= 0; run--) {
-            if (run == changing || !neph_frame_differs_at(*test, *other, run))
+        for (int run = neph_frame_run_count(*test, NULL) - 1; run >= 0; run--) {
+            if (run == changing || !neph_frame_differs_at(*test, *other, run, NULL))
                 continue;
             if (changing != NEPH_FRAME_NO_RUN)
                 return false;
@@ -520,8 +516,9 @@ static int choose_frame_run(int reference_count, const char *const *references, 
     int most = 0, chosen = 0;
     bool has_chosen = false;
     for (int r = 0; r < reference_count; r++)
-        most = neph_frame_run_count(references[r]) > most ? neph_frame_run_count(references[r])
-                                                          : most;
+        most = neph_frame_run_count(references[r], NULL) > most
+                   ? neph_frame_run_count(references[r], NULL)
+                   : most;
     for (int from_end = 0; from_end < most; from_end++)
         if (mark_references(from_end, reference_count, references, operand_count, operands,
                             is_reference) == operand_count)

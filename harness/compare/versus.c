@@ -162,19 +162,14 @@ static void add_holm(struct neph_differences *out, double *room)
             out->list[i].p_holm = corrected[known++];
 }
 
-static struct sides sides_of(const struct neph_measurements *first,
-                             const struct neph_measurements *second)
-{
-    const int per_frame = numbers_per_frame(first), count = frame_count_of(first, per_frame);
-    return count == 1 ? (struct sides){first, second, 0, 0}
-                      : (struct sides){first, second, per_frame, count};
-}
-
 enum neph_status neph_versus(const struct neph_measurements *first,
                              const struct neph_measurements *second,
                              struct neph_differences *differences, struct neph_diag *diag)
 {
-    const struct sides sides = sides_of(first, second);
+    struct sides sides = {first, second, numbers_per_frame(first), 0};
+    sides.frame_count = frame_count_of(first, sides.per_frame);
+    if (sides.frame_count == 1)
+        sides.per_frame = sides.frame_count = 0;
     const bool is_series = sides.frame_count > 0 && numbers_per_frame(second) == sides.per_frame &&
                            frame_count_of(second, sides.per_frame) == sides.frame_count;
     double *room = calloc(2 * (size_t)(first->count + sides.frame_count) + 1, sizeof(*room));

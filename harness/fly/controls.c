@@ -69,13 +69,6 @@ static void give(struct neph_controls *controls, struct neph_fly_order order)
         controls->orders[controls->order_count++] = order;
 }
 
-static void press(struct neph_controls *controls, int key)
-{
-    for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
-        if (commands[i].key == key)
-            give(controls, commands[i].order);
-}
-
 static void hold(struct neph_controls *controls, int key, bool is_down)
 {
     const char *way = key < 128 ? memchr(ways, key, NEPH_FLY_WAYS) : NULL;
@@ -106,18 +99,14 @@ static void move_mouse(struct neph_controls *controls, const struct neph_fly_eve
         controls->split_share = fmin(1.0, fmax(0.0, event->x_share));
 }
 
-static void let_go(struct neph_controls *controls)
-{
-    memset(controls->held, 0, sizeof(controls->held));
-    controls->is_fast = controls->turns = controls->drags = false;
-}
-
 void neph_controls_take(struct neph_controls *controls, const struct neph_fly_event *event)
 {
     switch (event->kind) {
     case NEPH_FLY_KEY_DOWN:
         hold(controls, event->key, true);
-        press(controls, event->key);
+        for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
+            if (commands[i].key == event->key)
+                give(controls, commands[i].order);
         break;
     case NEPH_FLY_KEY_UP:
         hold(controls, event->key, false);
@@ -133,7 +122,8 @@ void neph_controls_take(struct neph_controls *controls, const struct neph_fly_ev
         controls->wheel += event->wheel;
         break;
     case NEPH_FLY_FOCUS_LOST:
-        let_go(controls);
+        memset(controls->held, 0, sizeof(controls->held));
+        controls->is_fast = controls->turns = controls->drags = false;
         break;
     case NEPH_FLY_CLOSED:
         give(controls, (struct neph_fly_order){NEPH_FLY_LEAVE, 0});

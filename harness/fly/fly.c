@@ -127,12 +127,6 @@ static void record(struct fly *fly)
     fly->is_paused = false;
 }
 
-static void record_frame(struct fly *fly)
-{
-    if (fly->records && fly->is_scene_frame_new && !neph_fly_path_add(&fly->path, &fly->camera.key))
-        end_recording(fly);
-}
-
 /* The frame as the engine has made it, and what is shown of it, without the text. */
 static void take_screenshot(struct fly *fly)
 {
@@ -376,15 +370,6 @@ static void pass_time(struct fly *fly, double time_s)
     fly->scene_part -= fly->is_scene_frame_new;
 }
 
-static void keep(struct fly *fly)
-{
-    record_frame(fly);
-    if (fly->takes_screenshot)
-        take_screenshot(fly);
-    fly->takes_screenshot = false;
-    fly->frame_count++;
-}
-
 static enum neph_status next_frame(struct fly *fly, struct neph_diag *diag)
 {
     const double time_s = tick(fly);
@@ -399,9 +384,15 @@ static enum neph_status next_frame(struct fly *fly, struct neph_diag *diag)
     status = render(fly, diag);
     if (!status)
         status = present(fly, diag);
-    if (!status)
-        keep(fly);
-    return status;
+    if (status)
+        return status;
+    if (fly->records && fly->is_scene_frame_new && !neph_fly_path_add(&fly->path, &fly->camera.key))
+        end_recording(fly);
+    if (fly->takes_screenshot)
+        take_screenshot(fly);
+    fly->takes_screenshot = false;
+    fly->frame_count++;
+    return NEPH_OK;
 }
 
 /* Ctrl-C breaks a frame off, and what was recorded is still to be written. */
@@ -497,14 +488,6 @@ static enum neph_status open_all(struct fly *fly, struct neph_diag *diag)
     return status;
 }
 
-static void set_out(struct fly *fly)
-{
-    fly->controls.split_share = 0.5;
-    fly->camera = neph_fly_camera_of(scene_of(fly));
-    fly->view.exposure_ev = scene_of(fly)->exposure_ev;
-    fly->files = json_array();
-}
-
 enum neph_status neph_fly(const struct neph_fly_params *params, json_t **result,
                           struct neph_diag *diag)
 {
@@ -517,7 +500,10 @@ enum neph_status neph_fly(const struct neph_fly_params *params, json_t **result,
     fly->params = params;
     status = open_all(fly, diag);
     if (!status) {
-        set_out(fly);
+        fly->controls.split_share = 0.5;
+        fly->camera = neph_fly_camera_of(scene_of(fly));
+        fly->view.exposure_ev = scene_of(fly)->exposure_ev;
+        fly->files = json_array();
         status = loop(fly, diag);
         *result = result_of(fly);
     }

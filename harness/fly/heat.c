@@ -59,14 +59,6 @@ struct neph_heat_flicker {
     struct neph_arena arena;
 };
 
-static int step_of(int width_px, int height_px)
-{
-    int step = 1;
-    while ((width_px / step) * (height_px / step) > PIXELS_MAX)
-        step += 2;
-    return step;
-}
-
 void neph_heat_flicker_destroy(struct neph_heat_flicker *flicker)
 {
     if (!flicker)
@@ -90,7 +82,9 @@ enum neph_status neph_heat_flicker_create(int width_px, int height_px,
         return neph_fail_memory(diag);
     made->width_px = width_px;
     made->height_px = height_px;
-    made->step = step_of(width_px, height_px);
+    made->step = 1;
+    while ((width_px / made->step) * (height_px / made->step) > PIXELS_MAX)
+        made->step += 2;
     made->columns = (width_px + made->step - 1) / made->step;
     made->rows = (height_px + made->step - 1) / made->step;
     made->padded = neph_flicker_padded(made->columns);
@@ -140,14 +134,6 @@ enum neph_status neph_heat_flicker_add(struct neph_heat_flicker *flicker,
         add_row(flicker, planes, row, exp2(exposure_ev));
     flicker->frame_count++;
     return NEPH_OK;
-}
-
-/* Whole cycles of the frames that are still there. */
-static int frames_of(const struct neph_heat_flicker *flicker)
-{
-    const int there = flicker->frame_count < NEPH_HEAT_FRAMES ? flicker->frame_count
-                                                              : NEPH_HEAT_FRAMES;
-    return there / NEPH_FLICKER_CYCLE * NEPH_FLICKER_CYCLE;
 }
 
 static void add_up_row(const struct neph_heat_flicker *flicker, int row, int frame_count,
@@ -237,7 +223,9 @@ static bool draw(const struct neph_heat_flicker *flicker, const struct neph_flic
 bool neph_heat_flicker_show(const struct neph_heat_flicker *flicker, struct neph_heat_a4 *a4,
                             uint8_t *rgb)
 {
-    struct neph_heat_a4 found = {.frame_count = frames_of(flicker)};
+    const int there = flicker->frame_count < NEPH_HEAT_FRAMES ? flicker->frame_count
+                                                              : NEPH_HEAT_FRAMES;
+    struct neph_heat_a4 found = {.frame_count = there / NEPH_FLICKER_CYCLE * NEPH_FLICKER_CYCLE};
     struct neph_flicker_sums sums = {.values = NULL};
     if (found.frame_count < NEPH_HEAT_FRAMES_MIN || !add_up(flicker, found.frame_count, &sums))
         return false;

@@ -88,11 +88,6 @@ static enum neph_status draw_beside_march(struct neph_view *view, struct neph_st
                            view->rgb, diag);
 }
 
-static bool is_due(const struct neph_view *view)
-{
-    return view->a4.frame_count == 0 || view->frames_since_a4 >= A4_EVERY_FRAMES;
-}
-
 /* The picture itself until there are frames enough. */
 static enum neph_status draw_flicker(struct neph_view *view, const struct neph_image *image,
                                      bool rests, struct neph_diag *diag)
@@ -104,7 +99,8 @@ static enum neph_status draw_flicker(struct neph_view *view, const struct neph_i
     if (status)
         return status;
     view->frames_since_a4++;
-    if (is_due(view) && neph_heat_flicker_show(view->flicker, &view->a4, view->a4_rgb))
+    const bool is_due = view->a4.frame_count == 0 || view->frames_since_a4 >= A4_EVERY_FRAMES;
+    if (is_due && neph_heat_flicker_show(view->flicker, &view->a4, view->a4_rgb))
         view->frames_since_a4 = 0;
     if (view->a4.frame_count == 0)
         return encode(view, image, view->rgb, diag);
