@@ -168,6 +168,15 @@ static const struct neph_cli_syntax flicker_syntax = {
 
 /* ---- what to measure ------------------------------------------------------------------------- */
 
+/* The extractor of that name, or of a metric of that name; NULL: there is none. */
+static const struct neph_extractor *find_extractor(const char *word)
+{
+    const struct neph_extractor *extractor = neph_extractor_find(word);
+    if (!extractor)
+        neph_metric_find(word, &extractor);
+    return extractor;
+}
+
 static struct neph_meter_choice *find_choice(struct neph_comparison *comparison,
                                              const struct neph_extractor *extractor)
 {
@@ -187,8 +196,8 @@ static void choose(struct neph_comparison *comparison, const struct neph_extract
 static enum neph_status choose_word(struct neph_comparison *comparison, const char *word,
                                     struct neph_diag *diag)
 {
-    const struct neph_extractor *extractor = neph_extractor_find(word);
-    if (extractor || neph_metric_find(word, &extractor)) {
+    const struct neph_extractor *extractor = find_extractor(word);
+    if (extractor) {
         choose(comparison, extractor);
         return NEPH_OK;
     }
@@ -490,9 +499,7 @@ static bool has_numbers_of(const struct neph_compared *compared,
 static enum neph_status check_taken(const char *word, const struct neph_compared *compared,
                                     struct neph_diag *diag)
 {
-    const struct neph_extractor *extractor = neph_extractor_find(word);
-    if (!extractor)
-        neph_metric_find(word, &extractor);
+    const struct neph_extractor *extractor = find_extractor(word);
     if (!extractor || has_numbers_of(compared, extractor)) /* "all" is none */
         return NEPH_OK;
     const char *because = "the images have nothing that it is taken of";

@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,11 +26,10 @@ char *neph_map_stem(const char *folder, const struct neph_map *map,
 static bool is_name_of(const struct neph_map *map, const char *name)
 {
     for (int q = 0; map->name && q < neph_quantity_count(); q++) {
-        char *stem = neph_map_stem("", map, neph_quantity_at(q), -1);
-        const size_t length = stem ? strlen(stem) : 0;
-        const bool begins = stem && strncmp(name, stem, length) == 0;
-        free(stem);
-        if (!begins)
+        char stem[2 * NEPH_IMAGE_NAME_MAX];
+        const int length = snprintf(stem, sizeof(stem), "%s_%s", map->name,
+                                    neph_quantity_at(q)->name);
+        if (strncmp(name, stem, (size_t)length) != 0)
             continue;
         const char *rest = name + length;
         rest += *rest == '_' ? 1 + strspn(rest + 1, "0123456789") : 0;

@@ -11,20 +11,11 @@ static const double fast_factor = 4.0;
 /* In the order of `held`: two and two along an axis. */
 static const char ways[NEPH_FLY_WAYS] = {'d', 'a', 'e', 'q', 'w', 's'};
 
+/* Digits are presets. */
 static const struct {
     int key;
     struct neph_fly_order order;
 } commands[] = {
-    {'0', {NEPH_FLY_PRESET, 0}},
-    {'1', {NEPH_FLY_PRESET, 1}},
-    {'2', {NEPH_FLY_PRESET, 2}},
-    {'3', {NEPH_FLY_PRESET, 3}},
-    {'4', {NEPH_FLY_PRESET, 4}},
-    {'5', {NEPH_FLY_PRESET, 5}},
-    {'6', {NEPH_FLY_PRESET, 6}},
-    {'7', {NEPH_FLY_PRESET, 7}},
-    {'8', {NEPH_FLY_PRESET, 8}},
-    {'9', {NEPH_FLY_PRESET, 9}},
     {'m', {NEPH_FLY_MARCH, 0}},
     {'r', {NEPH_FLY_REALTIME, 0}},
     {'c', {NEPH_FLY_WIPE, 0}},
@@ -104,6 +95,8 @@ void neph_controls_take(struct neph_controls *controls, const struct neph_fly_ev
     switch (event->kind) {
     case NEPH_FLY_KEY_DOWN:
         hold(controls, event->key, true);
+        if (event->key >= '0' && event->key <= '9')
+            give(controls, (struct neph_fly_order){NEPH_FLY_PRESET, event->key - '0'});
         for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
             if (commands[i].key == event->key)
                 give(controls, commands[i].order);

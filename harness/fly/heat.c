@@ -205,18 +205,17 @@ static bool draw(const struct neph_heat_flicker *flicker, const struct neph_flic
 {
     static const double scale = 16.0 / 255.0; /* that of the metric's own map */
     const size_t count = (size_t)flicker->rows * (size_t)flicker->columns;
-    float *map = calloc(count, sizeof(*map));
-    uint8_t *small = calloc(count, 3);
-    bool drawn = map && small;
-    if (drawn) {
+    struct neph_arena arena = {0};
+    float *map = neph_arena_zeroed(&arena, count, sizeof(*map));
+    uint8_t *small = neph_arena_zeroed(&arena, count, 3);
+    if (map && small)
         find_a4(flicker, sums, a4, map);
-        drawn = neph_display_map((const float *const[]){map}, 1, count, false, scale, small,
-                                 NULL) == NEPH_OK;
-    }
+    const bool drawn = map && small &&
+                       neph_display_map((const float *const[]){map}, 1, count, false, scale, small,
+                                        NULL) == NEPH_OK;
     if (drawn)
         spread(flicker, small, rgb);
-    free(small);
-    free(map);
+    neph_arena_finish(&arena);
     return drawn;
 }
 

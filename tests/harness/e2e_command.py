@@ -11,9 +11,10 @@ import subprocess
 import tempfile
 import unittest
 
+import neph_case
 import night
 
-NEPH = os.environ["NEPH"]
+NEPH = neph_case.NEPH
 EXAMPLES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"]) / "docs/examples"
 
 SCENE = """
@@ -49,15 +50,11 @@ def write(value, width=width, height=height):
 """
 
 
-class Command(unittest.TestCase):
+class Command(neph_case.NephCase):
     def setUp(self):
-        self.kept = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.kept.name)
+        super().setUp()
         self.scene = self.folder / "even_fog.yaml"
         self.scene.write_text(SCENE)
-
-    def tearDown(self):
-        self.kept.cleanup()
 
     def program(self, body):
         path = self.folder / "program.py"
