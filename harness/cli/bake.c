@@ -98,23 +98,19 @@ static char *volume_entry(const char *path, const struct result *result)
                        result->bake.extinction_per_m * (double)grid->maximum);
 }
 
-static json_t *vector_json(struct neph_vec3 v)
-{
-    return json_pack("[f,f,f]", v.x, v.y, v.z);
-}
-
 static json_t *result_json(const char *path, const char *entry, const struct result *result)
 {
     const struct neph_grid *grid = result->bake.grid;
-    return json_pack("{s:s, s:s, s:s, s:[i,i,i], s:o, s:o, s:f, s:f, s:b, s:f, s:i, s:i, s:o}",
-                     "file", path, "scene_entry", entry, "kind",
-                     neph_medium_facts(result->medium->kind)->name, "size", grid->size[0],
-                     grid->size[1], grid->size[2], "origin_m", vector_json(grid->origin_m),
-                     "spacing_m", vector_json(grid->spacing_m), "density_maximum",
-                     (double)grid->maximum, "extinction_of_density_1_per_m",
-                     result->bake.extinction_per_m, "is_copy", result->bake.is_copy, "cut_error",
-                     result->cut_error, "points", result->bake.error.point_count, "chords",
-                     result->bake.error.chord_count, "error", neph_bakes_json(&result->bake, 1));
+    return json_pack(
+        "{s:s, s:s, s:s, s:[i,i,i], s:[f,f,f], s:[f,f,f], s:f, s:f, s:b, s:f, s:i, s:i, s:o}",
+        "file", path, "scene_entry", entry, "kind", neph_medium_facts(result->medium->kind)->name,
+        "size", grid->size[0], grid->size[1], grid->size[2], "origin_m", grid->origin_m.x,
+        grid->origin_m.y, grid->origin_m.z, "spacing_m", grid->spacing_m.x, grid->spacing_m.y,
+        grid->spacing_m.z, "density_maximum", (double)grid->maximum,
+        "extinction_of_density_1_per_m", result->bake.extinction_per_m, "is_copy",
+        result->bake.is_copy, "cut_error", result->cut_error, "points",
+        result->bake.error.point_count, "chords", result->bake.error.chord_count, "error",
+        neph_bakes_json(&result->bake, 1));
 }
 
 static void print_error(const struct neph_bake_error *error)
@@ -167,10 +163,10 @@ enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
     char *entry = status ? NULL : volume_entry(output, &result);
     if (!status && !entry)
         status = neph_fail_memory(diag);
-    if (!status && request.shared.json)
-        status = neph_json_print(result_json(output, entry, &result), diag);
-    else if (!status)
+    if (!status && !request.shared.json)
         print_result(output, entry, &result);
+    else if (!status)
+        status = neph_json_print(result_json(output, entry, &result), diag);
     free(entry);
     neph_bake_finish(&result.bake);
     neph_scene_destroy(scene);

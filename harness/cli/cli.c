@@ -98,3 +98,28 @@ void neph_cli_print_options(const struct neph_option *options)
         }
     }
 }
+
+json_t *neph_cli_presets_json(const struct neph_preset *presets)
+{
+    json_t *list = json_array();
+    for (const struct neph_preset *p = presets; p && p->name; p++)
+        neph_json_add(&list, json_pack("{s:s, s:s, s:s}", "name", p->name, "summary", p->summary,
+                                       "settings", p->assignments));
+    return list;
+}
+
+void neph_cli_print_presets(const struct neph_preset *presets, int indent)
+{
+    enum { COLUMN = 15 }; /* of the texts behind the names */
+    for (const struct neph_preset *p = presets; p && p->name; p++)
+        printf("%*s%-*s %s\n%*s%s\n", indent, "", COLUMN - 1 - indent, p->name, p->summary, COLUMN,
+               "", p->assignments[0] ? p->assignments : "(nothing else)");
+}
+
+enum neph_status neph_cli_give_json(json_t *json, bool wanted, struct neph_diag *diag)
+{
+    if (wanted)
+        return neph_json_print(json, diag);
+    json_decref(json);
+    return NEPH_OK;
+}

@@ -9,8 +9,8 @@
 #include "base/option.h"
 #include "base/scratch.h"
 #include "base/status.h"
-#include "harness/options.h"
 #include "harness/json.h"
+#include "harness/options.h"
 #include "harness/run/store.h"
 
 /* Run a verb on its own arguments (argv[0] is "neph VERB"). */
@@ -55,5 +55,16 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
 /* A table of options, for JSON and for people. */
 json_t *neph_cli_options_json(const struct neph_option *options);
 void neph_cli_print_options(const struct neph_option *options);
+
+/* A list of presets (NULL: none), for JSON and for people; lines begin with `indent` blanks. */
+json_t *neph_cli_presets_json(const struct neph_preset *presets);
+void neph_cli_print_presets(const struct neph_preset *presets, int indent);
+
+/* The stages of the picture chain. */
+json_t *neph_cli_post_stages_json(void);
+void neph_cli_post_print_stages(const char *indent);
+
+/* Print JSON on stdout where it is wanted; consumes the reference in any case. */
+enum neph_status neph_cli_give_json(json_t *json, bool wanted, struct neph_diag *diag);
 
 #endif

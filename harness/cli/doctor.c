@@ -110,14 +110,11 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
                    there ? "" : "\n         get it:   ", there ? "" : tools[i].install_line);
     }
     char *data = neph_data_directory();
-    enum neph_status status = NEPH_OK;
-    if (request.json)
-        status = neph_json_print(
-            json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", json_incref(list)), diag);
-    else
+    if (!request.json)
         printf("data     %s\n", data ? data : "");
     free(data);
-    json_decref(list);
+    const enum neph_status status = neph_cli_give_json(
+        json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", list), request.json, diag);
     if (status)
         return status;
     return broken ? NEPH_ERR_ENGINE : missing ? NEPH_ERR_UNAVAILABLE : NEPH_OK;

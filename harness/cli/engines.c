@@ -4,7 +4,6 @@
  */
 #include "harness/cli/cli.h"
 
-#include "harness/cli/post_list.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 
@@ -16,24 +15,6 @@ static const struct neph_cli_option options[] = {
     {.name = "quiet", .help = "Accepted; this verb prints results alone"},
     {.name = NULL},
 };
-
-static json_t *presets_json(const struct neph_engine *engine)
-{
-    json_t *list = json_array();
-    for (const struct neph_preset *preset = engine->presets; preset && preset->name; preset++)
-        neph_json_add(&list, json_pack("{s:s, s:s, s:s}", "name", preset->name, "summary",
-                                       preset->summary, "settings", preset->assignments));
-    return list;
-}
-
-static void print_presets(const struct neph_engine *engine)
-{
-    if (engine->presets)
-        printf("    presets, given by --preset, each the defaults with\n");
-    for (const struct neph_preset *preset = engine->presets; preset && preset->name; preset++)
-        printf("      %-8s %s\n               %s\n", preset->name, preset->summary,
-               preset->assignments[0] ? preset->assignments : "(nothing else)");
-}
 
 static json_t *passes_json(const struct neph_engine *engine)
 {
@@ -63,26 +44,16 @@ static void print_passes(const struct neph_engine *engine)
     }
 }
 
-/* What comes behind the passes, for a chain that has it on. */
-static void print_stages(const struct neph_engine *engine)
-{
-    if (!engine->describe_pass)
-        return;
-    printf("    from a frame to the display, by display.chain of a scene or --chain FILE: what is "
-           "on, the last of it writes the picture\n");
-    neph_cli_post_print_stages("      ");
-}
-
 static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
 {
-    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o}",
-                     "name", engine->name, "summary", engine->summary, "rung",
-                     neph_rung_name(engine->rung), "bias", engine->bias, "available",
-                     info->available, "broken", info->broken, "version", info->version, "device",
-                     info->device, "missing", info->missing, "install_line", info->install_line,
-                     "options", neph_cli_options_json(engine->options), "presets",
-                     presets_json(engine), "passes", passes_json(engine), "display_stages",
-                     engine->describe_pass ? neph_cli_post_stages_json() : json_array());
+    return json_pack(
+        "{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o}", "name",
+        engine->name, "summary", engine->summary, "rung", neph_rung_name(engine->rung), "bias",
+        engine->bias, "available", info->available, "broken", info->broken, "version",
+        info->version, "device", info->device, "missing", info->missing, "install_line",
+        info->install_line, "options", neph_cli_options_json(engine->options), "presets",
+        neph_cli_presets_json(engine->presets), "passes", passes_json(engine), "display_stages",
+        engine->describe_pass ? neph_cli_post_stages_json() : json_array());
 }
 
 static void print_engine(const struct neph_engine *engine, const struct neph_engine_info *info)
@@ -95,9 +66,15 @@ static void print_engine(const struct neph_engine *engine, const struct neph_eng
     if (engine->bias)
         printf("    known bias: %s\n", engine->bias);
     neph_cli_print_options(engine->options);
-    print_presets(engine);
+    if (engine->presets)
+        printf("    presets, given by --preset, each the defaults with\n");
+    neph_cli_print_presets(engine->presets, 6);
     print_passes(engine);
-    print_stages(engine);
+    if (!engine->describe_pass)
+        return;
+    printf("    from a frame to the display, by display.chain of a scene or --chain FILE: what is "
+           "on, the last of it writes the picture\n");
+    neph_cli_post_print_stages("      ");
 }
 
 static const struct neph_cli_syntax syntax = {
@@ -130,9 +107,5 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
             print_engine(engines[i], &info);
     }
     neph_shared_device_close(&device);
-    enum neph_status status = NEPH_OK;
-    if (request.json)
-        status = neph_json_print(json_incref(list), diag);
-    json_decref(list);
-    return status;
+    return neph_cli_give_json(list, request.json, diag);
 }

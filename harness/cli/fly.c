@@ -106,9 +106,7 @@ static enum neph_status fly(const struct request *request, const struct neph_sce
         return status;
     if (!shared->json)
         print_result(result);
-    const enum neph_status printed =
-        shared->json ? neph_json_print(json_incref(result), status ? NULL : diag) : NEPH_OK;
-    json_decref(result);
+    const enum neph_status printed = neph_cli_give_json(result, shared->json, status ? NULL : diag);
     return status ? status : printed;
 }
 

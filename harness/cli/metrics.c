@@ -33,19 +33,6 @@ static const struct neph_cli_syntax syntax = {
            "  neph metrics --masks",
 };
 
-/* A bound of a range; JSON has no infinity. */
-static json_t *bound_json(double bound)
-{
-    return isfinite(bound) ? json_real(bound) : json_null();
-}
-
-static json_t *metric_json(const struct neph_metric *metric)
-{
-    return json_pack("{s:s, s:s?, s:o, s:o, s:s}", "name", metric->name, "unit", metric->unit,
-                     "low", bound_json(metric->low), "high", bound_json(metric->high), "help",
-                     metric->help);
-}
-
 static json_t *quantities_json(const struct neph_extractor *extractor)
 {
     json_t *list = json_array();
@@ -59,7 +46,10 @@ static json_t *extractor_json(const struct neph_extractor *extractor)
 {
     json_t *metrics = json_array(), *maps = json_array();
     for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++)
-        neph_json_add(&metrics, metric_json(metric));
+        neph_json_add(&metrics,
+                      json_pack("{s:s, s:s?, s:o, s:o, s:s}", "name", metric->name, "unit",
+                                metric->unit, "low", neph_json_number(metric->low), "high",
+                                neph_json_number(metric->high), "help", metric->help));
     for (int m = 0; m < extractor->map_count; m++)
         if (extractor->maps[m].name)
             neph_json_add(&maps, json_string(extractor->maps[m].name));
@@ -119,16 +109,12 @@ static enum neph_status list_masks(bool as_json, struct neph_diag *diag)
             printf("%-14s %s%s%s%s\n", kind->name, kind->help, kind->needs ? " [needs " : "",
                    kind->needs ? kind->needs : "", kind->needs ? "]" : "");
     }
-    enum neph_status status = NEPH_OK;
-    if (as_json)
-        status = neph_json_print(json_incref(list), diag);
-    else
+    if (!as_json)
         printf(
             "%-14s a channel mask.NAME of the reference, above 0.5 inside (mask.cloud, mask.fog, "
             "mask.sun)\n",
             "NAME");
-    json_decref(list);
-    return status;
+    return neph_cli_give_json(list, as_json, diag);
 }
 
 static enum neph_status check_name(const char *name, const struct neph_extractor **extractor,
@@ -165,8 +151,5 @@ enum neph_status neph_cli_metrics(int argc, char **argv, struct neph_diag *diag)
         else
             print_extractor(extractor, only != NULL);
     }
-    if (shared->json)
-        status = neph_json_print(json_incref(list), diag);
-    json_decref(list);
-    return status;
+    return neph_cli_give_json(list, shared->json, diag);
 }

@@ -2,12 +2,12 @@
  *
  * `neph post`: frames of any renderer through the picture chain.
  */
-#include "harness/cli/post_list.h"
+#include "harness/cli/cli.h"
 
+#include "base/arena.h"
 #include "base/clock.h"
 #include "base/files.h"
 #include "base/interrupt.h"
-#include "base/text.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/sequence.h"
 #include "harness/data.h"
@@ -23,7 +23,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 struct request {
     struct neph_cli_shared shared;
@@ -103,6 +102,92 @@ static const struct neph_cli_syntax syntax = {
         "  neph post 'walk/frame.*.exr' --chain chain.yaml --scene walk.yaml",
 };
 
+/* ---- --list ---------------------------------------------------------------------------------- */
+
+static const char *size_of(const struct neph_post_stage *stage)
+{
+    static const char *const sizes[] = {
+        [NEPH_POST_MAKES_PICTURE] = "the size that it gets",
+        [NEPH_POST_MAKES_LARGER] = "the display's size",
+        [NEPH_POST_MAKES_TABLE] = "a table",
+        [NEPH_POST_MAKES_HISTOGRAM] = "a histogram",
+        [NEPH_POST_MAKES_EXPOSURE] = "an exposure",
+        [NEPH_POST_MAKES_PYRAMID] = "a pyramid of pictures",
+        [NEPH_POST_MAKES_BLOOM] = "the size that it gets",
+    };
+    return sizes[stage->makes];
+}
+
+json_t *neph_cli_post_stages_json(void)
+{
+    json_t *stages = json_array();
+    for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
+        neph_json_add(&stages,
+                      json_pack("{s:s, s:s, s:s, s:s, s:s}", "name", s->name, "pass",
+                                neph_post_pass_names[s->pass], "note", s->note, "setting",
+                                neph_post_options[s->settings[1]].name, "makes", size_of(s)));
+    return stages;
+}
+
+void neph_cli_post_print_stages(const char *indent)
+{
+    for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
+        printf("%s%-17s %s; on with %s\n", indent, s->name, s->note,
+               neph_post_options[s->settings[1]].name);
+}
+
+static json_t *weights_json(const struct neph_post_plan *plan)
+{
+    json_t *volumes = json_array();
+    for (int i = 0; i < plan->volume_count; i++)
+        neph_json_add(&volumes,
+                      json_pack("{s:o, s:f, s:f, s:f}", "name",
+                                neph_json_cleaned(plan->volumes[i].name), "priority",
+                                plan->volumes[i].priority, "weight", plan->volumes[i].weight,
+                                "blend_radius_m", plan->volumes[i].blend_radius_m));
+    return volumes;
+}
+
+/* The stages of a chain that are on, as it stands in its file. */
+static enum neph_status list_chain(const struct neph_post_plan *plan, bool as_json,
+                                   struct neph_diag *diag)
+{
+    const struct neph_settings settings = neph_post_plan_settings(plan);
+    const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
+    const int count = neph_post_sequence(&plan->order, &settings, stages);
+    json_t *names = json_array();
+    for (int i = 0; i < count; i++)
+        neph_json_add(&names, json_string(stages[i]->name));
+    if (as_json)
+        return neph_json_print(
+            json_pack("{s:o, s:o}", "stages", names, "volumes", weights_json(plan)), diag);
+    json_decref(names);
+    printf("stages that are on, in their order\n");
+    for (int i = 0; i < count; i++)
+        printf("    %-17s %s\n", stages[i]->name, stages[i]->note);
+    for (int i = 0; i < plan->volume_count; i++)
+        printf("volume %s: priority %g, weight %g, %s\n", plan->volumes[i].name,
+               plan->volumes[i].priority, plan->volumes[i].weight,
+               plan->volumes[i].box.present ? "in its box" : "everywhere");
+    return NEPH_OK;
+}
+
+static enum neph_status list_all(bool as_json, struct neph_diag *diag)
+{
+    if (as_json)
+        return neph_json_print(json_pack("{s:o, s:o, s:o}", "stages", neph_cli_post_stages_json(),
+                                         "settings", neph_cli_options_json(neph_post_options),
+                                         "presets", neph_cli_presets_json(neph_post_presets)),
+                               diag);
+    printf("stages, in their order\n");
+    neph_cli_post_print_stages("    ");
+    printf("settings\n");
+    neph_cli_print_options(neph_post_options);
+    printf("presets, each the defaults with\n");
+    neph_cli_print_presets(neph_post_presets, 4);
+    return NEPH_OK;
+}
+
 /* ---- frames ---------------------------------------------------------------------------------- */
 
 /* A chain and what goes through it. */
@@ -163,70 +248,56 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
     return NEPH_ERR_USAGE;
 }
 
-/* DIR/NAME.ending for FOLDER/NAME.ext; for the caller to free. */
-static char *path_for(const struct work *work, const char *frame, const char *ending)
+/* DIR/NAME.ending for FOLDER/NAME.ext. */
+static const char *path_for(const struct work *work, const char *frame, const char *ending,
+                            struct neph_arena *arena)
 {
     const char *slash = strrchr(frame, '/'), *name = slash ? slash + 1 : frame;
     const char *dot = strrchr(name, '.');
-    return neph_format("%s/%.*s.%s", work->request->shared.output,
-                       (int)(dot ? (size_t)(dot - name) : strlen(name)), name, ending);
+    return neph_arena_format(arena, "%s/%.*s.%s", work->request->shared.output,
+                             (int)(dot ? (size_t)(dot - name) : strlen(name)), name, ending);
 }
 
 static int by_text(const void *a, const void *b)
 {
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static bool is_same_file(const char *a, const char *b)
-{
-    struct stat one, other;
-    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
-           one.st_ino == other.st_ino;
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
 /* Two frames of one name, or one that would be written over. */
-static enum neph_status check_paths(const struct work *work, char **paths, struct neph_diag *diag)
-{
-    const int count = work->frames.count;
-    for (int i = 0; i < count; i++)
-        if (is_same_file(work->frames.paths[i], paths[i]))
-            return neph_fail(diag, NEPH_ERR_USAGE, "'%s' would be written over itself: -o DIR",
-                             paths[i]);
-    qsort(paths, (size_t)count, sizeof(*paths), by_text);
-    for (int i = 1; i < count; i++)
-        if (strcmp(paths[i - 1], paths[i]) == 0)
-            return neph_fail(diag, NEPH_ERR_USAGE, "two of the frames would both be '%s'",
-                             paths[i]);
-    return NEPH_OK;
-}
-
 static enum neph_status check_names(const struct work *work, struct neph_diag *diag)
 {
     const int count = work->frames.count;
-    char **paths = calloc((size_t)count, sizeof(*paths));
-    enum neph_status status = paths ? NEPH_OK : neph_fail_memory(diag);
-    for (int i = 0; i < count && !status; i++) {
-        paths[i] = path_for(work, work->frames.paths[i], "exr");
-        status = paths[i] ? NEPH_OK : neph_fail_memory(diag);
+    struct neph_arena arena = {0};
+    const char **paths = neph_arena_zeroed(&arena, (size_t)count, sizeof(*paths));
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && paths && !status; i++) {
+        paths[i] = path_for(work, work->frames.paths[i], "exr", &arena);
+        if (neph_path_is_same(work->frames.paths[i], paths[i]))
+            status = neph_fail(diag, NEPH_ERR_USAGE, "'%s' would be written over itself: -o DIR",
+                               paths[i]);
     }
     if (!status)
-        status = check_paths(work, paths, diag);
-    for (int i = 0; i < count && paths; i++)
-        free(paths[i]);
-    free(paths);
+        status = neph_arena_check(&arena, diag);
+    if (!status)
+        qsort(paths, (size_t)count, sizeof(*paths), by_text);
+    for (int i = 1; i < count && !status; i++)
+        if (strcmp(paths[i - 1], paths[i]) == 0)
+            status = neph_fail(diag, NEPH_ERR_USAGE, "two of the frames would both be '%s'",
+                               paths[i]);
+    neph_arena_finish(&arena);
     return status;
 }
 
 static enum neph_status write(const struct work *work, const char *frame,
                               struct neph_image *picture, struct neph_diag *diag)
 {
-    char *exr = path_for(work, frame, "exr"), *png = path_for(work, frame, "png");
-    const enum neph_status status = exr && png
-                                        ? neph_showing_write(&work->showing, picture, exr,
-                                                             work->request->png ? png : NULL, diag)
-                                        : neph_fail_memory(diag);
-    free(exr);
-    free(png);
+    struct neph_arena arena = {0};
+    const char *exr = path_for(work, frame, "exr", &arena);
+    const char *png = work->request->png ? path_for(work, frame, "png", &arena) : NULL;
+    enum neph_status status = neph_arena_check(&arena, diag);
+    if (!status)
+        status = neph_showing_write(&work->showing, picture, exr, png, diag);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -362,13 +433,19 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     return status;
 }
 
-static enum neph_status make_all(struct work *work, struct neph_diag *diag)
+static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
 {
-    struct neph_progress progress = neph_progress_start(
-        work->request->shared.quiet || work->request->shared.json, work->frames.count);
-    enum neph_status status = check_names(work, diag);
+    const struct neph_cli_shared *shared = &work->request->shared;
+    enum neph_status status = find_settings(work, diag);
     if (!status)
-        status = neph_cli_open_folder(work->request->shared.output, diag);
+        status = neph_sequence_find(shared->operand_count, shared->operands, false, &work->frames,
+                                    diag);
+    struct neph_progress progress = neph_progress_start(shared->quiet || shared->json,
+                                                        work->frames.count);
+    if (!status)
+        status = check_names(work, diag);
+    if (!status)
+        status = neph_cli_open_folder(shared->output, diag);
     if (!status)
         status = neph_vulkan_open(&work->vulkan, diag);
     for (int i = 0; i < work->frames.count && !status; i++) {
@@ -384,20 +461,6 @@ static enum neph_status make_all(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
-{
-    const struct request *request = work->request;
-    enum neph_status status = find_settings(work, diag);
-    if (!status)
-        status = neph_sequence_find(request->shared.operand_count, request->shared.operands, false,
-                                    &work->frames, diag);
-    if (!status)
-        status = make_all(work, diag);
-    if (!status && request->shared.json)
-        status = neph_json_print(json_incref(work->results), diag);
-    return status;
-}
-
 enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
@@ -407,14 +470,15 @@ enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
     work.showing.bits = request.bits;
     enum neph_status status = find_chain(&work, diag);
     if (!status && request.list)
-        status = neph_cli_post_list(request.chain ? &work.showing.plan : NULL, request.shared.json,
-                                    diag);
-    if (!status && !request.list)
+        status = request.chain ? list_chain(&work.showing.plan, request.shared.json, diag)
+                               : list_all(request.shared.json, diag);
+    else if (!status)
         status = make_pictures(&work, diag);
-    json_decref(work.results);
+    const enum neph_status printed = neph_cli_give_json(
+        work.results, !status && !request.list && request.shared.json, diag);
     neph_vulkan_destroy(work.vulkan);
     neph_sequence_finish(&work.frames);
     neph_scene_destroy(work.scene);
     neph_showing_finish(&work.showing);
-    return status;
+    return status ? status : printed;
 }

@@ -240,11 +240,6 @@ static enum neph_status name_frame(const struct request *request, const struct n
     return NEPH_OK;
 }
 
-static json_t *real_or_null(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 /* By its own variance, or by a second seed when that was asked for; NaN: not known. */
 static enum neph_status find_noise(const struct request *request, const struct neph_job *job,
                                    const struct neph_image *frame, double *noise,
@@ -320,14 +315,14 @@ static enum neph_status show_and_note(struct run *run, const struct neph_image *
     if (!status)
         status = neph_json_append(
             run->results,
-            json_pack("{s:s, s:s?, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:o, s:I, s:o, s:o, s:o}",
+            json_pack("{s:s, s:s?, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:O, s:I, s:o, s:o, s:o}",
                       "exr", path, "shown", shown, "frame", shot->frame, "size_px", frame->width_px,
                       frame->height_px, "render_s", cost->render_s, "wall_s", cost->wall_s, "cpu_s",
                       cost->cpu_s, "peak_memory_bytes", (json_int_t)cost->peak_memory_bytes,
-                      "stats", json_incref(stats), "seed", (json_int_t)shot->seed, "noise",
-                      real_or_null(unseen->noise), "step_optical_depth",
-                      real_or_null(unseen->step_depth), "step_bias",
-                      real_or_null(unseen->step_bias)),
+                      "stats", stats, "seed", (json_int_t)shot->seed, "noise",
+                      neph_json_number(unseen->noise), "step_optical_depth",
+                      neph_json_number(unseen->step_depth), "step_bias",
+                      neph_json_number(unseen->step_bias)),
             diag);
     if (!status && !run->request->shared.json)
         printf("%s\n%s%s", path, shown ? shown : "", shown ? "\n" : "");
@@ -374,32 +369,27 @@ static enum neph_status render_one(struct run *run, const char *depth, struct ne
     return status;
 }
 
-/* The file that takes the solids' place in the i-th picture: the only one, or one for each picture;
- * NULL without --depth. */
-static const char *depth_path(const struct neph_sequence *depths, int i)
-{
-    return depths->count == 0 ? NULL : depths->paths[depths->count > 1 ? i : 0];
-}
-
-static enum neph_status find_depths(const struct request *request, int frame_count,
-                                    struct neph_sequence *depths, struct neph_diag *diag)
+static enum neph_status find_depths(const struct request *request, struct neph_sequence *depths,
+                                    struct neph_diag *diag)
 {
     if (!request->depth)
         return NEPH_OK;
     const enum neph_status status = neph_sequence_find(1, &request->depth, false, depths, diag);
-    if (!status && depths->count != 1 && depths->count != frame_count)
+    if (!status && depths->count != 1 && depths->count != request->frame_count)
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--depth gives %d files and --frames asks for %d; give one file for all "
                          "frames or one for each",
-                         depths->count, frame_count);
+                         depths->count, request->frame_count);
     return status;
 }
 
-/* Where the i-th picture gets what it is asked for; opens the sequence before the first. */
+/* The i-th frame: with the only file of --depth, the i-th of them, or none. Opens the sequence
+ * before the first. */
 static enum neph_status render_next(struct run *run, int i, struct neph_diag *diag)
 {
     struct neph_job *job = run->job;
-    const char *path = depth_path(&run->depths, i);
+    const struct neph_sequence *depths = &run->depths;
+    const char *path = depths->count == 0 ? NULL : depths->paths[depths->count > 1 ? i : 0];
     struct neph_image *given = NULL;
     enum neph_status status = path ? neph_exr_read(path, &given, diag) : NEPH_OK;
     job->shot.given = given;
@@ -439,7 +429,7 @@ static void set_size(struct run *run)
 static enum neph_status open_run(struct run *run, struct neph_diag *diag)
 {
     const struct request *request = run->request;
-    enum neph_status status = find_depths(request, request->frame_count, &run->depths, diag);
+    enum neph_status status = find_depths(request, &run->depths, diag);
     if (!status)
         status = neph_cli_open_folder(request->shared.output, diag);
     return status ? status
@@ -471,10 +461,8 @@ static enum neph_status render_frames(const struct request *request, struct neph
     neph_sequence_finish(&run.depths);
     if (request->stats && !request->shared.json && json_array_size(run.results) > 0)
         print_stats(run.results);
-    const enum neph_status printed =
-        request->shared.json ? neph_json_print(json_incref(run.results), status ? NULL : diag)
-                             : NEPH_OK;
-    json_decref(run.results);
+    const enum neph_status printed = neph_cli_give_json(run.results, request->shared.json,
+                                                        status ? NULL : diag);
     return status ? status : printed;
 }
 
@@ -512,25 +500,6 @@ static enum neph_status load(struct request *request, struct neph_scene **scene,
     return status || !wanted ? status : neph_scene_rescatter(*scene, scattering, other, diag);
 }
 
-enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
-{
-    struct request request = {0};
-    neph_cli_parse(&render_syntax, argc, argv, &request);
-    struct neph_scene *scene = NULL, *other = NULL;
-    struct neph_shared_device device = {.open = NULL};
-    struct neph_engine_info info;
-    struct neph_job job;
-    enum neph_status status = load(&request, &scene, &other, diag);
-    if (!status)
-        status = make_job(&request, other ? other : scene, &device, &info, &job, diag);
-    if (!status)
-        status = render_frames(&request, &job, diag);
-    neph_shared_device_close(&device);
-    neph_scene_destroy(other);
-    neph_scene_destroy(scene);
-    return status;
-}
-
 /* The files have names such as scene.blend, which a user's own work may have, too. */
 static const struct neph_owned_kind export_folder = {.name = "export", .version = 1};
 
@@ -557,26 +526,51 @@ static enum neph_status export_files(const struct request *request, struct neph_
     return NEPH_OK;
 }
 
-enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
+static enum neph_status export_frame(const struct request *request, struct neph_job *job,
+                                     struct neph_diag *diag)
+{
+    struct neph_scene *still = NULL;
+    enum neph_status status = NEPH_OK;
+    if (neph_scene_moves(job->shot.scene))
+        status = neph_scene_at(job->shot.scene, job->shot.frame, &still, diag);
+    if (still)
+        job->shot.scene = still;
+    if (!status)
+        status = export_files(request, job, diag);
+    neph_scene_destroy(still);
+    return status;
+}
+
+/* ---- the verbs ------------------------------------------------------------------------------- */
+
+static enum neph_status run(const struct neph_cli_syntax *syntax, int argc, char **argv,
+                            enum neph_status (*work)(const struct request *request,
+                                                     struct neph_job *job, struct neph_diag *diag),
+                            struct neph_diag *diag)
 {
     struct request request = {0};
-    neph_cli_parse(&export_syntax, argc, argv, &request);
-    struct neph_scene *scene = NULL, *other = NULL, *still = NULL;
+    neph_cli_parse(syntax, argc, argv, &request);
+    struct neph_scene *scene = NULL, *other = NULL;
     struct neph_shared_device device = {.open = NULL};
     struct neph_engine_info info;
     struct neph_job job;
     enum neph_status status = load(&request, &scene, &other, diag);
     if (!status)
         status = make_job(&request, other ? other : scene, &device, &info, &job, diag);
-    if (!status && neph_scene_moves(scene))
-        status = neph_scene_at(job.shot.scene, job.shot.frame, &still, diag);
-    if (still)
-        job.shot.scene = still;
     if (!status)
-        status = export_files(&request, &job, diag);
+        status = work(&request, &job, diag);
     neph_shared_device_close(&device);
-    neph_scene_destroy(still);
     neph_scene_destroy(other);
     neph_scene_destroy(scene);
     return status;
+}
+
+enum neph_status neph_cli_render(int argc, char **argv, struct neph_diag *diag)
+{
+    return run(&render_syntax, argc, argv, render_frames, diag);
+}
+
+enum neph_status neph_cli_export(int argc, char **argv, struct neph_diag *diag)
+{
+    return run(&export_syntax, argc, argv, export_frame, diag);
 }

@@ -4,15 +4,21 @@
  */
 #include "harness/cli/cli.h"
 
-#include "harness/cli/scenes_fog.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "scenes/fog_translation.h"
 #include "scenes/media.h"
 #include "scenes/variant.h"
 
+#include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 struct request {
     struct neph_cli_shared shared;
@@ -61,6 +67,191 @@ static const struct neph_cli_syntax syntax = {
            "Examples:\n  neph scenes\n  neph scenes two_layer_fog\n  neph scenes my_fog.yaml\n"
            "  neph scenes my_fog.yaml --variant sun_step > my_fog_sun_step.yaml",
 };
+
+enum { CELL_SIZE = 80 };
+
+/* ---- height fog: what physics has and a look has not ----------------------------------------- */
+
+static bool has_ends(const struct neph_medium *fog)
+{
+    const double sides[] = {fog->bounds.min_m.x, fog->bounds.min_m.y, fog->bounds.min_m.z,
+                            fog->bounds.max_m.x, fog->bounds.max_m.y, fog->bounds.max_m.z};
+    for (int i = 0; i < 6; i++)
+        if (isfinite(sides[i]))
+            return true;
+    return false;
+}
+
+/* What of a scene is lost in all looks; NULL beyond the last. */
+static const char *lost_in_looks(const struct neph_scene *scene, const struct neph_medium *fog,
+                                 int index)
+{
+    const bool scatters = scene->sun.present && scene->scattering != NEPH_SCATTERING_NONE &&
+                          fog->albedo.r + fog->albedo.g + fog->albedo.b > 0.0;
+    const struct {
+        bool is_there;
+        const char *words;
+    } rows[] = {
+        {has_ends(fog), "bounds: a look fills all space"},
+        {neph_medium_is_coloured(fog), "extinction_color: a look has one opacity"},
+        {scatters, "sunlight lost on its way, and shadows in the fog: a look is as bright at all "
+                   "depths and places"},
+        {scatters && fog->phase.kind != NEPH_PHASE_ISOTROPIC,
+         "the phase function: a look has a lobe cos^e around the sun, and nothing behind"},
+        {scene->scattering == NEPH_SCATTERING_MULTIPLE,
+         "light scattered more than once: a look has the colour that it is given"},
+    };
+    for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++)
+        if (rows[i].is_there && index-- == 0)
+            return rows[i].words;
+    return NULL;
+}
+
+/* ---- height fog, for people ------------------------------------------------------------------ */
+
+static void print_row(const char *name, const char *physical, const char *unreal,
+                      const char *filament)
+{
+    printf("  %-26s %-22s %-22s %s\n", name, physical, unreal, filament);
+}
+
+static const char *written(char cell[CELL_SIZE], const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static const char *written(char cell[CELL_SIZE], const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(cell, CELL_SIZE, format, values);
+    va_end(values);
+    return cell;
+}
+
+static void print_layer(const struct neph_fog_layer *layer, int index)
+{
+    const struct neph_unreal_fog unreal = neph_fog_layer_to_unreal(layer);
+    char name[CELL_SIZE], physical[CELL_SIZE], theirs[CELL_SIZE], filament[CELL_SIZE];
+    print_row(written(name, "layer %d: density", index),
+              written(physical, "%.6g /m", layer->extinction_per_m),
+              written(theirs, "%.6g", unreal.fog_density),
+              index > 0 ? "(it has one layer)"
+                        : written(filament, "%.6g /m", layer->extinction_per_m));
+    print_row("  falloff", written(physical, "%.6g /m", layer->falloff_per_m),
+              written(theirs, "%.6g", unreal.fog_height_falloff),
+              index > 0 ? "" : written(filament, "%.6g /m", layer->falloff_per_m));
+    print_row("  height", written(physical, "%.6g m", layer->height_m),
+              written(theirs, "%.6g cm", 100.0 * layer->height_m),
+              index > 0 ? "" : written(filament, "%.6g m", layer->height_m));
+}
+
+static const char *written_values(char cell[CELL_SIZE], const double *values, int count)
+{
+    return count == 3 ? written(cell, "%.4g %.4g %.4g", values[0], values[1], values[2])
+                      : written(cell, "%.6g", values[0]);
+}
+
+/* A look and what comes of physics, in the words of both engines. */
+static void print_look(const struct neph_scene *scene, const struct neph_fog_look *physics)
+{
+    const struct neph_fog_look *look = &scene->fog_look;
+    char physical[CELL_SIZE], set[CELL_SIZE];
+    print_row("inscattering", written_values(physical, &physics->inscattering_w_per_m2_sr.r, 3),
+              written_values(set, &look->inscattering_w_per_m2_sr.r, 3), set);
+    for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {
+        const struct neph_fog_control_row *row = &neph_fog_controls()[c];
+        const double *values = (const double *)((const char *)look + row->at);
+        const double *thin = (const double *)((const char *)physics + row->at);
+        const bool is_known = neph_fog_control_is_on(physics, (enum neph_fog_control)c);
+        written_values(set, values, row->count);
+        print_row(row->name, is_known ? written_values(physical, thin, row->count) : "-",
+                  neph_fog_control_is_on(look, (enum neph_fog_control)c) ? set : "off",
+                  !row->filament                                           ? "(has none)"
+                  : neph_fog_control_is_on(look, (enum neph_fog_control)c) ? set
+                                                                           : "off");
+    }
+    print_row("directional_exponent",
+              neph_fog_control_is_on(physics, NEPH_FOG_DIRECTIONAL)
+                  ? written_values(physical, &physics->directional_exponent, 1)
+                  : "-",
+              written_values(set, &look->directional_exponent, 1), set);
+}
+
+static void print_departures(const struct neph_fog_look *look)
+{
+    printf("  of the look no medium has:\n");
+    for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++)
+        if (neph_fog_control_is_on(look, (enum neph_fog_control)c))
+            printf("    %s (%s): %s\n", neph_fog_controls()[c].name, neph_fog_controls()[c].unreal,
+                   neph_fog_controls()[c].physics);
+}
+
+static void print_fog(const struct neph_scene *scene)
+{
+    const struct neph_medium *fog = neph_fog_look_medium(scene);
+    if (!fog)
+        return;
+    const struct neph_fog_look physics = neph_fog_look_of_physics(scene, fog);
+    printf("height fog\n");
+    print_row("", "physical", "Unreal", "Filament");
+    for (int l = 0; l < fog->layer_count; l++)
+        print_layer(&fog->layers[l], l);
+    if (scene->fog_look.present) {
+        print_look(scene, &physics);
+        print_departures(&scene->fog_look);
+    }
+    if (lost_in_looks(scene, fog, 0))
+        printf("  of the medium no look has:\n");
+    for (int i = 0; lost_in_looks(scene, fog, i); i++)
+        printf("    %s\n", lost_in_looks(scene, fog, i));
+}
+
+/* ---- height fog, for programs ---------------------------------------------------------------- */
+
+static json_t *values_json(const double *values, int count)
+{
+    return count == 3 ? json_pack("[f, f, f]", values[0], values[1], values[2])
+                      : json_real(values[0]);
+}
+
+static json_t *control_json(const struct neph_fog_look *look, enum neph_fog_control control)
+{
+    const struct neph_fog_control_row *row = &neph_fog_controls()[control];
+    const double *values = (const double *)((const char *)look + row->at);
+    return json_pack("{s:s, s:s, s:o, s:b, s:s, s:s?, s:s}", "name", row->name, "key", row->key,
+                     "value", values_json(values, row->count), "on",
+                     neph_fog_control_is_on(look, control), "unreal", row->unreal, "filament",
+                     row->filament, "physics", row->physics);
+}
+
+static json_t *look_json(const struct neph_fog_look *look)
+{
+    if (!look->present)
+        return json_null();
+    json_t *controls = json_array();
+    for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++)
+        neph_json_add(&controls, control_json(look, (enum neph_fog_control)c));
+    return json_pack("{s:o, s:f, s:o}", "inscattering_w_per_m2_sr",
+                     values_json(&look->inscattering_w_per_m2_sr.r, 3), "directional_exponent",
+                     look->directional_exponent, "controls", controls);
+}
+
+static json_t *fog_json(const struct neph_scene *scene)
+{
+    const struct neph_medium *fog = neph_fog_look_medium(scene);
+    if (!fog)
+        return json_null();
+    const struct neph_fog_look physics = neph_fog_look_of_physics(scene, fog);
+    json_t *lost = json_array();
+    for (int i = 0; lost_in_looks(scene, fog, i); i++)
+        neph_json_add(&lost, json_string(lost_in_looks(scene, fog, i)));
+    return json_pack("{s:o, s:{s:o, s:o, s:f}, s:o}", "look", look_json(&scene->fog_look),
+                     "of_physics", "inscattering_w_per_m2_sr",
+                     values_json(&physics.inscattering_w_per_m2_sr.r, 3), "directional_w_per_m2_sr",
+                     values_json(&physics.directional_w_per_m2_sr.r, 3), "directional_exponent",
+                     physics.directional_exponent, "lost_in_looks", lost);
+}
+
+/* ---- a scene --------------------------------------------------------------------------------- */
 
 static json_t *layer_json(const struct neph_fog_layer *layer)
 {
@@ -129,7 +320,7 @@ static json_t *scene_json(const struct neph_scene *scene)
                      scene->name, "title", scene->title, "physics", scene->physics, "hash",
                      scene->hash, "scattering", neph_scattering_name(scene->scattering), "frames",
                      scene->frame_count, "solids", scene->solid_count, "gates", scene->gate_count,
-                     "layers", layers, "fog", neph_cli_fog_json(scene), "failure",
+                     "layers", layers, "fog", fog_json(scene), "failure",
                      failing_json(&scene->failing), "engines", engines);
 }
 
@@ -166,7 +357,7 @@ static void print_scene(const struct neph_scene *scene)
                    m, layer->extinction_per_m, layer->falloff_per_m, layer->height_m,
                    unreal.fog_density, unreal.fog_height_falloff);
         }
-    neph_cli_print_fog(scene);
+    print_fog(scene);
     print_failing(&scene->failing);
     int count;
     const struct neph_engine *const *engines = neph_engines(&count);
@@ -180,31 +371,7 @@ static void print_scene(const struct neph_scene *scene)
     }
 }
 
-static enum neph_status show_scene(const char *name, bool as_json, struct neph_diag *diag)
-{
-    struct neph_scene *scene = NULL;
-    enum neph_status status = neph_data_load_scene(name, &scene, diag);
-    if (status)
-        return status;
-    if (as_json)
-        status = neph_json_print(scene_json(scene), diag);
-    else
-        print_scene(scene);
-    neph_scene_destroy(scene);
-    return status;
-}
-
-/* A scene whose data is not on this machine. */
-static enum neph_status list_absent(const char *name, bool as_json, const struct neph_diag *why,
-                                    json_t *list, struct neph_diag *diag)
-{
-    if (as_json)
-        return neph_json_append(
-            list, json_pack("{s:o, s:s}", "name", neph_json_cleaned(name), "absent", why->message),
-            diag);
-    printf("%-24s not here: %s\n", name, why->message);
-    return NEPH_OK;
-}
+/* ---- the catalogue --------------------------------------------------------------------------- */
 
 /* One line, or one entry of `list`, per scene of a folder. */
 static enum neph_status list_folder(enum neph_data_scenes folder, bool as_json, json_t *list,
@@ -216,19 +383,23 @@ static enum neph_status list_folder(enum neph_data_scenes folder, bool as_json, 
     for (int i = 0; i < count && !status; i++) {
         struct neph_scene *scene = NULL;
         status = neph_data_load_scene(names[i], &scene, diag);
-        if (status == NEPH_ERR_NOT_FOUND) { /* its data is not on this machine */
-            const struct neph_diag why = *diag;
-            *diag = (struct neph_diag){.line = 0};
-            status = list_absent(names[i], as_json, &why, list, diag);
-            continue;
-        }
-        if (status)
-            break;
-        if (as_json)
+        if (!status && as_json)
             status = neph_json_append(list, scene_json(scene), diag);
-        else
+        else if (!status)
             printf("%-24s %s\n", scene->name, scene->title);
         neph_scene_destroy(scene);
+        if (status != NEPH_ERR_NOT_FOUND)
+            continue;
+        const struct neph_diag why = *diag; /* its data is not on this machine */
+        *diag = (struct neph_diag){.line = 0};
+        status = NEPH_OK;
+        if (as_json)
+            status = neph_json_append(
+                list,
+                json_pack("{s:o, s:s}", "name", neph_json_cleaned(names[i]), "absent", why.message),
+                diag);
+        else
+            printf("%-24s not here: %s\n", names[i], why.message);
     }
     neph_data_free_names(names);
     return status;
@@ -249,8 +420,8 @@ static enum neph_status parse_kind(const char *word, enum neph_variant_kind *kin
     return NEPH_ERR_USAGE;
 }
 
-static enum neph_status print_variant_of(const struct request *request,
-                                         const struct neph_scene *scene, struct neph_diag *diag)
+static enum neph_status print_variant(const struct request *request, const struct neph_scene *scene,
+                                      struct neph_diag *diag)
 {
     struct neph_variant variant = {.frame_count = scene->frame_count > 1 ? scene->frame_count
                                                                          : 128};
@@ -272,33 +443,33 @@ static enum neph_status print_variant_of(const struct request *request,
     return status;
 }
 
-static enum neph_status print_variant(const struct request *request, struct neph_diag *diag)
+/* ---- the verb -------------------------------------------------------------------------------- */
+
+static enum neph_status show_scene(const struct request *request, struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     enum neph_status status = neph_data_load_scene(request->shared.operands[0], &scene, diag);
-    if (!status)
-        status = print_variant_of(request, scene, diag);
+    if (!status && request->variant)
+        status = print_variant(request, scene, diag);
+    else if (!status && request->shared.json)
+        status = neph_json_print(scene_json(scene), diag);
+    else if (!status)
+        print_scene(scene);
     neph_scene_destroy(scene);
     return status;
 }
-
-/* ---- the verb -------------------------------------------------------------------------------- */
 
 enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
     const bool as_json = request.shared.json;
-    if (request.variant)
-        return print_variant(&request, diag);
     if (request.shared.operand_count > 0)
-        return show_scene(request.shared.operands[0], as_json, diag);
+        return show_scene(&request, diag);
     enum neph_status status = NEPH_OK;
     json_t *list = json_array();
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT && !status; folder++)
         status = list_folder((enum neph_data_scenes)folder, as_json, list, diag);
-    if (!status && as_json)
-        status = neph_json_print(json_incref(list), diag);
-    json_decref(list);
-    return status;
+    const enum neph_status printed = neph_cli_give_json(list, !status && as_json, diag);
+    return status ? status : printed;
 }

@@ -1,20 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/comparison.h"
 
-#include "base/exr.h"
 #include "base/files.h"
 #include "base/interrupt.h"
-#include "base/png.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
-#include "harness/compare/map_names.h"
+#include "harness/compare/maps.h"
 #include "harness/progress.h"
-#include "metrics/display.h"
 #include "metrics/extractors/cycle_frequency.h"
 #include "metrics/validity.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +47,6 @@ struct pass {
     struct at_hand {
         const char *path; /* borrowed; NULL: free */
         struct neph_image *image;
-        bool is_needed; /* for the frame that is begun */
     } at_hand[AT_HAND_MAX];
 };
 
@@ -61,18 +56,6 @@ static bool is_picture(const struct neph_image *image)
 }
 
 /* ---- frames ---------------------------------------------------------------------------------- */
-
-static enum neph_status check_numbers(const struct neph_comparison *asked, struct neph_diag *diag)
-{
-    if (asked->by_position)
-        return NEPH_OK;
-    enum neph_status status = neph_sequence_check_numbers(&asked->reference, "the reference",
-                                                          &asked->test, "the test", diag);
-    if (!status)
-        status = neph_sequence_check_numbers(&asked->reference, "the reference", &asked->second,
-                                             "the second reference", diag);
-    return status;
-}
 
 static enum neph_status check_counts(const struct neph_comparison *asked, struct work *work,
                                      struct neph_diag *diag)
@@ -86,15 +69,19 @@ static enum neph_status check_counts(const struct neph_comparison *asked, struct
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "%d frames of the second reference, %d of the first: as many are needed",
                          asked->second.count, reference);
-    enum neph_status status = check_numbers(asked, diag);
-    if (status)
-        return status;
-    if (asked->warm_up_frames >= test)
-        return neph_fail(diag, NEPH_ERR_INPUT,
-                         "a warm-up of %d frames leaves nothing of a sequence of %d",
-                         asked->warm_up_frames, test);
+    enum neph_status status = NEPH_OK;
+    if (!asked->by_position)
+        status = neph_sequence_check_numbers(&asked->reference, "the reference", &asked->test,
+                                             "the test", diag);
+    if (!status && !asked->by_position)
+        status = neph_sequence_check_numbers(&asked->reference, "the reference", &asked->second,
+                                             "the second reference", diag);
+    if (!status && asked->warm_up_frames >= test)
+        status = neph_fail(diag, NEPH_ERR_INPUT,
+                           "a warm-up of %d frames leaves nothing of a sequence of %d",
+                           asked->warm_up_frames, test);
     work->frame_count = test - asked->warm_up_frames;
-    return NEPH_OK;
+    return status;
 }
 
 /* The file of a frame; NULL: there is none. One may stand for all. */
@@ -119,30 +106,30 @@ static struct at_hand *find_at_hand(struct pass *pass, const char *path)
     return NULL;
 }
 
-static void mark_needed(struct pass *pass, const char *path)
+static bool needs(const struct neph_comparison *asked, const char *path, int index)
 {
-    struct at_hand *held = path ? find_at_hand(pass, path) : NULL;
-    if (held)
-        held->is_needed = true;
+    const char *const paths[] = {path_of(&asked->reference, index), path_of(&asked->second, index),
+                                 test_in_memory(asked, index) ? NULL
+                                                              : path_of(&asked->test, index)};
+    for (int i = 0; i < 3; i++)
+        if (paths[i] && strcmp(paths[i], path) == 0)
+            return true;
+    return false;
 }
 
 /* Let go of what a frame does not take, before more is read. */
 static void let_go(struct pass *pass, int index)
 {
-    for (int i = 0; i < AT_HAND_MAX; i++)
-        pass->at_hand[i].is_needed = false;
-    for (int w = 0; w < pass->work_count; w++) {
-        const struct neph_comparison *asked = pass->works[w].asked;
-        mark_needed(pass, path_of(&asked->reference, index));
-        mark_needed(pass, path_of(&asked->second, index));
-        if (!test_in_memory(asked, index))
-            mark_needed(pass, path_of(&asked->test, index));
+    for (int i = 0; i < AT_HAND_MAX; i++) {
+        struct at_hand *held = &pass->at_hand[i];
+        bool is_needed = false;
+        for (int w = 0; w < pass->work_count && held->path; w++)
+            is_needed |= needs(pass->works[w].asked, held->path, index);
+        if (is_needed)
+            continue;
+        neph_image_destroy(held->image);
+        *held = (struct at_hand){.path = NULL};
     }
-    for (int i = 0; i < AT_HAND_MAX; i++)
-        if (!pass->at_hand[i].is_needed) {
-            neph_image_destroy(pass->at_hand[i].image);
-            pass->at_hand[i] = (struct at_hand){.path = NULL};
-        }
 }
 
 /* The frame of a file; a `path` NULL has none. */
@@ -160,7 +147,7 @@ static enum neph_status take_frame(struct pass *pass, const struct neph_comparis
                                                     &read, diag);
     if (status)
         return status;
-    *find_at_hand(pass, NULL) = (struct at_hand){path, read, true};
+    *find_at_hand(pass, NULL) = (struct at_hand){path, read};
     *image = read;
     return NEPH_OK;
 }
@@ -202,15 +189,21 @@ static enum neph_status check_kinds(const struct work *work, struct neph_diag *d
     return NEPH_OK;
 }
 
+/* Append a name to a line as long as there is room. */
+static void append(char *line, size_t size, const char *name)
+{
+    const size_t used = strlen(line);
+    snprintf(line + used, size - used, " %s", name);
+}
+
 /* The channels of an image in one line, the first few of many. */
 static void list_channels(const struct neph_image *image, char *text, size_t size)
 {
     enum { SHOWN_MAX = 8 };
-    size_t used = 0;
-    for (int c = 0; c < image->channel_count && c < SHOWN_MAX && used < size; c++)
-        used += (size_t)snprintf(text + used, size - used, " %s", image->channels[c].name);
-    if (image->channel_count > SHOWN_MAX && used < size)
-        snprintf(text + used, size - used, " ...");
+    for (int c = 0; c < image->channel_count && c < SHOWN_MAX; c++)
+        append(text, size, image->channels[c].name);
+    if (image->channel_count > SHOWN_MAX)
+        append(text, size, "...");
 }
 
 static bool has(const struct neph_image *image, const struct neph_quantity *quantity)
@@ -335,44 +328,33 @@ static enum neph_status make_masks(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-static bool has_same_masks(const struct neph_comparison *a, const struct neph_comparison *b)
-{
-    return a->reference.paths == b->reference.paths && a->wanted == b->wanted &&
-           a->detail_masks == b->detail_masks && a->mask_file == b->mask_file;
-}
-
-/* Who has made the masks that this one needs; NULL: nobody. */
-static const struct work *find_same_masks(const struct pass *pass, const struct work *work)
-{
-    for (const struct work *other = pass->works; other < work; other++)
-        if (has_same_masks(other->asked, work->asked))
-            return other;
-    return NULL;
-}
-
+/* Those of another comparison of the pass, where they are the same. */
 static enum neph_status have_masks(const struct pass *pass, struct work *work,
                                    struct neph_diag *diag)
 {
-    const struct work *other = find_same_masks(pass, work);
-    if (!other)
-        return make_masks(work, diag);
-    memcpy(work->masks, other->masks, sizeof(work->masks));
-    work->mask_count = other->mask_count;
-    work->has_masks_of_another = true;
-    return NEPH_OK;
+    const struct neph_comparison *asked = work->asked;
+    for (const struct work *other = pass->works; other < work; other++) {
+        const struct neph_comparison *its = other->asked;
+        if (its->reference.paths != asked->reference.paths || its->wanted != asked->wanted ||
+            its->detail_masks != asked->detail_masks || its->mask_file != asked->mask_file)
+            continue;
+        memcpy(work->masks, other->masks, sizeof(work->masks));
+        work->mask_count = other->mask_count;
+        work->has_masks_of_another = true;
+        return NEPH_OK;
+    }
+    return make_masks(work, diag);
 }
 
 /* Said at the first frame, and not when all is measured. */
 static enum neph_status check_mask(const struct work *work, struct neph_diag *diag)
 {
     char names[400] = "";
-    size_t used = 0;
     for (int i = 0; i < work->mask_count; i++) {
         const char *name = work->masks[i]->name;
         if (!work->asked->mask || strcmp(name, work->asked->mask) == 0)
             return NEPH_OK;
-        if (used < sizeof(names))
-            used += (size_t)snprintf(names + used, sizeof(names) - used, " %s", name);
+        append(names, sizeof(names), name);
     }
     neph_fail(diag, NEPH_ERR_UNSUPPORTED,
               "nothing to measure over the mask '%s': the reference has no such pixels, or nothing "
@@ -385,64 +367,29 @@ static enum neph_status check_mask(const struct work *work, struct neph_diag *di
 
 /* ---- maps ------------------------------------------------------------------------------------ */
 
-/* Maps in the unit of the quantity are drawn as displayed: see struct neph_map. */
-static double picture_scale(const struct neph_map *map, const struct neph_viewing *viewing)
-{
-    return map->unit ? map->scale : map->scale * exp2(-viewing->exposure_ev);
-}
-
-static enum neph_status write_picture(const char *path, const struct neph_image *image,
-                                      const struct neph_map *map,
-                                      const struct neph_viewing *viewing, struct neph_diag *diag)
-{
-    const float *planes[3] = {neph_image_channel(image, "Y"), NULL, NULL};
-    float *rgb[3];
-    const bool is_rgb = neph_image_rgb(image, NULL, rgb);
-    for (int c = 0; is_rgb && c < 3; c++)
-        planes[c] = rgb[c];
-    const size_t pixel_count = neph_image_pixel_count(image);
-    uint8_t *picture = malloc(3 * pixel_count);
-    if (!picture)
-        return neph_fail_memory(diag);
-    enum neph_status status = neph_display_map(planes, is_rgb ? 3 : 1, pixel_count, map->is_signed,
-                                               picture_scale(map, viewing), picture, diag);
-    if (!status)
-        status = neph_png_write_rgb8(path, image->width_px, image->height_px, picture, diag);
-    free(picture);
-    return status;
-}
-
-static enum neph_status name_map(struct neph_compared *made, const char *file,
-                                 struct neph_diag *diag)
-{
-    const char **longer = realloc(made->maps, ((size_t)made->map_count + 1) * sizeof(*longer));
-    if (!longer)
-        return neph_fail_memory(diag);
-    made->maps = longer;
-    made->maps[made->map_count++] = neph_arena_text(&made->arena, file);
-    return NEPH_OK;
-}
-
-/* DIR/NAME_QUANTITY[_FRAME].exr and .png. */
+/* DIR/NAME_QUANTITY[_FRAME].exr and .png, whose names are kept. */
 static enum neph_status write_map_files(struct work *work, const struct neph_map *map,
                                         const struct neph_quantity *quantity, int frame,
                                         const struct neph_image *image, struct neph_diag *diag)
 {
+    struct neph_compared *made = work->made;
+    const char **longer = realloc(made->maps, ((size_t)made->map_count + 2) * sizeof(*longer));
     char *stem = neph_map_stem(work->asked->maps_directory, map, quantity,
                                work->frame_count > 1 ? frame : -1);
-    char *exr = neph_format("%s.exr", stem ? stem : ""),
-         *png = neph_format("%s.png", stem ? stem : "");
-    enum neph_status status = stem && exr && png ? neph_exr_write(exr, image, diag)
-                                                 : neph_fail_memory(diag);
-    if (!status)
-        status = write_picture(png, image, map, &work->viewing, diag);
-    if (!status)
-        status = name_map(work->made, exr, diag);
-    if (!status)
-        status = name_map(work->made, png, diag);
+    made->maps = longer ? longer : made->maps;
+    enum neph_status status = longer && stem ? NEPH_OK : neph_fail_memory(diag);
+    if (!status) {
+        const char *exr = neph_arena_format(&made->arena, "%s.exr", stem),
+                   *png = neph_arena_format(&made->arena, "%s.png", stem);
+        status = neph_arena_check(&made->arena, diag);
+        if (!status)
+            status = neph_map_write(exr, png, map, &work->viewing, image, diag);
+        if (!status) {
+            made->maps[made->map_count++] = exr;
+            made->maps[made->map_count++] = png;
+        }
+    }
     free(stem);
-    free(exr);
-    free(png);
     return status;
 }
 
@@ -462,11 +409,6 @@ static enum neph_status give_map(struct work *work, const struct neph_quantity *
     return status;
 }
 
-static bool map_is_shown(const struct neph_map *map, const struct neph_quantity *quantity)
-{
-    return map->name && (map->quantities == 0 || (map->quantities & (unsigned)quantity->bit));
-}
-
 /* The maps of the frame at hand, or (frame < 0) those of the sequence. */
 static enum neph_status give_maps(struct work *work, int frame, struct neph_diag *diag)
 {
@@ -480,9 +422,11 @@ static enum neph_status give_maps(struct work *work, int frame, struct neph_diag
             const struct neph_quantity *quantity = neph_quantity_at(q);
             if (neph_meter_obstacle(work->meter, quantity, extractor))
                 continue;
-            for (int m = 0; m < extractor->map_count && !status; m++)
-                if (map_is_shown(&extractor->maps[m], quantity))
+            for (int m = 0; m < extractor->map_count && !status; m++) {
+                const unsigned shown = extractor->maps[m].quantities;
+                if (extractor->maps[m].name && (shown == 0 || shown & (unsigned)quantity->bit))
                     status = give_map(work, quantity, extractor, m, frame, diag);
+            }
         }
     }
     return status;
@@ -499,31 +443,6 @@ static void take_frame_rate(struct work *work)
         rate_hz = neph_frame_rate_hz(work->reference);
     if (work->asked->own_frame_rate && !isnan(rate_hz))
         work->viewing.frame_rate_hz = rate_hz;
-}
-
-static enum neph_status start(const struct pass *pass, struct work *work, struct neph_diag *diag)
-{
-    enum neph_status status = check_channels(work->reference, work->test, diag);
-    if (!status)
-        status = have_masks(pass, work, diag);
-    if (!status)
-        status = check_mask(work, diag);
-    work->is_picture = is_picture(work->reference);
-    take_frame_rate(work);
-    if (status)
-        return status;
-    const struct neph_meter_params params = {
-        .choices = work->asked->choices,
-        .choice_count = work->asked->choice_count,
-        .viewing = work->viewing,
-        .masks = (const struct neph_mask *const *)work->masks,
-        .mask_count = work->mask_count,
-        .wanted = work->asked->wanted,
-        .frame_count = work->frame_count,
-        .intervals = !work->asked->plain,
-        .draws = work->with_draws,
-    };
-    return neph_meter_create(&params, &work->meter, diag);
 }
 
 /* What a frame may have that no metric looks at. */
@@ -555,18 +474,14 @@ static bool is_stranger(const char *channel)
 static void note_strangers(struct work *work, const struct neph_image *image)
 {
     enum { SHOWN_MAX = 6 };
-    size_t used = 0;
+    char more[32];
     int count = 0;
-    for (int c = 0; c < image->channel_count; c++) {
-        if (!is_stranger(image->channels[c].name))
-            continue;
-        if (++count <= SHOWN_MAX && used < sizeof(work->strangers))
-            used += (size_t)snprintf(work->strangers + used, sizeof(work->strangers) - used, " %s",
-                                     image->channels[c].name);
-    }
-    if (count > SHOWN_MAX && used < sizeof(work->strangers))
-        snprintf(work->strangers + used, sizeof(work->strangers) - used, " and %d more",
-                 count - SHOWN_MAX);
+    for (int c = 0; c < image->channel_count; c++)
+        if (is_stranger(image->channels[c].name) && ++count <= SHOWN_MAX)
+            append(work->strangers, sizeof(work->strangers), image->channels[c].name);
+    snprintf(more, sizeof(more), "and %d more", count - SHOWN_MAX);
+    if (count > SHOWN_MAX)
+        append(work->strangers, sizeof(work->strangers), more);
 }
 
 static enum neph_status check_forms(struct work *work, int index, struct neph_diag *diag)
@@ -581,23 +496,34 @@ static enum neph_status check_forms(struct work *work, int index, struct neph_di
     return status;
 }
 
+/* With the first frame. */
 static enum neph_status begin_work(const struct pass *pass, struct work *work,
                                    struct neph_diag *diag)
 {
     const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
     snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s", declared ? declared : "");
     note_strangers(work, work->test);
-    return start(pass, work, diag);
-}
-
-/* The tests of all are the same frames. */
-static enum neph_status watch_frozen(const struct pass *pass, struct work *work,
-                                     struct neph_diag *diag)
-{
-    if (work == pass->works)
-        return neph_frozen_add(&work->frozen, work->test, NULL, diag);
-    work->frozen = pass->works[0].frozen;
-    return NEPH_OK;
+    work->is_picture = is_picture(work->reference);
+    take_frame_rate(work);
+    enum neph_status status = check_channels(work->reference, work->test, diag);
+    if (!status)
+        status = have_masks(pass, work, diag);
+    if (!status)
+        status = check_mask(work, diag);
+    if (status)
+        return status;
+    const struct neph_meter_params params = {
+        .choices = work->asked->choices,
+        .choice_count = work->asked->choice_count,
+        .viewing = work->viewing,
+        .masks = (const struct neph_mask *const *)work->masks,
+        .mask_count = work->mask_count,
+        .wanted = work->asked->wanted,
+        .frame_count = work->frame_count,
+        .intervals = !work->asked->plain,
+        .draws = work->with_draws,
+    };
+    return neph_meter_create(&params, &work->meter, diag);
 }
 
 static enum neph_status measure_frame(struct pass *pass, struct work *work, int frame,
@@ -616,8 +542,9 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
         note_overlooked(work, work->reference);
         note_overlooked(work, work->test);
     }
-    if (!status)
-        status = watch_frozen(pass, work, diag);
+    if (!status && work == pass->works) /* the tests of all are the same frames */
+        status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
+    work->frozen = pass->works[0].frozen;
     if (!status)
         status = name_file(
             neph_meter_frame(work->meter, work->reference, work->second, work->test, diag), path,
@@ -757,38 +684,31 @@ static enum neph_status conclude(struct work *work, bool interrupted, struct nep
     return interrupted ? NEPH_OK : judge_frozen(work, diag);
 }
 
-/* The folder of the maps, after a look that none takes the place of a frame that is read. */
-static enum neph_status open_maps(const struct neph_comparison *asked, struct neph_diag *diag)
+/* Before anything is read: whether there are frames enough, and a folder for maps, none of which
+ * takes the place of a frame. */
+static enum neph_status prepare(const struct neph_comparison *asked, struct work *work,
+                                struct neph_diag *diag)
 {
     const struct neph_sequence *const sequences[] = {&asked->reference, &asked->second,
                                                      &asked->test};
-    enum neph_status status = NEPH_OK;
+    enum neph_status status = check_counts(asked, work, diag);
+    if (status || !asked->maps_directory)
+        return status;
     for (int s = 0; s < 3 && !status; s++)
         status = neph_map_names_check(sequences[s], asked->maps_directory, asked->choices,
                                       asked->choice_count, diag);
     return status ? status : neph_dir_create(asked->maps_directory, diag);
 }
 
-static enum neph_status prepare(const struct neph_comparison *asked, struct work *work,
-                                struct neph_diag *diag)
-{
-    const enum neph_status status = check_counts(asked, work, diag);
-    return status || !asked->maps_directory ? status : open_maps(asked, diag);
-}
-
-static void finish_work(struct work *work)
-{
-    neph_meter_destroy(work->meter);
-    for (int i = 0; i < 3; i++)
-        neph_frame_form_finish(&work->forms[i]);
-    if (!work->has_masks_of_another)
-        neph_masks_destroy(work->masks, work->mask_count);
-}
-
 static void finish_pass(struct pass *pass)
 {
-    for (int w = 0; w < pass->work_count; w++)
-        finish_work(&pass->works[w]);
+    for (struct work *work = pass->works; work < pass->works + pass->work_count; work++) {
+        neph_meter_destroy(work->meter);
+        for (int i = 0; i < 3; i++)
+            neph_frame_form_finish(&work->forms[i]);
+        if (!work->has_masks_of_another)
+            neph_masks_destroy(work->masks, work->mask_count);
+    }
     for (int i = 0; i < AT_HAND_MAX; i++)
         neph_image_destroy(pass->at_hand[i].image);
 }
@@ -843,56 +763,6 @@ void neph_compared_finish(struct neph_compared *compared)
     free(compared->maps);
     neph_arena_finish(&compared->arena);
     *compared = (struct neph_compared){.asked = NULL};
-}
-
-/* ---- as JSON --------------------------------------------------------------------------------- */
-
-/* What was compared: the first file and how many there are. */
-static json_t *sequence_json(const struct neph_sequence *sequence)
-{
-    return json_pack("{s:o, s:i}", "first",
-                     sequence->count > 0 ? neph_json_cleaned(sequence->paths[0]) : json_null(),
-                     "count", sequence->count);
-}
-
-static json_t *numbers_json(const struct neph_compared *compared)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < compared->numbers.count; i++) {
-        json_t *item = neph_measurement_json(&compared->numbers.list[i]);
-        neph_json_set(&item, "viewing", neph_viewing_json(&compared->viewing));
-        neph_json_add(&list, item);
-    }
-    return list;
-}
-
-static json_t *not_taken_json(const struct neph_compared *compared)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < compared->not_taken_count; i++)
-        neph_json_add(&list,
-                      json_pack("{s:s, s:s, s:s}", "extractor", compared->not_taken[i].extractor,
-                                "quantity", compared->not_taken[i].quantity, "because",
-                                compared->not_taken[i].because));
-    return list;
-}
-
-json_t *neph_compared_json(const struct neph_compared *compared)
-{
-    const struct neph_comparison *asked = compared->asked;
-    json_t *maps = json_array();
-    for (int i = 0; i < compared->map_count; i++)
-        neph_json_add(&maps, json_string(compared->maps[i]));
-    json_t *json = json_pack(
-        "{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:o}", "version", NEPH_VERSION,
-        "reference", sequence_json(&asked->reference), "test", sequence_json(&asked->test),
-        "warm_up_frames", asked->warm_up_frames, "frames", compared->frame_count, "frozen",
-        compared->frozen_count, "interrupted", compared->interrupted, "measurements",
-        numbers_json(compared), "findings", neph_findings_json(&compared->findings), "not_taken",
-        not_taken_json(compared), "maps", maps);
-    if (compared->has_versus)
-        neph_json_set(&json, "versus", neph_differences_json(&compared->versus));
-    return json;
 }
 
 void neph_comparison_finish(struct neph_comparison *comparison)

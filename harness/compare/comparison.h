@@ -98,6 +98,14 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
  *   "versus"        only when there is one: harness/compare/versus.h */
 json_t *neph_compared_json(const struct neph_compared *compared);
 
+/* Print what came of a comparison on stdout. `details`: masks of which there are many too. `all`:
+ * every number, else of flicker those that stand for the rest. */
+void neph_comparison_print(const struct neph_compared *compared, bool details, bool all);
+
+/* Write the numbers as CSV (RFC 4180), a line of names first; "-" is stdout. */
+enum neph_status neph_comparison_write_csv(const char *path, const struct neph_compared *compared,
+                                           struct neph_diag *diag);
+
 /* Free the sequences; a zeroed comparison is fine. */
 void neph_comparison_finish(struct neph_comparison *comparison);
 

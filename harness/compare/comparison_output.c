@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/compare/comparison_output.h"
+#include "harness/compare/comparison.h"
 
 #include "base/files.h"
+#include "base/written.h"
+#include "harness/document/table.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -11,11 +13,6 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
-
-static bool is_bounded(enum neph_interval_kind interval)
-{
-    return interval != NEPH_INTERVAL_NONE && interval != NEPH_INTERVAL_DETERMINISTIC;
-}
 
 static void write_bounds(bool is_there, double low, double high, char text[48])
 {
@@ -30,7 +27,7 @@ static void print_line(const struct neph_measurement *number, bool with_frame)
     char value[32] = "undefined", bounds[48], which[16] = "all";
     if (number->defined)
         snprintf(value, sizeof(value), "%.6e", number->value);
-    write_bounds(is_bounded(number->interval), number->low, number->high, bounds);
+    write_bounds(neph_interval_is_bounded(number->interval), number->low, number->high, bounds);
     if (number->interval == NEPH_INTERVAL_DETERMINISTIC)
         snprintf(bounds, sizeof(bounds), "%s", neph_interval_name(number->interval));
     if (number->frame >= 0)
@@ -206,22 +203,6 @@ void neph_comparison_print(const struct neph_compared *compared, bool details, b
 
 /* ---- for spreadsheets ------------------------------------------------------------------------ */
 
-/* Text as CSV has it (RFC 4180): names of masks come from the user's files. */
-static void csv_text(FILE *out, const char *text)
-{
-    if (!strpbrk(text, ",\"\r\n")) {
-        fputs(text, out);
-        return;
-    }
-    fputc('"', out);
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', out);
-        fputc(*text, out);
-    }
-    fputc('"', out);
-}
-
 /* A field after others: nothing when it is not there. */
 static void csv_number(FILE *out, bool is_there, double value)
 {
@@ -237,10 +218,10 @@ static void write_csv_line(FILE *out, const struct neph_measurement *number,
                                  number->unit, neph_interval_name(number->interval)};
     const double conditions[] = {viewing->frame_rate_hz, viewing->pixels_per_degree,
                                  viewing->exposure_ev, viewing->white_cd_per_m2};
-    const bool bounded = is_bounded(number->interval);
+    const bool bounded = neph_interval_is_bounded(number->interval);
     for (size_t w = 0; w < sizeof(words) / sizeof(words[0]); w++) {
         fputs(w > 0 ? "," : "", out);
-        csv_text(out, words[w]);
+        neph_csv_word(words[w], out);
     }
     csv_number(out, number->frame >= 0, number->frame);
     csv_number(out, number->defined, number->value);
@@ -250,12 +231,13 @@ static void write_csv_line(FILE *out, const struct neph_measurement *number,
     for (size_t c = 0; c < sizeof(conditions) / sizeof(conditions[0]); c++)
         csv_number(out, true, conditions[c]);
     fputc(',', out);
-    csv_text(out, number->defined ? "" : number->undefined_because);
+    neph_csv_word(number->defined ? "" : number->undefined_because, out);
     fputc('\n', out);
 }
 
-static void write_csv_lines(FILE *out, const struct neph_compared *compared)
+static void write_csv(const void *what, FILE *out)
 {
+    const struct neph_compared *compared = what;
     fprintf(out, "quantity,metric,mask,unit,interval_kind,frame,value,low,high,n,pixel_count,"
                  "frame_rate_hz,pixels_per_degree,exposure_ev,white_cd_per_m2,"
                  "undefined_because\n");
@@ -267,16 +249,61 @@ enum neph_status neph_comparison_write_csv(const char *path, const struct neph_c
                                            struct neph_diag *diag)
 {
     char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return neph_fail_memory(diag);
-    write_csv_lines(out, compared);
-    enum neph_status status = fclose(out) == 0 ? NEPH_OK : neph_fail_memory(diag);
+    enum neph_status status = neph_written(write_csv, compared, &text, diag);
     if (!status && strcmp(path, "-") == 0)
-        fwrite(text, 1, size, stdout); /* whether it went out is looked at once, at the end */
+        fputs(text, stdout); /* whether it went out is looked at once, at the end */
     else if (!status)
-        status = neph_file_write(path, text, size, diag);
+        status = neph_file_write(path, text, strlen(text), diag);
     free(text);
     return status;
+}
+
+/* ---- as JSON --------------------------------------------------------------------------------- */
+
+/* What was compared: the first file and how many there are. */
+static json_t *sequence_json(const struct neph_sequence *sequence)
+{
+    return json_pack("{s:o, s:i}", "first",
+                     sequence->count > 0 ? neph_json_cleaned(sequence->paths[0]) : json_null(),
+                     "count", sequence->count);
+}
+
+static json_t *numbers_json(const struct neph_compared *compared)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < compared->numbers.count; i++) {
+        json_t *item = neph_measurement_json(&compared->numbers.list[i]);
+        neph_json_set(&item, "viewing", neph_viewing_json(&compared->viewing));
+        neph_json_add(&list, item);
+    }
+    return list;
+}
+
+static json_t *not_taken_json(const struct neph_compared *compared)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < compared->not_taken_count; i++)
+        neph_json_add(&list,
+                      json_pack("{s:s, s:s, s:s}", "extractor", compared->not_taken[i].extractor,
+                                "quantity", compared->not_taken[i].quantity, "because",
+                                compared->not_taken[i].because));
+    return list;
+}
+
+json_t *neph_compared_json(const struct neph_compared *compared)
+{
+    const struct neph_comparison *asked = compared->asked;
+    json_t *maps = json_array();
+    for (int i = 0; i < compared->map_count; i++)
+        neph_json_add(&maps, json_string(compared->maps[i]));
+    json_t *json = json_pack(
+        "{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:o}", "version", NEPH_VERSION,
+        "reference", sequence_json(&asked->reference), "test", sequence_json(&asked->test),
+        "warm_up_frames", asked->warm_up_frames, "frames", compared->frame_count, "frozen",
+        compared->frozen_count, "interrupted", compared->interrupted, "measurements",
+        numbers_json(compared), "findings", neph_findings_json(&compared->findings), "not_taken",
+        not_taken_json(compared), "maps", maps);
+    if (compared->has_versus)
+        neph_json_set(&json, "versus", neph_differences_json(&compared->versus));
+    return json;
 }

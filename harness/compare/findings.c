@@ -38,8 +38,9 @@ static bool value_over(const struct teller *teller, const char *metric, const ch
                        double *value)
 {
     const struct neph_measurement *number = find(teller, metric, mask);
-    *value = number && number->defined ? number->value : 0.0;
-    return number && number->defined;
+    const bool is_known = number && number->defined;
+    *value = is_known ? number->value : 0.0;
+    return is_known;
 }
 
 static bool value_of(const struct teller *teller, const char *metric, double *value)
@@ -201,12 +202,6 @@ static void add_unseparated(struct teller *teller)
              periods);
 }
 
-static bool is_bounded(const struct neph_measurement *number)
-{
-    return number->interval != NEPH_INTERVAL_NONE &&
-           number->interval != NEPH_INTERVAL_DETERMINISTIC;
-}
-
 static void add_edge_ratio(struct teller *teller)
 {
     const struct neph_measurement *edge = find(teller, "a4_p95", "depth_edge");
@@ -228,7 +223,8 @@ static void add_edge_ratio(struct teller *teller)
                     "as elsewhere (p95 %.3g)",
         edge->value, ratio, other->value);
     stand_on(item, "value", ratio);
-    const bool bounded = is_bounded(edge) && is_bounded(other);
+    const bool bounded = neph_interval_is_bounded(edge->interval) &&
+                         neph_interval_is_bounded(other->interval);
     item->has_interval = true;
     item->low = bounded ? neph_flicker_edge_ratio(edge->low, other->high) : NAN;
     item->high = bounded ? neph_flicker_edge_ratio(edge->high, other->low) : NAN;
@@ -444,20 +440,16 @@ void neph_findings_finish(struct neph_findings *findings)
 
 /* ---- as JSON --------------------------------------------------------------------------------- */
 
-static json_t *number_json(const struct neph_finding_number *number)
-{
-    if (isnan(number->value))
-        return json_null();
-    return number->is_count ? json_integer((json_int_t)number->value) : json_real(number->value);
-}
-
 static json_t *finding_json(const struct neph_finding *finding)
 {
     json_t *json = json_pack("{s:s, s:s, s:s, s:s, s:s}", "finding", finding->name, "quantity",
                              finding->quantity->name, "mask", finding->mask, "verdict",
                              finding->verdict, "text", finding->text);
     for (int i = 0; i < NEPH_FINDING_NUMBERS && finding->numbers[i].key; i++)
-        neph_json_set(&json, finding->numbers[i].key, number_json(&finding->numbers[i]));
+        neph_json_set(&json, finding->numbers[i].key,
+                      finding->numbers[i].is_count
+                          ? json_integer((json_int_t)finding->numbers[i].value)
+                          : neph_json_number(finding->numbers[i].value));
     if (finding->has_interval)
         neph_json_set(&json, "interval",
                       isfinite(finding->low) && isfinite(finding->high)

@@ -70,40 +70,18 @@ static enum neph_status check(const char *path, const struct neph_image *image,
     return status;
 }
 
-static bool is_finite(const float *samples, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(samples[i]))
-            return false;
-    return true;
-}
-
 /* A channel that is nothing to us may hold anything; what is not even a number goes. */
 static void drop_strangers(struct neph_image *image)
 {
+    const size_t count = neph_image_pixel_count(image);
     for (int i = image->channel_count - 1; i >= 0; i--) {
         const struct neph_channel *channel = &image->channels[i];
-        if (!neph_validity_knows(channel->name) &&
-            !is_finite(channel->samples, neph_image_pixel_count(image)))
+        size_t k = neph_validity_knows(channel->name) ? count : 0;
+        while (k < count && isfinite(channel->samples[k]))
+            k++;
+        if (k < count)
             neph_image_remove_channel(image, channel->name);
     }
-}
-
-/* Luminance alone is a grey picture, as in OpenEXR's own tools; with chroma (RY, BY) it is not. */
-static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag *diag)
-{
-    static const char *const colour[] = {"R", "G", "B", "RY", "BY"};
-    float *rgb[3];
-    for (size_t c = 0; c < sizeof(colour) / sizeof(colour[0]); c++)
-        if (neph_image_channel(image, colour[c]))
-            return NEPH_OK;
-    if (!neph_image_channel(image, "Y"))
-        return NEPH_OK;
-    enum neph_status status = neph_image_add_rgb(image, NULL, rgb, diag);
-    for (int c = 0; c < 3 && !status; c++)
-        memcpy(rgb[c], neph_image_channel(image, "Y"),
-               neph_image_pixel_count(image) * sizeof(*rgb[c]));
-    return status;
 }
 
 static bool has_any(const struct neph_image *image, const char *const *names, int count)
@@ -114,10 +92,18 @@ static bool has_any(const struct neph_image *image, const char *const *names, in
     return false;
 }
 
-static bool has_colour(const struct neph_image *image)
+/* Luminance alone is a grey picture, as in OpenEXR's own tools; with chroma (RY, BY) it is not. */
+static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag *diag)
 {
-    static const char *const names[] = {"R", "G", "B", "Y"};
-    return has_any(image, names, 4);
+    static const char *const colour[] = {"R", "G", "B", "RY", "BY"};
+    float *rgb[3];
+    if (has_any(image, colour, 5) || !neph_image_channel(image, "Y"))
+        return NEPH_OK;
+    enum neph_status status = neph_image_add_rgb(image, NULL, rgb, diag);
+    for (int c = 0; c < 3 && !status; c++)
+        memcpy(rgb[c], neph_image_channel(image, "Y"),
+               neph_image_pixel_count(image) * sizeof(*rgb[c]));
+    return status;
 }
 
 /* A colour that the layer lacks is lacking: that of the whole picture is another. */
@@ -136,8 +122,9 @@ static enum neph_status take_layer(const char *path, struct neph_image *image, c
 static enum neph_status check_primaries(const char *path, const struct neph_image *image,
                                         struct neph_diag *diag)
 {
+    static const char *const colours[] = {"R", "G", "B", "Y"};
     const char *primaries = neph_image_attribute(image, "primaries");
-    if (!primaries || !has_colour(image))
+    if (!primaries || !has_any(image, colours, 4))
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in Rec.709: its chromaticities are %s", path,
               primaries);
@@ -173,27 +160,16 @@ static enum neph_status set_vector_aside(const char *path, struct neph_image *im
  * just these: 0 (Mitsuba's aov integrator; nothing visible is at the eye), the largest half and the
  * largest 16-bit integer, to which larger ones were clamped, and 1e9. Blender's sky lies at 1e10;
  * no scene is measured in units of which so many are near. A NaN stays. */
-static bool is_sky(float depth)
-{
-    static const float skies[] = {0.0f, 65504.0f, 65535.0f, 1e9f}, far = 1e10f;
-    bool found = depth >= far;
-    for (size_t i = 0; i < sizeof(skies) / sizeof(skies[0]); i++)
-        found |= depth == skies[i];
-    return found;
-}
-
 static void mark_sky(struct neph_image *image)
 {
+    static const float skies[] = {0.0f, 65504.0f, 65535.0f, 1e9f}, far = 1e10f;
     float *depth = neph_image_channel(image, "Z");
-    for (size_t i = 0; depth && i < neph_image_pixel_count(image); i++)
-        depth[i] = is_sky(depth[i]) ? INFINITY : depth[i];
-}
-
-/* Frames of ours that a display has the last word on. */
-static enum neph_status mark_picture(struct neph_image *image, struct neph_diag *diag)
-{
-    const char *display = neph_image_attribute(image, NEPH_DISPLAY_ATTRIBUTE);
-    return display ? neph_image_set_attribute(image, "encoding", diag, "%s", display) : NEPH_OK;
+    for (size_t i = 0; depth && i < neph_image_pixel_count(image); i++) {
+        bool is_sky = depth[i] >= far;
+        for (size_t s = 0; s < sizeof(skies) / sizeof(skies[0]); s++)
+            is_sky |= depth[i] == skies[s];
+        depth[i] = is_sky ? INFINITY : depth[i];
+    }
 }
 
 double neph_frame_rate_hz(const struct neph_image *image)
@@ -225,8 +201,9 @@ enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
         status = check_primaries(path, frame, diag);
     if (!status)
         status = make_grey_rgb(frame, diag);
-    if (!status)
-        status = mark_picture(frame, diag);
+    const char *display = status ? NULL : neph_image_attribute(frame, NEPH_DISPLAY_ATTRIBUTE);
+    if (display) /* a frame of ours that a display has the last word on */
+        status = neph_image_set_attribute(frame, "encoding", diag, "%s", display);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
     if (status)

@@ -63,34 +63,26 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* A frame without a channel of a mask has no pixel inside it, as where the sun is not in sight. */
-static bool has_to_stay(const char *channel)
-{
-    return neph_validity_knows(channel) && strncmp(channel, "mask.", strlen("mask.")) != 0;
-}
-
-/* Names of the channels that all frames have to have, in order, a line each; NULL: no memory. */
-static char *list_channels(const struct neph_image *image)
+/* Names of the channels that all frames have to have, in order, a line each. A frame without a
+ * channel of a mask has no pixel inside it, as where the sun is not in sight. */
+static const char *list_channels(const struct neph_image *image, struct neph_arena *arena)
 {
     const size_t count = (size_t)image->channel_count;
-    const char **names = malloc((count + 1) * sizeof(*names));
-    char *list = malloc(count * NEPH_IMAGE_NAME_MAX + 1), *end = list;
+    const char **names = neph_arena_zeroed(arena, count + 1, sizeof(*names));
+    char *list = neph_arena_zeroed(arena, count * NEPH_IMAGE_NAME_MAX + 1, 1), *end = list;
     size_t known = 0;
-    for (size_t i = 0; names && i < count; i++)
-        if (has_to_stay(image->channels[i].name))
-            names[known++] = image->channels[i].name;
-    if (!names || !list) {
-        free(names);
-        free(list);
-        return NULL;
+    if (!names || !list)
+        return "";
+    for (size_t i = 0; i < count; i++) {
+        const char *name = image->channels[i].name;
+        if (neph_validity_knows(name) && strncmp(name, "mask.", strlen("mask.")) != 0)
+            names[known++] = name;
     }
     qsort(names, known, sizeof(*names), by_text);
     for (size_t i = 0; i < known; i++) {
         end = stpcpy(end, names[i]);
         *end++ = '\n';
     }
-    *end = '\0';
-    free(names);
     return list;
 }
 
@@ -130,17 +122,14 @@ static enum neph_status compare_channels(const struct neph_frame_form *form, con
 static enum neph_status check_channels(struct neph_frame_form *form, const char *path,
                                        const struct neph_image *image, struct neph_diag *diag)
 {
-    char *channels = list_channels(image);
-    if (!channels)
-        return neph_fail_memory(diag);
-    enum neph_status status = NEPH_OK;
-    if (!form->channels) {
+    struct neph_arena arena = {0};
+    const char *channels = list_channels(image, form->channels ? &arena : &form->arena);
+    enum neph_status status = neph_arena_check(form->channels ? &arena : &form->arena, diag);
+    if (!form->channels)
         form->channels = channels;
-        return status;
-    }
-    if (strcmp(form->channels, channels) != 0)
+    else if (!status && strcmp(form->channels, channels) != 0)
         status = compare_channels(form, path, channels, diag);
-    free(channels);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -148,25 +137,19 @@ static enum neph_status check_channels(struct neph_frame_form *form, const char 
 
 void neph_frame_form_finish(struct neph_frame_form *form)
 {
-    for (int i = 0; i < NEPH_FRAME_LABELS; i++)
-        free(form->labels[i]);
-    free(form->path);
-    free(form->channels);
+    neph_arena_finish(&form->arena);
     *form = (struct neph_frame_form){.path = NULL};
 }
 
 static enum neph_status keep(struct neph_frame_form *form, const char *path,
                              const struct neph_image *image, struct neph_diag *diag)
 {
-    form->path = strdup(path);
+    form->path = neph_arena_text(&form->arena, path);
     form->width_px = image->width_px;
     form->height_px = image->height_px;
-    bool is_kept = form->path;
-    for (int i = 0; i < NEPH_FRAME_LABELS; i++) {
-        form->labels[i] = strdup(value_of(&labels[i], image));
-        is_kept &= form->labels[i] != NULL;
-    }
-    return is_kept ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < NEPH_FRAME_LABELS; i++)
+        form->labels[i] = neph_arena_text(&form->arena, value_of(&labels[i], image));
+    return neph_arena_check(&form->arena, diag);
 }
 
 static enum neph_status compare_labels(const struct neph_frame_form *form, const char *path,

@@ -6,6 +6,7 @@
 #ifndef NEPH_HARNESS_COMPARE_FRAME_LABELS_H
 #define NEPH_HARNESS_COMPARE_FRAME_LABELS_H
 
+#include "base/arena.h"
 #include "base/image.h"
 
 enum { NEPH_FRAME_LABELS = 5 };
@@ -18,10 +19,12 @@ enum neph_status neph_frame_check_pair(const struct neph_image *reference,
 
 /* What all frames of a sequence have in common with its first. Start from {0}. */
 struct neph_frame_form {
-    char *path; /* of the first; NULL: there was none yet; owned, as are the next */
+    struct neph_arena arena; /* of the texts below */
+    const char *path;        /* of the first; NULL: there was none yet */
     int width_px, height_px;
-    char *labels[NEPH_FRAME_LABELS];
-    char *channels; /* names of those that mean something here, masks aside; NULL: none are held */
+    const char *labels[NEPH_FRAME_LABELS];
+    const char
+        *channels; /* names of those that mean something here, masks aside; NULL: none are held */
 };
 
 /* The first call keeps what a frame is, the others compare with that. `with_channels`: channels

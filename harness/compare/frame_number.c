@@ -19,8 +19,6 @@ enum {
     WORDS_MAX = 64   /* bits of neph_frame_reading.ids */
 };
 
-static const struct neph_frame_reading plain = {.ids = 0};
-
 size_t neph_frame_name_start(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -60,7 +58,7 @@ static bool has_minus(const char *path, size_t digits, const struct neph_frame_r
     if (digits == 1)
         return true;
     const char before = path[digits - 2];
-    return strchr("._-/ ", before) || (reading->hyphen_is_minus && is_letter(before));
+    return strchr("._-/ ", before) || (reading && reading->hyphen_is_minus && is_letter(before));
 }
 
 /* ---- identifiers ----------------------------------------------------------------------------- */
@@ -92,7 +90,7 @@ static bool find_word(const char *path, int index, struct word *word)
 static size_t id_end(const char *path, size_t at, const struct neph_frame_reading *reading)
 {
     struct word word;
-    if (!reading->ids || (at > 0 && is_of_word(path[at - 1])))
+    if (!reading || !reading->ids || (at > 0 && is_of_word(path[at - 1])))
         return at;
     for (int i = 0; i < WORDS_MAX && find_word(path, i, &word) && word.head <= at; i++)
         if (word.head == at && (reading->ids >> i & 1))
@@ -138,18 +136,13 @@ static bool find_run(const char *path, int index, const struct neph_frame_readin
     return index >= 0;
 }
 
-static int count_runs(const char *path, const struct neph_frame_reading *reading)
+int neph_frame_run_count(const char *path, const struct neph_frame_reading *reading)
 {
     int count = 0;
     struct run run;
     while (find_run(path, count, reading, &run))
         count++;
     return count;
-}
-
-int neph_frame_run_count(const char *path)
-{
-    return count_runs(path, &plain);
 }
 
 static long long number_at(const char *path, int index, const struct neph_frame_reading *reading)
@@ -195,8 +188,8 @@ static int compare_between(const char *a, size_t a_from, size_t a_end, const cha
     }
 }
 
-/* 0: the same path but for the values of its runs. */
-static int compare_shapes(const char *a, const char *b, const struct neph_frame_reading *reading)
+int neph_frame_compare_shapes(const char *a, const char *b,
+                              const struct neph_frame_reading *reading)
 {
     const size_t a_end = neph_frame_extension_start(a), b_end = neph_frame_extension_start(b);
     size_t a_from = 0, b_from = 0;
@@ -212,14 +205,8 @@ static int compare_shapes(const char *a, const char *b, const struct neph_frame_
     }
 }
 
-int neph_frame_compare_shapes(const char *a, const char *b)
-{
-    return compare_shapes(a, b, &plain);
-}
-
-/* Whether paths of one shape have different digits there. */
-static bool differs_at(const char *a, const char *b, int index,
-                       const struct neph_frame_reading *reading)
+bool neph_frame_differs_at(const char *a, const char *b, int index,
+                           const struct neph_frame_reading *reading)
 {
     struct run of_a, of_b;
     return find_run(a, index, reading, &of_a) && find_run(b, index, reading, &of_b) &&
@@ -227,17 +214,12 @@ static bool differs_at(const char *a, const char *b, int index,
                         of_b.tail - of_b.head) != 0;
 }
 
-bool neph_frame_differs_at(const char *a, const char *b, int index)
-{
-    return differs_at(a, b, index, &plain);
-}
-
 bool neph_frame_equal_but_for(const char *a, const char *b, int index)
 {
-    if (neph_frame_compare_shapes(a, b) != 0)
+    if (neph_frame_compare_shapes(a, b, NULL) != 0)
         return false;
-    for (int i = neph_frame_run_count(a) - 1; i >= 0; i--)
-        if (i != index && neph_frame_differs_at(a, b, i))
+    for (int i = neph_frame_run_count(a, NULL) - 1; i >= 0; i--)
+        if (i != index && neph_frame_differs_at(a, b, i, NULL))
             return false;
     return true;
 }
@@ -247,7 +229,7 @@ bool neph_frame_equal_but_for(const char *a, const char *b, int index)
 static bool have_one_shape(char *const *paths, int count, const struct neph_frame_reading *reading)
 {
     for (int i = 1; i < count; i++)
-        if (compare_shapes(paths[0], paths[i], reading) != 0)
+        if (neph_frame_compare_shapes(paths[0], paths[i], reading) != 0)
             return false;
     return true;
 }
@@ -362,7 +344,7 @@ static void sort_by_number(char **paths, int count, const struct neph_frame_seri
 static int compare_all_numbers(const void *a, const void *b, void *reading)
 {
     const char *first = *(char *const *)a, *second = *(char *const *)b;
-    const int count = count_runs(first, reading);
+    const int count = neph_frame_run_count(first, reading);
     for (int i = 0; i < count; i++) {
         const long long x = number_at(first, i, reading), y = number_at(second, i, reading);
         if (x != y)
@@ -375,7 +357,7 @@ static bool changes_at(char *const *paths, int count, int index,
                        const struct neph_frame_reading *reading)
 {
     for (int i = 1; i < count; i++)
-        if (differs_at(paths[0], paths[i], index, reading))
+        if (neph_frame_differs_at(paths[0], paths[i], index, reading))
             return true;
     return false;
 }
@@ -401,8 +383,8 @@ static enum neph_status fail_ambiguous(char *const *paths, int count, const int 
 {
     const int one = changing[1], other = changing[0];
     int unlike = 1; /* a file that shows it */
-    while (unlike + 1 < count && !(differs_at(paths[0], paths[unlike], one, reading) &&
-                                   differs_at(paths[0], paths[unlike], other, reading)))
+    while (unlike + 1 < count && !(neph_frame_differs_at(paths[0], paths[unlike], one, reading) &&
+                                   neph_frame_differs_at(paths[0], paths[unlike], other, reading)))
         unlike++;
     struct run first = {.head = 0}, second = {.head = 0};
     find_run(paths[0], one, reading, &first);
@@ -426,7 +408,7 @@ static struct changes find_changes(char **paths, int count,
 {
     struct changes changes = {.runs = {NEPH_FRAME_NO_RUN, NEPH_FRAME_NO_RUN},
                               .counting = NEPH_FRAME_NO_RUN};
-    for (int i = count_runs(paths[0], reading) - 1; i >= 0; i--) {
+    for (int i = neph_frame_run_count(paths[0], reading) - 1; i >= 0; i--) {
         const struct neph_frame_series series = {.reading = *reading, .run = i};
         if (!changes_at(paths, count, i, reading))
             continue;
@@ -460,7 +442,7 @@ static bool counts_up_read(char **paths, int count, const struct neph_frame_read
 static bool has_changing_run(char *const *paths, int count,
                              const struct neph_frame_reading *reading)
 {
-    for (int i = count_runs(paths[0], reading) - 1; i >= 0; i--)
+    for (int i = neph_frame_run_count(paths[0], reading) - 1; i >= 0; i--)
         if (changes_at(paths, count, i, reading))
             return true;
     return false;
@@ -470,8 +452,8 @@ bool neph_frame_find_series(char **paths, int count, struct neph_frame_reading *
 {
     const struct neph_frame_reading with_minus = {.hyphen_is_minus = true};
     struct neph_frame_reading with_ids;
-    *reading = plain;
-    if (have_one_shape(paths, count, &plain))
+    *reading = (struct neph_frame_reading){.ids = 0};
+    if (have_one_shape(paths, count, NULL))
         return true;
     if (have_one_shape(paths, count, &with_minus) && counts_up_read(paths, count, &with_minus)) {
         *reading = with_minus;

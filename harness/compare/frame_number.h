@@ -24,17 +24,6 @@ size_t neph_frame_name_start(const char *path);
  * digits behind the dot are none. */
 size_t neph_frame_extension_start(const char *path);
 
-int neph_frame_run_count(const char *path);
-
-/* 0: of one shape. Else the order of the paths as text, runs aside. */
-int neph_frame_compare_shapes(const char *a, const char *b);
-
-/* Whether the numbers of that run differ as text (1 and 01 do) in paths of one shape. */
-bool neph_frame_differs_at(const char *a, const char *b, int run);
-
-/* Whether they have one shape, and no other run differs. */
-bool neph_frame_equal_but_for(const char *a, const char *b, int run);
-
 /* How the names of a series are read, where it is not in the plain way. */
 struct neph_frame_reading {
     bool hyphen_is_minus; /* behind a letter too: f-016.exr beside f0015.exr */
@@ -42,6 +31,20 @@ struct neph_frame_reading {
                              that each file has of its own, which orders nothing */
     bool is_guess;        /* the words may be names: only a series without a gap is one */
 };
+
+/* In these three `reading` may be NULL: the plain way. */
+int neph_frame_run_count(const char *path, const struct neph_frame_reading *reading);
+
+/* 0: of one shape. Else the order of the paths as text, runs aside. */
+int neph_frame_compare_shapes(const char *a, const char *b,
+                              const struct neph_frame_reading *reading);
+
+/* Whether the numbers of that run differ as text (1 and 01 do) in paths of one shape. */
+bool neph_frame_differs_at(const char *a, const char *b, int run,
+                           const struct neph_frame_reading *reading);
+
+/* Whether they have one shape, and no other run differs. */
+bool neph_frame_equal_but_for(const char *a, const char *b, int run);
 
 /* Whether paths that are sorted by neph_frame_compare_shapes() are frames of one series, and how
  * their names are read: they have one shape; or have one when identifiers of letters and digits

@@ -38,25 +38,12 @@ enum neph_status neph_limit_parse(const char *text, bool below, struct neph_limi
     return NEPH_ERR_USAGE;
 }
 
-static bool matches(const struct neph_measurement *number, const struct neph_limit *limit)
-{
-    return strcmp(number->quantity->name, limit->quantity) == 0 &&
-           strcmp(number->metric->name, limit->metric) == 0 &&
-           strcmp(number->mask, limit->mask) == 0;
-}
-
 /* " in frame N", or nothing for a number of all frames. */
 static void name_frame(const struct neph_measurement *number, char *text, size_t size)
 {
     text[0] = '\0';
     if (number->frame >= 0)
         snprintf(text, size, " in frame %d", number->frame);
-}
-
-/* A PSNR of equal images is no number, and keeps every limit. */
-static bool is_without_error(const struct neph_measurement *number)
-{
-    return !number->defined && strcmp(number->undefined_because, neph_pool_no_error) == 0;
 }
 
 /* How far a value is beyond its limit; <= 0: it is not. */
@@ -111,10 +98,13 @@ static enum neph_status hold_all(const struct neph_measurements *list,
     for (int i = 0; i < list->count; i++) {
         const struct neph_measurement *number = &list->list[i];
         char where[32];
-        if (!matches(number, limit))
+        if (strcmp(number->quantity->name, limit->quantity) != 0 ||
+            strcmp(number->metric->name, limit->metric) != 0 ||
+            strcmp(number->mask, limit->mask) != 0)
             continue;
         name_frame(number, where, sizeof(where));
-        if (is_without_error(number))
+        /* A PSNR of equal images is no number, and keeps every limit. */
+        if (!number->defined && strcmp(number->undefined_because, neph_pool_no_error) == 0)
             held->without_error = true;
         else if (!number->defined)
             return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s'%s is not defined: %s",

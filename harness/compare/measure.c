@@ -25,6 +25,11 @@ const char *neph_interval_name(enum neph_interval_kind kind)
     return interval_names[kind];
 }
 
+bool neph_interval_is_bounded(enum neph_interval_kind kind)
+{
+    return kind != NEPH_INTERVAL_NONE && kind != NEPH_INTERVAL_DETERMINISTIC;
+}
+
 json_t *neph_viewing_json(const struct neph_viewing *viewing)
 {
     return json_pack("{s:f, s:f, s:f, s:f}", "frame_rate_hz", viewing->frame_rate_hz,
@@ -50,12 +55,11 @@ json_t *neph_clipped_json(const struct neph_clipped *clipped)
 
 json_t *neph_measurement_json(const struct neph_measurement *m)
 {
-    const bool bounded = m->interval != NEPH_INTERVAL_NONE &&
-                         m->interval != NEPH_INTERVAL_DETERMINISTIC;
     json_t *item = json_pack(
         "{s:s, s:s, s:s, s:o, s:s, s:o, s:s, s:i, s:I}", "quantity", m->quantity->name, "metric",
         m->metric->name, "mask", m->mask, "value", m->defined ? json_real(m->value) : json_null(),
-        "unit", m->unit, "interval", bounded ? json_pack("[f,f]", m->low, m->high) : json_null(),
+        "unit", m->unit, "interval",
+        neph_interval_is_bounded(m->interval) ? json_pack("[f,f]", m->low, m->high) : json_null(),
         "interval_kind", neph_interval_name(m->interval), "n", m->n, "pixel_count",
         (json_int_t)m->pixel_count);
     if (!m->defined)

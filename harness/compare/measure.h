@@ -52,6 +52,7 @@ enum neph_status neph_measure(const struct neph_image *reference, const struct n
 json_t *neph_measurement_json(const struct neph_measurement *m);
 json_t *neph_measurements_json(const struct neph_measurements *list);
 const char *neph_interval_name(enum neph_interval_kind kind);
+bool neph_interval_is_bounded(enum neph_interval_kind kind); /* has an end on each side */
 /* What nothing is brighter than to a metric; NULL for NEPH_BOUND_NONE. */
 const char *neph_bound_name(enum neph_display_bound bound);
 json_t *neph_clipped_json(const struct neph_clipped *clipped);

@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "harness/compare/frame_number.h"
 
+#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <glob.h>
@@ -12,13 +13,12 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- order ------------------------------------------------------------------------------------
- */
+/* ---- order ----------------------------------------------------------------------------------- */
 
 static int compare_paths(const void *a, const void *b)
 {
     const char *first = *(char *const *)a, *second = *(char *const *)b;
-    const int order = neph_frame_compare_shapes(first, second);
+    const int order = neph_frame_compare_shapes(first, second, NULL);
     return order != 0 ? order : strcmp(first, second);
 }
 
@@ -26,7 +26,7 @@ static int compare_paths(const void *a, const void *b)
 static int shape_count(char *const *paths, int count)
 {
     int same = 1;
-    while (same < count && neph_frame_compare_shapes(paths[0], paths[same]) == 0)
+    while (same < count && neph_frame_compare_shapes(paths[0], paths[same], NULL) == 0)
         same++;
     return same;
 }
@@ -58,17 +58,16 @@ static void sort(char **paths, int count)
 static enum neph_status append(struct neph_sequence *list, char *path, struct neph_diag *diag)
 {
     const size_t count = (size_t)list->count;
+    bool is_short = !path;
     if (path && (count & (count - 1)) == 0) { /* full at every power of two */
         char **grown = realloc(list->paths, (count ? 2 * count : 1) * sizeof(*grown));
-        if (!grown) {
-            free(path);
-            path = NULL;
-        } else {
-            list->paths = grown;
-        }
+        list->paths = grown ? grown : list->paths;
+        is_short = !grown;
     }
-    if (!path)
+    if (is_short) {
+        free(path);
         return neph_fail_memory(diag);
+    }
     list->paths[list->count++] = path;
     return NEPH_OK;
 }
@@ -139,11 +138,6 @@ struct pattern {
     bool is_any_width; /* zeros before the number or none */
 };
 
-static bool is_letter(char c)
-{
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-
 /* The length of the %d or %0Nd at `text`, or 0. */
 static size_t percent_length(const char *text, struct pattern *pattern)
 {
@@ -164,8 +158,7 @@ static size_t dollar_length(const char *text, struct pattern *pattern)
         return 0;
     const bool has_width = text[2] >= '1' && text[2] <= '9';
     const size_t length = has_width ? 3 : 2;
-    const char behind = text[length];
-    if (is_letter(behind) || (behind >= '0' && behind <= '9') || behind == '_')
+    if (isalnum((unsigned char)text[length]) || text[length] == '_')
         return 0;
     pattern->width = has_width ? (size_t)(text[2] - '0') : 0;
     return length;
@@ -324,46 +317,56 @@ static enum neph_status check_one_series(const char *word, char *const *paths, i
     return NEPH_ERR_INPUT;
 }
 
+static bool is_file(const char *word)
+{
+    return neph_path_exists(word) && !neph_path_is_dir(word);
+}
+
 /* The files of a word, in no order. */
 static enum neph_status list_word(const char *word, struct neph_sequence *list,
                                   struct neph_diag *diag)
 {
     struct pattern pattern;
-    enum neph_status status;
+    const bool has_percent = strchr(word, '%');
     if (neph_path_is_dir(word))
         return expand_folder(word, list, diag);
-    if (strchr(word, '%')) {
-        status = parse_percent(word, &pattern, diag);
-        return status ? status : expand_pattern(word, &pattern, list, diag);
-    }
-    if (strpbrk(word, "*?["))
+    if (!has_percent && strpbrk(word, "*?["))
         return expand_glob(word, list, diag);
-    if (is_other_pattern(word)) {
-        status = parse_other(word, &pattern, diag);
-        return status ? status : expand_pattern(word, &pattern, list, diag);
-    }
-    return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no file '%s'", word);
+    if (!has_percent && !is_other_pattern(word))
+        return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no file '%s'", word);
+    const enum neph_status status = has_percent ? parse_percent(word, &pattern, diag)
+                                                : parse_other(word, &pattern, diag);
+    return status ? status : expand_pattern(word, &pattern, list, diag);
+}
+
+/* Put files in order; those of a word (NULL: of several) are one sequence. `*series` has a run
+ * where they are one series. */
+static enum neph_status arrange(const char *word, char **paths, int count, bool by_position,
+                                struct neph_frame_series *series, bool *is_series,
+                                struct neph_diag *diag)
+{
+    struct neph_frame_reading reading;
+    sort(paths, count);
+    *is_series = neph_frame_find_series(paths, count, &reading);
+    if (*is_series)
+        return neph_frame_arrange(paths, count, &reading, by_position, series, diag);
+    sort(paths, count);
+    const enum neph_status status = word ? check_one_series(word, paths, count, diag) : NEPH_OK;
+    return status ? status : arrange_each(paths, count, by_position, diag);
 }
 
 static enum neph_status expand(const char *word, bool by_position, struct neph_sequence *list,
                                struct neph_diag *diag)
 {
     const int before = list->count;
-    if (neph_path_exists(word) && !neph_path_is_dir(word))
-        return append(list, strdup(word), diag);
-    enum neph_status status = list_word(word, list, diag);
-    if (status)
-        return status;
-    struct neph_frame_reading reading;
     struct neph_frame_series series;
-    char **found = list->paths + before;
-    const int count = list->count - before;
-    sort(found, count);
-    if (neph_frame_find_series(found, count, &reading))
-        return neph_frame_arrange(found, count, &reading, by_position, &series, diag);
-    sort(found, count);
-    status = check_one_series(word, found, count, diag);
-    return status ? status : arrange_each(found, count, by_position, diag);
+    bool is_series;
+    if (is_file(word))
+        return append(list, strdup(word), diag);
+    const enum neph_status status = list_word(word, list, diag);
+    return status ? status
+                  : arrange(word, list->paths + before, list->count - before, by_position, &series,
+                            &is_series, diag);
 }
 
 static enum neph_status check_formats(const struct neph_sequence *list, struct neph_diag *diag)
@@ -387,36 +390,25 @@ static enum neph_status take_order(struct neph_sequence *list, char *const *sort
     if (series->run == NEPH_FRAME_NO_RUN || series->has_gaps)
         return NEPH_OK;
     list->numbers = calloc((size_t)list->count, sizeof(*list->numbers));
-    if (!list->numbers)
-        return neph_fail_memory(diag);
-    for (int i = 0; i < list->count; i++)
+    for (int i = 0; i < list->count && list->numbers; i++)
         list->numbers[i] = neph_frame_number(list->paths[i], series);
-    return NEPH_OK;
-}
-
-/* Several words whose numbers do not say the order keep theirs. */
-static bool keeps_words_order(const struct neph_frame_series *series, int word_count)
-{
-    return series->run == NEPH_FRAME_NO_RUN && word_count > 1;
+    return list->numbers ? NEPH_OK : neph_fail_memory(diag);
 }
 
 static enum neph_status number_all(struct neph_sequence *list, int word_count, bool by_position,
                                    struct neph_diag *diag)
 {
-    struct neph_frame_reading reading;
     struct neph_frame_series series = {.run = NEPH_FRAME_NO_RUN};
+    bool is_series;
     char **sorted = malloc((size_t)list->count * sizeof(*sorted));
     if (!sorted)
         return neph_fail_memory(diag);
     memcpy(sorted, list->paths, (size_t)list->count * sizeof(*sorted));
-    sort(sorted, list->count);
-    const bool is_series = neph_frame_find_series(sorted, list->count, &reading);
-    if (!is_series)
-        sort(sorted, list->count);
-    enum neph_status status = is_series ? neph_frame_arrange(sorted, list->count, &reading,
-                                                             by_position, &series, diag)
-                                        : arrange_each(sorted, list->count, by_position, diag);
-    if (!status && is_series && !keeps_words_order(&series, word_count))
+    enum neph_status status = arrange(NULL, sorted, list->count, by_position, &series, &is_series,
+                                      diag);
+    /* Several words whose numbers do not say the order keep theirs. */
+    const bool has_order = is_series && (series.run != NEPH_FRAME_NO_RUN || word_count == 1);
+    if (!status && has_order)
         status = take_order(list, sorted, &series, diag);
     free(sorted);
     return status;
@@ -461,11 +453,6 @@ enum neph_status neph_sequence_check_numbers(const struct neph_sequence *one, co
 
 /* ---- whose operands -------------------------------------------------------------------------- */
 
-static bool is_file(const char *word)
-{
-    return neph_path_exists(word) && !neph_path_is_dir(word);
-}
-
 /* Which operands are of a series of the references, when the frame number is the run `from_end`
  * counted from the last one on; without such a run, those that are a reference. */
 static int mark_references(int from_end, int reference_count, const char *const *references,
@@ -477,8 +464,8 @@ static int mark_references(int from_end, int reference_count, const char *const 
         for (int r = 0; r < reference_count && is_file(operands[i]) && !is_reference[i]; r++)
             is_reference[i] = is_file(references[r]) &&
                               neph_frame_equal_but_for(references[r], operands[i],
-                                                       neph_frame_run_count(references[r]) - 1 -
-                                                           from_end);
+                                                       neph_frame_run_count(references[r], NULL) -
+                                                           1 - from_end);
         marked += is_reference[i];
     }
     return marked;
@@ -499,10 +486,11 @@ static bool is_one_test(int operand_count, const char *const *operands, const bo
             continue;
         }
         *other = operands[i];
-        if (!is_file(*test) || !is_file(*other) || neph_frame_compare_shapes(*test, *other) != 0)
+        if (!is_file(*test) || !is_file(*other) ||
+            neph_frame_compare_shapes(*test, *other, NULL) != 0)
             return false;
-        for (int run = neph_frame_run_count(*test) - 1; run >= 0; run--) {
-            if (run == changing || !neph_frame_differs_at(*test, *other, run))
+        for (int run = neph_frame_run_count(*test, NULL) - 1; run >= 0; run--) {
+            if (run == changing || !neph_frame_differs_at(*test, *other, run, NULL))
                 continue;
             if (changing != NEPH_FRAME_NO_RUN)
                 return false;
@@ -510,12 +498,6 @@ static bool is_one_test(int operand_count, const char *const *operands, const bo
         }
     }
     return true;
-}
-
-static bool fits(int reference_count, int marked, int operand_count)
-{
-    const int references = reference_count + marked, tests = operand_count - marked;
-    return references == 1 || references == tests;
 }
 
 static enum neph_status fail_split(struct neph_diag *diag)
@@ -534,8 +516,9 @@ static int choose_frame_run(int reference_count, const char *const *references, 
     int most = 0, chosen = 0;
     bool has_chosen = false;
     for (int r = 0; r < reference_count; r++)
-        most = neph_frame_run_count(references[r]) > most ? neph_frame_run_count(references[r])
-                                                          : most;
+        most = neph_frame_run_count(references[r], NULL) > most
+                   ? neph_frame_run_count(references[r], NULL)
+                   : most;
     for (int from_end = 0; from_end < most; from_end++)
         if (mark_references(from_end, reference_count, references, operand_count, operands,
                             is_reference) == operand_count)
@@ -546,7 +529,7 @@ static int choose_frame_run(int reference_count, const char *const *references, 
                                            operands, is_reference);
         if (!is_one_test(operand_count, operands, is_reference, &test, &other))
             continue;
-        if (fits(reference_count, marked, operand_count))
+        if (reference_count + marked == 1 || reference_count + marked == operand_count - marked)
             return from_end;
         chosen = has_chosen ? chosen : from_end;
         has_chosen = true;

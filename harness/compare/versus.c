@@ -54,39 +54,36 @@ static bool gather(const struct neph_measurements *numbers, const struct sides *
     return true;
 }
 
-static struct neph_difference unsure(const struct neph_measurement *number, double value, int n)
-{
-    return (struct neph_difference){
-        .number = number, .value = value, .n = n, .p = NAN, .p_holm = NAN, .p_sign = NAN};
-}
-
-static struct neph_difference sure(const struct neph_measurement *number,
-                                   const struct neph_paired *paired)
+static struct neph_difference of_paired(const struct neph_measurement *number,
+                                        const struct neph_paired *paired)
 {
     const struct neph_mean *mean = &paired->difference;
-    const bool has_signs = mean->interval != NEPH_INTERVAL_TILES;
-    return (struct neph_difference){.number = number,
-                                    .value = mean->value,
-                                    .interval = mean->interval,
-                                    .low = mean->low,
-                                    .high = mean->high,
-                                    .n = mean->n,
-                                    .p = paired->p,
-                                    .p_holm = NAN,
-                                    .p_sign = has_signs ? paired->p_sign : NAN};
+    struct neph_difference made = {.number = number,
+                                   .value = mean->value,
+                                   .interval = mean->interval,
+                                   .n = mean->n,
+                                   .p = NAN,
+                                   .p_holm = NAN,
+                                   .p_sign = NAN};
+    if (mean->interval == NEPH_INTERVAL_NONE)
+        return made;
+    made.low = mean->low;
+    made.high = mean->high;
+    made.p = paired->p;
+    if (mean->interval != NEPH_INTERVAL_TILES)
+        made.p_sign = paired->p_sign;
+    return made;
 }
 
 static struct neph_difference of_series(const struct neph_measurement *number,
                                         const struct neph_paired *paired)
 {
-    const struct neph_mean *mean = &paired->difference;
-    if (mean->interval != NEPH_INTERVAL_NONE)
-        return sure(number, paired);
-    struct neph_difference made = unsure(number, mean->value, mean->n);
-    snprintf(made.because, sizeof(made.because),
-             "%d frames are too few: intervals and p-values of a mean need %d, %d batches of whole "
-             "cycles",
-             mean->n, NEPH_BATCHES_MIN * NEPH_BATCH_FRAMES_FEW, NEPH_BATCHES_MIN);
+    struct neph_difference made = of_paired(number, paired);
+    if (made.interval == NEPH_INTERVAL_NONE)
+        snprintf(made.because, sizeof(made.because),
+                 "%d frames are too few: intervals and p-values of a mean need %d, %d batches of "
+                 "whole cycles",
+                 made.n, NEPH_BATCHES_MIN * NEPH_BATCH_FRAMES_FEW, NEPH_BATCHES_MIN);
     return made;
 }
 
@@ -94,7 +91,9 @@ static struct neph_difference of_series(const struct neph_measurement *number,
 static struct neph_difference of_single(const struct neph_measurement *first,
                                         const struct neph_measurement *second)
 {
-    struct neph_difference made = unsure(first, first->value - second->value, 1);
+    const struct neph_paired single = {
+        .difference = {.value = first->value - second->value, .n = 1}};
+    struct neph_difference made = of_paired(first, &single);
     if (!first->draws || !second->draws) {
         snprintf(made.because, sizeof(made.because),
                  "the number itself has no interval: it is a maximum or of the picture as a whole, "
@@ -105,7 +104,7 @@ static struct neph_difference of_single(const struct neph_measurement *first,
     const struct neph_paired paired = neph_series_paired_draws(first->value, first->draws,
                                                                second->value, second->draws);
     if (paired.difference.defined)
-        return sure(first, &paired);
+        return of_paired(first, &paired);
     snprintf(made.because, sizeof(made.because), "the two have their values in other places");
     return made;
 }
@@ -162,19 +161,14 @@ static void add_holm(struct neph_differences *out, double *room)
             out->list[i].p_holm = corrected[known++];
 }
 
-static struct sides sides_of(const struct neph_measurements *first,
-                             const struct neph_measurements *second)
-{
-    const int per_frame = numbers_per_frame(first), count = frame_count_of(first, per_frame);
-    return count == 1 ? (struct sides){first, second, 0, 0}
-                      : (struct sides){first, second, per_frame, count};
-}
-
 enum neph_status neph_versus(const struct neph_measurements *first,
                              const struct neph_measurements *second,
                              struct neph_differences *differences, struct neph_diag *diag)
 {
-    const struct sides sides = sides_of(first, second);
+    struct sides sides = {first, second, numbers_per_frame(first), 0};
+    sides.frame_count = frame_count_of(first, sides.per_frame);
+    if (sides.frame_count == 1)
+        sides.per_frame = sides.frame_count = 0;
     const bool is_series = sides.frame_count > 0 && numbers_per_frame(second) == sides.per_frame &&
                            frame_count_of(second, sides.per_frame) == sides.frame_count;
     double *room = calloc(2 * (size_t)(first->count + sides.frame_count) + 1, sizeof(*room));

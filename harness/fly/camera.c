@@ -16,15 +16,10 @@ static const double far_m = 1e6;
 
 /* ---- speed ----------------------------------------------------------------------------------- */
 
-static struct neph_vec3 sides_of(const struct neph_bounds *bounds)
-{
-    return neph_vec3_sub(bounds->max_m, bounds->min_m);
-}
-
 /* To the box, or, inside it, its thinnest side; +inf where it has no end. */
 static double size_of(const struct neph_bounds *bounds, struct neph_vec3 point_m)
 {
-    const struct neph_vec3 sides_m = sides_of(bounds);
+    const struct neph_vec3 sides_m = neph_vec3_sub(bounds->max_m, bounds->min_m);
     if (neph_bounds_contain(bounds, point_m))
         return fmin(sides_m.x, fmin(sides_m.y, sides_m.z));
     return neph_vec3_length(neph_vec3_sub(neph_bounds_nearest(bounds, point_m), point_m));

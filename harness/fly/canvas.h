@@ -34,4 +34,9 @@ int neph_canvas_column_px(const struct neph_canvas *canvas);
  * does not fit into the width is cut. */
 void neph_canvas_text(struct neph_canvas *canvas, int line, const uint8_t rgb[3], const char *text);
 
+enum { NEPH_GLYPH_WIDTH = 5, NEPH_GLYPH_HEIGHT = 7 };
+
+/* The rows of a letter from the top, in which bit 4 is the left dot; a box for other characters. */
+const uint8_t *neph_font_glyph(char letter);
+
 #endif

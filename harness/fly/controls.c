@@ -11,20 +11,11 @@ static const double fast_factor = 4.0;
 /* In the order of `held`: two and two along an axis. */
 static const char ways[NEPH_FLY_WAYS] = {'d', 'a', 'e', 'q', 'w', 's'};
 
+/* Digits are presets. */
 static const struct {
     int key;
     struct neph_fly_order order;
 } commands[] = {
-    {'0', {NEPH_FLY_PRESET, 0}},
-    {'1', {NEPH_FLY_PRESET, 1}},
-    {'2', {NEPH_FLY_PRESET, 2}},
-    {'3', {NEPH_FLY_PRESET, 3}},
-    {'4', {NEPH_FLY_PRESET, 4}},
-    {'5', {NEPH_FLY_PRESET, 5}},
-    {'6', {NEPH_FLY_PRESET, 6}},
-    {'7', {NEPH_FLY_PRESET, 7}},
-    {'8', {NEPH_FLY_PRESET, 8}},
-    {'9', {NEPH_FLY_PRESET, 9}},
     {'m', {NEPH_FLY_MARCH, 0}},
     {'r', {NEPH_FLY_REALTIME, 0}},
     {'c', {NEPH_FLY_WIPE, 0}},
@@ -69,13 +60,6 @@ static void give(struct neph_controls *controls, struct neph_fly_order order)
         controls->orders[controls->order_count++] = order;
 }
 
-static void press(struct neph_controls *controls, int key)
-{
-    for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
-        if (commands[i].key == key)
-            give(controls, commands[i].order);
-}
-
 static void hold(struct neph_controls *controls, int key, bool is_down)
 {
     const char *way = key < 128 ? memchr(ways, key, NEPH_FLY_WAYS) : NULL;
@@ -106,18 +90,16 @@ static void move_mouse(struct neph_controls *controls, const struct neph_fly_eve
         controls->split_share = fmin(1.0, fmax(0.0, event->x_share));
 }
 
-static void let_go(struct neph_controls *controls)
-{
-    memset(controls->held, 0, sizeof(controls->held));
-    controls->is_fast = controls->turns = controls->drags = false;
-}
-
 void neph_controls_take(struct neph_controls *controls, const struct neph_fly_event *event)
 {
     switch (event->kind) {
     case NEPH_FLY_KEY_DOWN:
         hold(controls, event->key, true);
-        press(controls, event->key);
+        if (event->key >= '0' && event->key <= '9')
+            give(controls, (struct neph_fly_order){NEPH_FLY_PRESET, event->key - '0'});
+        for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
+            if (commands[i].key == event->key)
+                give(controls, commands[i].order);
         break;
     case NEPH_FLY_KEY_UP:
         hold(controls, event->key, false);
@@ -133,7 +115,8 @@ void neph_controls_take(struct neph_controls *controls, const struct neph_fly_ev
         controls->wheel += event->wheel;
         break;
     case NEPH_FLY_FOCUS_LOST:
-        let_go(controls);
+        memset(controls->held, 0, sizeof(controls->held));
+        controls->is_fast = controls->turns = controls->drags = false;
         break;
     case NEPH_FLY_CLOSED:
         give(controls, (struct neph_fly_order){NEPH_FLY_LEAVE, 0});

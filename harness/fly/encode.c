@@ -23,34 +23,24 @@ static double linear_of(double encoded)
     return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-static void set_borders(struct neph_encoder *encoder)
-{
-    encoder->border[0] = -INFINITY;
-    encoder->border[CODE_MAX + 1] = INFINITY;
-    for (int code = 1; code <= CODE_MAX; code++)
-        encoder->border[code] = (float)linear_of((code - 0.5) / CODE_MAX);
-}
-
-static void set_buckets(struct neph_encoder *encoder)
-{
-    int code = 0;
-    for (uint32_t bucket = 0; bucket < BUCKET_COUNT; bucket++) {
-        const uint32_t bits = bucket << BUCKET_SHIFT;
-        float value;
-        memcpy(&value, &bits, sizeof(value));
-        while (value >= encoder->border[code + 1])
-            code++;
-        encoder->least[bucket] = (uint8_t)code;
-    }
-}
-
 enum neph_status neph_encoder_create(struct neph_encoder **encoder, struct neph_diag *diag)
 {
     struct neph_encoder *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
-    set_borders(made);
-    set_buckets(made);
+    made->border[0] = -INFINITY;
+    made->border[CODE_MAX + 1] = INFINITY;
+    for (int code = 1; code <= CODE_MAX; code++)
+        made->border[code] = (float)linear_of((code - 0.5) / CODE_MAX);
+    int code = 0;
+    for (uint32_t bucket = 0; bucket < BUCKET_COUNT; bucket++) {
+        const uint32_t bits = bucket << BUCKET_SHIFT;
+        float value;
+        memcpy(&value, &bits, sizeof(value));
+        while (value >= made->border[code + 1])
+            code++;
+        made->least[bucket] = (uint8_t)code;
+    }
     *encoder = made;
     return NEPH_OK;
 }

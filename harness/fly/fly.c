@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/fly/fly.h"
 
+#include "base/arena.h"
 #include "base/clock.h"
 #include "base/exr.h"
-#include "base/files.h"
 #include "base/interrupt.h"
 #include "base/png.h"
 #include "base/text.h"
@@ -101,16 +101,15 @@ static void note_file(struct fly *fly, const char *file, enum neph_status status
 static void end_recording(struct fly *fly)
 {
     struct neph_diag diag = {.line = 0};
-    char *file = NULL;
-    if (!fly->records)
-        return;
+    struct neph_arena arena = {0};
+    const char *file = NULL;
+    if (fly->records && fly->path.frame_count > 0) {
+        const enum neph_status status = neph_fly_path_write(
+            &fly->path, scene_of(fly), fly->params->folder, &arena, &file, &diag);
+        note_file(fly, file, status, &diag);
+    }
     fly->records = false;
-    if (fly->path.frame_count == 0)
-        return;
-    const enum neph_status status = neph_fly_path_write(&fly->path, scene_of(fly),
-                                                        fly->params->folder, &file, &diag);
-    note_file(fly, file, status, &diag);
-    free(file);
+    neph_arena_finish(&arena);
 }
 
 /* The frames of a path are counted from the scene's first on, as those of its file will be. */
@@ -128,41 +127,27 @@ static void record(struct fly *fly)
     fly->is_paused = false;
 }
 
-static void record_frame(struct fly *fly)
-{
-    if (fly->records && fly->is_scene_frame_new && !neph_fly_path_add(&fly->path, &fly->camera.key))
-        end_recording(fly);
-}
-
-static enum neph_status write_pair(struct fly *fly, const char *exr, const char *png,
-                                   struct neph_diag *diag)
-{
-    enum neph_status status = neph_exr_write(exr, fly->image, diag);
-    note_file(fly, exr, status, diag);
-    if (status)
-        return status;
-    status = neph_png_write_rgb8(png, fly->view.width_px, fly->view.height_px, fly->view.rgb, diag);
-    note_file(fly, png, status, diag);
-    return status;
-}
-
 /* The frame as the engine has made it, and what is shown of it, without the text. */
 static void take_screenshot(struct fly *fly)
 {
     static const char *const suffixes[] = {".exr", ".png", NULL};
     struct neph_diag diag = {.line = 0};
-    char *name = neph_format("%s_fly", scene_of(fly)->name);
-    char *stem = name ? neph_fly_free_name(fly->params->folder, name, suffixes) : NULL;
-    char *exr = stem ? neph_format("%s.exr", stem) : NULL;
-    char *png = stem ? neph_format("%s.png", stem) : NULL;
-    if (exr && png)
-        write_pair(fly, exr, png, &diag);
-    else
-        note_file(fly, NULL, neph_fail_memory(&diag), &diag);
-    free(png);
-    free(exr);
-    free(stem);
-    free(name);
+    struct neph_arena arena = {0};
+    const struct neph_view *view = &fly->view;
+    const char *stem = neph_fly_free_name(fly->params->folder,
+                                          neph_arena_format(&arena, "%s_fly", scene_of(fly)->name),
+                                          suffixes, &arena);
+    const char *exr = neph_arena_format(&arena, "%s.exr", stem);
+    const char *png = neph_arena_format(&arena, "%s.png", stem);
+    enum neph_status status = neph_arena_check(&arena, &diag);
+    if (!status)
+        status = neph_exr_write(exr, fly->image, &diag);
+    note_file(fly, exr, status, &diag);
+    if (!status)
+        note_file(fly, png,
+                  neph_png_write_rgb8(png, view->width_px, view->height_px, view->rgb, &diag),
+                  &diag);
+    neph_arena_finish(&arena);
 }
 
 /* ---- orders ---------------------------------------------------------------------------------- */
@@ -190,18 +175,6 @@ static enum neph_status choose_preset(struct fly *fly, int number, struct neph_d
     return NEPH_OK;
 }
 
-static enum neph_status choose_march(struct fly *fly, int number, struct neph_diag *diag)
-{
-    (void)number;
-    return settle(fly, neph_studio_choose_march(fly->studio, true, diag), diag);
-}
-
-static enum neph_status choose_realtime(struct fly *fly, int number, struct neph_diag *diag)
-{
-    (void)number;
-    return settle(fly, neph_studio_choose_march(fly->studio, false, diag), diag);
-}
-
 /* A second time: the picture again. */
 static void show(struct fly *fly, enum neph_view_kind kind)
 {
@@ -209,36 +182,11 @@ static void show(struct fly *fly, enum neph_view_kind kind)
     neph_view_forget(&fly->view);
 }
 
-static void show_wipe(struct fly *fly)
-{
-    show(fly, NEPH_VIEW_WIPE);
-}
-
-static void show_error(struct fly *fly)
-{
-    show(fly, NEPH_VIEW_ERROR);
-}
-
-static void show_flicker(struct fly *fly)
-{
-    show(fly, NEPH_VIEW_FLICKER);
-}
-
 static void expose(struct fly *fly, double step_ev)
 {
     const double exposure_ev = fly->view.exposure_ev + step_ev;
     fly->view.exposure_ev = fmin(exposure_max_ev, fmax(-exposure_max_ev, exposure_ev));
     neph_view_forget(&fly->view);
-}
-
-static void darken(struct fly *fly)
-{
-    expose(fly, -exposure_step_ev);
-}
-
-static void brighten(struct fly *fly)
-{
-    expose(fly, exposure_step_ev);
 }
 
 /* A recorded camera moves on in each frame, and a scene file cannot stop sun and wind alone. */
@@ -256,60 +204,58 @@ static void capture(struct fly *fly)
     neph_window_capture(fly->window, fly->controls.is_captured);
 }
 
-static void go_home(struct fly *fly)
-{
-    fly->camera.key = neph_fly_camera_of(scene_of(fly)).key;
-}
-
-static void ask_for_screenshot(struct fly *fly)
-{
-    fly->takes_screenshot = true;
-}
-
-static void show_passes(struct fly *fly)
-{
-    fly->shows_passes = !fly->shows_passes;
-}
-
-static void show_help(struct fly *fly)
-{
-    fly->shows_help = !fly->shows_help;
-}
-
-static void leave(struct fly *fly)
-{
-    fly->leaves = true;
-}
-
 static enum neph_status obey(struct fly *fly, struct neph_fly_order order, struct neph_diag *diag)
 {
-    /* One of the two, or neither. */
-    static const struct {
-        enum neph_status (*choose)(struct fly *fly, int number, struct neph_diag *diag);
-        void (*act)(struct fly *fly);
-    } rows[] = {
-        [NEPH_FLY_NOTHING] = {0},
-        [NEPH_FLY_PRESET] = {.choose = choose_preset},
-        [NEPH_FLY_MARCH] = {.choose = choose_march},
-        [NEPH_FLY_REALTIME] = {.choose = choose_realtime},
-        [NEPH_FLY_WIPE] = {.act = show_wipe},
-        [NEPH_FLY_ERROR] = {.act = show_error},
-        [NEPH_FLY_FLICKER] = {.act = show_flicker},
-        [NEPH_FLY_DARKER] = {.act = darken},
-        [NEPH_FLY_BRIGHTER] = {.act = brighten},
-        [NEPH_FLY_PAUSE] = {.act = pause_time},
-        [NEPH_FLY_HOME] = {.act = go_home},
-        [NEPH_FLY_RECORD] = {.act = record},
-        [NEPH_FLY_SCREENSHOT] = {.act = ask_for_screenshot},
-        [NEPH_FLY_PASSES] = {.act = show_passes},
-        [NEPH_FLY_CAPTURE] = {.act = capture},
-        [NEPH_FLY_HELP] = {.act = show_help},
-        [NEPH_FLY_LEAVE] = {.act = leave},
-    };
-    if (rows[order.command].act)
-        rows[order.command].act(fly);
-    return rows[order.command].choose ? rows[order.command].choose(fly, order.number, diag)
-                                      : NEPH_OK;
+    switch (order.command) {
+    case NEPH_FLY_PRESET:
+        return choose_preset(fly, order.number, diag);
+    case NEPH_FLY_MARCH:
+    case NEPH_FLY_REALTIME:
+        return settle(fly,
+                      neph_studio_choose_march(fly->studio, order.command == NEPH_FLY_MARCH, diag),
+                      diag);
+    case NEPH_FLY_WIPE:
+        show(fly, NEPH_VIEW_WIPE);
+        break;
+    case NEPH_FLY_ERROR:
+        show(fly, NEPH_VIEW_ERROR);
+        break;
+    case NEPH_FLY_FLICKER:
+        show(fly, NEPH_VIEW_FLICKER);
+        break;
+    case NEPH_FLY_DARKER:
+    case NEPH_FLY_BRIGHTER:
+        expose(fly, order.command == NEPH_FLY_DARKER ? -exposure_step_ev : exposure_step_ev);
+        break;
+    case NEPH_FLY_PAUSE:
+        pause_time(fly);
+        break;
+    case NEPH_FLY_HOME:
+        fly->camera.key = neph_fly_camera_of(scene_of(fly)).key;
+        break;
+    case NEPH_FLY_RECORD:
+        record(fly);
+        break;
+    case NEPH_FLY_SCREENSHOT:
+        fly->takes_screenshot = true;
+        break;
+    case NEPH_FLY_PASSES:
+        fly->shows_passes = !fly->shows_passes;
+        break;
+    case NEPH_FLY_CAPTURE:
+        capture(fly);
+        break;
+    case NEPH_FLY_HELP:
+        fly->shows_help = !fly->shows_help;
+        break;
+    case NEPH_FLY_LEAVE:
+        fly->leaves = true;
+        break;
+    case NEPH_FLY_NOTHING:
+    case NEPH_FLY_COMMAND_COUNT:
+        break;
+    }
+    return NEPH_OK;
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -424,15 +370,6 @@ static void pass_time(struct fly *fly, double time_s)
     fly->scene_part -= fly->is_scene_frame_new;
 }
 
-static void keep(struct fly *fly)
-{
-    record_frame(fly);
-    if (fly->takes_screenshot)
-        take_screenshot(fly);
-    fly->takes_screenshot = false;
-    fly->frame_count++;
-}
-
 static enum neph_status next_frame(struct fly *fly, struct neph_diag *diag)
 {
     const double time_s = tick(fly);
@@ -447,9 +384,15 @@ static enum neph_status next_frame(struct fly *fly, struct neph_diag *diag)
     status = render(fly, diag);
     if (!status)
         status = present(fly, diag);
-    if (!status)
-        keep(fly);
-    return status;
+    if (status)
+        return status;
+    if (fly->records && fly->is_scene_frame_new && !neph_fly_path_add(&fly->path, &fly->camera.key))
+        end_recording(fly);
+    if (fly->takes_screenshot)
+        take_screenshot(fly);
+    fly->takes_screenshot = false;
+    fly->frame_count++;
+    return NEPH_OK;
 }
 
 /* Ctrl-C breaks a frame off, and what was recorded is still to be written. */
@@ -469,11 +412,6 @@ static enum neph_status loop(struct fly *fly, struct neph_diag *diag)
 }
 
 /* ---- the whole ------------------------------------------------------------------------------- */
-
-static json_t *vector_json(struct neph_vec3 v)
-{
-    return json_pack("[f, f, f]", v.x, v.y, v.z);
-}
 
 static json_t *error_json(const struct neph_view *view)
 {
@@ -495,17 +433,19 @@ static json_t *flicker_json(const struct neph_view *view)
 static json_t *result_of(const struct fly *fly)
 {
     const struct neph_job *job = neph_studio_job(fly->studio);
+    const struct neph_vec3 position_m = fly->camera.key.position_m;
+    const struct neph_vec3 look_at_m = fly->camera.key.look_at_m;
     char *settings = neph_settings_text(job->engine, &job->shot.settings);
     json_t *result = json_pack(
-        "{s:s, s:s, s:s, s:s, s:[i,i], s:i, s:o, s:o, s:{s:o, s:o}, s:o, s:o, s:O}", "scene",
-        scene_of(fly)->name, "engine", neph_studio_name(fly->studio), "settings",
+        "{s:s, s:s, s:s, s:s, s:[i,i], s:i, s:o, s:o, s:{s:[f,f,f], s:[f,f,f]}, s:o, s:o, s:O}",
+        "scene", scene_of(fly)->name, "engine", neph_studio_name(fly->studio), "settings",
         settings ? settings : "", "device", job->info->device, "size_px", fly->view.width_px,
         fly->view.height_px, "frames", fly->frame_count, "frame_median_s",
         neph_json_number(neph_fly_times_median_s(&fly->frame_times)), "render_median_s",
         neph_json_number(neph_fly_times_median_s(&fly->render_times)), "camera", "position_m",
-        vector_json(fly->camera.key.position_m), "look_at_m",
-        vector_json(fly->camera.key.look_at_m), "error", error_json(&fly->view), "flicker",
-        flicker_json(&fly->view), "files", fly->files);
+        position_m.x, position_m.y, position_m.z, "look_at_m", look_at_m.x, look_at_m.y,
+        look_at_m.z, "error", error_json(&fly->view), "flicker", flicker_json(&fly->view), "files",
+        fly->files);
     free(settings);
     return result;
 }
@@ -548,14 +488,6 @@ static enum neph_status open_all(struct fly *fly, struct neph_diag *diag)
     return status;
 }
 
-static void set_out(struct fly *fly)
-{
-    fly->controls.split_share = 0.5;
-    fly->camera = neph_fly_camera_of(scene_of(fly));
-    fly->view.exposure_ev = scene_of(fly)->exposure_ev;
-    fly->files = json_array();
-}
-
 enum neph_status neph_fly(const struct neph_fly_params *params, json_t **result,
                           struct neph_diag *diag)
 {
@@ -568,7 +500,10 @@ enum neph_status neph_fly(const struct neph_fly_params *params, json_t **result,
     fly->params = params;
     status = open_all(fly, diag);
     if (!status) {
-        set_out(fly);
+        fly->controls.split_share = 0.5;
+        fly->camera = neph_fly_camera_of(scene_of(fly));
+        fly->view.exposure_ev = scene_of(fly)->exposure_ev;
+        fly->files = json_array();
         status = loop(fly, diag);
         *result = result_of(fly);
     }

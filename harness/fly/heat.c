@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/fly/heat.h"
 
+#include "base/arena.h"
 #include "metrics/display.h"
 #include "metrics/extractors/display_luma.h"
 #include "metrics/extractors/flicker_spectrum.h"
@@ -54,24 +55,16 @@ struct neph_heat_flicker {
     int padded;              /* columns as flicker_sums.h pads them */
     int frame_count;         /* since it was forgotten, without end */
     double *lumas;           /* by frame of the ring, row, column; owned */
-    float *gathered[3];      /* a row of the grid in linear colours; owned */
+    float *gathered[3];      /* a row of the grid in linear colours; of the arena */
+    struct neph_arena arena;
 };
-
-static int step_of(int width_px, int height_px)
-{
-    int step = 1;
-    while ((width_px / step) * (height_px / step) > PIXELS_MAX)
-        step += 2;
-    return step;
-}
 
 void neph_heat_flicker_destroy(struct neph_heat_flicker *flicker)
 {
     if (!flicker)
         return;
     free(flicker->lumas);
-    for (int c = 0; c < 3; c++)
-        free(flicker->gathered[c]);
+    neph_arena_finish(&flicker->arena);
     free(flicker);
 }
 
@@ -89,17 +82,16 @@ enum neph_status neph_heat_flicker_create(int width_px, int height_px,
         return neph_fail_memory(diag);
     made->width_px = width_px;
     made->height_px = height_px;
-    made->step = step_of(width_px, height_px);
+    made->step = 1;
+    while ((width_px / made->step) * (height_px / made->step) > PIXELS_MAX)
+        made->step += 2;
     made->columns = (width_px + made->step - 1) / made->step;
     made->rows = (height_px + made->step - 1) / made->step;
     made->padded = neph_flicker_padded(made->columns);
     made->lumas = neph_flicker_zeros(NEPH_HEAT_FRAMES * frame_size(made));
-    bool complete = made->lumas != NULL;
-    for (int c = 0; c < 3; c++) {
-        made->gathered[c] = calloc((size_t)made->columns, sizeof(float));
-        complete &= made->gathered[c] != NULL;
-    }
-    if (!complete) {
+    for (int c = 0; c < 3; c++)
+        made->gathered[c] = neph_arena_zeroed(&made->arena, (size_t)made->columns, sizeof(float));
+    if (!made->lumas || made->arena.is_short) {
         neph_heat_flicker_destroy(made);
         return neph_fail_memory(diag);
     }
@@ -144,22 +136,6 @@ enum neph_status neph_heat_flicker_add(struct neph_heat_flicker *flicker,
     return NEPH_OK;
 }
 
-/* Whole cycles of the frames that are still there. */
-static int frames_of(const struct neph_heat_flicker *flicker)
-{
-    const int there = flicker->frame_count < NEPH_HEAT_FRAMES ? flicker->frame_count
-                                                              : NEPH_HEAT_FRAMES;
-    return there / NEPH_FLICKER_CYCLE * NEPH_FLICKER_CYCLE;
-}
-
-/* As differences from the first frame, which the sums want: in place. */
-static void subtract_first(double *const rows[], int frame_count, int count)
-{
-    for (int frame = frame_count - 1; frame >= 0; frame--)
-        for (int x = 0; x < count; x++)
-            rows[frame][x] -= rows[0][x];
-}
-
 static void add_up_row(const struct neph_heat_flicker *flicker, int row, int frame_count,
                        double *const rows[], struct neph_flicker_sums *sums)
 {
@@ -170,7 +146,9 @@ static void add_up_row(const struct neph_heat_flicker *flicker, int row, int fra
                (size_t)flicker->padded * sizeof(double));
     for (int cycle = 0; cycle < frame_count / NEPH_FLICKER_CYCLE; cycle++)
         weights[cycle] = neph_flicker_weights_of(cycle * NEPH_FLICKER_CYCLE, frame_count);
-    subtract_first(rows, frame_count, flicker->padded);
+    for (int frame = frame_count - 1; frame >= 0; frame--) /* the sums are of differences */
+        for (int x = 0; x < flicker->padded; x++)
+            rows[frame][x] -= rows[0][x];
     neph_flicker_sums_add(sums, row, frame_count / NEPH_FLICKER_CYCLE, weights,
                           (const double *const *)rows);
 }
@@ -227,25 +205,26 @@ static bool draw(const struct neph_heat_flicker *flicker, const struct neph_flic
 {
     static const double scale = 16.0 / 255.0; /* that of the metric's own map */
     const size_t count = (size_t)flicker->rows * (size_t)flicker->columns;
-    float *map = calloc(count, sizeof(*map));
-    uint8_t *small = calloc(count, 3);
-    bool drawn = map && small;
-    if (drawn) {
+    struct neph_arena arena = {0};
+    float *map = neph_arena_zeroed(&arena, count, sizeof(*map));
+    uint8_t *small = neph_arena_zeroed(&arena, count, 3);
+    if (map && small)
         find_a4(flicker, sums, a4, map);
-        drawn = neph_display_map((const float *const[]){map}, 1, count, false, scale, small,
-                                 NULL) == NEPH_OK;
-    }
+    const bool drawn = map && small &&
+                       neph_display_map((const float *const[]){map}, 1, count, false, scale, small,
+                                        NULL) == NEPH_OK;
     if (drawn)
         spread(flicker, small, rgb);
-    free(small);
-    free(map);
+    neph_arena_finish(&arena);
     return drawn;
 }
 
 bool neph_heat_flicker_show(const struct neph_heat_flicker *flicker, struct neph_heat_a4 *a4,
                             uint8_t *rgb)
 {
-    struct neph_heat_a4 found = {.frame_count = frames_of(flicker)};
+    const int there = flicker->frame_count < NEPH_HEAT_FRAMES ? flicker->frame_count
+                                                              : NEPH_HEAT_FRAMES;
+    struct neph_heat_a4 found = {.frame_count = there / NEPH_FLICKER_CYCLE * NEPH_FLICKER_CYCLE};
     struct neph_flicker_sums sums = {.values = NULL};
     if (found.frame_count < NEPH_HEAT_FRAMES_MIN || !add_up(flicker, found.frame_count, &sums))
         return false;

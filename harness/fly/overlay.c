@@ -27,48 +27,25 @@ static void put_head(const struct neph_overlay *overlay, struct neph_canvas *can
     neph_canvas_text(canvas, 1, plain, text);
 }
 
-static void put_march(int rays_per_px, char *text, size_t size)
-{
-    snprintf(text, size, "march, %d ray%s a pixel", rays_per_px, rays_per_px == 1 ? "" : "s");
-}
-
-static void put_wipe(const struct neph_view *view, char text[LINE_SIZE])
-{
-    char march[64];
-    put_march(view->rays_per_px, march, sizeof(march));
-    snprintf(text, LINE_SIZE, "right of the line: %s", march);
-}
-
-static void put_error(const struct neph_view *view, char text[LINE_SIZE])
-{
-    char march[64];
-    put_march(view->rays_per_px, march, sizeof(march));
-    snprintf(text, LINE_SIZE,
-             "error against %s: bias %+.2f %%, rmse %.2f %%; blue darker, red brighter, ends %g of "
-             "white",
-             march, 100.0 * view->error.bias, 100.0 * view->error.rmse, NEPH_VIEW_ERROR_SCALE);
-}
-
-static void put_flicker(const struct neph_view *view, char text[LINE_SIZE])
-{
-    if (view->a4.frame_count == 0)
-        snprintf(text, LINE_SIZE, "flicker: %d frames before a camera at rest are awaited",
-                 NEPH_HEAT_FRAMES_MIN);
-    else
-        snprintf(text, LINE_SIZE,
-                 "flicker a4 of %d frames: mean %.2f/255, above 1/255 in %.1f %%; pale is 16/255",
-                 view->a4.frame_count, 255.0 * view->a4.mean, 100.0 * view->a4.share_1);
-}
-
 static void put_view(const struct neph_view *view, struct neph_canvas *canvas)
 {
-    char text[LINE_SIZE] = "";
+    char text[LINE_SIZE] = "", march[64];
+    snprintf(march, sizeof(march), "march, %d ray%s a pixel", view->rays_per_px,
+             view->rays_per_px == 1 ? "" : "s");
     if (view->kind == NEPH_VIEW_WIPE)
-        put_wipe(view, text);
+        snprintf(text, sizeof(text), "right of the line: %s", march);
     if (view->kind == NEPH_VIEW_ERROR)
-        put_error(view, text);
-    if (view->kind == NEPH_VIEW_FLICKER)
-        put_flicker(view, text);
+        snprintf(text, sizeof(text),
+                 "error against %s: bias %+.2f %%, rmse %.2f %%; blue darker, red brighter, ends "
+                 "%g of white",
+                 march, 100.0 * view->error.bias, 100.0 * view->error.rmse, NEPH_VIEW_ERROR_SCALE);
+    if (view->kind == NEPH_VIEW_FLICKER && view->a4.frame_count == 0)
+        snprintf(text, sizeof(text), "flicker: %d frames before a camera at rest are awaited",
+                 NEPH_HEAT_FRAMES_MIN);
+    else if (view->kind == NEPH_VIEW_FLICKER)
+        snprintf(text, sizeof(text),
+                 "flicker a4 of %d frames: mean %.2f/255, above 1/255 in %.1f %%; pale is 16/255",
+                 view->a4.frame_count, 255.0 * view->a4.mean, 100.0 * view->a4.share_1);
     if (text[0])
         neph_canvas_text(canvas, 2, loud, text);
 }
@@ -86,18 +63,6 @@ static int put_passes(const struct neph_fly_passes *passes, struct neph_canvas *
     return line;
 }
 
-/* "0 off  1 seed  2 fixed ..": each at its key. */
-static void put_presets(struct neph_canvas *canvas, int line)
-{
-    const struct neph_preset *presets = neph_engine_realtime.presets;
-    char text[LINE_SIZE] = "presets       ";
-    for (int i = 0; presets[i].name; i++) {
-        const size_t used = strlen(text);
-        snprintf(text + used, sizeof(text) - used, " %d %s ", i, presets[i].name);
-    }
-    neph_canvas_text(canvas, line, plain, text);
-}
-
 static void put_help(struct neph_canvas *canvas, int line)
 {
     char text[LINE_SIZE];
@@ -105,7 +70,13 @@ static void put_help(struct neph_canvas *canvas, int line)
         snprintf(text, sizeof(text), "%-14s %s", row->keys, row->text);
         neph_canvas_text(canvas, line++, plain, text);
     }
-    put_presets(canvas, line);
+    char presets[LINE_SIZE] = "presets       "; /* "0 off  1 seed  2 fixed ..": each at its key */
+    const struct neph_preset *preset = neph_engine_realtime.presets;
+    for (int i = 0; preset[i].name; i++) {
+        const size_t used = strlen(presets);
+        snprintf(presets + used, sizeof(presets) - used, " %d %s ", i, preset[i].name);
+    }
+    neph_canvas_text(canvas, line, plain, presets);
 }
 
 static void put_foot(const struct neph_overlay *overlay, struct neph_canvas *canvas)

@@ -24,34 +24,19 @@ bool neph_fly_path_add(struct neph_fly_path *path, const struct neph_camera_key 
     return true;
 }
 
-/* Whether one of the files is there; false when memory is short. */
-static bool find_any(const char *stem, const char *const suffixes[], bool *is_there)
-{
-    *is_there = false;
-    for (int i = 0; suffixes[i] && !*is_there; i++) {
-        char *path = neph_format("%s%s", stem, suffixes[i]);
-        if (!path)
-            return false;
-        *is_there = neph_path_exists(path);
-        free(path);
-    }
-    return true;
-}
-
-char *neph_fly_free_name(const char *folder, const char *name, const char *const suffixes[])
+const char *neph_fly_free_name(const char *folder, const char *name, const char *const suffixes[],
+                               struct neph_arena *arena)
 {
     for (int number = 1;; number++) {
         char counted[16] = "";
-        bool is_there;
+        bool is_there = false;
         if (number > 1)
             snprintf(counted, sizeof(counted), "_%d", number);
-        char *stem = neph_format("%s/%s%s", folder, name, counted);
-        const bool is_known = stem && find_any(stem, suffixes, &is_there);
-        if (is_known && !is_there)
+        const char *stem = neph_arena_format(arena, "%s/%s%s", folder, name, counted);
+        for (int i = 0; suffixes[i]; i++)
+            is_there |= neph_path_exists(neph_arena_format(arena, "%s%s", stem, suffixes[i]));
+        if (!is_there || arena->is_short)
             return stem;
-        free(stem);
-        if (!is_known)
-            return NULL;
     }
 }
 
@@ -87,21 +72,15 @@ static enum neph_status write_as(const struct neph_fly_path *path, const struct 
 
 enum neph_status neph_fly_path_write(const struct neph_fly_path *path,
                                      const struct neph_scene *scene, const char *folder,
-                                     char **file, struct neph_diag *diag)
+                                     struct neph_arena *arena, const char **file,
+                                     struct neph_diag *diag)
 {
     if (path->frame_count == 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "the path has no frame");
     static const char *const suffixes[] = {".yaml", NULL};
-    char *name = neph_format("%.*s_path", NAME_MAX_BYTES, scene->name);
-    char *stem = name ? neph_fly_free_name(folder, name, suffixes) : NULL;
-    char *made = stem ? neph_format("%s.yaml", stem) : NULL;
-    enum neph_status status = made ? write_as(path, scene, stem, made, diag)
-                                   : neph_fail_memory(diag);
-    if (status)
-        free(made);
-    else
-        *file = made;
-    free(stem);
-    free(name);
-    return status;
+    const char *name = neph_arena_format(arena, "%.*s_path", NAME_MAX_BYTES, scene->name);
+    const char *stem = neph_fly_free_name(folder, name, suffixes, arena);
+    *file = neph_arena_format(arena, "%s.yaml", stem);
+    const enum neph_status status = neph_arena_check(arena, diag);
+    return status ? status : write_as(path, scene, stem, *file, diag);
 }

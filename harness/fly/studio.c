@@ -188,20 +188,15 @@ void neph_studio_close(struct neph_studio *studio)
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
-/* Whether the picture to come shows what the one before it does. */
-static bool is_same(const struct neph_studio *studio, const struct neph_camera_key *camera,
-                    int frame)
-{
-    return neph_fly_is_same_view(&studio->camera, camera) &&
-           neph_scene_is_same_moment(&studio->scene, studio->live.job.shot.frame, frame);
-}
-
 enum neph_status neph_studio_render(struct neph_studio *studio,
                                     const struct neph_camera_key *camera, int frame,
                                     struct neph_image **image, struct neph_cost *cost,
                                     struct neph_diag *diag)
 {
-    studio->same_count = is_same(studio, camera, frame) ? studio->same_count + 1 : 0;
+    const bool is_same = neph_fly_is_same_view(&studio->camera, camera) &&
+                         neph_scene_is_same_moment(&studio->scene, studio->live.job.shot.frame,
+                                                   frame);
+    studio->same_count = is_same ? studio->same_count + 1 : 0;
     studio->camera.position_m = camera->position_m;
     studio->camera.look_at_m = camera->look_at_m;
     studio->live.job.shot.frame = frame;

@@ -69,33 +69,23 @@ static void wipe(const struct neph_view *view)
                row_bytes - left);
 }
 
-static enum neph_status draw_wipe(struct neph_view *view, const struct neph_image *image,
-                                  const struct neph_image *march, struct neph_diag *diag)
-{
-    enum neph_status status = encode(view, image, view->rgb, diag);
-    if (!status)
-        status = encode(view, march, view->march_rgb, diag);
-    if (!status)
-        wipe(view);
-    return status;
-}
-
 static enum neph_status draw_beside_march(struct neph_view *view, struct neph_studio *studio,
                                           const struct neph_image *image, struct neph_diag *diag)
 {
     const struct neph_image *march = NULL;
-    const enum neph_status status = neph_studio_reference(studio, &march, &view->rays_per_px, diag);
+    enum neph_status status = neph_studio_reference(studio, &march, &view->rays_per_px, diag);
     if (status)
         return status;
-    if (view->kind == NEPH_VIEW_WIPE)
-        return draw_wipe(view, image, march, diag);
+    if (view->kind == NEPH_VIEW_WIPE) {
+        status = encode(view, image, view->rgb, diag);
+        if (!status)
+            status = encode(view, march, view->march_rgb, diag);
+        if (!status)
+            wipe(view);
+        return status;
+    }
     return neph_heat_error(march, image, view->exposure_ev, NEPH_VIEW_ERROR_SCALE, &view->error,
                            view->rgb, diag);
-}
-
-static bool is_due(const struct neph_view *view)
-{
-    return view->a4.frame_count == 0 || view->frames_since_a4 >= A4_EVERY_FRAMES;
 }
 
 /* The picture itself until there are frames enough. */
@@ -109,7 +99,8 @@ static enum neph_status draw_flicker(struct neph_view *view, const struct neph_i
     if (status)
         return status;
     view->frames_since_a4++;
-    if (is_due(view) && neph_heat_flicker_show(view->flicker, &view->a4, view->a4_rgb))
+    const bool is_due = view->a4.frame_count == 0 || view->frames_since_a4 >= A4_EVERY_FRAMES;
+    if (is_due && neph_heat_flicker_show(view->flicker, &view->a4, view->a4_rgb))
         view->frames_since_a4 = 0;
     if (view->a4.frame_count == 0)
         return encode(view, image, view->rgb, diag);

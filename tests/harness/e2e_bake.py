@@ -3,18 +3,16 @@
 """`neph bake`, run as a user would: files, the printed error, and what goes wrong."""
 import json
 import math
-import os
 import pathlib
 import shutil
 import struct
-import subprocess
-import tempfile
 import unittest
 
 import frames
+import neph_case
 import night
 
-NEPH = pathlib.Path(os.environ["NEPH"])
+NEPH = pathlib.Path(neph_case.NEPH)
 
 # The camera looks along z, and a pixel of 11 x 9 is 0.5 m wide.
 SCENE = """name: NAME
@@ -38,17 +36,7 @@ GRID = ("grid: {size: [7, 6, 5], origin_m: [-0.5, 0.75, -1], spacing_m: [0.5, 0.
         f"extinction_per_m: 0.8, albedo: [0, 0, 0], values: {VALUES}}}")
 
 
-def neph(*arguments, program=NEPH, **environment):
-    return subprocess.run([program, *map(str, arguments)], capture_output=True, text=True,
-                          timeout=60, env={**os.environ, **environment})
-
-
-class Bake(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Bake(neph_case.NephCase):
     def write_scene(self, name, medium):
         path = self.folder / f"{name}.yaml"
         path.write_text(SCENE.replace("NAME", name).replace("MEDIUM", medium))
@@ -56,18 +44,17 @@ class Bake(unittest.TestCase):
 
     def transmittance(self, name, medium, engine="exact", *settings):
         """Of each pixel, row 0 on top."""
-        done = neph("render", self.write_scene(name, medium), "-e", engine, "--size", "11x9", "-q",
-                    "-o", self.folder / "out", *settings)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph("render", self.write_scene(name, medium), "-e", engine, "--size", "11x9", "-q",
+                  "-o", self.folder / "out", *settings)
         frame = self.folder / "out" / f"{name}_{engine}_0000.exr"
         return frames.read_exr(frame)[2]["transmittance.G"]
 
     def baked_entry(self, file):
-        done = neph("bake", self.write_scene("block", GRID), "-o", self.folder / file, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("bake", self.write_scene("block", GRID), "-o", self.folder / file,
+                         "--json")
         entry = json.loads(done.stdout)["scene_entry"]
-        self.assertIn(entry, neph("bake", self.folder / "block.yaml", "-o",
-                                  self.folder / file).stdout)
+        self.assertIn(entry, self.neph("bake", self.folder / "block.yaml", "-o",
+                                       self.folder / file).stdout)
         return entry
 
     def assert_close(self, found, expected, delta):
@@ -75,29 +62,25 @@ class Bake(unittest.TestCase):
         self.assertLess(max(abs(a - b) for a, b in zip(found, expected)), delta)
 
     def test_help_teaches(self):
-        done = neph("bake", "--help")
-        self.assertEqual((done.returncode, "Examples:" in done.stdout), (0, True))
+        self.assertIn("Examples:", self.neph("bake", "--help").stdout)
 
     def test_error_falls_with_resolution_and_is_printed(self):
         errors = []
         for resolution in (32, 64):
-            done = neph("bake", "gaussian_blob", "--resolution", resolution, "-o",
-                        self.folder / "blob.vdb", "--json")
-            self.assertEqual(done.returncode, 0, done.stderr)
+            done = self.neph("bake", "gaussian_blob", "--resolution", resolution, "-o",
+                             self.folder / "blob.vdb", "--json")
             result = json.loads(done.stdout)
             self.assertEqual(max(result["size"]), resolution)
             errors.append(result["error"]["extinction_rms_relative"])
         self.assertAlmostEqual(errors[0] / errors[1], 4.0, delta=0.4)  # second order
-        done = neph("bake", "gaussian_blob", "-o", self.folder / "blob.vdb")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("bake", "gaussian_blob", "-o", self.folder / "blob.vdb")
         for word in ("64 x 64 x 64", "extinction", "optical depth", "transmittance"):
             self.assertIn(word, done.stdout)
         self.assertEqual((self.folder / "blob.vdb").read_bytes()[:4], b" BDV")
 
     def test_a_grid_goes_into_df3_as_it_is(self):
         path = self.folder / "grid.df3"
-        done = neph("bake", "voxel_grid", "-o", path, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("bake", "voxel_grid", "-o", path, "--json")
         result = json.loads(done.stdout)
         self.assertEqual((result["size"], result["is_copy"]), ([4, 3, 5], True))
         self.assertEqual(result["extinction_of_density_1_per_m"], 6.0)
@@ -159,8 +142,7 @@ class Bake(unittest.TestCase):
     def test_the_cost_of_baking_stands_beside_the_frame(self):
         request = ("validate", "gaussian_blob", "-e", "exact", "-e", "povray", "--size", "16x9",
                    "--no-charts", "-q", "-o", self.folder)
-        done = neph(*request, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph(*request, "--json")
         bakes = {frame["engine"]: frame["bake"]
                  for frame in json.loads(done.stdout)["scenes"][0]["frames"]}
         self.assertIsNone(bakes["exact"])
@@ -168,7 +150,7 @@ class Bake(unittest.TestCase):
         self.assertGreater(bakes["povray"]["transmittance_max"], 1e-5)
         self.assertLess(bakes["povray"]["transmittance_max"], 1e-2)
         # now from the store
-        self.assertIn("of 64 x 64 x 64 nodes: off by up to", neph(*request).stdout)
+        self.assertIn("of 64 x 64 x 64 nodes: off by up to", self.neph(*request).stdout)
 
     def test_wrong_requests_say_the_way_out(self):
         out = self.folder / "out.vdb"
@@ -180,20 +162,16 @@ class Bake(unittest.TestCase):
             (("gaussian_blob", "-o", self.folder / "no_folder" / "x.vdb"), 74, "no_folder"),
             (("no_such_scene", "-o", out), 66, "neph scenes"),
         ):
-            done = neph("bake", *arguments)
-            self.assertEqual(done.returncode, code, (arguments, done.stderr))
-            self.assertIn(words, done.stderr)
+            self.neph("bake", *arguments, code=code, said=words)
         self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_neph_vdb_is_found_beside_neph_and_missed_in_words(self):
         copied = self.folder / "neph"
         shutil.copy(NEPH, copied)
         shutil.copy(NEPH.with_name("neph-vdb"), self.folder / "neph-vdb")
-        done = neph("bake", "voxel_grid", "-o", self.folder / "grid.vdb", program=copied)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        done = neph("bake", "voxel_grid", "-o", self.folder / "other.vdb",
-                    NEPH_VDB="/nowhere/neph-vdb")
-        self.assertEqual(done.returncode, 69, done.stderr)
+        self.neph("bake", "voxel_grid", "-o", self.folder / "grid.vdb", program=copied)
+        done = self.neph("bake", "voxel_grid", "-o", self.folder / "other.vdb",
+                         NEPH_VDB="/nowhere/neph-vdb", code=69)
         for words in ("/nowhere/neph-vdb", "copy it"):
             self.assertIn(words, done.stderr)
 

@@ -7,13 +7,12 @@ import math
 import os
 import pathlib
 import shutil
-import subprocess
 import tempfile
 import unittest
 
+import neph_case
 import night
 
-NEPH = os.environ["NEPH"]
 EXAMPLES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"]) / "docs/examples"
 
 SCENE = """
@@ -49,15 +48,13 @@ def write(value, width=width, height=height):
 """
 
 
-class Command(unittest.TestCase):
+class Command(neph_case.NephCase):
+    surroundings = {k: v for k, v in os.environ.items() if k != "NEPH_COMMAND"}
+
     def setUp(self):
-        self.kept = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.kept.name)
+        super().setUp()
         self.scene = self.folder / "even_fog.yaml"
         self.scene.write_text(SCENE)
-
-    def tearDown(self):
-        self.kept.cleanup()
 
     def program(self, body):
         path = self.folder / "program.py"
@@ -65,30 +62,24 @@ class Command(unittest.TestCase):
         path.chmod(0o755)
         return path
 
-    def neph(self, *arguments, program=None):
-        surroundings = {k: v for k, v in os.environ.items() if k != "NEPH_COMMAND"}
-        surroundings["TMPDIR"] = str(self.folder)
-        if program:
-            surroundings["NEPH_COMMAND"] = str(program)
-        return subprocess.run([NEPH, *map(str, arguments)], env=surroundings, capture_output=True,
-                              text=True, timeout=120, cwd=self.folder)
+    def neph(self, *arguments, program=None, **expected):
+        command = {"NEPH_COMMAND": str(program)} if program else {}
+        return super().neph(*arguments, cwd=self.folder, TMPDIR=str(self.folder), **command,
+                            **expected)
 
-    def render(self, program, *arguments):
+    def render(self, program, *arguments, **expected):
         return self.neph("render", "--scene", self.scene, "-e", "command", "--size", "24x16", "-q",
-                         "-o", "frames", *arguments, program=program)
+                         "-o", "frames", *arguments, program=program, **expected)
 
     def compare(self, a, b, mask="all"):
         done = self.neph("compare", a, b, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
         return {(m["quantity"], m["metric"]): m["value"]
                 for m in json.loads(done.stdout)["measurements"] if m["mask"] == mask}
 
     def test_the_example_is_beers_law(self):
-        done = self.render(EXAMPLES / "fog.py", "-s", "a=0.05")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        done = self.neph("render", "--scene", self.scene, "-e", "exact", "--size", "24x16", "-q",
-                         "-o", "frames")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.render(EXAMPLES / "fog.py", "-s", "a=0.05")
+        self.neph("render", "--scene", self.scene, "-e", "exact", "--size", "24x16", "-q", "-o",
+                  "frames")
         numbers = self.compare("frames/even_fog_exact_0000.exr", "frames/even_fog_command_0000.exr")
         # Depth is the same double rounded to float; from there on Python reckons in double.
         self.assertEqual(numbers["depth", "max_abs"], 0.0)
@@ -99,13 +90,11 @@ class Command(unittest.TestCase):
 open("seen", "a").write("x")
 write(1000.0 * job["frame"] + 10.0 * job["picture"] + os.path.getsize("seen"))
 """)
-        done = self.render(program, "--frames", "3", "-s", "warm_up=2", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.render(program, "--frames", "3", "-s", "warm_up=2", "--json")
         again = self.program('write(1000.0 * job["frame"] + 10.0 * (job["frame"] + 2) + '
                              'job["frame"] + 3)')
-        done = self.neph("render", "--scene", self.scene, "-e", "command", "--size", "24x16", "-q",
-                         "-o", "wanted", "--frames", "3", program=again)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph("render", "--scene", self.scene, "-e", "command", "--size", "24x16", "-q", "-o",
+                  "wanted", "--frames", "3", program=again)
         for frame in range(3):
             name = f"even_fog_command_{frame:04}.exr"
             self.assertEqual(self.compare(f"wanted/{name}", f"frames/{name}")
@@ -128,7 +117,6 @@ data = (data[:start] + struct.pack(f"<{height}Q", *(t + more for t in table)) +
         data[start + 8 * height:])
 data = data[:8]"""))
         done = self.render(program, "--stats", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(json.loads(done.stdout)[0]["stats"]["rays"], 384)
 
     def test_what_goes_wrong_is_said(self):
@@ -144,8 +132,7 @@ data = data[:8]"""))
                 ("open('cannot.txt', 'w').write('moving suns\\nat all')", 2,
                  ("cannot: moving suns",))):
             with self.subTest(body):
-                done = self.render(self.program(body))
-                self.assertEqual(done.returncode, code, done.stderr)
+                done = self.render(self.program(body), code=code)
                 for word in words:
                     self.assertIn(word, done.stderr)
                 self.assertFalse((self.folder / "frames/even_fog_command_0000.exr").exists())
@@ -154,18 +141,14 @@ data = data[:8]"""))
                     shutil.rmtree(kept.parent)
 
     def test_one_that_hangs_is_ended(self):
-        done = self.render(self.program("time.sleep(600)"), "--time-limit", "1")
-        self.assertEqual(done.returncode, 124, done.stderr)
-        self.assertIn("time limit of 1 s", done.stderr)
+        self.render(self.program("time.sleep(600)"), "--time-limit", "1", code=124,
+                    said="time limit of 1 s")
 
     def test_nobody_lacks_it(self):
-        parts = json.loads(self.neph("doctor", "--json").stdout)["parts"]
+        parts = json.loads(self.neph("doctor", "--json", code=None).stdout)["parts"]
         self.assertNotIn("command", [part["name"] for part in parts])
-        done = self.render(None)
-        self.assertEqual(done.returncode, 69, done.stderr)
-        self.assertIn("NEPH_COMMAND", done.stderr)
-        done = self.neph("doctor", program=self.program("") / "nowhere")
-        self.assertEqual(done.returncode, 3, done.stdout)
+        self.render(None, code=69, said="NEPH_COMMAND")
+        done = self.neph("doctor", program=self.program("") / "nowhere", code=3)
         self.assertIn("nowhere --version", done.stdout)
 
     def test_what_it_leaves_in_place_of_a_file_is_its_failure(self):
@@ -189,9 +172,7 @@ data = data[:8]"""))
                  1),
                 (later + "os.unlink('frame.exr'); os.mkdir('frame.exr')", "is a folder", 2)):
             with self.subTest(body):
-                done = self.render(self.program(body), "--frames", frames)
-                self.assertEqual(done.returncode, 3, done.stderr)
-                self.assertIn(words, done.stderr)
+                self.render(self.program(body), "--frames", frames, code=3, said=words)
                 for kept in self.folder.glob("neph-command-*"):
                     shutil.rmtree(kept)
 
@@ -204,13 +185,12 @@ data = data[:8]"""))
                      "os.mkdir('a'); os.mkfifo('a/b'); os.symlink('.', 'c')"):
             with self.subTest(body):
                 program = self.program(f"write(1.0)\nif job['picture'] == 0:\n    {body}")
-                done = self.render(program, "--frames", "2")
-                self.assertEqual(done.returncode, 0, done.stderr)
+                self.render(program, "--frames", "2")
                 self.assertEqual(precious.read_text(), "mine")
                 self.assertEqual(list(self.folder.glob("neph-command-*")), [])
 
     def test_it_changes_no_modes_elsewhere(self):
-        parts = json.loads(self.neph("doctor", "--json").stdout)["parts"]
+        parts = json.loads(self.neph("doctor", "--json", code=None).stdout)["parts"]
         if not next(part["available"] for part in parts if part["name"] == "confine"):
             self.skipTest("this system does not confine user engines")
         mine = self.folder / "mine"
@@ -233,8 +213,7 @@ os.chmod("frame.exr", 0o640)
             'print("test program")',
             f'print("test program")\n    try: os.chmod({str(mine)!r}, 0o777)\n'
             '    except OSError: pass'))
-        done = self.render(program)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.render(program)
         after = mine.stat()
         self.assertEqual((after.st_mode, after.st_mtime, after.st_ctime),
                          (before.st_mode, before.st_mtime, before.st_ctime))
@@ -243,8 +222,8 @@ os.chmod("frame.exr", 0o640)
     def exceed(self, body, words):
         """An engine that writes too much fails, and little of it is in the store."""
         done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size", "24x16",
-                         "-q", "--json", "-o", "out", "--no-charts", program=self.program(body))
-        self.assertEqual(done.returncode, 1, done.stderr)
+                         "-q", "--json", "-o", "out", "--no-charts", program=self.program(body),
+                         code=1)
         frame = json.loads(done.stdout)["scenes"][0]["frames"][1]
         self.assertEqual(frame["status"], "failed")
         self.assertIn(words, frame["reason"])
@@ -266,8 +245,7 @@ os.mkdir("sub")
 for name in ("sub/a", "b", "c", "d"):
     with open(name, "wb") as f:
         os.posix_fallocate(f.fileno(), 0, 25 * 2 ** 20)
-sys.exit("no good")"""))
-        self.assertEqual(done.returncode, 3, done.stderr)
+sys.exit("no good")"""), code=3)
         left, = (path.parent for path in self.folder.glob("**/removed.txt"))
         self.assertIn(left.name, done.stderr)
         self.assertEqual({path.name for path in left.iterdir()} & {"sub", "b", "c", "d"}
@@ -294,9 +272,8 @@ os.mkdir("b.log")
 for i in range(3):
     with open(f"{i}.json", "wb") as f: os.posix_fallocate(f.fileno(), 0, 2 ** 25)
 """)
-        done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size", "24x16",
-                         "-q", "--json", "-o", "out", "--no-charts", program=program)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size", "24x16", "-q",
+                  "--json", "-o", "out", "--no-charts", program=program)
         kept = [path.stat() for path in (self.folder / "out").glob("store/frames/**/*")]
         self.assertLess(sum(stat.st_blocks * 512 for stat in kept), 80 * 2 ** 20)
 
@@ -318,8 +295,8 @@ media:
             with self.subTest(factor):
                 done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size",
                                  "24x16", "-q", "--json", "--no-charts",
-                                 program=self.program(f"write({factor * math.exp(-0.5)})"))
-                self.assertEqual(done.returncode, code, done.stderr)
+                                 program=self.program(f"write({factor * math.exp(-0.5)})"),
+                                 code=code)
                 report = json.loads(done.stdout)
                 self.assertEqual(report["verdict"], "fail" if code else "pass")
                 gates = report["scenes"][0]["gates"]
@@ -334,8 +311,8 @@ media:
     def test_it_is_validated_like_others(self):
         def bias(body, *arguments):
             done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size",
-                             "24x16", "-q", "--json", *arguments, program=self.program(body))
-            self.assertEqual(done.returncode, 1, done.stderr)  # the truth is black
+                             "24x16", "-q", "--json", *arguments, program=self.program(body),
+                             code=1)  # the truth is black
             frames = json.loads(done.stdout)["scenes"][0]["frames"]
             self.assertEqual([frame["engine"] for frame in frames], ["exact", "command"])
             return [m["value"] for m in frames[1]["measurements"]
@@ -374,7 +351,6 @@ write(light * job["settings"]["b"])
 """)
         done = self.neph("sweep", self.scene, "--plan", plan, "-o", "out", "-q", "--json",
                          program=program)
-        self.assertEqual(done.returncode, 0, done.stderr)
         mine, = json.loads(done.stdout)["points"]
         self.assertIsNone(mine["missing"])
         self.assertIsNone(mine["shortcut"]["value"])  # nobody knows its own model
@@ -389,7 +365,7 @@ write(light * job["settings"]["b"])
         def verdicts(body):
             done = self.neph("validate", "--suite", "failure", "--only", "fog_none", "--preset",
                              "command+a=0.05", "--preset", "ours", "-o", "failure", "-q", "--json",
-                             program=self.program(body))
+                             program=self.program(body), code=None)
             results = json.loads(done.stdout)["results"]
             return done.returncode, {(row["column"], row["measure"]): row["verdict"]
                                      for row in results}
@@ -406,8 +382,7 @@ write(light * job["settings"]["b"])
         def pick(presets):
             done = self.neph("pick", self.scene, "--presets", presets, "--size", "24x16",
                              "--frames", "16", "-o", "out", "-q", "--json", "--least", "flicker",
-                             program=EXAMPLES / "fog.py")
-            self.assertEqual(done.returncode, 0, done.stderr)
+                             program=EXAMPLES / "fog.py", code=None)
             return json.loads(done.stdout)
         found = pick("ours,command+a=0.05")
         self.assertEqual([row["preset"] for row in found["candidates"]],
@@ -420,10 +395,8 @@ write(light * job["settings"]["b"])
     def test_settings_are_for_engines_of_the_run(self):
         for setting, word in (("march:steps=9", "march:steps=9"), ("steps=9", "ENGINE:KEY=VALUE"),
                               ("exact:steps=9", "steps")):
-            done = self.neph("validate", self.scene, "-e", "exact", "-e", "povray", "-q", "-s",
-                             setting)
-            self.assertEqual(done.returncode, 64, done.stderr)
-            self.assertIn(word, done.stderr)
+            self.neph("validate", self.scene, "-e", "exact", "-e", "povray", "-q", "-s", setting,
+                      code=64, said=word)
 
 
 if __name__ == "__main__":

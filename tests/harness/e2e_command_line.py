@@ -11,60 +11,43 @@ import tempfile
 import time
 import unittest
 
+import neph_case
 import night
 
-NEPH = os.environ["NEPH"]
+NEPH = neph_case.NEPH
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 # The truth and another, neither of them Vulkan's
 ON_THE_CPU = ["-e", "exact", "-e", "oracle", "--no-charts", "-q", "--size"]
 
 
-def neph(*arguments, **environment):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=600,
-                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1", **environment})
-
-
-class CommandLine(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+class CommandLine(neph_case.NephCase):
+    surroundings = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
 
     def test_help_of_every_verb_has_an_example(self):
         for verb in ("validate", "render", "export", "compare", "flicker", "conform", "metrics",
                      "bake", "study", "ablate", "benchmark", "scenes", "engines", "doctor",
                      "fly", "view"):
-            done = neph(verb, "--help")
-            self.assertEqual(done.returncode, 0, verb)
+            done = self.neph(verb, "--help")
             self.assertIn("Example", done.stdout, verb)
 
     def test_unknown_verb_engine_setting_and_scene_are_usage_errors_that_help(self):
-        self.assertEqual(neph("flee").returncode, 64)
-        done = neph("render", "absorbing_slab", "-e", "magic")
-        self.assertEqual((done.returncode, "neph engines" in done.stderr), (64, True))
-        done = neph("render", "absorbing_slab", "-s", "steps=0")
-        self.assertEqual(done.returncode, 64)
-        self.assertIn("1..", done.stderr)
-        done = neph("render", "no_such_scene")
-        self.assertEqual((done.returncode, "neph scenes" in done.stderr), (66, True))
+        self.neph("flee", code=64)
+        self.neph("render", "absorbing_slab", "-e", "magic", code=64, said="neph engines")
+        self.neph("render", "absorbing_slab", "-s", "steps=0", code=64, said="1..")
+        self.neph("render", "no_such_scene", code=66, said="neph scenes")
         with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
             json.dump({"format": "neph-configuration-1", "engine": "march", "settings": "stepz=3",
                        "scattering": "single"}, file)
             file.flush()
-            done = neph("render", "absorbing_slab", "--config", file.name)
-        self.assertEqual((done.returncode, file.name in done.stderr), (65, True), done.stderr)
-        self.assertIn("hint: settings of engine march: steps, ", done.stderr)
+            self.neph("render", "absorbing_slab", "--config", file.name, code=65,
+                      said=(file.name, "hint: settings of engine march: steps, "))
 
     def test_wrong_value_names_file_line_column_and_range(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
         scene = self.folder / "scattering_slab_above.yaml"
         scene.write_text(text.replace("extinction_per_m: 1", "extinction_per_m: -1"))
         line = next(i for i, row in enumerate(scene.read_text().splitlines(), 1) if ": -1" in row)
-        done = neph("scenes", scene)
-        self.assertEqual(done.returncode, 65)
-        self.assertIn(f"{scene}:{line}:", done.stderr)
-        self.assertIn("-1", done.stderr)
-        self.assertIn("0", done.stderr)
+        self.neph("scenes", scene, code=65, said=(f"{scene}:{line}:", "-1", "0"))
 
     def test_an_infinite_radiance_ends_a_render_with_3_and_names_the_pixel(self):
         scene = self.folder / "lamp_in_fog.yaml"
@@ -82,85 +65,72 @@ media:
 """
         scene.write_text(text.replace("LIGHT", "0.5"))
         for engine in "exact", "oracle", "tracer", "march", "realtime":
-            done = neph("render", scene, "-e", engine, "--size", "15x9", "-o", self.folder / "out")
-            self.assertEqual(done.returncode, 3, done.stderr)
-            self.assertIn("pixel (7, 4) is infinite", done.stderr)
-            self.assertIn("lights[0]", done.stderr)
+            self.neph("render", scene, "-e", engine, "--size", "15x9", "-o", self.folder / "out",
+                      code=3, said=("pixel (7, 4) is infinite", "lights[0]"))
             self.assertEqual(list(self.folder.glob("out/*.exr")), [])
-        done = neph("render", scene, "-e", "exact", "--size", "16x9", "-o", self.folder / "out")
-        self.assertEqual(done.returncode, 0, done.stderr)  # no ray of this frame meets the light
+        # no ray of this frame meets the light
+        self.neph("render", scene, "-e", "exact", "--size", "16x9", "-o", self.folder / "out")
         scene.write_text(text.replace("LIGHT", "3"))
-        done = neph("render", scene, "-e", "exact", "--size", "15x9", "-o", self.folder / "out")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph("render", scene, "-e", "exact", "--size", "15x9", "-o", self.folder / "out")
 
     def test_a_variant_is_a_scene_file(self):
-        done = neph("scenes", "height_fog_level", "--variant", "sun_step", "--at", "3", "--frames",
-                    "9")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("scenes", "height_fog_level", "--variant", "sun_step", "--at", "3",
+                         "--frames", "9")
         scene = self.folder / "height_fog_level_sun_step.yaml"
         self.assertIn(scene.name, done.stderr)
         scene.write_text(done.stdout)
-        done = neph("scenes", scene, "--json")
-        self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 9), done.stderr)
+        done = self.neph("scenes", scene, "--json")
+        self.assertEqual(json.loads(done.stdout)["frames"], 9)
         for arguments, code, words in ((("sun_step", "--variant", "sun_step"), 2, "moves already"),
                                        (("height_fog_level", "--variant", "sun"), 64, "sun_sine"),
                                        (("height_fog_level", "--variant", "camera_cut", "--at", "9",
                                          "--frames", "9"), 64, "1..8"),
                                        (("--variant", "sun_step"), 64, "one scene"),
                                        (("height_fog_level", "--at", "3"), 64, "--variant")):
-            done = neph("scenes", *arguments)
-            self.assertEqual((done.returncode, words in done.stderr, done.stdout), (code, True, ""),
-                             (arguments, done.stderr))
+            self.neph("scenes", *arguments, code=code, said=words, silent=True)
 
     def test_march_agrees_with_exact_where_the_form_is_closed(self):
         for engine in ("exact", "march"):
-            done = neph("render", "height_fog_level", "-e", engine, "--size", "64x36", "-o",
-                        self.folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.neph("render", "height_fog_level", "-e", engine, "--size", "64x36", "-o",
+                      self.folder)
         pair = [self.folder / f"height_fog_level_{e}_0000.exr" for e in ("exact", "march")]
-        done = neph("compare", *pair, "--json", "--fail-above", "transmittance:max_rel=1e-5")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("compare", *pair, "--json", "--fail-above", "transmittance:max_rel=1e-5")
         values = {(m["quantity"], m["metric"], m["mask"]): m["value"]
                   for m in json.loads(done.stdout)["measurements"]}
         self.assertLess(abs(values["radiance", "rel_bias", "all"]), 1e-3)
-        self.assertEqual(neph("compare", *pair, "--fail-above", "radiance:max_abs=0").returncode, 1)
+        self.neph("compare", *pair, "--fail-above", "radiance:max_abs=0", code=1)
 
     def test_tracers_go_on_from_a_checkpoint(self):
         options = ["-e", "oracle", "--size", "16x9", "-q", "-o", self.folder]
         sums = self.folder / "sums"
         for samples in (8, 24):  # a finished render is given more samples
-            done = neph("render", "voxel_grid", *options, "-s", f"samples={samples}",
-                        "--checkpoint", sums)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.neph("render", "voxel_grid", *options, "-s", f"samples={samples}", "--checkpoint",
+                      sums)
         in_two = self.folder / "in_two.exr"
         (self.folder / "voxel_grid_oracle_0000.exr").rename(in_two)
-        neph("render", "voxel_grid", *options, "-s", "samples=24")
-        done = neph("compare", in_two, self.folder / "voxel_grid_oracle_0000.exr", "--json")
+        self.neph("render", "voxel_grid", *options, "-s", "samples=24")
+        done = self.neph("compare", in_two, self.folder / "voxel_grid_oracle_0000.exr", "--json")
         worst = [row["value"] for row in json.loads(done.stdout)["measurements"]
                  if row["metric"] == "max_abs" and row["quantity"] == "radiance"]
         self.assertEqual(set(worst), {0.0})
         sums.write_bytes(sums.read_bytes()[:-9])
         for engine, code, words in (("oracle", 65, str(sums)), ("tracer", 65, str(sums)),
                                     ("march", 64, "oracle")):
-            done = neph("render", "voxel_grid", *options, "-e", engine, "--checkpoint", sums)
-            self.assertEqual((done.returncode, words in done.stderr), (code, True), done.stderr)
+            self.neph("render", "voxel_grid", *options, "-e", engine, "--checkpoint", sums,
+                      code=code, said=words)
 
     def test_scenes_without_their_data_are_named_and_the_rest_goes_on(self):
         environment = {"NEPH_DISNEY_CLOUD": ""}
-        listed = neph("scenes", **environment)
-        self.assertEqual(listed.returncode, 0, listed.stderr)
+        listed = self.neph("scenes", **environment)
         self.assertRegex(listed.stdout, r"disney_cloud +not here: .*NEPH_DISNEY_CLOUD")
         self.assertIn("white_furnace", listed.stdout)
-        asked = neph("scenes", "disney_cloud", **environment)
-        self.assertEqual((asked.returncode, "export NEPH_DISNEY_CLOUD" in asked.stderr), (66, True))
+        self.neph("scenes", "disney_cloud", **environment, code=66, said="export NEPH_DISNEY_CLOUD")
 
     def test_validate_reuses_finished_frames(self):
-        first, second = (neph("validate", "scattering_slab_above", *ON_THE_CPU, "32x18", "-o",
-                              self.folder, "--json") for _ in range(2))
-        self.assertEqual((first.returncode, second.returncode), (0, 0),
-                         first.stderr + second.stderr)
+        runs = [self.neph("validate", "scattering_slab_above", *ON_THE_CPU, "32x18", "-o",
+                          self.folder, "--json") for _ in range(2)]
         reused = [[f["reused"] for f in json.loads(run.stdout)["scenes"][0]["frames"]]
-                  for run in (first, second)]
+                  for run in runs]
         self.assertEqual(reused, [[False, False], [True, True]])
         report = self.folder / "report"
         self.assertTrue((report / "index.html").exists())
@@ -171,22 +141,21 @@ media:
         scene = self.folder / "scattering_slab_above.yaml"
         scene.write_text(text.replace("engine: march", "engine: oracle").replace("maximum: 1.0e-3",
                                                                                  "maximum: 0"))
-        done = neph("validate", scene, *ON_THE_CPU, "32x18", "-o", self.folder, "--json")
-        self.assertEqual(done.returncode, 1)
+        done = self.neph("validate", scene, *ON_THE_CPU, "32x18", "-o", self.folder, "--json",
+                         code=1)
         verdicts = [g["verdict"] for g in json.loads(done.stdout)["scenes"][0]["gates"]]
         self.assertIn("fail", verdicts)
 
     def test_missing_engines_are_reported_and_the_others_go_on(self):
-        done = neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18", "-q",
-                    "-o", self.folder, "--json", PATH="/nonexistent",
-                    VK_ICD_FILENAMES="/nonexistent.json")
+        done = self.neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18",
+                         "-q", "-o", self.folder, "--json", PATH="/nonexistent",
+                         VK_ICD_FILENAMES="/nonexistent.json")
         frames = {f["engine"]: f for f in json.loads(done.stdout)["scenes"][0]["frames"]}
         self.assertEqual(frames["exact"]["status"], "rendered")
         for engine in ("march", "cycles", "povray"):
             self.assertEqual(frames[engine]["status"], "missing")
             self.assertIn("apt-get install", frames[engine]["reason"])
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(neph("doctor", PATH="/nonexistent").returncode, 69)
+        self.neph("doctor", PATH="/nonexistent", code=69)
 
     def test_kill_leaves_nothing_that_looks_finished(self):
         command = [NEPH, "validate", "scattering_slab_above", "absorbing_slab", *ON_THE_CPU,
@@ -218,8 +187,8 @@ media:
                          "chromium is not installed: the page is not looked at")
     @night.of_the_night
     def test_a_report_of_all_engines_holds_in_a_browser(self):
-        done = neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18", "-q",
-                    "-o", self.folder)
+        done = self.neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18",
+                         "-q", "-o", self.folder, code=None)
         self.assertIn(done.returncode, (0, 1), done.stderr)
         checked = subprocess.run(["node", ROOT / "scripts/report/check_report.mjs", "--quick",
                                   self.folder / "report"],
@@ -229,8 +198,9 @@ media:
     def test_hostile_names_are_data(self):
         hostile = self.folder / "$(touch pwned); import os #.yaml"
         hostile.write_text((ROOT / "scenes/catalog/absorbing_slab.yaml").read_text())
-        neph("scenes", hostile)
-        neph("export", hostile, "-e", "povray", "-o", self.folder / "x; touch pwned")
+        self.neph("scenes", hostile, code=None)
+        self.neph("export", hostile, "-e", "povray", "-o", self.folder / "x; touch pwned",
+                  code=None)
         self.assertFalse(list(self.folder.rglob("pwned")) or pathlib.Path("pwned").exists())
 
 

@@ -18,8 +18,9 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
+import neph_case  # noqa: E402
 
-NEPH = os.environ["NEPH"]
+NEPH = neph_case.NEPH
 HAS_WINDOW = os.environ["NEPH_HAS_WINDOW"] == "1"
 WIDTH, HEIGHT = 32, 18
 SIZE = f"{WIDTH}x{HEIGHT}"
@@ -45,11 +46,7 @@ media:
 
 OUTSIDE = {name: value for name, value in os.environ.items()
            if name not in ("DISPLAY", "WAYLAND_DISPLAY") and not name.startswith("SDL_")}
-
-
-def neph(*arguments, **environment):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=300,
-                          env={**OUTSIDE, "NEPH_VULKAN_VALIDATION": "1", **environment})
+OUTSIDE["NEPH_VULKAN_VALIDATION"] = "1"
 
 
 class Screen:
@@ -89,16 +86,14 @@ class Screen:
         return not any(pixels[byte::4].strip(b"\0") for byte in range(3))
 
 
-class Refusals(unittest.TestCase):
+class Refusals(neph_case.NephCase):
+    surroundings = OUTSIDE
+
     def refuse(self, code, *words, scene=TOWER, arguments=(), **environment):
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "tower.yaml"
-            path.write_text(scene)
-            done = neph("fly", path, "--size", SIZE, "-o", folder, *arguments, **environment)
-        self.assertEqual(done.returncode, code, done.stderr)
-        self.assertEqual(done.stdout, "")
-        for word in words:
-            self.assertIn(word, done.stderr)
+        path = self.folder / "tower.yaml"
+        path.write_text(scene)
+        self.neph("fly", path, "--size", SIZE, "-o", self.folder, *arguments, **environment,
+                  code=code, said=words, silent=True)
 
     @unittest.skipIf(HAS_WINDOW, "this neph has windows")
     def test_without_sdl_it_says_how_to_get_it(self):
@@ -117,7 +112,9 @@ class Refusals(unittest.TestCase):
 
 
 @unittest.skipUnless(HAS_WINDOW, "this neph has no windows")
-class Flight(unittest.TestCase):
+class Flight(neph_case.NephCase):
+    surroundings = OUTSIDE
+
     @classmethod
     def setUpClass(cls):
         if not shutil.which("Xvfb"):
@@ -133,17 +130,14 @@ class Flight(unittest.TestCase):
         cls.screen_folder.cleanup()
 
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
+        super().setUp()
         self.scene = self.folder / "tower.yaml"
         self.scene.write_text(TOWER)
 
     def fly(self, keys, frame_count, *arguments):
-        done = neph("fly", self.scene, "--size", SIZE, "--seed", 1, "-o", self.folder, "--json",
-                    "-s", "steps=16",
-                    "--keys", keys, "--frames", frame_count, *arguments, **self.environment)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("fly", self.scene, "--size", SIZE, "--seed", 1, "-o", self.folder,
+                         "--json", "-s", "steps=16", "--keys", keys, "--frames", frame_count,
+                         *arguments, **self.environment)
         return json.loads(done.stdout)
 
     def channels(self, name):
@@ -161,10 +155,9 @@ class Flight(unittest.TestCase):
         # 5 m/s, a frame is 1/30 s.
         for actual, expected in zip(flown["camera"]["position_m"], (1 / 3, 2, -1 / 2)):
             self.assertAlmostEqual(actual, expected, places=12)
-        done = neph("render", self.folder / "tower_path.yaml", "-e", "realtime", "-p", "ours",
-                    "-s", "warm_up=0", "-s", "steps=16", "--size", SIZE, "--seed", 1,
-                    "--frames", 7, "-o", self.folder, **self.environment)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph("render", self.folder / "tower_path.yaml", "-e", "realtime", "-p", "ours", "-s",
+                  "warm_up=0", "-s", "steps=16", "--size", SIZE, "--seed", 1, "--frames", 7, "-o",
+                  self.folder, **self.environment)
         picture = self.channels("tower_fly.exr")
         self.assertGreater(max(picture["R"]), 0.1)
         self.assertEqual(picture, self.channels("tower_path_realtime_0006.exr"))
@@ -212,7 +205,7 @@ class Flight(unittest.TestCase):
             [NEPH, "fly", self.scene, "--size", SIZE, "-o", self.folder, *arguments],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-            env={**OUTSIDE, "NEPH_VULKAN_VALIDATION": "1", **self.environment})
+            env={**OUTSIDE, **self.environment})
         while flight.poll() is None and self.screen.is_black():
             time.sleep(0.1)
         return flight
@@ -228,8 +221,7 @@ class Flight(unittest.TestCase):
         out, err = flight.communicate(timeout=120)
         self.assertEqual(flight.returncode, 130, err)
         self.assertIn("tower_path.yaml", out)
-        done = neph("scenes", self.folder / "tower_path.yaml")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph("scenes", self.folder / "tower_path.yaml")
 
 
 if __name__ == "__main__":

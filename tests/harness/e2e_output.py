@@ -8,19 +8,15 @@ import pathlib
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 
-NEPH = os.environ["NEPH"]
+import neph_case
+
+NEPH = neph_case.NEPH
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 SMALL = ["validate", "scattering_slab_above", "-e", "exact", "-e", "oracle", "--no-charts",
          "--size", "8x6", "-q"]
-
-
-def neph(*arguments, **options):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=120,
-                          **options)
 
 
 def tree(folder):
@@ -29,12 +25,7 @@ def tree(folder):
             if path.is_file() else None for path in folder.rglob("*")}
 
 
-class Output(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Output(neph_case.NephCase):
     def put(self, name, text="mine"):
         path = self.folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -42,10 +33,7 @@ class Output(unittest.TestCase):
 
     def assert_refused(self, *arguments, naming):
         before = tree(self.folder)
-        done = neph(*arguments)
-        self.assertEqual(done.returncode, 64, done.stderr)
-        self.assertIn(str(naming), done.stderr)
-        self.assertIn("-o", done.stderr)  # the way out
+        self.neph(*arguments, code=64, said=(str(naming), "-o"))  # the way out
         self.assertEqual(tree(self.folder), before)
 
     def test_folders_of_the_user_are_left_alone(self):
@@ -68,8 +56,7 @@ class Output(unittest.TestCase):
             self.put(name)
         before = tree(self.folder)
         for _ in range(2):
-            done = neph(*SMALL, "-o", self.folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.neph(*SMALL, "-o", self.folder)
         after = tree(self.folder)
         self.assertEqual({name: after.get(name) for name in before}, before)
         self.assertEqual({path.name for path in self.folder.iterdir()},
@@ -77,14 +64,13 @@ class Output(unittest.TestCase):
                           "notes.txt"})
 
     def test_stores_and_reports_of_before_the_marker_are_recognised(self):
-        self.assertEqual(neph(*SMALL, "-o", self.folder).returncode, 0)
+        self.neph(*SMALL, "-o", self.folder)
         for name in ("report", "store"):
             (self.folder / name / ".neph-owned").unlink()
         (self.folder / "store/.neph-lock").unlink(missing_ok=True)
         shutil.rmtree(self.folder / "report/view")  # there were no viewers then
         (self.folder / "report/images/x").mkdir()
-        done = neph(*SMALL, "-o", self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph(*SMALL, "-o", self.folder)
         self.assertFalse((self.folder / "report/images/x").exists())
         for name in ("report", "store"):
             self.assertTrue((self.folder / name / ".neph-owned").exists())
@@ -102,9 +88,7 @@ class Output(unittest.TestCase):
                           ["compare", frame, frame, "--maps", ""],
                           ["compare", frame, frame, "--csv", ""],
                           ["flicker", "--reference", frame, frame, "--maps", ""]):
-            done = neph(*arguments, cwd=self.folder)
-            self.assertEqual((done.returncode, "is empty" in done.stderr), (64, True),
-                             (arguments, done.stderr))
+            self.neph(*arguments, cwd=self.folder, code=64, said="is empty")
             self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_two_scenes_of_one_name_are_refused(self):
@@ -117,9 +101,8 @@ class Output(unittest.TestCase):
         for pair in pairs + [("absorbing_slab", "b/absorbing_slab.yaml"),
                              ("absorbing_slab", "absorbing_slab")]:
             before = tree(self.folder)
-            done = neph("validate", *pair, "-e", "exact", "-e", "oracle", "--no-charts", "-q",
-                        "--size", "8x6", "-o", "out", cwd=self.folder)
-            self.assertEqual(done.returncode, 64, done.stderr)
+            done = self.neph("validate", *pair, "-e", "exact", "-e", "oracle", "--no-charts", "-q",
+                             "--size", "8x6", "-o", "out", cwd=self.folder, code=64)
             for name in pair:
                 self.assertIn(f"'{name}'", done.stderr)
             self.assertFalse((self.folder / "out/report").exists())
@@ -154,7 +137,7 @@ class Output(unittest.TestCase):
         child.wait()
         self.assertTrue(list(self.folder.glob("store/tmp/*"))
                         and list(self.folder.glob(".neph-report-*")))
-        self.assertEqual(neph(*SMALL, "-o", self.folder).returncode, 0)
+        self.neph(*SMALL, "-o", self.folder)
         self.assertEqual(list((self.folder / "store/tmp").iterdir()), [])
         self.assertEqual({path.name for path in self.folder.iterdir()}, {"report", "store"})
 
@@ -168,15 +151,14 @@ class Output(unittest.TestCase):
         child.send_signal(signal.SIGKILL)
         child.wait()
         self.assertTrue(list(self.folder.iterdir()))
-        done = neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o",
-                    self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o",
+                  self.folder)
         self.assertEqual([path.name for path in self.folder.iterdir()],
                          ["absorbing_slab_exact_0000.exr"])
 
     def test_edited_seconds_are_not_reused(self):
         def seconds_and_reuse():
-            done = neph(*SMALL, "--json", "-o", self.folder)
+            done = self.neph(*SMALL, "--json", "-o", self.folder)
             frame = json.loads(done.stdout)["scenes"][0]["frames"][0]
             return frame["wall_s"], frame["reused"], done.stderr
         seconds_and_reuse()
@@ -195,20 +177,19 @@ class Output(unittest.TestCase):
         self.assert_refused("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "work",
                             naming=self.folder / "work")
         for _ in range(2):  # its own it replaces
-            done = neph("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "new")
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.neph("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "new")
 
     def test_inputs_are_not_overwritten(self):
-        neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o", self.folder)
+        self.neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o",
+                  self.folder)
         frame = self.folder / "absorbing_slab_exact_0000.exr"
         own = frame.rename(self.folder / "flip_radiance_0003.exr")
         before = tree(self.folder)
-        done = neph("compare", own, own, "-m", "flip", "--maps", self.folder)
-        self.assertEqual((done.returncode, str(own) in done.stderr), (64, True), done.stderr)
+        self.neph("compare", own, own, "-m", "flip", "--maps", self.folder, code=64, said=str(own))
         own.rename(self.folder / "absorbing_slab_realtime_0000.exr")
-        done = neph("render", "absorbing_slab", "-e", "realtime", "--size", "8x6", "-q", "-o",
-                    self.folder, "--depth", self.folder / "absorbing_slab_realtime_0000.exr")
-        self.assertEqual((done.returncode, "--depth" in done.stderr), (64, True), done.stderr)
+        self.neph("render", "absorbing_slab", "-e", "realtime", "--size", "8x6", "-q", "-o",
+                  self.folder, "--depth", self.folder / "absorbing_slab_realtime_0000.exr", code=64,
+                  said="--depth")
         self.assertEqual(list(tree(self.folder).values()), list(before.values()))
 
     def test_render_leaves_its_frame_alone_beside_the_users_files(self):
@@ -216,9 +197,8 @@ class Output(unittest.TestCase):
         self.put("notes.txt")
         before = tree(self.folder)
         for _ in range(2):
-            done = neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o",
-                        self.folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.neph("render", "absorbing_slab", "-e", "exact", "--size", "8x6", "-q", "-o",
+                      self.folder)
         after = tree(self.folder)
         after.pop("absorbing_slab_exact_0000.exr")
         self.assertEqual(after, before)

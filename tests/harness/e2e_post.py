@@ -6,15 +6,13 @@ import math
 import os
 import pathlib
 import struct
-import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
+import neph_case  # noqa: E402
 
-NEPH = os.environ["NEPH"]
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 WIDTH, HEIGHT = 8, 4
 
@@ -23,21 +21,14 @@ def reds(path):
     return frames.read_exr(path)[2]["R"]
 
 
-def neph(*words, code=0):
-    done = subprocess.run([NEPH, *map(str, words)], capture_output=True, text=True, timeout=120)
-    assert done.returncode == code, f"exit {done.returncode}: {done.stdout}{done.stderr}"
-    return done
-
-
 def srgb(linear):
     return 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
 
 
-class Post(unittest.TestCase):
+class Post(neph_case.NephCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.root = pathlib.Path(self.folder.name)
+        super().setUp()
+        self.root = self.folder
         self.values = [i / (WIDTH * HEIGHT) for i in range(WIDTH * HEIGHT)]
         self.frame = self.root / "in" / "frame.0003.exr"
         self.frame.parent.mkdir()
@@ -47,19 +38,20 @@ class Post(unittest.TestCase):
         frames.grey_exr(path, WIDTH, HEIGHT, values, Z=[100.0] * len(values))
 
     def test_the_list_teaches_every_stage_and_setting(self):
-        listed = json.loads(neph("post", "--list", "--json").stdout)
+        listed = json.loads(self.neph("post", "--list", "--json").stdout)
         names = [stage["name"] for stage in listed["stages"]]
         self.assertLess(names.index("tone mapping"), names.index("upscale"))
         settings = {setting["name"] for setting in listed["settings"]}
         for stage in listed["stages"]:
             self.assertIn(stage["setting"], settings)
-        text = neph("post", "--list").stdout
+        text = self.neph("post", "--list").stdout
         for word in [*names, *settings, *(preset["name"] for preset in listed["presets"])]:
             self.assertIn(word, text)
 
     def test_a_picture_is_what_the_display_shows(self):
         out = self.root / "out"
-        neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "--png", "-q", "-o", out)
+        self.neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "--png", "-q", "-o",
+                  out)
         shown = reds(out / self.frame.name)
         for value, seen in zip(self.values, shown):
             self.assertAlmostEqual(seen, value, delta=2e-6)  # encoded and back, in float32
@@ -70,14 +62,13 @@ class Post(unittest.TestCase):
         self.assertEqual(list(frames.read_exr(out / self.frame.name)[2]["Z"]),
                          [100.0] * WIDTH * HEIGHT)
         # It is a display's picture: it cannot be mapped twice, nor held against radiance.
-        again = neph("post", out / self.frame.name, "-p", "plain", "-q", "-o", self.root / "2",
-                     code=65)
-        self.assertIn("display", again.stderr)
-        neph("compare", self.frame, out / self.frame.name, code=65)
+        self.neph("post", out / self.frame.name, "-p", "plain", "-q", "-o", self.root / "2",
+                  code=65, said="display")
+        self.neph("compare", self.frame, out / self.frame.name, code=65)
 
     def test_sizes_and_times_are_told(self):
-        done = neph("post", self.frame, "-s", "upscale=bilinear", "-s", "screen_percent=50",
-                    "--json", "-o", self.root / "out")
+        done = self.neph("post", self.frame, "-s", "upscale=bilinear", "-s", "screen_percent=50",
+                         "--json", "-o", self.root / "out")
         [result] = json.loads(done.stdout)
         self.assertEqual((result["width_px"], result["height_px"]), (2 * WIDTH, 2 * HEIGHT))
         self.assertEqual([stage["name"] for stage in result["stages"]], ["upscale"])
@@ -88,7 +79,7 @@ class Post(unittest.TestCase):
         self.write(self.root / "in" / "frame.0004.exr", self.values)
         words = ["-p", "plain", "-s", "grain=16", "-q"]
         for name, seed in (("a", 1), ("b", 1), ("c", 2)):
-            neph("post", self.root / "in", *words, "--seed", seed, "-o", self.root / name)
+            self.neph("post", self.root / "in", *words, "--seed", seed, "-o", self.root / name)
         first, same, other = (reds(self.root / name / "frame.0003.exr")
                               for name in "abc")
         later = reds(self.root / "a" / "frame.0004.exr")
@@ -102,8 +93,8 @@ class Post(unittest.TestCase):
             self.write(self.root / "in" / f"frame.000{number}.exr", [2.0 ** ev] * WIDTH * HEIGHT)
         words = ["-p", "plain", "-s", "auto_exposure=on", "-s", "adapt_near_ev=0.5", "-s",
                  "exposure_ev=-1", "--repeat", "3"]  # of which none counts for the next frame
-        done = neph("post", self.root / "in", *words, "--fps", "2", "--json", "-o",
-                    self.root / "out")
+        done = self.neph("post", self.root / "in", *words, "--fps", "2", "--json", "-o",
+                         self.root / "out")
         evs = [result["adapted_ev"] for result in json.loads(done.stdout)]
         for seen, expected in zip(evs, (0.0, 1.5, 3.0)):
             self.assertAlmostEqual(seen, expected, places=5)
@@ -115,7 +106,7 @@ class Post(unittest.TestCase):
         values = [0.0] * (WIDTH * HEIGHT)
         values[5] = 32.0
         self.write(self.frame, values)
-        neph("post", self.frame, "-s", "bloom=conserving", "-q", "-o", self.root / "out")
+        self.neph("post", self.frame, "-s", "bloom=conserving", "-q", "-o", self.root / "out")
         spread = reds(self.root / "out" / self.frame.name)
         self.assertAlmostEqual(sum(spread), 32.0, places=4)
         self.assertGreater(min(spread), 0.0)
@@ -123,8 +114,8 @@ class Post(unittest.TestCase):
     def test_an_hdr_picture_is_light_of_its_display(self):
         values = [8.0 * v for v in self.values]  # up to 1573 cd/m^2, of which 1000 are shown
         self.write(self.frame, values)
-        neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "-s", "encode=pq", "--png",
-             "-q", "-o", self.root / "out")
+        self.neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "-s", "encode=pq",
+                  "--png", "-q", "-o", self.root / "out")
         for value, seen in zip(values, reds(self.root / "out" / self.frame.name)):
             self.assertAlmostEqual(seen, min(203 * value / 1000, 1.0), delta=2e-4)
         packed = (self.root / "out" / "frame.0003.png").read_bytes()
@@ -132,14 +123,14 @@ class Post(unittest.TestCase):
         self.assertIn(b"sBIT\x0a\x0a\x0a", packed)
         self.assertIn(b"cICP\x09\x10\x00\x01", packed)
         # With the curve that HDR displays want nothing ends in a plateau.
-        neph("post", self.frame, "-p", "hdr", "-q", "-o", self.root / "hdr")
+        self.neph("post", self.frame, "-p", "hdr", "-q", "-o", self.root / "hdr")
         rolled = reds(self.root / "hdr" / self.frame.name)
         self.assertTrue(all(a < b for a, b in zip(rolled, rolled[1:])))
 
     def test_a_png_has_the_bits_asked_for(self):
         for bits in (8, 10, 16):
-            neph("post", self.frame, "-p", "plain", "--png", "--bits", bits, "-q", "-o",
-                 self.root / str(bits))
+            self.neph("post", self.frame, "-p", "plain", "--png", "--bits", bits, "-q", "-o",
+                      self.root / str(bits))
             packed = (self.root / str(bits) / "frame.0003.png").read_bytes()
             self.assertEqual(packed[24], 8 if bits == 8 else 16)
             self.assertIn(b"sRGB", packed)
@@ -177,15 +168,15 @@ volumes:
     box: {minimum_m: [-5, 0, -5], maximum_m: [5, 5, 5]}
     settings: {exposure_ev: -1}
 """)
-        neph("post", self.frame, "--chain", chain, code=64)  # where is the camera?
+        self.neph("post", self.frame, "--chain", chain, code=64)  # where is the camera?
         for number, ev in ((0, -1), (5, -1), (10, -0.5), (15, 0), (20, 0)):
             frame = self.root / "walking" / f"frame.{number:04}.exr"
             frame.parent.mkdir(exist_ok=True)
             self.write(frame, [0.5] * WIDTH * HEIGHT)
             other = self.root / "walking" / f"frame.{number + 1:04}.exr"
             self.write(other, [0.5] * WIDTH * HEIGHT)
-            neph("post", frame, other, "--chain", chain, "--scene", scene, "-q", "-o",
-                 self.root / "out")
+            self.neph("post", frame, other, "--chain", chain, "--scene", scene, "-q", "-o",
+                      self.root / "out")
             seen = reds(self.root / "out" / frame.name)[0]
             self.assertAlmostEqual(seen, 0.5 * 2 ** ev, places=5, msg=str(number))
 
@@ -222,11 +213,11 @@ volumes:
         scene = self.root / "walk.yaml"
         scene.write_text(self.WALK + "display: {chain: chain.yaml}\n")
         words = ["-e", "march", "-s", "steps=2", "--size", "16x8", "--frames", "3", "--seed", "5"]
-        done = neph("render", scene, *words, "--json", "-o", self.root / "shown")
-        neph("render", scene, *words, "-q", "--chain", "off", "-o", self.root / "plain")
+        done = self.neph("render", scene, *words, "--json", "-o", self.root / "shown")
+        self.neph("render", scene, *words, "-q", "--chain", "off", "-o", self.root / "plain")
         self.assertFalse((self.root / "plain" / "shown").exists())
-        neph("post", self.root / "plain", "--chain", self.root / "chain.yaml", "--scene", scene,
-             "--seed", "5", "--png", "-q", "-o", self.root / "posted")
+        self.neph("post", self.root / "plain", "--chain", self.root / "chain.yaml", "--scene",
+                  scene, "--seed", "5", "--png", "-q", "-o", self.root / "posted")
         levels = set()
         for result in json.loads(done.stdout):
             picture = pathlib.Path(result["shown"])
@@ -245,22 +236,22 @@ volumes:
         enlarging = ", upscale: bilinear, screen_percent: 67"
         words = ["render", scene, "-s", "steps=2", "--size", "17x9", "-q", "--chain",
                  self.chain(self.TUNNEL % (enlarging, "")), "-o", self.root / "out"]
-        neph(*words)
+        self.neph(*words)
         name = "walk_march_0000.exr"
         self.assertEqual(frames.read_exr(self.root / "out" / name)[:2], (12, 7))
         self.assertEqual(frames.read_exr(self.root / "out" / "shown" / name)[:2], (17, 9))
         self.chain(self.TUNNEL % ("", enlarging))
-        self.assertIn("volume 'tunnel'", neph(*words, code=64).stderr)
+        self.assertIn("volume 'tunnel'", self.neph(*words, code=64).stderr)
         self.chain("passes: [{pass: fxaa}]")
-        self.assertIn("are off", neph(*words, code=64).stderr)
+        self.assertIn("are off", self.neph(*words, code=64).stderr)
         scene.write_text(self.WALK + "display: {chain: none.yaml}\n")
-        done = neph("render", scene, "-o", self.root / "out", code=66)
-        self.assertIn(str(self.root / "none.yaml"), done.stderr)
+        self.neph("render", scene, "-o", self.root / "out", code=66,
+                  said=str(self.root / "none.yaml"))
 
     def test_the_scene_of_the_manual(self):
         scene = ROOT / "scenes" / "studies" / "display" / "walk_out.yaml"
-        done = neph("render", scene, "-s", "steps=2", "--size", "25x15", "--frame", "60", "--json",
-                    "-o", self.root / "out")
+        done = self.neph("render", scene, "-s", "steps=2", "--size", "25x15", "--frame", "60",
+                         "--json", "-o", self.root / "out")
         [result] = json.loads(done.stdout)
         self.assertEqual(result["size_px"], [17, 11])
         self.assertEqual(frames.read_exr(pathlib.Path(result["shown"]))[:2], (25, 15))
@@ -269,21 +260,22 @@ volumes:
         self.assertEqual(stages[-2:], ["shown_upscale_gpu_ms", "shown_sharpening_gpu_ms"])
 
     def test_engines_with_passes_say_what_comes_behind_them(self):
-        [listed] = json.loads(neph("engines", "realtime", "--json").stdout)
+        [listed] = json.loads(self.neph("engines", "realtime", "--json").stdout)
         stages = [stage["name"] for stage in listed["display_stages"]]
-        self.assertEqual(stages, [stage["name"] for stage in
-                                  json.loads(neph("post", "--list", "--json").stdout)["stages"]])
-        text = neph("engines", "realtime").stdout
+        chain = json.loads(self.neph("post", "--list", "--json").stdout)
+        self.assertEqual(stages, [stage["name"] for stage in chain["stages"]])
+        text = self.neph("engines", "realtime").stdout
         self.assertLess(text.index("anti-aliasing"), text.index("secondary upscale"))
 
     def test_a_chain_lists_itself_and_its_faults(self):
         chain = self.chain("passes: [{pass: upscale}, {pass: exposure, on: false},\n"
                            "         {pass: tone_mapping}]\n"
                            "preset: unreal\nsettings: {upscale: lanczos, auto_exposure: 'on'}\n")
-        listed = json.loads(neph("post", "--list", "--chain", chain, "--json").stdout)
+        listed = json.loads(self.neph("post", "--list", "--chain", chain, "--json").stdout)
         self.assertEqual(listed["stages"], ["upscale", "table of colours", "tone mapping"])
-        neph("post", "--list", "--chain", chain, "-p", "unreal", code=64)
-        done = neph("post", self.frame, "--chain", self.chain("settings: {grain: 99}\n"), code=65)
+        self.neph("post", "--list", "--chain", chain, "-p", "unreal", code=64)
+        done = self.neph("post", self.frame, "--chain", self.chain("settings: {grain: 99}\n"),
+                         code=65)
         for word in ("chain.yaml:1", "99", "0 to 64"):
             self.assertIn(word, done.stderr)
 
@@ -314,7 +306,7 @@ volumes:
             out = self.root / f"out{scale}"
             options = [word for setting in settings for word in ("-s", setting)]
             for left in (4, 5):
-                neph("post", write(left), *options, "-q", "-o", out)
+                self.neph("post", write(left), *options, "-q", "-o", out)
             made = out / "at_4.exr"
             self.assertEqual(struct.unpack("<4i", attribute(made, "dataWindow", "box2i")),
                              (4 * scale, 3 * scale, (4 + WIDTH) * scale - 1,
@@ -325,9 +317,8 @@ volumes:
             for name, kind, value in further:
                 self.assertEqual(attribute(made, name, kind), value, name)
             self.assertNotIn(b"crop\0string", made.read_bytes())
-            done = neph("compare", made, out / "at_5.exr", code=65)
-            self.assertIn("not of the same place", done.stderr)
-            neph("compare", made, made, "-m", "mae")
+            self.neph("compare", made, out / "at_5.exr", code=65, said="not of the same place")
+            self.neph("compare", made, made, "-m", "mae")
         kept = frames.read_exr(self.root / "out1/at_4.exr")[2]
         self.assertEqual([*kept["Z"][:2], *kept["A"][:2], kept["id.r"][1]],
                          [0.0, 1e10, 0.25, 0.75, 3.0])
@@ -336,8 +327,8 @@ volumes:
         named = self.root / "ap1.exr"
         named.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {c: self.values for c in "RGB"},
                                            [("colorInteropID", "string", b"lin_ap1_scene")]))
-        self.assertIn("lin_ap1_scene", neph("post", named, "-s", "tone=on", "-o", self.root / "no",
-                                            code=65).stderr)
+        self.neph("post", named, "-s", "tone=on", "-o", self.root / "no", code=65,
+                  said="lin_ap1_scene")
 
     def test_what_makes_no_sense_is_refused(self):
         for words, said in (
@@ -353,13 +344,12 @@ volumes:
                 (["post", self.frame, "-s", "fxaa=console"], "tone=on"),
                 (["post", self.frame, "-p", "plain", "-o", self.frame.parent], "over itself"),
                 (["post", "--list", self.frame], "takes no frames")):
-            done = neph(*words, code=64)
-            self.assertIn(said, done.stderr)
+            self.neph(*words, code=64, said=said)
         other = self.root / "other" / self.frame.name
         other.parent.mkdir()
         self.write(other, self.values)
-        done = neph("post", self.frame, other, "-p", "plain", "-o", self.root / "out", code=64)
-        self.assertIn("both be", done.stderr)
+        self.neph("post", self.frame, other, "-p", "plain", "-o", self.root / "out", code=64,
+                  said="both be")
         self.assertFalse((self.root / "out").exists())
 
 

@@ -13,8 +13,9 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import frames  # noqa: E402
+import neph_case  # noqa: E402
 
-NEPH = os.environ["NEPH"]
+NEPH = neph_case.NEPH
 VERBS = ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study",
          "benchmark", "conform", "scenes", "engines", "doctor", "fly", "view")
 BLENDER = """#!/bin/sh
@@ -37,12 +38,7 @@ def neph(*arguments, timeout=120, **more):
                           env=environment, **{"stdout": subprocess.PIPE, **more})
 
 
-class Output(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Output(neph_case.NephCase):
     def write(self, name, value):
         path = self.folder / name
         path.write_bytes(

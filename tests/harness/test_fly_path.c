@@ -42,11 +42,13 @@ static struct neph_scene *write_and_load(void **state, const struct neph_fly_pat
                                          const struct neph_scene *scene, const char *name)
 {
     const struct scratch *scratch = *state;
-    char expected[SCRATCH_PATH_MAX], *file = NULL;
+    char expected[SCRATCH_PATH_MAX];
+    const char *file = NULL;
+    struct neph_arena arena = {0};
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_fly_path_write(path, scene, scratch->folder, &file, &diag), &diag);
+    neph_assert_ok(neph_fly_path_write(path, scene, scratch->folder, &arena, &file, &diag), &diag);
     assert_string_equal(file, scratch_path(state, expected, name));
-    free(file);
+    neph_arena_finish(&arena);
     return load(expected);
 }
 
@@ -110,9 +112,10 @@ static void test_a_name_is_free_of_all_its_files(void **state)
     char path[SCRATCH_PATH_MAX];
     scratch_write(scratch_path(state, path, "valley_fly.png"), "", 0);
     scratch_write(scratch_path(state, path, "valley_fly_2.exr"), "", 0);
-    char *name = neph_fly_free_name(scratch->folder, "valley_fly", suffixes);
-    assert_string_equal(name, scratch_path(state, path, "valley_fly_3"));
-    free(name);
+    struct neph_arena arena = {0};
+    assert_string_equal(neph_fly_free_name(scratch->folder, "valley_fly", suffixes, &arena),
+                        scratch_path(state, path, "valley_fly_3"));
+    neph_arena_finish(&arena);
 }
 
 /* 120 bytes are a title's room, and 24 of them the end's: the 96th and 97th here are one. */
@@ -157,8 +160,9 @@ static void test_a_path_without_frames_is_refused(void **state)
     const struct scratch *scratch = *state;
     struct neph_scene *scene = make_scene(state);
     struct neph_fly_path *path = calloc(1, sizeof(*path));
-    char *file = NULL;
-    assert_int_equal(neph_fly_path_write(path, scene, scratch->folder, &file, NULL),
+    struct neph_arena arena = {0};
+    const char *file = NULL;
+    assert_int_equal(neph_fly_path_write(path, scene, scratch->folder, &arena, &file, NULL),
                      NEPH_ERR_USAGE);
     assert_null(file);
     assert_int_equal(scratch_count(state), 1);

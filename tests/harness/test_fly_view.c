@@ -8,7 +8,6 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/fly/canvas.h"
 #include "harness/fly/encode.h"
-#include "harness/fly/font.h"
 #include "harness/fly/heat.h"
 #include "harness/fly/times.h"
 #include "metrics/display.h"

@@ -31,12 +31,28 @@ static void make_files(void **state, const char *const names[NAMES_MAX])
     }
 }
 
+static void remove_files(void **state)
+{
+    const struct scratch *scratch = *state;
+    assert_int_equal(chdir("/"), 0);
+    neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
+    neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+}
+
 static int count_words(const char *const words[NAMES_MAX])
 {
     int count = 0;
     while (count < NAMES_MAX && words[count])
         count++;
     return count;
+}
+
+static void assert_paths(const struct neph_sequence *sequence,
+                         const char *const expected[NAMES_MAX])
+{
+    assert_int_equal(sequence->count, count_words(expected));
+    for (int i = 0; i < sequence->count; i++)
+        assert_string_equal(sequence->paths[i], expected[i]);
 }
 
 static const struct found {
@@ -164,18 +180,13 @@ static void test_words_become_files(void **state)
     for (size_t i = 0; i < sizeof(found) / sizeof(found[0]); i++) {
         struct neph_sequence sequence = {0};
         struct neph_diag diag = {0};
-        const struct scratch *scratch = *state;
         make_files(state, found[i].files);
         neph_assert_ok(neph_sequence_find(count_words(found[i].words), found[i].words, false,
                                           &sequence, &diag),
                        &diag);
-        assert_int_equal(sequence.count, count_words(found[i].expected));
-        for (int k = 0; k < sequence.count; k++)
-            assert_string_equal(sequence.paths[k], found[i].expected[k]);
+        assert_paths(&sequence, found[i].expected);
         neph_sequence_finish(&sequence);
-        assert_int_equal(chdir("/"), 0);
-        neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
-        neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+        remove_files(state);
     }
 }
 
@@ -261,7 +272,6 @@ static void test_what_is_no_sequence_is_refused(void **state)
     for (size_t i = 0; i < sizeof(refused) / sizeof(refused[0]); i++) {
         struct neph_sequence sequence = {.count = -1};
         struct neph_diag diag = {0};
-        const struct scratch *scratch = *state;
         make_files(state, refused[i].files);
         const int count = count_words(refused[i].words);
         const enum neph_status status = neph_sequence_find(count, refused[i].words, false,
@@ -271,9 +281,7 @@ static void test_what_is_no_sequence_is_refused(void **state)
         assert_int_equal(neph_sequence_find(count, refused[i].words, false, &sequence, NULL),
                          status);
         assert_int_equal(sequence.count, -1);
-        assert_int_equal(chdir("/"), 0);
-        neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
-        neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+        remove_files(state);
     }
 }
 
@@ -297,21 +305,16 @@ static void test_gaps_and_doubles_by_position(void **state)
     for (size_t i = 0; i < sizeof(by_position) / sizeof(by_position[0]); i++) {
         struct neph_sequence sequence = {0};
         struct neph_diag diag = {0};
-        const struct scratch *scratch = *state;
         const struct found *row = &by_position[i];
         make_files(state, row->files);
         const int count = count_words(row->words);
         assert_int_equal(neph_sequence_find(count, row->words, false, &sequence, &diag),
                          NEPH_ERR_INPUT);
         neph_assert_ok(neph_sequence_find(count, row->words, true, &sequence, &diag), &diag);
-        assert_int_equal(sequence.count, count_words(row->expected));
-        for (int k = 0; k < sequence.count; k++)
-            assert_string_equal(sequence.paths[k], row->expected[k]);
+        assert_paths(&sequence, row->expected);
         assert_null(sequence.numbers);
         neph_sequence_finish(&sequence);
-        assert_int_equal(chdir("/"), 0);
-        neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
-        neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+        remove_files(state);
     }
 }
 
@@ -321,7 +324,6 @@ static void test_numbers_order_random_names(void **state)
     static const char *const heads[] = {"f.", "shot_", "", "v2-a_", "take 3 "}, *const tails[] = {
                                                                                     "", ".", "_v7.",
                                                                                     "-b."};
-    const struct scratch *scratch = *state;
     uint64_t seed = 20261128;
     print_message("seed %llu\n", (unsigned long long)seed);
     for (int trial = 0; trial < neph_test_by_day(20, 200); trial++) {
@@ -349,9 +351,7 @@ static void test_numbers_order_random_names(void **state)
             assert_int_equal(sequence.numbers[i], first + i);
         }
         neph_sequence_finish(&sequence);
-        assert_int_equal(chdir("/"), 0);
-        neph_assert_ok(neph_dir_remove(scratch->folder, NULL), NULL);
-        neph_assert_ok(neph_dir_create(scratch->folder, NULL), NULL);
+        remove_files(state);
     }
 }
 

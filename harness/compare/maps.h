@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * What maps of a comparison are called, and that none takes the place of a frame that it reads.
+ * The files of the maps of a comparison: their names, none of which takes the place of a frame that
+ * is read, and what is in them.
  */
-#ifndef NEPH_HARNESS_COMPARE_MAP_NAMES_H
-#define NEPH_HARNESS_COMPARE_MAP_NAMES_H
+#ifndef NEPH_HARNESS_COMPARE_MAPS_H
+#define NEPH_HARNESS_COMPARE_MAPS_H
 
 #include "harness/compare/measure.h"
 #include "harness/compare/sequence.h"
@@ -18,5 +19,10 @@ char *neph_map_stem(const char *folder, const struct neph_map *map,
 enum neph_status neph_map_names_check(const struct neph_sequence *frames, const char *folder,
                                       const struct neph_meter_choice *choices, int choice_count,
                                       struct neph_diag *diag);
+
+/* Write the values of a map, and a picture of them on its fixed scale. */
+enum neph_status neph_map_write(const char *exr, const char *png, const struct neph_map *map,
+                                const struct neph_viewing *viewing, const struct neph_image *image,
+                                struct neph_diag *diag);
 
 #endif

@@ -1,8 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/compare/map_names.h"
+#include "harness/compare/maps.h"
 
+#include "base/exr.h"
 #include "base/files.h"
+#include "base/png.h"
+#include "metrics/display.h"
 
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,11 +26,10 @@ char *neph_map_stem(const char *folder, const struct neph_map *map,
 static bool is_name_of(const struct neph_map *map, const char *name)
 {
     for (int q = 0; map->name && q < neph_quantity_count(); q++) {
-        char *stem = neph_map_stem("", map, neph_quantity_at(q), -1);
-        const size_t length = stem ? strlen(stem) : 0;
-        const bool begins = stem && strncmp(name, stem, length) == 0;
-        free(stem);
-        if (!begins)
+        char stem[2 * NEPH_IMAGE_NAME_MAX];
+        const int length = snprintf(stem, sizeof(stem), "%s_%s", map->name,
+                                    neph_quantity_at(q)->name);
+        if (strncmp(name, stem, (size_t)length) != 0)
             continue;
         const char *rest = name + length;
         rest += *rest == '_' ? 1 + strspn(rest + 1, "0123456789") : 0;
@@ -67,4 +72,27 @@ enum neph_status neph_map_names_check(const struct neph_sequence *frames, const 
         return NEPH_ERR_USAGE;
     }
     return NEPH_OK;
+}
+
+enum neph_status neph_map_write(const char *exr, const char *png, const struct neph_map *map,
+                                const struct neph_viewing *viewing, const struct neph_image *image,
+                                struct neph_diag *diag)
+{
+    /* Maps in the unit of the quantity are drawn as displayed: see struct neph_map. */
+    const double scale = map->unit ? map->scale : map->scale * exp2(-viewing->exposure_ev);
+    const float *planes[3] = {neph_image_channel(image, "Y"), NULL, NULL};
+    float *rgb[3];
+    const bool is_rgb = neph_image_rgb(image, NULL, rgb);
+    for (int c = 0; is_rgb && c < 3; c++)
+        planes[c] = rgb[c];
+    const size_t pixel_count = neph_image_pixel_count(image);
+    uint8_t *shown = malloc(3 * pixel_count);
+    enum neph_status status = shown ? neph_exr_write(exr, image, diag) : neph_fail_memory(diag);
+    if (!status)
+        status = neph_display_map(planes, is_rgb ? 3 : 1, pixel_count, map->is_signed, scale, shown,
+                                  diag);
+    if (!status)
+        status = neph_png_write_rgb8(png, image->width_px, image->height_px, shown, diag);
+    free(shown);
+    return status;
 }
