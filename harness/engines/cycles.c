@@ -33,8 +33,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double probe_limit_s = 30.0; /* it answers in less than 1 s */
-static const char install_line[] = "apt-get install blender python3-numpy";
 static const char script_name[] = "blender_render.py", script_path[] = "scripts/blender_render.py";
 
 /* Blender writes nothing smaller: it silently makes it 4 x 4. */
@@ -97,51 +95,23 @@ static bool parse_version(const char *text, char version[64])
     return false;
 }
 
-static void judge_version(const char *text, struct neph_engine_info *info)
-{
-    char version[64];
-    info->broken = !parse_version(text, version);
-    if (info->broken) {
-        snprintf(info->missing, sizeof(info->missing), "'blender --version' does not tell it");
-        return;
-    }
-    if (strncmp(version, "3.4.", 4) != 0) {
-        snprintf(info->missing, sizeof(info->missing),
-                 "wrong version: 'blender' is %s, and our laws of Cycles were measured for 3.4.x; "
-                 "5.0 has another volume integrator (null scattering in place of marching)",
-                 version);
-        return;
-    }
-    info->available = true;
-    snprintf(info->version, sizeof(info->version), "Blender %s", version);
-    snprintf(info->device, sizeof(info->device), "CPU, %d threads", neph_processor_count());
-}
+static const struct neph_external_renderer blender = {
+    .program = "blender",
+    .name = "Blender",
+    .install_line = "apt-get install blender python3-numpy",
+    .data_file = script_path,
+    .parse_version = parse_version,
+    .measured = "3.4.",
+    .other = {"wrong version: 'blender' is ",
+              ", and our laws of Cycles were measured for 3.4.x; 5.0 has another volume "
+              "integrator (null scattering in place of marching)"},
+    .environment = environment,
+};
 
 static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
     (void)device;
-    *info = (struct neph_engine_info){.available = false};
-    snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);
-    if (!neph_child_program_exists("blender")) {
-        snprintf(info->missing, sizeof(info->missing), "there is no program 'blender' in PATH");
-        return;
-    }
-    struct neph_diag diag = {0};
-    char *script = neph_data_path(script_path);
-    char *text = NULL;
-    info->broken = true;
-    if (!script || !neph_path_exists(script))
-        snprintf(info->missing, sizeof(info->missing),
-                 "'%.300s' is not there; NEPH_DATA_DIR names the folder that holds scripts/",
-                 script ? script : script_path);
-    else if (neph_program_ask("blender", "Blender ", probe_limit_s, &text, info->build, &diag) ==
-             NEPH_OK)
-        judge_version(text, info);
-    else
-        snprintf(info->missing, sizeof(info->missing), "'blender --version' failed: %.400s",
-                 diag.message);
-    free(script);
-    free(text);
+    neph_external_probe(&blender, info);
 }
 
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
@@ -178,14 +148,9 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     enum neph_status status = neph_baked_scene_make(shot->scene, resolution, &session->baked, &why);
     if (!status)
         status = neph_cycles_world(&session->baked.scene, &session->world, &why);
-    if (status) {
-        neph_fail(diag, status, "%s%s", status == NEPH_ERR_UNSUPPORTED ? "Cycles cannot: " : "",
-                  why.message);
-        neph_hint(diag, "%s", why.hint);
-    }
     session->shot.scene = &session->baked.scene;
     session->world.cut_error += session->baked.cut_error;
-    return status;
+    return neph_external_cannot("Cycles", status, &why, diag);
 }
 
 /* close_session() whatever the status. */
@@ -215,28 +180,23 @@ static void close_session(struct session *session)
     neph_baked_scene_finish(&session->baked);
 }
 
-static enum neph_status write_grid(const struct session *session, int index, struct neph_diag *diag)
+static enum neph_status write_grids(const struct session *session, struct neph_diag *diag)
 {
     const struct neph_scene *scene = session->shot.scene;
     const struct neph_camera camera = neph_scene_camera(scene, session->shot.frame);
-    const struct neph_grid placed = neph_cycles_grid(scene->media[index].grid, &camera,
-                                                     session->world.unit_m);
-    char name[NEPH_CYCLES_FILE_NAME_MAX];
-    neph_cycles_grid_name(index, name);
-    char *path = neph_path_join(session->directory, name);
-    if (!path)
-        return neph_fail_memory(diag);
-    enum neph_status status = neph_volume_write_vdb(path, &placed, NEPH_VDB_BLENDER, diag);
-    free(path);
-    return status;
-}
-
-static enum neph_status write_grids(const struct session *session, struct neph_diag *diag)
-{
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < session->shot.scene->medium_count && !status; i++)
-        if (session->world.used[i] && session->shot.scene->media[i].grid)
-            status = write_grid(session, i, diag);
+    for (int i = 0; i < scene->medium_count && !status; i++) {
+        if (!session->world.used[i] || !scene->media[i].grid)
+            continue;
+        const struct neph_grid placed = neph_cycles_grid(scene->media[i].grid, &camera,
+                                                         session->world.unit_m);
+        char name[NEPH_CYCLES_FILE_NAME_MAX];
+        neph_cycles_grid_name(i, name);
+        char *path = neph_path_join(session->directory, name);
+        status = path ? neph_volume_write_vdb(path, &placed, NEPH_VDB_BLENDER, diag)
+                      : neph_fail_memory(diag);
+        free(path);
+    }
     return status;
 }
 
@@ -272,8 +232,7 @@ static enum neph_status write_inputs(struct session *session, struct neph_diag *
 
 /* Run the script on spec.json, or, with `blend` not NULL, save the scenes under that name. */
 static enum neph_status run_script(const struct session *session, const char *blend,
-                                   double time_limit_s, struct neph_child_result *result,
-                                   struct neph_diag *diag)
+                                   struct neph_child_result *result, struct neph_diag *diag)
 {
     char threads[16];
     snprintf(threads, sizeof(threads), "%d", session->quality.threads);
@@ -294,21 +253,9 @@ static enum neph_status run_script(const struct session *session, const char *bl
                           blend,
                           NULL};
     char *log = neph_path_join(session->directory, "blender.log");
-    if (!log)
-        return neph_fail_memory(diag);
-    const struct neph_usage before = neph_usage_measure(session->directory);
-    const struct neph_child_limits limits = neph_program_limits(&before, session->shot.width_px,
-                                                                session->shot.height_px);
-    const struct neph_child_params params = {.argv = argv,
-                                             .working_directory = session->directory,
-                                             .log_path = log,
-                                             .home = session->directory,
-                                             .environment = environment,
-                                             .limits = limits,
-                                             .time_limit_s = time_limit_s};
-    enum neph_status status = neph_child_run(&params, result, diag);
-    if (status == NEPH_ERR_UNAVAILABLE)
-        neph_hint(diag, "%s", install_line);
+    const enum neph_status status = log ? neph_external_run(&blender, argv, session->directory, log,
+                                                            &session->shot, result, diag)
+                                        : neph_fail_memory(diag);
     free(log);
     return status;
 }
@@ -317,24 +264,21 @@ static enum neph_status run_script(const struct session *session, const char *bl
 static enum neph_status read_pass(const struct session *session, const char *kind,
                                   struct neph_image **image, struct neph_diag *diag)
 {
-    const struct neph_shot *shot = &session->shot;
     struct neph_image *read = NULL;
-    char *path = neph_format("%s/%s.exr", session->directory, kind);
-    if (!path)
-        return neph_fail_memory(diag);
-    bool is_left = false;
-    enum neph_status status = neph_program_left(path, &is_left, diag);
-    if (!status && !is_left) {
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "Blender ended well but wrote no %s image", kind);
-        neph_hint(diag, "its whole log is '%s/blender.log'", session->directory);
-    }
+    char *which = neph_format("%s ", kind),
+         *path = neph_format("%s/%s.exr", session->directory, kind),
+         *log = neph_format("%s/blender.log", session->directory);
+    enum neph_status status = which && path && log
+                                  ? neph_external_left(&blender, path, which, log, diag)
+                                  : neph_fail_memory(diag);
     if (!status)
         status = neph_program_status(neph_exr_read(path, &read, diag));
+    if (!status)
+        status = neph_external_size(&blender, which, read->width_px, read->height_px,
+                                    &session->shot, diag);
+    free(which);
     free(path);
-    if (!status && (read->width_px != shot->width_px || read->height_px != shot->height_px))
-        status = neph_fail(diag, NEPH_ERR_ENGINE,
-                           "Blender's %s image is %d x %d pixels, not %d x %d", kind,
-                           read->width_px, read->height_px, shot->width_px, shot->height_px);
+    free(log);
     if (status) {
         neph_image_destroy(read);
         return status;
@@ -605,7 +549,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     if (!status)
         status = write_inputs(&session, diag);
     if (!status)
-        status = run_script(&session, NULL, shot->time_limit_s, &result, diag);
+        status = run_script(&session, NULL, &result, diag);
     if (!status)
         status = read_timing(&session, &render_s, diag);
     if (!status)
@@ -631,7 +575,7 @@ static enum neph_status save_blend(const struct session *session, struct neph_di
     struct neph_child_result result;
     if (!neph_child_program_exists("blender"))
         return NEPH_OK;
-    return run_script(session, "scene.blend", session->shot.time_limit_s, &result, diag);
+    return run_script(session, "scene.blend", &result, diag);
 }
 
 static enum neph_status export_scene(const struct neph_shot *shot, const char *directory,

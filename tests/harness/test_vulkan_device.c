@@ -163,7 +163,7 @@ static struct neph_image *render(const struct neph_scene *scene, struct neph_sha
     struct neph_image *frame = NULL;
     struct neph_cost cost;
     struct neph_diag diag = {0};
-    neph_assert_ok(engine->render(&shot, &frame, &cost, &diag), &diag);
+    neph_assert_ok(neph_engine_render(engine, &shot, &frame, &cost, &diag), &diag);
     return frame;
 }
 
