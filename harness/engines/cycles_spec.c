@@ -4,6 +4,7 @@
  */
 #include "harness/engines/cycles_spec.h"
 
+#include "harness/engines/baked_scene.h"
 #include "harness/engines/cycles_surface.h"
 #include "harness/engines/scene_json.h"
 
@@ -57,13 +58,6 @@ static bool is_box(const struct neph_bounds *b)
            b->min_m.x < b->max_m.x && b->min_m.y < b->max_m.y && b->min_m.z < b->max_m.z;
 }
 
-static double layer_at_per_m(const struct neph_fog_layer *layer, double y_m)
-{
-    if (layer->extinction_per_m <= 0.0)
-        return 0.0; /* not 0 * inf */
-    return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
-}
-
 static double brightest(struct neph_rgb color)
 {
     return fmax(color.r, fmax(color.g, color.b));
@@ -72,12 +66,7 @@ static double brightest(struct neph_rgb color)
 /* The largest extinction of a medium in any channel; of fog that of its bottom. */
 static double densest_per_m(const struct neph_medium *medium, const struct neph_bounds *container)
 {
-    double densest = 0.0;
-    for (int i = 0; i < medium->layer_count; i++)
-        densest += layer_at_per_m(&medium->layers[i], container->min_m.y);
-    if (!neph_medium_is_fog(medium))
-        densest = neph_medium_extinction_bound_per_m(medium, container);
-    return densest * brightest(medium->extinction_color);
+    return neph_densest_per_m(medium, container) * brightest(medium->extinction_color);
 }
 
 static double shortest_scale_height_m(const struct neph_medium *medium)
@@ -359,9 +348,9 @@ static json_t *layers_json(const struct neph_medium *medium, double bottom_m)
     for (int i = 0; i < medium->layer_count; i++) {
         const struct neph_fog_layer *layer = &medium->layers[i];
         if (layer->extinction_per_m > 0.0)
-            neph_json_add(&layers,
-                          json_pack("{s:f, s:f}", "bottom_per_m", layer_at_per_m(layer, bottom_m),
-                                    "falloff_per_m", layer->falloff_per_m));
+            neph_json_add(&layers, json_pack("{s:f, s:f}", "bottom_per_m",
+                                             neph_fog_layer_per_m(layer, bottom_m), "falloff_per_m",
+                                             layer->falloff_per_m));
     }
     return layers;
 }

@@ -24,6 +24,7 @@
  */
 #include "harness/engines/povray_scene.h"
 
+#include "harness/engines/baked_scene.h"
 #include "harness/engines/povray_exposure.h"
 #include "scenes/bounds.h"
 #include "scenes/emission.h"
@@ -576,7 +577,7 @@ static void write_layers(struct writer *writer, const struct neph_medium *medium
     put(writer, "    density { function { 0");
     for (int i = 0; i < medium->layer_count; i++) {
         const struct neph_fog_layer *layer = &medium->layers[i];
-        double part = neph_povray_layer_per_m(layer, bottom_m) / container->extinction_per_m;
+        double part = neph_fog_layer_per_m(layer, bottom_m) / container->extinction_per_m;
         if (part > 0.0)
             put(writer, " + %n*exp(-%n*(y - (%n)))", density_peak * part,
                 layer->falloff_per_m / world->units_per_m, bottom_units);
