@@ -153,7 +153,7 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     return neph_external_cannot("Cycles", status, &why, diag);
 }
 
-/* close_session() whatever the status. */
+/* The caller ends session->baked, whatever the status. */
 static enum neph_status open_session(const struct neph_shot *shot, const char *directory,
                                      struct session *session, struct neph_diag *diag)
 {
@@ -173,11 +173,6 @@ static enum neph_status open_session(const struct neph_shot *shot, const char *d
         .ao_distance_m = neph_setting(&neph_engine_cycles, settings, "ao_distance_m"),
     };
     return adapt_scene(shot, session, diag);
-}
-
-static void close_session(struct session *session)
-{
-    neph_baked_scene_finish(&session->baked);
 }
 
 static enum neph_status write_grids(const struct session *session, struct neph_diag *diag)
@@ -287,12 +282,17 @@ static enum neph_status read_pass(const struct session *session, const char *kin
     return NEPH_OK;
 }
 
-static enum neph_status find_layer(const struct neph_image *image, const char *layer,
-                                   float *samples[3], struct neph_diag *diag)
+/* A picture and three channels of each of its layers; it is the caller's to destroy. */
+static enum neph_status read_layers(const struct session *session, const char *kind,
+                                    const char *const names[], int count, float *layers[][3],
+                                    struct neph_image **image, struct neph_diag *diag)
 {
-    if (neph_image_rgb(image, layer, samples))
-        return NEPH_OK;
-    return neph_fail(diag, NEPH_ERR_ENGINE, "Blender's image has no layer '%s'", layer);
+    enum neph_status status = read_pass(session, kind, image, diag);
+    for (int i = 0; i < count && !status; i++)
+        if (!neph_image_rgb(*image, names[i], layers[i]))
+            status = neph_fail(diag, NEPH_ERR_ENGINE, "Blender's image has no layer '%s'",
+                               names[i]);
+    return status;
 }
 
 static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
@@ -303,31 +303,29 @@ static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
                      kind, pixel % (size_t)width_px, pixel / (size_t)width_px);
 }
 
+static const char *const combined_name = "pass.Combined";
+
 /* R = combined, volume = its direct and indirect part and what media in view emit; of one picture,
  * in channels first..last. */
 static enum neph_status take_radiance(const struct session *session, const char *picture, int first,
                                       int last, float *const all[3], float *const scattered[3],
                                       struct neph_diag *diag)
 {
+    enum { COMBINED, DIRECT, INDIRECT, EMITTED, COUNT };
+    static const char *const names[] = {"pass.Combined", "pass.VolumeDir", "pass.VolumeInd",
+                                        "pass.Emit"};
     struct neph_image *image = NULL;
-    float *combined[3], *direct[3], *indirect[3], *emitted[3];
+    float *layers[COUNT][3];
     const bool emits = neph_scene_emits(session->shot.scene) &&
                        !neph_cycles_has_emission_pictures(session->shot.scene);
-    enum neph_status status = read_pass(session, picture, &image, diag);
-    if (!status)
-        status = find_layer(image, "pass.Combined", combined, diag);
-    if (!status)
-        status = find_layer(image, "pass.VolumeDir", direct, diag);
-    if (!status)
-        status = find_layer(image, "pass.VolumeInd", indirect, diag);
-    if (!status && emits)
-        status = find_layer(image, "pass.Emit", emitted, diag);
+    enum neph_status status = read_layers(session, picture, names, emits ? COUNT : EMITTED, layers,
+                                          &image, diag);
     for (int channel = first; channel <= last && !status; channel++) {
         for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++) {
-            all[channel][i] = combined[channel][i];
-            scattered[channel][i] = direct[channel][i] + indirect[channel][i];
+            all[channel][i] = layers[COMBINED][channel][i];
+            scattered[channel][i] = layers[DIRECT][channel][i] + layers[INDIRECT][channel][i];
             if (emits)
-                scattered[channel][i] += emitted[channel][i];
+                scattered[channel][i] += layers[EMITTED][channel][i];
             if (!isfinite(all[channel][i]) || !isfinite(scattered[channel][i]))
                 status = not_finite(picture, i, image->width_px, diag);
         }
@@ -342,15 +340,15 @@ static enum neph_status add_emission(const struct session *session, const char *
                                      struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    float *combined[3];
-    enum neph_status status = read_pass(session, picture, &image, diag);
-    if (!status)
-        status = find_layer(image, "pass.Combined", combined, diag);
+    float *layers[1][3];
+    enum neph_status status = read_layers(session, picture, &combined_name, 1, layers, &image,
+                                          diag);
     for (int channel = first; channel <= last && !status; channel++) {
         for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++) {
-            all[channel][i] += combined[channel][i];
-            scattered[channel][i] += combined[channel][i];
-            if (!isfinite(combined[channel][i]))
+            const float emitted = layers[0][channel][i];
+            all[channel][i] += emitted;
+            scattered[channel][i] += emitted;
+            if (!isfinite(emitted))
                 status = not_finite(picture, i, image->width_px, diag);
         }
     }
@@ -399,15 +397,14 @@ static enum neph_status transmittance_layer(const struct session *session, struc
                                             struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    float *combined[3], *layer[3];
-    enum neph_status status = read_pass(session, "transmittance", &image, diag);
-    if (!status)
-        status = find_layer(image, "pass.Combined", combined, diag);
+    float *layers[1][3], *layer[3];
+    enum neph_status status = read_layers(session, "transmittance", &combined_name, 1, layers,
+                                          &image, diag);
     if (!status)
         status = neph_image_add_rgb(frame, "transmittance", layer, diag);
     for (int channel = 0; channel < 3 && !status; channel++) {
         for (size_t i = 0; i < neph_image_pixel_count(frame) && !status; i++) {
-            layer[channel][i] = combined[channel][i];
+            layer[channel][i] = layers[0][channel][i];
             if (!isfinite(layer[channel][i]))
                 status = not_finite("transmittance", i, frame->width_px, diag);
         }
@@ -554,7 +551,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         status = read_timing(&session, &render_s, diag);
     if (!status)
         status = make_frame(&session, &made, diag);
-    close_session(&session);
+    neph_baked_scene_finish(&session.baked);
     if (status)
         return status;
     *frame = made;
@@ -592,7 +589,7 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
                  "blender -b --factory-startup -noaudio --python-exit-code 7 --python %s -- "
                  "spec.json",
                  script_name);
-    close_session(&session);
+    neph_baked_scene_finish(&session.baked);
     return status;
 }
 

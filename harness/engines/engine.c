@@ -3,8 +3,6 @@
 
 #include "base/build_id.h"
 #include "base/text.h"
-#include "harness/engines/gpu_frames.h"
-#include "harness/engines/own_cost.h"
 #include "renderer/sky/split.h"
 
 #include <math.h>
@@ -53,23 +51,6 @@ void neph_engine_probe(const struct neph_engine *engine, struct neph_shared_devi
     neph_text_clean(info->device, sizeof(info->device));
     neph_text_clean(info->missing, sizeof(info->missing));
     neph_text_clean(info->install_line, sizeof(info->install_line));
-}
-
-enum neph_status neph_engine_render(const struct neph_engine *engine, const struct neph_shot *shot,
-                                    struct neph_image **frame, struct neph_cost *cost,
-                                    struct neph_diag *diag)
-{
-    if (engine->render)
-        return engine->render(shot, frame, cost, diag);
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    void *sequence = NULL;
-    enum neph_status status = engine->sequence->open(engine, shot, &sequence, diag);
-    if (!status)
-        status = engine->sequence->next(sequence, shot, frame, cost, diag);
-    engine->sequence->close(sequence);
-    if (!status && !(engine->gpu && engine->gpu->set_up_is_free))
-        *cost = neph_own_cost(start, cost->render_s);
-    return status;
 }
 
 struct neph_settings neph_settings_default(const struct neph_engine *engine)

@@ -176,11 +176,10 @@ struct neph_engine {
     bool (*can_render)(const struct neph_scene *scene, const struct neph_settings *settings,
                        char *reason, size_t reason_size);
 
-    /* Render one frame; NULL: the first of a sequence. Called through neph_engine_render(). The
-     * caller adds the common attributes (scene hash, engine, settings, seed,
-     * seconds) and checks the frame; the engine adds only what it alone knows. Attributes
-     * "neph.stats.NAME" are numbers of what the frame has cost, for `neph render --stats`
-     * (frame_stats.h). */
+    /* Render one frame; NULL: the first of a sequence (neph_engine_render() in gpu_frames.h). The
+     * caller adds the common attributes (scene hash, engine, settings, seed, seconds) and checks
+     * the frame; the engine adds only what it alone knows. Attributes "neph.stats.NAME" are numbers
+     * of what the frame has cost, for `neph render --stats` (frame_stats.h). */
     enum neph_status (*render)(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag);
 
@@ -194,12 +193,6 @@ struct neph_engine {
  * driver or program is called. */
 void neph_engine_probe(const struct neph_engine *engine, struct neph_shared_device *device,
                        struct neph_engine_info *info);
-
-/* Render one frame by itself, which pays for what it is set up with (but neph_gpu_renderer
- * .set_up_is_free). As neph_engine.render. */
-enum neph_status neph_engine_render(const struct neph_engine *engine, const struct neph_shot *shot,
-                                    struct neph_image **frame, struct neph_cost *cost,
-                                    struct neph_diag *diag);
 
 /* The first choice of its option "lighting" with which an engine can render a scene that it cannot
  * with these settings: "octaves". NULL: there is none. */

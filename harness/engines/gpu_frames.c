@@ -128,6 +128,23 @@ const struct neph_engine_sequence neph_gpu_sequence_watched = {.open = open_sequ
                                                                .watch = watch,
                                                                .close = close_sequence};
 
+enum neph_status neph_engine_render(const struct neph_engine *engine, const struct neph_shot *shot,
+                                    struct neph_image **frame, struct neph_cost *cost,
+                                    struct neph_diag *diag)
+{
+    if (engine->render)
+        return engine->render(shot, frame, cost, diag);
+    const struct neph_stopwatch start = neph_stopwatch_start();
+    void *sequence = NULL;
+    enum neph_status status = engine->sequence->open(engine, shot, &sequence, diag);
+    if (!status)
+        status = engine->sequence->next(sequence, shot, frame, cost, diag);
+    engine->sequence->close(sequence);
+    if (!status && !(engine->gpu && engine->gpu->set_up_is_free))
+        *cost = neph_own_cost(start, cost->render_s);
+    return status;
+}
+
 void neph_flight_cost_add(struct neph_flight_cost *cost, const char *name, double gpu_s,
                           double traffic_bytes)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames in a row of neph's own engines on a GPU: the functions of their sequence, written once.
+ * Frames in a row of neph's own engines on a GPU: the functions of their sequence, written once,
+ * and a frame by itself of any engine.
  * An engine gives the functions of its renderer (neph_engine.gpu), and this file opens the device,
  * sets the renderer up for the size of the frames, submits, collects and measures.
  */
@@ -51,6 +52,12 @@ struct neph_gpu_renderer {
 
 /* neph_engine.sequence of engines that have a neph_engine.gpu; the second has `watch`. */
 extern const struct neph_engine_sequence neph_gpu_sequence, neph_gpu_sequence_watched;
+
+/* Render one frame by itself, which pays for what it is set up with (but neph_gpu_renderer
+ * .set_up_is_free). As neph_engine.render. */
+enum neph_status neph_engine_render(const struct neph_engine *engine, const struct neph_shot *shot,
+                                    struct neph_image **frame, struct neph_cost *cost,
+                                    struct neph_diag *diag);
 
 /* Add a pass to a frame's cost. */
 void neph_flight_cost_add(struct neph_flight_cost *cost, const char *name, double gpu_s,

@@ -949,7 +949,7 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     return neph_external_cannot("POV-Ray", status, &why, diag);
 }
 
-/* Grids and the ini go to `directory`. finish() whatever the status. */
+/* Grids and the ini go to `directory`. The caller ends session->baked, whatever the status. */
 static enum neph_status start(const struct neph_shot *shot, const char *directory,
                               struct session *session, struct neph_diag *diag)
 {
@@ -964,11 +964,6 @@ static enum neph_status start(const struct neph_shot *shot, const char *director
     if (!status)
         status = write_noises(session->shot.scene, directory, diag);
     return status ? status : write_grids(session, directory, diag);
-}
-
-static void finish(struct session *session)
-{
-    neph_baked_scene_finish(&session->baked);
 }
 
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
@@ -988,7 +983,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         status = depth_layer(&session, image, diag);
     if (!status)
         status = add_attributes(&session, image, diag);
-    finish(&session);
+    neph_baked_scene_finish(&session.baked);
     if (status) {
         neph_image_destroy(image);
         return status;
@@ -1010,7 +1005,7 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
     if (!status)
         status = path ? write_scene(&session, &beauty, path, diag) : neph_fail_memory(diag);
     free(path);
-    finish(&session);
+    neph_baked_scene_finish(&session.baked);
     if (!status)
         snprintf(command, command_size,
                  "POVINI=povray.ini povray +Iscene.pov +Oscene.png +FN16 Dither=off +W%d +H%d -A "

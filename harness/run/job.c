@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "harness/compare/frame.h"
+#include "harness/engines/gpu_frames.h"
 #include "scenes/motion.h"
 #include "truth/lamp_peak.h"
 

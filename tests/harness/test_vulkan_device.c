@@ -6,6 +6,7 @@
 #include "tests/neph_test.h"
 
 #include "harness/engines/engines.h"
+#include "harness/engines/gpu_frames.h"
 #include "harness/engines/vulkan_device.h"
 #include "renderer/vulkan_device.h"
 #include "scenes/scene.h"
