@@ -3,6 +3,8 @@
 
 #include "scenes/media.h"
 
+#include <math.h>
+
 static const double rms_max = 0.5;
 
 static enum neph_status bake_medium(const struct neph_scene *scene, int index, int resolution,
@@ -58,4 +60,21 @@ void neph_baked_scene_finish(struct neph_baked_scene *baked)
     for (int i = 0; i < baked->bake_count; i++)
         neph_bake_finish(&baked->bakes[i]);
     baked->bake_count = 0;
+}
+
+double neph_fog_layer_per_m(const struct neph_fog_layer *layer, double y_m)
+{
+    if (layer->extinction_per_m <= 0.0)
+        return 0.0; /* not 0 * inf */
+    return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
+}
+
+double neph_densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds)
+{
+    if (!neph_medium_is_fog(medium))
+        return neph_medium_extinction_bound_per_m(medium, bounds);
+    double sum_per_m = 0.0;
+    for (int i = 0; i < medium->layer_count; i++)
+        sum_per_m += neph_fog_layer_per_m(&medium->layers[i], bounds->min_m.y);
+    return sum_per_m;
 }

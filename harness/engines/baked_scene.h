@@ -31,6 +31,11 @@ struct neph_baked_scene {
 enum neph_status neph_baked_scene_make(const struct neph_scene *scene, int resolution,
                                        struct neph_baked_scene *baked, struct neph_diag *diag);
 
+/* Extinction of a layer at a height, and of a medium where it is densest within bounds: of fog that
+ * of their bottom. Both without the colour. */
+double neph_fog_layer_per_m(const struct neph_fog_layer *layer, double y_m);
+double neph_densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds);
+
 void neph_baked_scene_finish(struct neph_baked_scene *baked);
 
 #endif

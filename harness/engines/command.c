@@ -313,9 +313,11 @@ static void close_sequence(void *opened)
     free(sequence);
 }
 
-static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
+static enum neph_status open_sequence(const struct neph_engine *engine,
+                                      const struct neph_shot *shot, void **opened,
                                       struct neph_diag *diag)
 {
+    (void)engine;
     struct sequence *sequence = calloc(1, sizeof(*sequence));
     if (!sequence)
         return neph_fail_memory(diag);

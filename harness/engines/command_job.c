@@ -4,7 +4,7 @@
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/threads.h"
-#include "harness/json.h"
+#include "harness/engines/scene_json.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
 
@@ -13,49 +13,14 @@
 
 /* ---- job.json -------------------------------------------------------------------------------- */
 
-static json_t *vector(struct neph_vec3 v)
-{
-    return json_pack("[f, f, f]", v.x, v.y, v.z);
-}
-
-static json_t *colour(struct neph_rgb c)
-{
-    return json_pack("[f, f, f]", c.r, c.g, c.b);
-}
-
 /* One of the last two keys is 0, as in struct neph_camera. */
 static json_t *camera_json(const struct neph_camera *camera)
 {
-    return json_pack("{s:o, s:o, s:o, s:o, s:f, s:f}", "position_m", vector(camera->position_m),
-                     "right", vector(camera->right), "up", vector(camera->up), "forward",
-                     vector(camera->forward), "vertical_fov_rad", camera->vertical_fov_rad,
-                     "orthographic_height_m", camera->orthographic_height_m);
-}
-
-static json_t *sun_json(const struct neph_sun *sun)
-{
-    return sun->present ? json_pack("{s:o, s:o}", "direction", vector(sun->direction),
-                                    "irradiance_w_per_m2", colour(sun->irradiance_w_per_m2))
-                        : json_null();
-}
-
-/* `cone` is null, or its axis and the cosines of its angles. */
-static json_t *light_json(const struct neph_light *light)
-{
-    return json_pack("{s:o, s:o, s:o}", "position_m", vector(light->position_m),
-                     "intensity_w_per_sr", colour(light->intensity_w_per_sr), "cone",
-                     light->is_spot
-                         ? json_pack("{s:o, s:f, s:f}", "axis", vector(light->axis), "inner_cosine",
-                                     light->inner_cosine, "outer_cosine", light->outer_cosine)
-                         : json_null());
-}
-
-static json_t *lights_json(const struct neph_scene *scene)
-{
-    json_t *json = json_array();
-    for (int i = 0; i < scene->light_count; i++)
-        neph_json_add(&json, light_json(&scene->lights[i]));
-    return json;
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:f, s:f}", "position_m", neph_vector_json(camera->position_m),
+        "right", neph_vector_json(camera->right), "up", neph_vector_json(camera->up), "forward",
+        neph_vector_json(camera->forward), "vertical_fov_rad", camera->vertical_fov_rad,
+        "orthographic_height_m", camera->orthographic_height_m);
 }
 
 static json_t *settings_json(const struct neph_engine *engine, const struct neph_settings *settings)
@@ -87,11 +52,11 @@ static json_t *job_json(const struct neph_engine *engine, const struct neph_shot
                              "frame", shot->frame, "picture", picture, "time_s", time_s, "seed",
                              (json_int_t)shot->seed);
     neph_json_set(&json, "camera", camera_json(&camera));
-    neph_json_set(&json, "sun", sun_json(&sun));
-    neph_json_set(&json, "lights", lights_json(scene));
+    neph_json_set(&json, "sun", neph_sun_json(&sun));
+    neph_json_set(&json, "lights", neph_lights_json(scene));
     neph_json_set(&json, "wind_displacement_m",
-                  vector(neph_scene_wind_displacement_m(scene, shot->frame)));
-    neph_json_set(&json, "background_w_per_m2_sr", colour(scene->background_w_per_m2_sr));
+                  neph_vector_json(neph_scene_wind_displacement_m(scene, shot->frame)));
+    neph_json_set(&json, "background_w_per_m2_sr", neph_colour_json(scene->background_w_per_m2_sr));
     neph_json_set(&json, "scattering", json_string(neph_scattering_name(scene->scattering)));
     neph_json_set(&json, "settings", settings_json(engine, &shot->settings));
     return json;

@@ -33,8 +33,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double probe_limit_s = 30.0; /* it answers in less than 1 s */
-static const char install_line[] = "apt-get install blender python3-numpy";
 static const char script_name[] = "blender_render.py", script_path[] = "scripts/blender_render.py";
 
 /* Blender writes nothing smaller: it silently makes it 4 x 4. */
@@ -97,51 +95,23 @@ static bool parse_version(const char *text, char version[64])
     return false;
 }
 
-static void judge_version(const char *text, struct neph_engine_info *info)
-{
-    char version[64];
-    info->broken = !parse_version(text, version);
-    if (info->broken) {
-        snprintf(info->missing, sizeof(info->missing), "'blender --version' does not tell it");
-        return;
-    }
-    if (strncmp(version, "3.4.", 4) != 0) {
-        snprintf(info->missing, sizeof(info->missing),
-                 "wrong version: 'blender' is %s, and our laws of Cycles were measured for 3.4.x; "
-                 "5.0 has another volume integrator (null scattering in place of marching)",
-                 version);
-        return;
-    }
-    info->available = true;
-    snprintf(info->version, sizeof(info->version), "Blender %s", version);
-    snprintf(info->device, sizeof(info->device), "CPU, %d threads", neph_processor_count());
-}
+static const struct neph_external_renderer blender = {
+    .program = "blender",
+    .name = "Blender",
+    .install_line = "apt-get install blender python3-numpy",
+    .data_file = script_path,
+    .parse_version = parse_version,
+    .measured = "3.4.",
+    .other = {"wrong version: 'blender' is ",
+              ", and our laws of Cycles were measured for 3.4.x; 5.0 has another volume "
+              "integrator (null scattering in place of marching)"},
+    .environment = environment,
+};
 
 static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
     (void)device;
-    *info = (struct neph_engine_info){.available = false};
-    snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);
-    if (!neph_child_program_exists("blender")) {
-        snprintf(info->missing, sizeof(info->missing), "there is no program 'blender' in PATH");
-        return;
-    }
-    struct neph_diag diag = {0};
-    char *script = neph_data_path(script_path);
-    char *text = NULL;
-    info->broken = true;
-    if (!script || !neph_path_exists(script))
-        snprintf(info->missing, sizeof(info->missing),
-                 "'%.300s' is not there; NEPH_DATA_DIR names the folder that holds scripts/",
-                 script ? script : script_path);
-    else if (neph_program_ask("blender", "Blender ", probe_limit_s, &text, info->build, &diag) ==
-             NEPH_OK)
-        judge_version(text, info);
-    else
-        snprintf(info->missing, sizeof(info->missing), "'blender --version' failed: %.400s",
-                 diag.message);
-    free(script);
-    free(text);
+    neph_external_probe(&blender, info);
 }
 
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
@@ -178,17 +148,12 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
     enum neph_status status = neph_baked_scene_make(shot->scene, resolution, &session->baked, &why);
     if (!status)
         status = neph_cycles_world(&session->baked.scene, &session->world, &why);
-    if (status) {
-        neph_fail(diag, status, "%s%s", status == NEPH_ERR_UNSUPPORTED ? "Cycles cannot: " : "",
-                  why.message);
-        neph_hint(diag, "%s", why.hint);
-    }
     session->shot.scene = &session->baked.scene;
     session->world.cut_error += session->baked.cut_error;
-    return status;
+    return neph_external_cannot("Cycles", status, &why, diag);
 }
 
-/* close_session() whatever the status. */
+/* The caller ends session->baked, whatever the status. */
 static enum neph_status open_session(const struct neph_shot *shot, const char *directory,
                                      struct session *session, struct neph_diag *diag)
 {
@@ -210,33 +175,23 @@ static enum neph_status open_session(const struct neph_shot *shot, const char *d
     return adapt_scene(shot, session, diag);
 }
 
-static void close_session(struct session *session)
-{
-    neph_baked_scene_finish(&session->baked);
-}
-
-static enum neph_status write_grid(const struct session *session, int index, struct neph_diag *diag)
+static enum neph_status write_grids(const struct session *session, struct neph_diag *diag)
 {
     const struct neph_scene *scene = session->shot.scene;
     const struct neph_camera camera = neph_scene_camera(scene, session->shot.frame);
-    const struct neph_grid placed = neph_cycles_grid(scene->media[index].grid, &camera,
-                                                     session->world.unit_m);
-    char name[NEPH_CYCLES_FILE_NAME_MAX];
-    neph_cycles_grid_name(index, name);
-    char *path = neph_path_join(session->directory, name);
-    if (!path)
-        return neph_fail_memory(diag);
-    enum neph_status status = neph_volume_write_vdb(path, &placed, NEPH_VDB_BLENDER, diag);
-    free(path);
-    return status;
-}
-
-static enum neph_status write_grids(const struct session *session, struct neph_diag *diag)
-{
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < session->shot.scene->medium_count && !status; i++)
-        if (session->world.used[i] && session->shot.scene->media[i].grid)
-            status = write_grid(session, i, diag);
+    for (int i = 0; i < scene->medium_count && !status; i++) {
+        if (!session->world.used[i] || !scene->media[i].grid)
+            continue;
+        const struct neph_grid placed = neph_cycles_grid(scene->media[i].grid, &camera,
+                                                         session->world.unit_m);
+        char name[NEPH_CYCLES_FILE_NAME_MAX];
+        neph_cycles_grid_name(i, name);
+        char *path = neph_path_join(session->directory, name);
+        status = path ? neph_volume_write_vdb(path, &placed, NEPH_VDB_BLENDER, diag)
+                      : neph_fail_memory(diag);
+        free(path);
+    }
     return status;
 }
 
@@ -272,8 +227,7 @@ static enum neph_status write_inputs(struct session *session, struct neph_diag *
 
 /* Run the script on spec.json, or, with `blend` not NULL, save the scenes under that name. */
 static enum neph_status run_script(const struct session *session, const char *blend,
-                                   double time_limit_s, struct neph_child_result *result,
-                                   struct neph_diag *diag)
+                                   struct neph_child_result *result, struct neph_diag *diag)
 {
     char threads[16];
     snprintf(threads, sizeof(threads), "%d", session->quality.threads);
@@ -294,21 +248,9 @@ static enum neph_status run_script(const struct session *session, const char *bl
                           blend,
                           NULL};
     char *log = neph_path_join(session->directory, "blender.log");
-    if (!log)
-        return neph_fail_memory(diag);
-    const struct neph_usage before = neph_usage_measure(session->directory);
-    const struct neph_child_limits limits = neph_program_limits(&before, session->shot.width_px,
-                                                                session->shot.height_px);
-    const struct neph_child_params params = {.argv = argv,
-                                             .working_directory = session->directory,
-                                             .log_path = log,
-                                             .home = session->directory,
-                                             .environment = environment,
-                                             .limits = limits,
-                                             .time_limit_s = time_limit_s};
-    enum neph_status status = neph_child_run(&params, result, diag);
-    if (status == NEPH_ERR_UNAVAILABLE)
-        neph_hint(diag, "%s", install_line);
+    const enum neph_status status = log ? neph_external_run(&blender, argv, session->directory, log,
+                                                            &session->shot, result, diag)
+                                        : neph_fail_memory(diag);
     free(log);
     return status;
 }
@@ -317,24 +259,21 @@ static enum neph_status run_script(const struct session *session, const char *bl
 static enum neph_status read_pass(const struct session *session, const char *kind,
                                   struct neph_image **image, struct neph_diag *diag)
 {
-    const struct neph_shot *shot = &session->shot;
     struct neph_image *read = NULL;
-    char *path = neph_format("%s/%s.exr", session->directory, kind);
-    if (!path)
-        return neph_fail_memory(diag);
-    bool is_left = false;
-    enum neph_status status = neph_program_left(path, &is_left, diag);
-    if (!status && !is_left) {
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "Blender ended well but wrote no %s image", kind);
-        neph_hint(diag, "its whole log is '%s/blender.log'", session->directory);
-    }
+    char *which = neph_format("%s ", kind),
+         *path = neph_format("%s/%s.exr", session->directory, kind),
+         *log = neph_format("%s/blender.log", session->directory);
+    enum neph_status status = which && path && log
+                                  ? neph_external_left(&blender, path, which, log, diag)
+                                  : neph_fail_memory(diag);
     if (!status)
         status = neph_program_status(neph_exr_read(path, &read, diag));
+    if (!status)
+        status = neph_external_size(&blender, which, read->width_px, read->height_px,
+                                    &session->shot, diag);
+    free(which);
     free(path);
-    if (!status && (read->width_px != shot->width_px || read->height_px != shot->height_px))
-        status = neph_fail(diag, NEPH_ERR_ENGINE,
-                           "Blender's %s image is %d x %d pixels, not %d x %d", kind,
-                           read->width_px, read->height_px, shot->width_px, shot->height_px);
+    free(log);
     if (status) {
         neph_image_destroy(read);
         return status;
@@ -343,12 +282,17 @@ static enum neph_status read_pass(const struct session *session, const char *kin
     return NEPH_OK;
 }
 
-static enum neph_status find_layer(const struct neph_image *image, const char *layer,
-                                   float *samples[3], struct neph_diag *diag)
+/* A picture and three channels of each of its layers; it is the caller's to destroy. */
+static enum neph_status read_layers(const struct session *session, const char *kind,
+                                    const char *const names[], int count, float *layers[][3],
+                                    struct neph_image **image, struct neph_diag *diag)
 {
-    if (neph_image_rgb(image, layer, samples))
-        return NEPH_OK;
-    return neph_fail(diag, NEPH_ERR_ENGINE, "Blender's image has no layer '%s'", layer);
+    enum neph_status status = read_pass(session, kind, image, diag);
+    for (int i = 0; i < count && !status; i++)
+        if (!neph_image_rgb(*image, names[i], layers[i]))
+            status = neph_fail(diag, NEPH_ERR_ENGINE, "Blender's image has no layer '%s'",
+                               names[i]);
+    return status;
 }
 
 static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
@@ -359,31 +303,29 @@ static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
                      kind, pixel % (size_t)width_px, pixel / (size_t)width_px);
 }
 
+static const char *const combined_name = "pass.Combined";
+
 /* R = combined, volume = its direct and indirect part and what media in view emit; of one picture,
  * in channels first..last. */
 static enum neph_status take_radiance(const struct session *session, const char *picture, int first,
                                       int last, float *const all[3], float *const scattered[3],
                                       struct neph_diag *diag)
 {
+    enum { COMBINED, DIRECT, INDIRECT, EMITTED, COUNT };
+    static const char *const names[] = {"pass.Combined", "pass.VolumeDir", "pass.VolumeInd",
+                                        "pass.Emit"};
     struct neph_image *image = NULL;
-    float *combined[3], *direct[3], *indirect[3], *emitted[3];
+    float *layers[COUNT][3];
     const bool emits = neph_scene_emits(session->shot.scene) &&
                        !neph_cycles_has_emission_pictures(session->shot.scene);
-    enum neph_status status = read_pass(session, picture, &image, diag);
-    if (!status)
-        status = find_layer(image, "pass.Combined", combined, diag);
-    if (!status)
-        status = find_layer(image, "pass.VolumeDir", direct, diag);
-    if (!status)
-        status = find_layer(image, "pass.VolumeInd", indirect, diag);
-    if (!status && emits)
-        status = find_layer(image, "pass.Emit", emitted, diag);
+    enum neph_status status = read_layers(session, picture, names, emits ? COUNT : EMITTED, layers,
+                                          &image, diag);
     for (int channel = first; channel <= last && !status; channel++) {
         for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++) {
-            all[channel][i] = combined[channel][i];
-            scattered[channel][i] = direct[channel][i] + indirect[channel][i];
+            all[channel][i] = layers[COMBINED][channel][i];
+            scattered[channel][i] = layers[DIRECT][channel][i] + layers[INDIRECT][channel][i];
             if (emits)
-                scattered[channel][i] += emitted[channel][i];
+                scattered[channel][i] += layers[EMITTED][channel][i];
             if (!isfinite(all[channel][i]) || !isfinite(scattered[channel][i]))
                 status = not_finite(picture, i, image->width_px, diag);
         }
@@ -398,15 +340,15 @@ static enum neph_status add_emission(const struct session *session, const char *
                                      struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    float *combined[3];
-    enum neph_status status = read_pass(session, picture, &image, diag);
-    if (!status)
-        status = find_layer(image, "pass.Combined", combined, diag);
+    float *layers[1][3];
+    enum neph_status status = read_layers(session, picture, &combined_name, 1, layers, &image,
+                                          diag);
     for (int channel = first; channel <= last && !status; channel++) {
         for (size_t i = 0; i < neph_image_pixel_count(image) && !status; i++) {
-            all[channel][i] += combined[channel][i];
-            scattered[channel][i] += combined[channel][i];
-            if (!isfinite(combined[channel][i]))
+            const float emitted = layers[0][channel][i];
+            all[channel][i] += emitted;
+            scattered[channel][i] += emitted;
+            if (!isfinite(emitted))
                 status = not_finite(picture, i, image->width_px, diag);
         }
     }
@@ -455,15 +397,14 @@ static enum neph_status transmittance_layer(const struct session *session, struc
                                             struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    float *combined[3], *layer[3];
-    enum neph_status status = read_pass(session, "transmittance", &image, diag);
-    if (!status)
-        status = find_layer(image, "pass.Combined", combined, diag);
+    float *layers[1][3], *layer[3];
+    enum neph_status status = read_layers(session, "transmittance", &combined_name, 1, layers,
+                                          &image, diag);
     if (!status)
         status = neph_image_add_rgb(frame, "transmittance", layer, diag);
     for (int channel = 0; channel < 3 && !status; channel++) {
         for (size_t i = 0; i < neph_image_pixel_count(frame) && !status; i++) {
-            layer[channel][i] = combined[channel][i];
+            layer[channel][i] = layers[0][channel][i];
             if (!isfinite(layer[channel][i]))
                 status = not_finite("transmittance", i, frame->width_px, diag);
         }
@@ -605,12 +546,12 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     if (!status)
         status = write_inputs(&session, diag);
     if (!status)
-        status = run_script(&session, NULL, shot->time_limit_s, &result, diag);
+        status = run_script(&session, NULL, &result, diag);
     if (!status)
         status = read_timing(&session, &render_s, diag);
     if (!status)
         status = make_frame(&session, &made, diag);
-    close_session(&session);
+    neph_baked_scene_finish(&session.baked);
     if (status)
         return status;
     *frame = made;
@@ -631,7 +572,7 @@ static enum neph_status save_blend(const struct session *session, struct neph_di
     struct neph_child_result result;
     if (!neph_child_program_exists("blender"))
         return NEPH_OK;
-    return run_script(session, "scene.blend", session->shot.time_limit_s, &result, diag);
+    return run_script(session, "scene.blend", &result, diag);
 }
 
 static enum neph_status export_scene(const struct neph_shot *shot, const char *directory,
@@ -648,7 +589,7 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
                  "blender -b --factory-startup -noaudio --python-exit-code 7 --python %s -- "
                  "spec.json",
                  script_name);
-    close_session(&session);
+    neph_baked_scene_finish(&session.baked);
     return status;
 }
 

@@ -4,7 +4,9 @@
  */
 #include "harness/engines/cycles_spec.h"
 
+#include "harness/engines/baked_scene.h"
 #include "harness/engines/cycles_surface.h"
+#include "harness/engines/scene_json.h"
 
 #include "scenes/emission.h"
 #include "scenes/grid.h"
@@ -56,13 +58,6 @@ static bool is_box(const struct neph_bounds *b)
            b->min_m.x < b->max_m.x && b->min_m.y < b->max_m.y && b->min_m.z < b->max_m.z;
 }
 
-static double layer_at_per_m(const struct neph_fog_layer *layer, double y_m)
-{
-    if (layer->extinction_per_m <= 0.0)
-        return 0.0; /* not 0 * inf */
-    return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
-}
-
 static double brightest(struct neph_rgb color)
 {
     return fmax(color.r, fmax(color.g, color.b));
@@ -71,12 +66,7 @@ static double brightest(struct neph_rgb color)
 /* The largest extinction of a medium in any channel; of fog that of its bottom. */
 static double densest_per_m(const struct neph_medium *medium, const struct neph_bounds *container)
 {
-    double densest = 0.0;
-    for (int i = 0; i < medium->layer_count; i++)
-        densest += layer_at_per_m(&medium->layers[i], container->min_m.y);
-    if (!neph_medium_is_fog(medium))
-        densest = neph_medium_extinction_bound_per_m(medium, container);
-    return densest * brightest(medium->extinction_color);
+    return neph_densest_per_m(medium, container) * brightest(medium->extinction_color);
 }
 
 static double shortest_scale_height_m(const struct neph_medium *medium)
@@ -293,16 +283,6 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
 /* ---- JSON: every function returns a new reference, or NULL when a number is not finite ---------
  */
 
-static json_t *vector_json(struct neph_vec3 v)
-{
-    return json_pack("[fff]", v.x, v.y, v.z);
-}
-
-static json_t *color_json(struct neph_rgb c)
-{
-    return json_pack("[fff]", c.r, c.g, c.b);
-}
-
 /* The radius of the silhouette; for an eye inside, which has none, the picture's height. */
 static double sphere_radius_px(const struct neph_solid *sphere, const struct neph_camera *camera,
                                int height_px)
@@ -341,13 +321,14 @@ static json_t *solid_json(const struct neph_solid *solid, const struct neph_came
 {
     if (solid->kind == NEPH_SOLID_BOX)
         return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "kind", "box", "min_m",
-                         vector_json(solid->box.min_m), "max_m", vector_json(solid->box.max_m),
-                         "turn", turn_json(&solid->turn), "albedo", color_json(solid->albedo),
-                         "surface", neph_cycles_surface(&solid->surface));
+                         neph_vector_json(solid->box.min_m), "max_m",
+                         neph_vector_json(solid->box.max_m), "turn", turn_json(&solid->turn),
+                         "albedo", neph_colour_json(solid->albedo), "surface",
+                         neph_cycles_surface(&solid->surface));
     const int segments = sphere_segments(solid, camera, height_px, error_px);
     return json_pack("{s:s, s:o, s:f, s:i, s:o, s:o}", "kind", "sphere", "center_m",
-                     vector_json(solid->center_m), "radius_m", solid->radius_m, "segments",
-                     segments, "albedo", color_json(solid->albedo), "surface",
+                     neph_vector_json(solid->center_m), "radius_m", solid->radius_m, "segments",
+                     segments, "albedo", neph_colour_json(solid->albedo), "surface",
                      neph_cycles_surface(&solid->surface));
 }
 
@@ -355,13 +336,9 @@ static json_t *solids_json(const struct neph_shot *shot, const struct neph_camer
                            double *error_px)
 {
     json_t *solids = json_array();
-    for (int i = 0; i < shot->scene->solid_count; i++) {
-        json_t *solid = solid_json(&shot->scene->solids[i], camera, shot->height_px, error_px);
-        if (json_array_append_new(solids, solid)) {
-            json_decref(solids);
-            return NULL;
-        }
-    }
+    for (int i = 0; i < shot->scene->solid_count; i++)
+        neph_json_add(&solids,
+                      solid_json(&shot->scene->solids[i], camera, shot->height_px, error_px));
     return solids;
 }
 
@@ -370,100 +347,54 @@ static json_t *layers_json(const struct neph_medium *medium, double bottom_m)
     json_t *layers = json_array();
     for (int i = 0; i < medium->layer_count; i++) {
         const struct neph_fog_layer *layer = &medium->layers[i];
-        if (layer->extinction_per_m <= 0.0)
-            continue;
-        if (json_array_append_new(layers, json_pack("{s:f, s:f}", "bottom_per_m",
-                                                    layer_at_per_m(layer, bottom_m),
-                                                    "falloff_per_m", layer->falloff_per_m))) {
-            json_decref(layers);
-            return NULL;
-        }
+        if (layer->extinction_per_m > 0.0)
+            neph_json_add(&layers, json_pack("{s:f, s:f}", "bottom_per_m",
+                                             neph_fog_layer_per_m(layer, bottom_m), "falloff_per_m",
+                                             layer->falloff_per_m));
     }
     return layers;
 }
 
-/* Where the extinction comes from: layers, or a file beside the spec (neph_cycles_grid()). */
-static int set_source(json_t *json, int index, const struct neph_medium *medium, double bottom_m)
-{
-    char file[NEPH_CYCLES_FILE_NAME_MAX];
-    if (neph_medium_is_fog(medium))
-        return json_object_set_new(json, "layers", layers_json(medium, bottom_m));
-    neph_cycles_grid_name(index, file);
-    return json_object_set_new(
-        json, "grid",
-        json_pack("{s:s, s:f}", "file", file, "extinction_per_m", medium->extinction_per_m));
-}
-
+/* Its extinction comes from layers, or from a file beside the spec (neph_cycles_grid()). */
 static json_t *medium_json(int index, const struct neph_medium *medium,
                            const struct neph_bounds *container, double length_m)
 {
     json_t *json = json_pack("{s:o, s:o, s:o, s:o, s:f, s:o}", "min_m",
-                             vector_json(container->min_m), "max_m", vector_json(container->max_m),
-                             "extinction_color", color_json(medium->extinction_color), "albedo",
-                             color_json(medium->albedo), "g", asymmetry(&medium->phase),
+                             neph_vector_json(container->min_m), "max_m",
+                             neph_vector_json(container->max_m), "extinction_color",
+                             neph_colour_json(medium->extinction_color), "albedo",
+                             neph_colour_json(medium->albedo), "g", asymmetry(&medium->phase),
                              "feature_m", isinf(length_m) ? json_null() : json_real(length_m));
-    bool is_made = json && !set_source(json, index, medium, container->min_m.y);
-    if (is_made && neph_medium_emits(medium))
-        is_made = !json_object_set_new(json, "glow_w_per_m2_sr",
-                                       color_json(neph_medium_glow(medium)));
-    if (is_made)
-        return json;
-    json_decref(json);
-    return NULL;
+    char file[NEPH_CYCLES_FILE_NAME_MAX];
+    neph_cycles_grid_name(index, file);
+    if (neph_medium_is_fog(medium))
+        neph_json_set(&json, "layers", layers_json(medium, container->min_m.y));
+    else
+        neph_json_set(
+            &json, "grid",
+            json_pack("{s:s, s:f}", "file", file, "extinction_per_m", medium->extinction_per_m));
+    if (neph_medium_emits(medium))
+        neph_json_set(&json, "glow_w_per_m2_sr", neph_colour_json(neph_medium_glow(medium)));
+    return json;
 }
 
 static json_t *media_json(const struct neph_scene *scene, const struct neph_cycles_world *world)
 {
     json_t *media = json_array();
-    for (int i = 0; i < scene->medium_count; i++) {
-        if (!world->used[i])
-            continue;
-        json_t *medium = medium_json(i, &scene->media[i], &world->containers[i],
-                                     world->feature_m[i]);
-        if (json_array_append_new(media, medium)) {
-            json_decref(media);
-            return NULL;
-        }
-    }
+    for (int i = 0; i < scene->medium_count; i++)
+        if (world->used[i])
+            neph_json_add(&media, medium_json(i, &scene->media[i], &world->containers[i],
+                                              world->feature_m[i]));
     return media;
-}
-
-static json_t *sun_json(const struct neph_sun *sun)
-{
-    if (!sun->present)
-        return json_null();
-    return json_pack("{s:o, s:o}", "direction", vector_json(sun->direction), "irradiance_w_per_m2",
-                     color_json(sun->irradiance_w_per_m2));
-}
-
-/* `cone` is null, or axis and the cosines of the outer and the inner angle. */
-static json_t *light_json(const struct neph_light *light)
-{
-    return json_pack("{s:o, s:o, s:o}", "position_m", vector_json(light->position_m),
-                     "intensity_w_per_sr", color_json(light->intensity_w_per_sr), "cone",
-                     light->is_spot ? json_pack("{s:o, s:f, s:f}", "axis", vector_json(light->axis),
-                                                "outer_cosine", light->outer_cosine, "inner_cosine",
-                                                light->inner_cosine)
-                                    : json_null());
-}
-
-static json_t *lights_json(const struct neph_scene *scene)
-{
-    json_t *lights = json_array();
-    for (int i = 0; i < scene->light_count; i++)
-        if (json_array_append_new(lights, light_json(&scene->lights[i]))) {
-            json_decref(lights);
-            return NULL;
-        }
-    return lights;
 }
 
 static json_t *camera_json(const struct neph_camera *camera)
 {
     const bool is_parallel = camera->orthographic_height_m > 0.0;
-    return json_pack("{s:o, s:o, s:o, s:o, s:f}", "position_m", vector_json(camera->position_m),
-                     "right", vector_json(camera->right), "up", vector_json(camera->up), "forward",
-                     vector_json(camera->forward),
+    return json_pack("{s:o, s:o, s:o, s:o, s:f}", "position_m",
+                     neph_vector_json(camera->position_m), "right", neph_vector_json(camera->right),
+                     "up", neph_vector_json(camera->up), "forward",
+                     neph_vector_json(camera->forward),
                      is_parallel ? "orthographic_height_m" : "vertical_fov_rad",
                      is_parallel ? camera->orthographic_height_m : camera->vertical_fov_rad);
 }
@@ -496,46 +427,25 @@ bool neph_cycles_has_emission_pictures(const struct neph_scene *scene)
     return neph_scene_emits(scene) && scene->scattering != NEPH_SCATTERING_MULTIPLE;
 }
 
-/* Emission has no noise: one sample, with the steps of the transmittance pass. */
-static json_t *emission_json(const struct neph_shot *shot,
-                             const struct neph_cycles_quality *quality, int channel)
-{
-    return pass_json("emission", channel, 1, quality->step / NEPH_CYCLES_FINE_STEPS,
-                     quality->step / NEPH_CYCLES_FINE_GRID_STEPS, shot->seed);
-}
-
-static int append_radiance(json_t *passes, const struct neph_shot *shot,
-                           const struct neph_cycles_quality *quality)
-{
-    const bool coloured = neph_cycles_is_coloured(shot->scene);
-    int failed = 0;
-    for (int channel = coloured ? 0 : -1; channel < (coloured ? 3 : 0); channel++) {
-        failed |= json_array_append_new(passes,
-                                        pass_json("radiance", channel, quality->samples,
-                                                  quality->step, quality->step, shot->seed));
-        if (neph_cycles_has_emission_pictures(shot->scene))
-            failed |= json_array_append_new(passes, emission_json(shot, quality, channel));
-    }
-    return failed;
-}
-
 static json_t *passes_json(const struct neph_shot *shot, const struct neph_cycles_quality *quality)
 {
+    const double step = quality->step, fine = step / NEPH_CYCLES_FINE_STEPS,
+                 fine_grid = step / NEPH_CYCLES_FINE_GRID_STEPS;
+    const bool coloured = neph_cycles_is_coloured(shot->scene);
+    const bool emits = neph_cycles_has_emission_pictures(shot->scene);
     json_t *passes = json_array();
-    int failed = 0;
-    if (shot->layers & NEPH_LAYER_RADIANCE)
-        failed |= append_radiance(passes, shot, quality);
+    for (int channel = coloured ? 0 : -1;
+         (shot->layers & NEPH_LAYER_RADIANCE) && channel < (coloured ? 3 : 0); channel++) {
+        neph_json_add(&passes,
+                      pass_json("radiance", channel, quality->samples, step, step, shot->seed));
+        if (emits) /* it has no noise: one sample, with the steps of the transmittance pass */
+            neph_json_add(&passes, pass_json("emission", channel, 1, fine, fine_grid, shot->seed));
+    }
     if (shot->layers & NEPH_LAYER_TRANSMITTANCE)
-        failed |= json_array_append_new(
-            passes, pass_json("transmittance", -1, 1, quality->step / NEPH_CYCLES_FINE_STEPS,
-                              quality->step / NEPH_CYCLES_FINE_GRID_STEPS, shot->seed));
+        neph_json_add(&passes, pass_json("transmittance", -1, 1, fine, fine_grid, shot->seed));
     if (shot->layers & NEPH_LAYER_DEPTH)
-        failed |= json_array_append_new(
-            passes, pass_json("depth", -1, 1, quality->step, quality->step, shot->seed));
-    if (!failed)
-        return passes;
-    json_decref(passes);
-    return NULL;
+        neph_json_add(&passes, pass_json("depth", -1, 1, step, step, shot->seed));
+    return passes;
 }
 
 /* How far solids hide; null: however far. */
@@ -544,42 +454,6 @@ static json_t *ambient_json(const struct neph_cycles_quality *quality)
     return json_pack("{s:o}", "ao_distance_m",
                      quality->ao_distance_m > 0.0 ? json_real(quality->ao_distance_m)
                                                   : json_null());
-}
-
-/* Adds all members; false when one could not be made. */
-static bool fill_spec(json_t *spec, const struct neph_shot *shot,
-                      const struct neph_cycles_world *world,
-                      const struct neph_cycles_quality *quality, double *error_px)
-{
-    const struct neph_scene *scene = shot->scene;
-    const struct neph_camera camera = neph_scene_camera(scene, shot->frame);
-    const struct {
-        const char *key;
-        json_t *value;
-    } members[] = {
-        {"format", json_integer(SPEC_FORMAT)},
-        {"scene", json_string(scene->name ? scene->name : "")},
-        {"width_px", json_integer(shot->width_px)},
-        {"height_px", json_integer(shot->height_px)},
-        {"threads", json_integer(quality->threads)},
-        {"unit_m", json_real(world->unit_m)},
-        {"origin_m", vector_json(camera.position_m)},
-        {"camera", camera_json(&camera)},
-        {"sun", sun_json(&scene->sun)},
-        {"lights", lights_json(scene)},
-        {"background_w_per_m2_sr", color_json(scene->background_w_per_m2_sr)},
-        {"environment_light", json_boolean(scene->environment_light)},
-        {"scattering", json_string(neph_scattering_name(scene->scattering))},
-        {"solids", solids_json(shot, &camera, error_px)},
-        {"media", media_json(scene, world)},
-        {"passes", passes_json(shot, quality)},
-        {"surface_layers", quality->surface_layers ? ambient_json(quality) : json_null()},
-    };
-    bool complete = true;
-    for (size_t i = 0; i < sizeof(members) / sizeof(members[0]); i++)
-        if (json_object_set_new(spec, members[i].key, members[i].value))
-            complete = false;
-    return complete;
 }
 
 void neph_cycles_grid_name(int index, char name[NEPH_CYCLES_FILE_NAME_MAX])
@@ -602,13 +476,37 @@ enum neph_status neph_cycles_spec(const struct neph_shot *shot,
                                   const struct neph_cycles_quality *quality, json_t **spec,
                                   double *error_px, struct neph_diag *diag)
 {
+    const struct neph_scene *scene = shot->scene;
+    const struct neph_camera camera = neph_scene_camera(scene, shot->frame);
     double sphere_px = 0.0;
+    const struct {
+        const char *key;
+        json_t *value;
+    } members[] = {
+        {"format", json_integer(SPEC_FORMAT)},
+        {"scene", json_string(scene->name ? scene->name : "")},
+        {"width_px", json_integer(shot->width_px)},
+        {"height_px", json_integer(shot->height_px)},
+        {"threads", json_integer(quality->threads)},
+        {"unit_m", json_real(world->unit_m)},
+        {"origin_m", neph_vector_json(camera.position_m)},
+        {"camera", camera_json(&camera)},
+        {"sun", neph_sun_json(&scene->sun)},
+        {"lights", neph_lights_json(scene)},
+        {"background_w_per_m2_sr", neph_colour_json(scene->background_w_per_m2_sr)},
+        {"environment_light", json_boolean(scene->environment_light)},
+        {"scattering", json_string(neph_scattering_name(scene->scattering))},
+        {"solids", solids_json(shot, &camera, &sphere_px)},
+        {"media", media_json(scene, world)},
+        {"passes", passes_json(shot, quality)},
+        {"surface_layers", quality->surface_layers ? ambient_json(quality) : json_null()},
+    };
     json_t *made = json_object();
-    if (!fill_spec(made, shot, world, quality, &sphere_px)) {
-        json_decref(made);
+    for (size_t i = 0; i < sizeof(members) / sizeof(members[0]); i++)
+        neph_json_set(&made, members[i].key, members[i].value);
+    if (!made)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a scene with a number that is not finite or a name that is not UTF-8");
-    }
     *error_px = sphere_px;
     *spec = made;
     return NEPH_OK;

@@ -91,10 +91,14 @@ struct neph_flight_cost {
     } passes[NEPH_FLIGHT_PASSES_MAX];
 };
 
+struct neph_engine;
+struct neph_gpu_renderer; /* gpu_frames.h */
+
 /* Pictures in a row, from what is set up once. */
 struct neph_engine_sequence {
     /* Before the first picture, which is the shot's. `*sequence` is for _close. */
-    enum neph_status (*open)(const struct neph_shot *shot, void **sequence, struct neph_diag *diag);
+    enum neph_status (*open)(const struct neph_engine *engine, const struct neph_shot *shot,
+                             void **sequence, struct neph_diag *diag);
 
     /* The next picture; its size may be another. As neph_engine.render. */
     enum neph_status (*next)(void *sequence, const struct neph_shot *shot,
@@ -137,6 +141,8 @@ struct neph_engine {
     const struct neph_option *options;           /* ends with a NULL name */
     const struct neph_preset *presets;           /* ends with a NULL name; NULL: none */
     const struct neph_engine_sequence *sequence; /* NULL: each picture is set up anew */
+    const struct neph_gpu_renderer *gpu; /* behind neph_gpu_sequence; NULL where that is not it */
+    int lighting;                        /* enum neph_march_lighting, of the engines that march */
     bool remembers;   /* its pictures follow from those before. Its shots have the scene over time,
                          where others get the scene of the picture (scenes/motion.h) */
     bool takes_given; /* a depth and radiance of the solids from a file */
@@ -170,10 +176,10 @@ struct neph_engine {
     bool (*can_render)(const struct neph_scene *scene, const struct neph_settings *settings,
                        char *reason, size_t reason_size);
 
-    /* Render one frame. The caller adds the common attributes (scene hash, engine, settings, seed,
-     * seconds) and checks the frame; the engine adds only what it alone knows. Attributes
-     * "neph.stats.NAME" are numbers of what the frame has cost, for `neph render --stats`
-     * (frame_stats.h). */
+    /* Render one frame; NULL: the first of a sequence (neph_engine_render() in gpu_frames.h). The
+     * caller adds the common attributes (scene hash, engine, settings, seed, seconds) and checks
+     * the frame; the engine adds only what it alone knows. Attributes "neph.stats.NAME" are numbers
+     * of what the frame has cost, for `neph render --stats` (frame_stats.h). */
     enum neph_status (*render)(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag);
 

@@ -4,18 +4,17 @@
  * `fog_look` sets, in closed form. A look: what it is off by is told by `neph study fog`.
  */
 #include "harness/engines/engines.h"
-#include "harness/engines/vulkan_device.h"
 
-#include "base/clock.h"
 #include "harness/engines/frame_stats.h"
-#include "harness/engines/own_cost.h"
+#include "harness/engines/gpu_frames.h"
+#include "harness/engines/vulkan_device.h"
 #include "renderer/fog_look.h"
 #include "renderer/reach.h"
 #include "scenes/fog_translation.h"
 #include "scenes/surfaces.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 
 /* In the order of the controls, behind the first two. */
 static const char *const control_words[] = {"all",
@@ -76,49 +75,13 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
            neph_float32_reaches(scene, reason, reason_size);
 }
 
-static enum neph_status label(struct neph_image *frame, const struct neph_scene *scene,
-                              double gpu_s, struct neph_diag *diag)
-{
-    const int layers = scene->medium_count > 0 ? neph_fog_look_medium(scene)->layer_count : 0;
-    const double pixels = (double)neph_image_pixel_count(frame);
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {
-        {"density_evaluations", 0.0},
-        {"closed_forms", pixels * layers},
-        {"rays", pixels},
-        {"gpu_ms", 1e3 * gpu_s},
-    };
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]) && !status; i++)
-        status = neph_frame_stats_set(frame, numbers[i].name, numbers[i].value, diag);
-    return status;
-}
-
 /* ---- pictures in a row ----------------------------------------------------------------------- */
 
-struct sequence {
-    struct neph_open_device *device;
-    struct neph_fog_looks *looks; /* for pictures of this size */
-    int width_px, height_px;
-    int sent, home; /* pictures that went on their way, and those no longer on it */
-    double sent_s[NEPH_FLIGHT_PICTURES_MAX]; /* the CPU's part of each, by number */
-};
-
-static void close_sequence(void *opened)
-{
-    struct sequence *sequence = opened;
-    if (!sequence)
-        return;
-    neph_fog_looks_destroy(sequence->looks);
-    neph_device_release(sequence->device);
-    free(sequence);
-}
-
-static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
+static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_engine *engine,
+                               const struct neph_shot *shot, void **renderer,
                                struct neph_diag *diag)
 {
+    (void)engine;
     const double *values = shot->settings.values;
     const struct neph_fog_look_params params = {
         .width_px = shot->width_px,
@@ -129,94 +92,56 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
         .model = (enum neph_fog_model)values[OPTION_MODEL],
         .sun_is_clear = values[OPTION_SUN] != 0.0,
     };
-    neph_fog_looks_destroy(sequence->looks);
-    sequence->looks = NULL;
-    sequence->width_px = shot->width_px;
-    sequence->height_px = shot->height_px;
-    return neph_fog_looks_create(sequence->device->vulkan, shot->scene, &params, &sequence->looks,
-                                 diag);
+    struct neph_fog_looks *looks = NULL;
+    const enum neph_status status = neph_fog_looks_create(vulkan, shot->scene, &params, &looks,
+                                                          diag);
+    *renderer = looks;
+    return status;
 }
 
-static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
-                                      struct neph_diag *diag)
+static void destroy(void *renderer)
 {
-    struct sequence *sequence = calloc(1, sizeof(*sequence));
-    if (!sequence)
-        return neph_fail_memory(diag);
-    enum neph_status status = neph_device_acquire(shot->device, &sequence->device, diag);
-    if (!status)
-        status = set_up(sequence, shot, diag);
+    neph_fog_looks_destroy(renderer);
+}
+
+static enum neph_status frame(void *renderer, const struct neph_shot *shot,
+                              struct neph_image **image, double *gpu_s, struct neph_diag *diag)
+{
+    const struct neph_scene *scene = shot->scene;
+    const enum neph_status status = neph_fog_looks_frame(renderer, scene, shot->frame, image, gpu_s,
+                                                         diag);
     if (status)
-        close_sequence(sequence);
-    else
-        *opened = sequence;
-    return status;
-}
-
-static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
-                                     struct neph_image **frame, struct neph_cost *cost,
-                                     struct neph_diag *diag)
-{
-    struct sequence *sequence = opened;
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    struct neph_image *image = NULL;
-    double gpu_s = NAN;
-    sequence->home = sequence->sent; /* those in flight are forgotten */
-    const bool fits = shot->width_px == sequence->width_px &&
-                      shot->height_px == sequence->height_px && sequence->looks;
-    enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
-    if (!status)
-        status = neph_fog_looks_frame(sequence->looks, shot->scene, shot->frame, &image, &gpu_s,
-                                      diag);
-    if (!status)
-        status = label(image, shot->scene, gpu_s, diag);
-    if (status) {
-        neph_image_destroy(image);
         return status;
-    }
-    *cost = neph_own_cost(start, gpu_s);
-    *frame = image;
-    return NEPH_OK;
+    const int layers = scene->medium_count > 0 ? neph_fog_look_medium(scene)->layer_count : 0;
+    const double pixels = (double)neph_image_pixel_count(*image);
+    const struct neph_frame_stat stats[] = {
+        {"density_evaluations", 0.0},
+        {"closed_forms", pixels * layers},
+        {"rays", pixels},
+        {"gpu_ms", 1e3 * *gpu_s},
+    };
+    return neph_frame_stats_set_all(*image, stats, sizeof(stats) / sizeof(stats[0]), diag);
 }
 
-static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
+static enum neph_status submit(void *renderer, const struct neph_shot *shot,
+                               struct neph_flight_cost *cost, struct neph_diag *diag)
 {
-    struct sequence *sequence = opened;
-    const double start_s = neph_wall_s();
-    const enum neph_status status = neph_fog_looks_frame(sequence->looks, shot->scene, shot->frame,
-                                                         NULL, NULL, diag);
-    if (!status)
-        sequence->sent_s[sequence->sent++ % NEPH_FLIGHT_PICTURES_MAX] = neph_wall_s() - start_s;
-    return status;
+    (void)cost;
+    return neph_fog_looks_frame(renderer, shot->scene, shot->frame, NULL, NULL, diag);
 }
 
 /* All is one pass: what it moves is a pixel's result. */
-static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
+static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
+                                struct neph_diag *diag)
 {
-    struct sequence *sequence = opened;
-    double gpu_s;
-    const enum neph_status status = neph_fog_looks_home(sequence->looks, &gpu_s, diag);
+    const enum neph_status status = neph_fog_looks_home(renderer, &cost->gpu_s, diag);
     if (!status)
-        *cost = (struct neph_flight_cost){
-            .gpu_s = gpu_s,
-            .cpu_s = sequence->sent_s[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX],
-            .pass_count = 1,
-            .passes = {{.name = "fog look", .gpu_s = gpu_s, .traffic_bytes = NAN}},
-        };
+        neph_flight_cost_add(cost, "fog look", cost->gpu_s, NAN);
     return status;
 }
 
-static const struct neph_engine_sequence sequence_of_looks = {.open = open_sequence,
-                                                              .next = next_picture,
-                                                              .send = send,
-                                                              .home = home,
-                                                              .close = close_sequence};
-
-static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
-                               struct neph_cost *cost, struct neph_diag *diag)
-{
-    return neph_own_picture(&sequence_of_looks, shot, frame, cost, diag);
-}
+static const struct neph_gpu_renderer gpu = {
+    .create = create, .destroy = destroy, .frame = frame, .submit = submit, .collect = collect};
 
 const struct neph_engine neph_engine_fog_look = {
     .name = "fog_look",
@@ -230,6 +155,6 @@ const struct neph_engine neph_engine_fog_look = {
     .version = 2,
     .probe = neph_vulkan_probe,
     .can_render = can_render,
-    .render = render,
-    .sequence = &sequence_of_looks,
+    .sequence = &neph_gpu_sequence,
+    .gpu = &gpu,
 };

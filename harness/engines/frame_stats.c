@@ -18,6 +18,26 @@ enum neph_status neph_frame_stats_set(struct neph_image *frame, const char *name
     return neph_image_set_attribute(frame, full, diag, "%.15g", value);
 }
 
+enum neph_status neph_frame_stats_set_all(struct neph_image *frame,
+                                          const struct neph_frame_stat *stats, size_t count,
+                                          struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < count && !status; i++)
+        status = neph_frame_stats_set(frame, stats[i].name, stats[i].value, diag);
+    return status;
+}
+
+enum neph_status neph_frame_stats_set_pass(struct neph_image *frame, const char *pass,
+                                           const char *ending, double gpu_s, struct neph_diag *diag)
+{
+    char name[NEPH_IMAGE_NAME_MAX];
+    snprintf(name, sizeof(name), "%s_%s", pass, ending);
+    for (char *c = name; *c; c++)
+        *c = *c == ' ' || *c == '-' ? '_' : *c;
+    return gpu_s > 0.0 ? neph_frame_stats_set(frame, name, 1e3 * gpu_s, diag) : NEPH_OK;
+}
+
 /* A count is a whole number and stays one. */
 static json_t *number_of(const char *text)
 {

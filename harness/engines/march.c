@@ -6,17 +6,15 @@
  * NEPH_VULKAN_VALIDATION=1 turns the validation layers on, and then any message fails the frame.
  */
 #include "harness/engines/engines.h"
-#include "harness/engines/vulkan_device.h"
 
-#include "base/clock.h"
 #include "harness/engines/frame_stats.h"
-#include "harness/engines/own_cost.h"
-#include "harness/engines/sky_passes.h"
+#include "harness/engines/gpu_frames.h"
+#include "harness/engines/vulkan_device.h"
 #include "renderer/march_average.h"
 #include "renderer/shortcuts.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -140,48 +138,7 @@ static const struct neph_option options_of_diffused[] = {
     {.name = NULL},
 };
 
-static enum neph_status label(struct neph_image *frame, const struct neph_march_stats *stats,
-                              struct neph_diag *diag)
-{
-    const double pixels = (double)neph_image_pixel_count(frame);
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {
-        {"density_evaluations", (double)stats->density_evaluations},
-        {"density_evaluations_per_pixel", (double)stats->density_evaluations / pixels},
-        {"closed_forms", (double)stats->closed_forms},
-        {"rays", (double)stats->rays},
-        {"view_steps", (double)stats->view_steps},
-        {"gpu_ms", 1e3 * stats->gpu_s},
-        {"wall_ms", 1e3 * stats->wall_s},
-    };
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]) && !status; i++)
-        status = neph_frame_stats_set(frame, numbers[i].name, numbers[i].value, diag);
-    return status;
-}
-
 /* ---- pictures in a row ----------------------------------------------------------------------- */
-
-struct sequence {
-    enum neph_march_lighting lighting;
-    int width_px, height_px;
-    struct neph_open_device *device;
-    struct neph_march *march; /* for pictures of this size */
-    int sent, home;           /* pictures that went on their way, and those no longer on it */
-    double sent_s[NEPH_FLIGHT_PICTURES_MAX]; /* the CPU's part of each, by number */
-};
-
-static void close_sequence(void *opened)
-{
-    struct sequence *sequence = opened;
-    if (!sequence)
-        return;
-    neph_march_destroy(sequence->march);
-    neph_device_release(sequence->device);
-    free(sequence);
-}
 
 /* Each picture is by itself. */
 static struct neph_light_paths light_of(const struct neph_shot *shot)
@@ -200,9 +157,12 @@ static struct neph_light_paths light_of(const struct neph_shot *shot)
     };
 }
 
-static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
+static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_engine *engine,
+                               const struct neph_shot *shot, void **renderer,
                                struct neph_diag *diag)
 {
+    const enum neph_march_lighting lighting = (enum neph_march_lighting)engine->lighting;
+    struct neph_march *march = NULL;
     const double *values = shot->settings.values;
     struct neph_march_params params = {
         .width_px = shot->width_px,
@@ -211,7 +171,7 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
         .steps = (int)values[OPTION_STEPS],
         .transmittance = (enum neph_march_mode)values[OPTION_TRANSMITTANCE],
         .sun = (enum neph_march_mode)values[OPTION_SUN],
-        .lighting = sequence->lighting,
+        .lighting = lighting,
         .sun_steps = (int)values[OPTION_SUN_STEPS],
         .shortcuts = {.sun_cache = values[OPTION_SUN_CACHE] != 0.0,
                       .sun_cache_voxels = (int)values[OPTION_SUN_CACHE_VOXELS],
@@ -240,115 +200,72 @@ static enum neph_status set_up(struct sequence *sequence, const struct neph_shot
                                         .far_m = values[OPTION_SKY_FAR],
                                         .refill = (int)values[OPTION_SKY_REFILL]});
     params.fog = neph_fog_for_march((int)values[OPTION_FOG]);
-    if (sequence->lighting == NEPH_MARCH_TRACED) {
+    if (lighting == NEPH_MARCH_TRACED) {
         params.light = light_of(shot);
         params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_AHEAD_CELLS],
                                                          (int)values[OPTION_AHEAD_CYCLES]};
     }
-    if (sequence->lighting == NEPH_MARCH_DIFFUSED)
+    if (lighting == NEPH_MARCH_DIFFUSED)
         params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_DIFFUSION_CELLS],
                                                          (int)values[OPTION_DIFFUSION_CYCLES]};
-    neph_march_destroy(sequence->march);
-    sequence->march = NULL;
-    sequence->width_px = shot->width_px;
-    sequence->height_px = shot->height_px;
-    return neph_march_create(sequence->device->vulkan, shot->scene, &params, &sequence->march,
-                             diag);
-}
-
-static enum neph_status open_sequence(enum neph_march_lighting lighting,
-                                      const struct neph_shot *shot, void **opened,
-                                      struct neph_diag *diag)
-{
-    struct sequence *sequence = calloc(1, sizeof(*sequence));
-    if (!sequence)
-        return neph_fail_memory(diag);
-    sequence->lighting = lighting;
-    enum neph_status status = neph_device_acquire(shot->device, &sequence->device, diag);
-    if (!status)
-        status = set_up(sequence, shot, diag);
-    if (status)
-        close_sequence(sequence);
-    else
-        *opened = sequence;
+    const enum neph_status status = neph_march_create(vulkan, shot->scene, &params, &march, diag);
+    *renderer = march;
     return status;
 }
 
-static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
-                                     struct neph_image **frame, struct neph_cost *cost,
-                                     struct neph_diag *diag)
+static void destroy(void *renderer)
 {
-    struct sequence *sequence = opened;
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    const int rays_per_px = 1 << (int)shot->settings.values[OPTION_RAYS_PER_PX];
-    struct neph_image *image = NULL;
-    struct neph_march_stats stats = {.gpu_s = NAN};
-    sequence->home = sequence->sent; /* those in flight are forgotten */
-    const bool fits = shot->width_px == sequence->width_px &&
-                      shot->height_px == sequence->height_px && sequence->march;
-    enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
-    if (!status)
-        status = neph_march_average(sequence->march, shot->scene, shot->frame, rays_per_px, &image,
-                                    &stats, diag);
-    if (!status)
-        status = label(image, &stats, diag);
-    if (status) {
-        neph_image_destroy(image);
-        return status;
-    }
-    *cost = neph_own_cost(start, isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s);
-    *frame = image;
-    return NEPH_OK;
+    neph_march_destroy(renderer);
 }
 
-static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
+static enum neph_status frame(void *renderer, const struct neph_shot *shot,
+                              struct neph_image **image, double *render_s, struct neph_diag *diag)
 {
-    struct sequence *sequence = opened;
+    const int rays_per_px = 1 << (int)shot->settings.values[OPTION_RAYS_PER_PX];
+    struct neph_march_stats march = {.gpu_s = NAN};
+    const enum neph_status status = neph_march_average(renderer, shot->scene, shot->frame,
+                                                       rays_per_px, image, &march, diag);
+    if (status)
+        return status;
+    const double pixels = (double)neph_image_pixel_count(*image);
+    const struct neph_frame_stat stats[] = {
+        {"density_evaluations", (double)march.density_evaluations},
+        {"density_evaluations_per_pixel", (double)march.density_evaluations / pixels},
+        {"closed_forms", (double)march.closed_forms},
+        {"rays", (double)march.rays},
+        {"view_steps", (double)march.view_steps},
+        {"gpu_ms", 1e3 * march.gpu_s},
+        {"wall_ms", 1e3 * march.wall_s},
+    };
+    *render_s = isfinite(march.gpu_s) ? march.gpu_s : march.wall_s;
+    return neph_frame_stats_set_all(*image, stats, sizeof(stats) / sizeof(stats[0]), diag);
+}
+
+static enum neph_status submit(void *renderer, const struct neph_shot *shot,
+                               struct neph_flight_cost *cost, struct neph_diag *diag)
+{
+    (void)cost;
     if (shot->settings.values[OPTION_RAYS_PER_PX] != 0.0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "rays are averaged on the CPU: a picture in flight has rays_per_px=1");
-    const double start_s = neph_wall_s();
-    const enum neph_status status = neph_march_frame(sequence->march, shot->scene, shot->frame,
-                                                     NULL, NULL, NULL, diag);
-    if (!status)
-        sequence->sent_s[sequence->sent++ % NEPH_FLIGHT_PICTURES_MAX] = neph_wall_s() - start_s;
-    return status;
+    return neph_march_frame(renderer, shot->scene, shot->frame, NULL, NULL, NULL, diag);
 }
 
 /* All is one pass but the tables of the sky. What it moves of grids is not known. */
-static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
+static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
+                                struct neph_diag *diag)
 {
-    struct sequence *sequence = opened;
-    double gpu_s;
-    const enum neph_status status = neph_march_home(sequence->march, &gpu_s, diag);
+    const enum neph_status status = neph_march_home(renderer, &cost->gpu_s, diag);
     if (status)
         return status;
-    const struct neph_sky_times sky = neph_march_home_sky(sequence->march);
-    *cost = (struct neph_flight_cost){
-        .gpu_s = gpu_s,
-        .cpu_s = sequence->sent_s[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX],
-        .pass_count = 1,
-        .passes = {{.name = "march", .gpu_s = gpu_s - neph_sky_gpu_s(&sky), .traffic_bytes = NAN}},
-    };
-    neph_sky_passes_add(&sky, cost);
+    const struct neph_sky_times sky = neph_march_home_sky(renderer);
+    neph_flight_cost_add(cost, "march", cost->gpu_s - neph_sky_gpu_s(&sky), NAN);
+    neph_flight_cost_add_sky(cost, &sky);
     return NEPH_OK;
 }
 
-/* A picture alone pays for what it is set up with. */
-static enum neph_status render(enum neph_march_lighting lighting, const struct neph_shot *shot,
-                               struct neph_image **frame, struct neph_cost *cost,
-                               struct neph_diag *diag)
-{
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    void *sequence = NULL;
-    enum neph_status status = open_sequence(lighting, shot, &sequence, diag);
-    if (!status)
-        status = next_picture(sequence, shot, frame, cost, diag);
-    close_sequence(sequence);
-    if (!status)
-        *cost = neph_own_cost(start, cost->render_s);
-    return status;
-}
+static const struct neph_gpu_renderer gpu = {
+    .create = create, .destroy = destroy, .frame = frame, .submit = submit, .collect = collect};
 
 /* ---- the engines ----------------------------------------------------------------------------- */
 
@@ -375,49 +292,33 @@ static bool can_render(enum neph_march_lighting lighting, const struct neph_scen
     return false;
 }
 
-/* What an engine is for its lighting: the functions of its table. */
-#define FUNCTIONS_OF(name_, lighting_)                                                             \
+/* Whether an engine can render, for its lighting. */
+#define FUNCTION_OF(name_, lighting_)                                                              \
     static bool can_render_##name_(const struct neph_scene *scene,                                 \
                                    const struct neph_settings *settings, char *reason,             \
                                    size_t reason_size)                                             \
     {                                                                                              \
         return can_render(lighting_, scene, settings, reason, reason_size);                        \
-    }                                                                                              \
-    static enum neph_status render_##name_(const struct neph_shot *shot,                           \
-                                           struct neph_image **frame, struct neph_cost *cost,      \
-                                           struct neph_diag *diag)                                 \
-    {                                                                                              \
-        return render(lighting_, shot, frame, cost, diag);                                         \
-    }                                                                                              \
-    static enum neph_status open_##name_(const struct neph_shot *shot, void **opened,              \
-                                         struct neph_diag *diag)                                   \
-    {                                                                                              \
-        return open_sequence(lighting_, shot, opened, diag);                                       \
-    }                                                                                              \
-    static const struct neph_engine_sequence sequence_of_##name_ = {.open = open_##name_,          \
-                                                                    .next = next_picture,          \
-                                                                    .send = send,                  \
-                                                                    .home = home,                  \
-                                                                    .close = close_sequence};
+    }
 
 /* Rows of all engines. */
-#define ROWS_OF(name_)                                                                             \
-    .rung = NEPH_RUNG_MODEL,                                                                       \
+#define ROWS_OF(name_, lighting_)                                                                  \
+    .rung = NEPH_RUNG_MODEL, .lighting = lighting_,                                                \
     .step = {.option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2},        \
-    .probe = neph_vulkan_probe, .can_render = can_render_##name_, .render = render_##name_,        \
-    .sequence = &sequence_of_##name_
+    .probe = neph_vulkan_probe, .can_render = can_render_##name_, .sequence = &neph_gpu_sequence,  \
+    .gpu = &gpu
 
-FUNCTIONS_OF(single, NEPH_MARCH_SINGLE)
-FUNCTIONS_OF(octaves, NEPH_MARCH_OCTAVES)
-FUNCTIONS_OF(horizon, NEPH_MARCH_HORIZON)
-FUNCTIONS_OF(octaves_fitted, NEPH_MARCH_OCTAVES_FITTED)
-FUNCTIONS_OF(traced, NEPH_MARCH_TRACED)
-FUNCTIONS_OF(diffused, NEPH_MARCH_DIFFUSED)
-FUNCTIONS_OF(similarity, NEPH_MARCH_SIMILARITY)
-FUNCTIONS_OF(slab, NEPH_MARCH_SLAB)
+FUNCTION_OF(single, NEPH_MARCH_SINGLE)
+FUNCTION_OF(octaves, NEPH_MARCH_OCTAVES)
+FUNCTION_OF(horizon, NEPH_MARCH_HORIZON)
+FUNCTION_OF(octaves_fitted, NEPH_MARCH_OCTAVES_FITTED)
+FUNCTION_OF(traced, NEPH_MARCH_TRACED)
+FUNCTION_OF(diffused, NEPH_MARCH_DIFFUSED)
+FUNCTION_OF(similarity, NEPH_MARCH_SIMILARITY)
+FUNCTION_OF(slab, NEPH_MARCH_SLAB)
 
 const struct neph_engine neph_engine_march = {
-    ROWS_OF(single),
+    ROWS_OF(single, NEPH_MARCH_SINGLE),
     .name = "march",
     .summary = "our Vulkan ray marcher: full resolution, fixed steps, single scattering",
     .typical_s = 2.0,
@@ -427,7 +328,7 @@ const struct neph_engine neph_engine_march = {
 };
 
 const struct neph_engine neph_engine_march_octaves = {
-    ROWS_OF(octaves),
+    ROWS_OF(octaves, NEPH_MARCH_OCTAVES),
     .name = "march_octaves",
     .summary = "the same with multiple scattering as a sum of octaves: a look, not physics",
     .typical_s = 2.0,
@@ -438,7 +339,7 @@ const struct neph_engine neph_engine_march_octaves = {
 };
 
 const struct neph_engine neph_engine_march_horizon = {
-    ROWS_OF(horizon),
+    ROWS_OF(horizon, NEPH_MARCH_HORIZON),
     .name = "march_horizon",
     .summary = "the same with the light of Horizon's clouds: a look, not physics",
     .typical_s = 2.0,
@@ -449,7 +350,7 @@ const struct neph_engine neph_engine_march_horizon = {
 };
 
 const struct neph_engine neph_engine_march_octaves_fitted = {
-    ROWS_OF(octaves_fitted),
+    ROWS_OF(octaves_fitted, NEPH_MARCH_OCTAVES_FITTED),
     .name = "march_octaves_fitted",
     .summary = "octaves that follow from g and albedo, fitted to the tracer: a look, not physics",
     .typical_s = 2.0,
@@ -462,7 +363,7 @@ const struct neph_engine neph_engine_march_octaves_fitted = {
 };
 
 const struct neph_engine neph_engine_march_traced = {
-    ROWS_OF(traced),
+    ROWS_OF(traced, NEPH_MARCH_TRACED),
     .name = "march_traced",
     .summary = "march, and light of higher orders by paths for each few pixels",
     .typical_s = 6.0,
@@ -474,7 +375,7 @@ const struct neph_engine neph_engine_march_traced = {
 };
 
 const struct neph_engine neph_engine_march_diffused = {
-    ROWS_OF(diffused),
+    ROWS_OF(diffused, NEPH_MARCH_DIFFUSED),
     .name = "march_diffused",
     .summary = "march, and light of higher orders by P1 diffusion through a coarse lattice: a look",
     .typical_s = 4.0,
@@ -485,7 +386,7 @@ const struct neph_engine neph_engine_march_diffused = {
 };
 
 const struct neph_engine neph_engine_march_similarity = {
-    ROWS_OF(similarity),
+    ROWS_OF(similarity, NEPH_MARCH_SIMILARITY),
     .name = "march_similarity",
     .summary = "march, and fitted octaves of the similar isotropic medium: a look, not physics",
     .typical_s = 2.0,
@@ -496,7 +397,7 @@ const struct neph_engine neph_engine_march_similarity = {
 };
 
 const struct neph_engine neph_engine_march_slab = {
-    ROWS_OF(slab),
+    ROWS_OF(slab, NEPH_MARCH_SLAB),
     .name = "march_slab",
     .summary = "march, and light of higher orders as in a slab across the sunlight: a look",
     .typical_s = 2.0,

@@ -72,17 +72,11 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         .checkpoint = shot->checkpoint,
     };
     struct neph_image *image = NULL;
-    struct neph_oracle_stats stats;
+    struct neph_oracle_stats stats = {.wall_s = NAN};
     enum neph_status status = neph_oracle_render(shot->scene, &params, &image, &stats, diag);
     if (!status)
         status = label(image, &stats, diag);
-    if (status) {
-        neph_image_destroy(image);
-        return status;
-    }
-    *cost = neph_own_cost(start, stats.wall_s);
-    *frame = image;
-    return NEPH_OK;
+    return neph_own_frame(status, image, start, stats.wall_s, frame, cost);
 }
 
 static void probe(struct neph_shared_device *device, struct neph_engine_info *info)

@@ -24,17 +24,15 @@ struct neph_cost neph_own_cost(struct neph_stopwatch start, double render_s)
     };
 }
 
-enum neph_status neph_own_picture(const struct neph_engine_sequence *sequence,
-                                  const struct neph_shot *shot, struct neph_image **frame,
-                                  struct neph_cost *cost, struct neph_diag *diag)
+enum neph_status neph_own_frame(enum neph_status status, struct neph_image *image,
+                                struct neph_stopwatch start, double render_s,
+                                struct neph_image **frame, struct neph_cost *cost)
 {
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    void *opened = NULL;
-    enum neph_status status = sequence->open(shot, &opened, diag);
-    if (!status)
-        status = sequence->next(opened, shot, frame, cost, diag);
-    sequence->close(opened);
-    if (!status)
-        *cost = neph_own_cost(start, cost->render_s);
-    return status;
+    if (status) {
+        neph_image_destroy(image);
+        return status;
+    }
+    *cost = neph_own_cost(start, render_s);
+    *frame = image;
+    return NEPH_OK;
 }

@@ -16,10 +16,10 @@ struct neph_stopwatch neph_stopwatch_start(void);
 /* Since the start; NaN for `render_s`: all of it. The peak of memory is that of the process. */
 struct neph_cost neph_own_cost(struct neph_stopwatch start, double render_s);
 
-/* neph_engine.render of an engine whose pictures come in a row: a picture alone, which pays for
- * what it is set up with. */
-enum neph_status neph_own_picture(const struct neph_engine_sequence *sequence,
-                                  const struct neph_shot *shot, struct neph_image **frame,
-                                  struct neph_cost *cost, struct neph_diag *diag);
+/* The end of neph_engine.render: `image` and its cost are handed over, or, after an error, it is
+ * destroyed. Returns `status`. */
+enum neph_status neph_own_frame(enum neph_status status, struct neph_image *image,
+                                struct neph_stopwatch start, double render_s,
+                                struct neph_image **frame, struct neph_cost *cost);
 
 #endif

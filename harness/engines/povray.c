@@ -43,9 +43,6 @@ _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
-static const double probe_limit_s = 30.0; /* it answers in 0.1 s */
-static const char install_line[] = "apt-get install povray";
-
 /* Renders of one picture at rising (or falling) gains, at most. */
 #define EXPOSURES_MAX 8
 #define THREADS_MAX 64
@@ -108,39 +105,22 @@ static bool parse_version(const char *text, char version[64])
     return false;
 }
 
+static const char *const environment[] = {"POVINI=povray.ini", NULL}; /* in the working folder */
+
+static const struct neph_external_renderer povray = {
+    .program = "povray",
+    .name = "POV-Ray",
+    .install_line = "apt-get install povray",
+    .parse_version = parse_version,
+    .measured = "3.7.0.",
+    .other = {"'povray' is version ", "; its media were measured for 3.7.0 only"},
+    .environment = environment,
+};
+
 static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
     (void)device;
-    *info = (struct neph_engine_info){.available = false};
-    snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);
-    if (!neph_child_program_exists("povray")) {
-        snprintf(info->missing, sizeof(info->missing), "there is no program 'povray' in PATH");
-        return;
-    }
-    struct neph_diag diag = {0};
-    char version[64] = "", *text = NULL;
-    info->broken = neph_program_ask("povray", "POV-Ray ", probe_limit_s, &text, info->build,
-                                    &diag) != NEPH_OK;
-    if (info->broken) {
-        snprintf(info->missing, sizeof(info->missing), "'povray --version' failed: %.400s",
-                 diag.message);
-        return;
-    }
-    bool known = parse_version(text, version);
-    free(text);
-    info->broken = !known;
-    if (!known) {
-        snprintf(info->missing, sizeof(info->missing), "'povray --version' does not tell it");
-        return;
-    }
-    if (strncmp(version, "3.7.0.", 6) != 0) {
-        snprintf(info->missing, sizeof(info->missing),
-                 "'povray' is version %s; its media were measured for 3.7.0 only", version);
-        return;
-    }
-    info->available = true;
-    snprintf(info->version, sizeof(info->version), "POV-Ray %s", version);
-    snprintf(info->device, sizeof(info->device), "CPU, %d threads", neph_processor_count());
+    neph_external_probe(&povray, info);
 }
 
 /* ---- What it can model ---------------------------------------------------------------------- */
@@ -316,20 +296,10 @@ static enum neph_status run_povray(struct session *session, const struct files *
                           "Dither=off", width, height, "+Q9",   "-A",
                           "-D",         "-P",  "-C",   "-GA",   "+BS8",
                           threads,      NULL};
-    const char *const environment[] = {"POVINI=povray.ini", NULL}; /* in the working folder */
-    const struct neph_usage before = neph_usage_measure(session->shot.scratch_directory);
-    struct neph_child_params params = {
-        .argv = argv,
-        .working_directory = session->shot.scratch_directory,
-        .log_path = files->log_path,
-        .home = session->shot.scratch_directory,
-        .environment = environment,
-        .limits = neph_program_limits(&before, session->shot.width_px, session->shot.height_px),
-        .time_limit_s = session->shot.time_limit_s};
     struct neph_child_result result = {0};
-    enum neph_status status = neph_child_run(&params, &result, diag);
-    if (status == NEPH_ERR_UNAVAILABLE)
-        neph_hint(diag, "%s", install_line);
+    const enum neph_status status = neph_external_run(
+        &povray, argv, session->shot.scratch_directory, files->log_path, &session->shot, &result,
+        diag);
     session->cost.cpu_s += result.cpu_s;
     if (result.peak_memory_bytes > session->cost.peak_memory_bytes)
         session->cost.peak_memory_bytes = result.peak_memory_bytes;
@@ -343,24 +313,18 @@ static enum neph_status read_image(const struct session *session, const struct f
 {
     int width_px = 0, height_px = 0;
     uint16_t *read = NULL;
-    bool is_left = false;
-    enum neph_status status = neph_program_left(files->image_path, &is_left, diag);
-    if (!status && !is_left) {
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray ended well but wrote no image");
-        neph_hint(diag, "its whole log is '%s'", files->log_path);
-    }
+    enum neph_status status = neph_external_left(&povray, files->image_path, "", files->log_path,
+                                                 diag);
     if (!status)
         status = neph_program_status(
             neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read, diag));
+    if (!status)
+        status = neph_external_size(&povray, "", width_px, height_px, &session->shot, diag);
     if (status)
-        return status;
-    if (width_px != session->shot.width_px || height_px != session->shot.height_px) {
         free(read);
-        return neph_fail(diag, NEPH_ERR_ENGINE, "POV-Ray's image is %d x %d pixels, not %d x %d",
-                         width_px, height_px, session->shot.width_px, session->shot.height_px);
-    }
-    *codes = read;
-    return NEPH_OK;
+    else
+        *codes = read;
+    return status;
 }
 
 /* Render one picture; `*codes` (three per pixel) is for the caller to free. */
@@ -917,20 +881,6 @@ static enum neph_status add_attributes(const struct session *session, struct nep
 
 /* ---- The engine ----------------------------------------------------------------------------- */
 
-static enum neph_status write_grid(const struct session *session, int index, const char *directory,
-                                   struct neph_diag *diag)
-{
-    const struct neph_grid scaled = neph_povray_grid(session->shot.scene->media[index].grid);
-    char name[NEPH_POVRAY_FILE_NAME_MAX];
-    neph_povray_grid_name(index, name);
-    char *path = neph_path_join(directory, name);
-    if (!path)
-        return neph_fail_memory(diag);
-    enum neph_status status = neph_volume_write_df3(path, &scaled, diag);
-    free(path);
-    return status;
-}
-
 static enum neph_status write_noise(const struct neph_solid *solid, const char *directory,
                                     struct neph_diag *diag)
 {
@@ -961,10 +911,18 @@ static enum neph_status write_noises(const struct neph_scene *scene, const char 
 static enum neph_status write_grids(const struct session *session, const char *directory,
                                     struct neph_diag *diag)
 {
+    const struct neph_scene *scene = session->shot.scene;
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < session->shot.scene->medium_count && !status; i++)
-        if (session->world.containers[i].used && session->shot.scene->media[i].grid)
-            status = write_grid(session, i, directory, diag);
+    for (int i = 0; i < scene->medium_count && !status; i++) {
+        if (!session->world.containers[i].used || !scene->media[i].grid)
+            continue;
+        const struct neph_grid scaled = neph_povray_grid(scene->media[i].grid);
+        char name[NEPH_POVRAY_FILE_NAME_MAX];
+        neph_povray_grid_name(i, name);
+        char *path = neph_path_join(directory, name);
+        status = path ? neph_volume_write_df3(path, &scaled, diag) : neph_fail_memory(diag);
+        free(path);
+    }
     return status;
 }
 
@@ -982,21 +940,16 @@ static enum neph_status adapt_scene(const struct neph_shot *shot, struct session
                                    shot->height_px, intervals, &session->world, &why);
     if (!status)
         status = neph_povray_cut_rays(&session->world, &why);
-    if (status) {
-        neph_fail(diag, status, "%s%s", status == NEPH_ERR_UNSUPPORTED ? "POV-Ray cannot: " : "",
-                  why.message);
-        neph_hint(diag, "%s", why.hint);
-    }
     session->world.cut_error += session->baked.cut_error;
     if (!status && wants_radiosity(session->shot.scene))
         session->world.radiosity = (struct neph_povray_radiosity){
             (int)neph_setting(&neph_engine_povray, &shot->settings, "radiosity_rays"),
             neph_setting(&neph_engine_povray, &shot->settings, "radiosity_error"),
             (int)neph_setting(&neph_engine_povray, &shot->settings, "photons")};
-    return status;
+    return neph_external_cannot("POV-Ray", status, &why, diag);
 }
 
-/* Grids and the ini go to `directory`. finish() whatever the status. */
+/* Grids and the ini go to `directory`. The caller ends session->baked, whatever the status. */
 static enum neph_status start(const struct neph_shot *shot, const char *directory,
                               struct session *session, struct neph_diag *diag)
 {
@@ -1011,11 +964,6 @@ static enum neph_status start(const struct neph_shot *shot, const char *director
     if (!status)
         status = write_noises(session->shot.scene, directory, diag);
     return status ? status : write_grids(session, directory, diag);
-}
-
-static void finish(struct session *session)
-{
-    neph_baked_scene_finish(&session->baked);
 }
 
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
@@ -1035,7 +983,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
         status = depth_layer(&session, image, diag);
     if (!status)
         status = add_attributes(&session, image, diag);
-    finish(&session);
+    neph_baked_scene_finish(&session.baked);
     if (status) {
         neph_image_destroy(image);
         return status;
@@ -1057,7 +1005,7 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
     if (!status)
         status = path ? write_scene(&session, &beauty, path, diag) : neph_fail_memory(diag);
     free(path);
-    finish(&session);
+    neph_baked_scene_finish(&session.baked);
     if (!status)
         snprintf(command, command_size,
                  "POVINI=povray.ini povray +Iscene.pov +Oscene.png +FN16 Dither=off +W%d +H%d -A "

@@ -24,6 +24,7 @@
  */
 #include "harness/engines/povray_scene.h"
 
+#include "harness/engines/baked_scene.h"
 #include "harness/engines/povray_exposure.h"
 #include "scenes/bounds.h"
 #include "scenes/emission.h"
@@ -32,6 +33,7 @@
 #include "scenes/solids.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -104,20 +106,41 @@ static void number(struct writer *writer, double value)
     fprintf(writer->stream, "%.17g", value);
 }
 
-static void words(struct writer *writer, const char *fixed)
-{
-    fputs(fixed, writer->stream);
-}
-
 static void triple(struct writer *writer, double a, double b, double c)
 {
-    words(writer, "<");
+    fputs("<", writer->stream);
     number(writer, a);
-    words(writer, ", ");
+    fputs(", ", writer->stream);
     number(writer, b);
-    words(writer, ", ");
+    fputs(", ", writer->stream);
     number(writer, c);
-    words(writer, ">");
+    fputs(">", writer->stream);
+}
+
+/* Light: of the beauty as it is; else gain * value in three brackets, but for photons, which would
+ * lose the darkest of them. */
+static void light_colour(struct writer *writer, struct neph_rgb value)
+{
+    static const double alike[] = {1.0, 1.0, 1.0};
+    const double gain = writer->pass->gain;
+    const double bright = gain * neph_povray_component(value, writer->pass->channel);
+    const double *scales = neph_povray_has_photons(writer->world->scene)
+                               ? alike
+                               : neph_povray_bracket_scales;
+    if (writer->pass->kind == NEPH_POVRAY_BEAUTY)
+        triple(writer, gain * value.r, gain * value.g, gain * value.b);
+    else
+        triple(writer, scales[0] * bright, scales[1] * bright, scales[2] * bright);
+}
+
+/* A property of matter, without gain. */
+static void matter_colour(struct writer *writer, struct neph_rgb value)
+{
+    const double grey = neph_povray_component(value, writer->pass->channel);
+    if (writer->pass->kind == NEPH_POVRAY_BEAUTY)
+        triple(writer, value.r, value.g, value.b);
+    else
+        triple(writer, grey, grey, grey);
 }
 
 static void vector(struct writer *writer, struct neph_vec3 v)
@@ -125,50 +148,50 @@ static void vector(struct writer *writer, struct neph_vec3 v)
     triple(writer, v.x, v.y, v.z);
 }
 
-/* A position in metres, which the macro P brings to units. */
-static void position(struct writer *writer, struct neph_vec3 position_m)
+static void write_value(struct writer *writer, char kind, va_list *values)
 {
-    words(writer, "P(");
-    vector(writer, position_m);
-    words(writer, ")");
+    switch (kind) {
+    case 'n':
+        number(writer, va_arg(*values, double));
+        break;
+    case 'i':
+        number(writer, va_arg(*values, int));
+        break;
+    case 's':
+        fputs(va_arg(*values, const char *), writer->stream);
+        break;
+    case 'v':
+        vector(writer, va_arg(*values, struct neph_vec3));
+        break;
+    case 'p':
+        fputs("P(", writer->stream);
+        vector(writer, va_arg(*values, struct neph_vec3));
+        fputs(")", writer->stream);
+        break;
+    case 'l':
+        fputs("rgb ", writer->stream);
+        light_colour(writer, va_arg(*values, struct neph_rgb));
+        break;
+    case 'm':
+        fputs("rgb ", writer->stream);
+        matter_colour(writer, va_arg(*values, struct neph_rgb));
+        break;
+    }
 }
 
-static void named_number(struct writer *writer, const char *before, double value, const char *after)
+/* Write a text. In it stand for a value: %n a double, %i an int, %s fixed words, %v a vector, %p a
+ * position in metres, which the macro P brings to units, %l the colour of light, and %m that of
+ * matter. */
+static void put(struct writer *writer, const char *text, ...)
 {
-    words(writer, before);
-    number(writer, value);
-    words(writer, after);
-}
-
-/* "rgb <...>": a colour of the beauty as it is; else gain * value in three brackets, but for
- * photons, which would lose the darkest of them. */
-static void colour(struct writer *writer, struct neph_rgb value)
-{
-    double gain = writer->pass->gain;
-    words(writer, "rgb ");
-    if (writer->pass->kind == NEPH_POVRAY_BEAUTY) {
-        triple(writer, gain * value.r, gain * value.g, gain * value.b);
-        return;
-    }
-    double bright = gain * neph_povray_component(value, writer->pass->channel);
-    if (neph_povray_has_photons(writer->world->scene)) {
-        triple(writer, bright, bright, bright);
-        return;
-    }
-    triple(writer, neph_povray_bracket_scales[0] * bright, neph_povray_bracket_scales[1] * bright,
-           neph_povray_bracket_scales[2] * bright);
-}
-
-/* "rgb <...>": a property of matter, without gain. */
-static void property(struct writer *writer, struct neph_rgb value)
-{
-    words(writer, "rgb ");
-    if (writer->pass->kind == NEPH_POVRAY_BEAUTY) {
-        triple(writer, value.r, value.g, value.b);
-        return;
-    }
-    double grey = neph_povray_component(value, writer->pass->channel);
-    triple(writer, grey, grey, grey);
+    va_list values;
+    va_start(values, text);
+    for (const char *at = text; *at; at++)
+        if (*at == '%')
+            write_value(writer, *++at, &values);
+        else
+            fputc(*at, writer->stream);
+    va_end(values);
 }
 
 /* Is light between solids part of this picture? */
@@ -183,32 +206,29 @@ static bool has_radiosity(const struct writer *writer)
 static void write_radiosity(struct writer *writer)
 {
     const struct neph_povray_world *world = writer->world;
-    named_number(writer, "  radiosity { count ", world->radiosity.rays, "");
-    named_number(writer, " error_bound ", world->radiosity.error_bound, "");
-    named_number(writer, " pretrace_end ", 1.0 / world->width_px, "");
-    words(writer, " pretrace_start 0.08 nearest_count 8 recursion_limit 6 low_error_factor 0.7\n"
-                  "    brightness 1 gray_threshold 0 minimum_reuse 0.005 maximum_reuse 0.1 "
-                  "adc_bailout 1e-12 always_sample off }");
+    put(writer,
+        "  radiosity { count %i error_bound %n pretrace_end %n pretrace_start 0.08 "
+        "nearest_count 8 recursion_limit 6 low_error_factor 0.7\n"
+        "    brightness 1 gray_threshold 0 minimum_reuse 0.005 maximum_reuse 0.1 "
+        "adc_bailout 1e-12 always_sample off }",
+        world->radiosity.rays, world->radiosity.error_bound, 1.0 / world->width_px);
     if (neph_povray_has_photons(world->scene))
-        named_number(writer, "\n  photons { count ", world->radiosity.photons,
-                     " autostop 0 jitter 0 media 0 }");
+        put(writer, "\n  photons { count %i autostop 0 jitter 0 media 0 }",
+            world->radiosity.photons);
 }
 
 static void write_header(struct writer *writer)
 {
-    words(writer,
-          "// A frame of Nephelometer for POV-Ray 3.7.\n"
-          "// World: metres, right-handed, +Y up. POV-Ray's tolerances are fixed lengths, so the\n"
-          "// world is blown up: U units are one metre, and O is moved to the origin.\n"
-          "#version 3.7;\n"
-          "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0");
+    put(writer,
+        "// A frame of Nephelometer for POV-Ray 3.7.\n"
+        "// World: metres, right-handed, +Y up. POV-Ray's tolerances are fixed lengths, so the\n"
+        "// world is blown up: U units are one metre, and O is moved to the origin.\n"
+        "#version 3.7;\n"
+        "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0");
     if (has_radiosity(writer))
         write_radiosity(writer);
-    words(writer, " }\n");
-    named_number(writer, "#declare U = ", writer->world->units_per_m, ";\n");
-    words(writer, "#declare O = ");
-    vector(writer, writer->world->origin_m);
-    words(writer, ";\n#macro P(A) (U*((A) - O)) #end\n\n");
+    put(writer, " }\n#declare U = %n;\n#declare O = %v;\n#macro P(A) (U*((A) - O)) #end\n\n",
+        writer->world->units_per_m, writer->world->origin_m);
 }
 
 /* The lengths of up and right are the sides of the picture at the distance 1, or those of an
@@ -220,18 +240,13 @@ static void write_camera(struct writer *writer)
     const double height = is_parallel ? camera->orthographic_height_m * writer->world->units_per_m
                                       : 2.0 * tan(0.5 * camera->vertical_fov_rad);
     const double width = height * writer->world->width_px / writer->world->height_px;
-    words(writer, is_parallel ? "// Camera: up and right are as long as the picture's sides.\n"
-                                "camera { orthographic\n  location "
-                              : "// Camera: the lengths of up and right are the angles of view.\n"
-                                "camera { perspective\n  location ");
-    position(writer, camera->position_m);
-    words(writer, "\n  right ");
-    vector(writer, neph_vec3_scale(camera->right, width));
-    words(writer, "\n  up ");
-    vector(writer, neph_vec3_scale(camera->up, height));
-    words(writer, "\n  direction ");
-    vector(writer, camera->forward);
-    words(writer, "\n}\n\n");
+    put(writer, "%s\n  location %p\n  right %v\n  up %v\n  direction %v\n}\n\n",
+        is_parallel ? "// Camera: up and right are as long as the picture's sides.\n"
+                      "camera { orthographic"
+                    : "// Camera: the lengths of up and right are the angles of view.\n"
+                      "camera { perspective",
+        camera->position_m, neph_vec3_scale(camera->right, width),
+        neph_vec3_scale(camera->up, height), camera->forward);
 }
 
 /* Are sun and lights part of this picture? */
@@ -244,18 +259,9 @@ static bool is_lit(const struct writer *writer)
 
 /* ---- Containers ------------------------------------------------------------------------------ */
 
-static void corners(struct writer *writer, const struct neph_bounds *bounds)
-{
-    position(writer, bounds->min_m);
-    words(writer, ", ");
-    position(writer, bounds->max_m);
-}
-
 static void box(struct writer *writer, struct neph_bounds bounds)
 {
-    words(writer, "\n  box { ");
-    corners(writer, &bounds);
-    words(writer, " }");
+    put(writer, "\n  box { %p, %p }", bounds.min_m, bounds.max_m);
 }
 
 static struct neph_bounds grown(const struct neph_bounds *bounds, double by_units,
@@ -312,11 +318,10 @@ static void write_container(struct writer *writer, const struct neph_povray_cont
     for (int i = 0; i < scene->light_count; i++)
         is_difference |= neph_bounds_contain(&reach, scene->lights[i].position_m);
     if (!is_difference) {
-        words(writer, "box { ");
-        corners(writer, &container->bounds);
+        put(writer, "box { %p, %p", container->bounds.min_m, container->bounds.max_m);
         return;
     }
-    words(writer, "difference {");
+    put(writer, "difference {");
     cut_box(writer, &container->bounds, container->is_near_an_eye);
     for (int i = 0; i < scene->light_count; i++) {
         const struct neph_vec3 at_m = scene->lights[i].position_m;
@@ -324,7 +329,7 @@ static void write_container(struct writer *writer, const struct neph_povray_cont
         if (neph_bounds_contain(&reach, at_m))
             box(writer, grown(&point, hole_units, writer));
     }
-    words(writer, "\n ");
+    put(writer, "\n ");
 }
 
 /* ---- Lights ---------------------------------------------------------------------------------- */
@@ -343,23 +348,21 @@ static void write_mask(struct writer *writer, const struct neph_light *light)
     static const bool all[3][2] = {{true, true}, {true, true}, {true, true}};
     const struct neph_bounds point = {light->position_m, light->position_m};
     const struct neph_bounds cube = grown(&point, mask_units, writer);
-    words(writer, "difference {");
+    put(writer, "difference {");
     cut_box(writer, &cube, all);
-    words(writer, "\n  hollow no_image no_reflection\n"
-                  "  pigment { function { Soft(min(1, max(0, ((x*(");
-    named_number(writer, "", light->axis.x, ") + y*(");
-    named_number(writer, "", light->axis.y, ") + z*(");
-    named_number(writer, "", light->axis.z, "))/sqrt(x*x + y*y + z*z) - (");
-    named_number(writer, "", light->outer_cosine, "))*");
-    named_number(writer, "", 1.0 / (light->inner_cosine - light->outer_cosine), "))) }\n");
-    named_number(writer, "    color_map { [0 rgbt 0] [", density_peak, " rgbt 1] } translate ");
-    position(writer, light->position_m);
-    words(writer, " } finish { ambient 0 diffuse 0 } }\n");
+    put(writer,
+        "\n  hollow no_image no_reflection\n"
+        "  pigment { function { Soft(min(1, max(0, ((x*(%n) + y*(%n) + z*(%n))"
+        "/sqrt(x*x + y*y + z*z) - (%n))*%n))) }\n"
+        "    color_map { [0 rgbt 0] [%n rgbt 1] } translate %p } "
+        "finish { ambient 0 diffuse 0 } }\n",
+        light->axis.x, light->axis.y, light->axis.z, light->outer_cosine,
+        1.0 / (light->inner_cosine - light->outer_cosine), density_peak, light->position_m);
 }
 
 static void write_clear(struct writer *writer)
 {
-    words(writer, " hollow no_shadow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n");
+    put(writer, " hollow no_shadow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n");
 }
 
 /* Where a ray enters or leaves a cone, where it is wide enough not to be a plane. */
@@ -370,13 +373,8 @@ static void write_cone_cut(struct writer *writer, const struct neph_light *light
                            light->outer_cosine;
     if (!(tangent < 10.0))
         return;
-    words(writer, "cone { ");
-    position(writer, light->position_m);
-    words(writer, ", 0, ");
-    position(writer, light->position_m);
-    words(writer, " + ");
-    vector(writer, neph_vec3_scale(light->axis, length));
-    named_number(writer, ", ", length * tangent, "");
+    put(writer, "cone { %p, 0, %p + %v, %n", light->position_m, light->position_m,
+        neph_vec3_scale(light->axis, length), length * tangent);
     write_clear(writer);
 }
 
@@ -387,10 +385,10 @@ static void write_cubes(struct writer *writer, const struct neph_povray_lamp *la
 {
     if (lamp->cube_count == 0)
         return;
-    words(writer, "union {");
+    put(writer, "union {");
     for (int i = 0; i < lamp->cube_count; i++)
         box(writer, neph_bounds_around(at_m, lamp->half_sides_m[i]));
-    words(writer, "\n ");
+    put(writer, "\n ");
     write_clear(writer);
 }
 
@@ -407,9 +405,7 @@ static void write_lamps(struct writer *writer)
     for (int i = 0; i < scene->light_count && has_scattering(writer); i++) {
         if (is_masked(writer, i)) {
             if (is_first)
-                words(writer, "#declare Soft = function(x) { ");
-            if (is_first)
-                named_number(writer, "", density_peak, "*x*x*(3 - 2*x) }\n");
+                put(writer, "#declare Soft = function(x) { %n*x*x*(3 - 2*x) }\n", density_peak);
             is_first = false;
             write_mask(writer, &scene->lights[i]);
             write_cone_cut(writer, &scene->lights[i]);
@@ -423,22 +419,20 @@ static void write_sun(struct writer *writer)
     const struct neph_sun *sun = &writer->world->scene->sun;
     if (!sun->present || !is_lit(writer))
         return;
-    words(writer, "// Sun: irradiance / pi, from far outside all else.\nlight_source { ");
-    vector(writer,
-           neph_vec3_scale(sun->direction, sun_distance_radii * writer->world->radius_units));
-    words(writer, " ");
-    colour(writer, neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / M_PI));
-    words(writer, " parallel point_at 0 }\n\n");
+    put(writer,
+        "// Sun: irradiance / pi, from far outside all else.\n"
+        "light_source { %v %l parallel point_at 0 }\n\n",
+        neph_vec3_scale(sun->direction, sun_distance_radii * writer->world->radius_units),
+        neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / M_PI));
 }
 
 static void write_cone(struct writer *writer, const struct neph_light *light)
 {
-    if (!light->is_spot)
-        return;
-    named_number(writer, " spotlight radius ", acos(light->inner_cosine) / NEPH_RAD_PER_DEG, "");
-    named_number(writer, " falloff ", acos(light->outer_cosine) / NEPH_RAD_PER_DEG, "");
-    words(writer, " tightness 0 point_at ");
-    position(writer, neph_vec3_add(light->position_m, light->axis));
+    if (light->is_spot)
+        put(writer, " spotlight radius %n falloff %n tightness 0 point_at %p",
+            acos(light->inner_cosine) / NEPH_RAD_PER_DEG,
+            acos(light->outer_cosine) / NEPH_RAD_PER_DEG,
+            neph_vec3_add(light->position_m, light->axis));
 }
 
 /* As the sun's, of the irradiance at one metre: 1/2 of what it is at `fade_distance`. */
@@ -447,40 +441,39 @@ static void write_lights(struct writer *writer)
     const struct neph_scene *scene = writer->world->scene;
     const double fades_per_m = writer->world->units_per_m / fade_units;
     for (int i = 0; i < scene->light_count && is_lit(writer); i++) {
-        words(writer, "light_source { ");
-        position(writer, scene->lights[i].position_m);
-        words(writer, " ");
-        colour(writer, neph_rgb_scale(scene->lights[i].intensity_w_per_sr,
-                                      fades_per_m * fades_per_m / (2.0 * M_PI)));
-        named_number(writer, " fade_distance ", fade_units, " fade_power 2");
+        put(writer, "light_source { %p %l fade_distance %n fade_power 2",
+            scene->lights[i].position_m,
+            neph_rgb_scale(scene->lights[i].intensity_w_per_sr,
+                           fades_per_m * fades_per_m / (2.0 * M_PI)),
+            fade_units);
         if (!is_masked(writer, i))
             write_cone(writer, &scene->lights[i]);
-        words(writer, " }\n\n");
+        put(writer, " }\n\n");
     }
 }
 
 static void write_background(struct writer *writer)
 {
-    words(writer, "background { ");
+    put(writer, "background { ");
     switch (writer->pass->kind) {
     case NEPH_POVRAY_BEAUTY:
     case NEPH_POVRAY_SURFACE:
-        colour(writer, writer->world->scene->background_w_per_m2_sr);
+        put(writer, "%l", writer->world->scene->background_w_per_m2_sr);
         break;
     case NEPH_POVRAY_TRANSMITTANCE:
-        colour(writer, (struct neph_rgb){1.0, 1.0, 1.0});
+        put(writer, "%l", (struct neph_rgb){1.0, 1.0, 1.0});
         break;
     case NEPH_POVRAY_DEPTH:
-        words(writer, "rgb 1");
+        put(writer, "rgb 1");
         break;
     case NEPH_POVRAY_VOLUME:
     case NEPH_POVRAY_EMISSION:
-        words(writer, "rgb 0");
+        put(writer, "rgb 0");
         break;
     case NEPH_POVRAY_KIND_COUNT:
         break;
     }
-    words(writer, " }\n\n");
+    put(writer, " }\n\n");
 }
 
 /* ---- Media ---------------------------------------------------------------------------------- */
@@ -538,12 +531,12 @@ static void write_scattering(struct writer *writer, const struct neph_medium *me
     const struct neph_phase *phase = volume ? &pass->phase : &medium->phase;
     bool scatters = neph_povray_same_phase(phase, &medium->phase);
     double scale = extinction_per_unit / (4.0 * neph_povray_phase_excess(phase->kind));
-    named_number(writer, "    scattering { ", povray_phase_type(phase->kind), ", ");
-    property(writer, neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
-                                    scatters ? scale : 0.0));
+    put(writer, "    scattering { %i, %m", povray_phase_type(phase->kind),
+        neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
+                       scatters ? scale : 0.0));
     if (neph_phase_has_asymmetry(phase->kind))
-        named_number(writer, " eccentricity ", phase->g, "");
-    words(writer, " extinction 0 }\n");
+        put(writer, " eccentricity %n", phase->g);
+    put(writer, " extinction 0 }\n");
 }
 
 void neph_povray_grid_name(int index, char name[NEPH_POVRAY_FILE_NAME_MAX])
@@ -566,13 +559,12 @@ static void write_voxels(struct writer *writer, int index)
     const struct neph_vec3 h = grid->spacing_m;
     char name[NEPH_POVRAY_FILE_NAME_MAX];
     neph_povray_grid_name(index, name);
-    words(writer, "    density { density_file df3 \"");
-    words(writer, name);
-    words(writer, "\" interpolate 1\n      scale U*");
-    triple(writer, (grid->size[0] + 2) * h.x, (grid->size[1] + 2) * h.y, (grid->size[2] + 2) * h.z);
-    words(writer, " translate ");
-    position(writer, neph_vec3_sub(grid->origin_m, h));
-    words(writer, " }\n");
+    const struct neph_vec3 size_m = {(grid->size[0] + 2) * h.x, (grid->size[1] + 2) * h.y,
+                                     (grid->size[2] + 2) * h.z};
+    put(writer,
+        "    density { density_file df3 \"%s\" interpolate 1\n"
+        "      scale U*%v translate %p }\n",
+        name, size_m, neph_vec3_sub(grid->origin_m, h));
 }
 
 /* The sum of the layers, relative to its value at the bottom of the container. */
@@ -582,17 +574,15 @@ static void write_layers(struct writer *writer, const struct neph_medium *medium
     const struct neph_povray_world *world = writer->world;
     double bottom_m = container->bounds.min_m.y;
     double bottom_units = world->units_per_m * (bottom_m - world->origin_m.y);
-    words(writer, "    density { function { 0");
+    put(writer, "    density { function { 0");
     for (int i = 0; i < medium->layer_count; i++) {
         const struct neph_fog_layer *layer = &medium->layers[i];
-        double part = neph_povray_layer_per_m(layer, bottom_m) / container->extinction_per_m;
-        if (!(part > 0.0))
-            continue;
-        named_number(writer, " + ", density_peak * part, "");
-        named_number(writer, "*exp(-", layer->falloff_per_m / world->units_per_m, "");
-        named_number(writer, "*(y - (", bottom_units, ")))");
+        double part = neph_fog_layer_per_m(layer, bottom_m) / container->extinction_per_m;
+        if (part > 0.0)
+            put(writer, " + %n*exp(-%n*(y - (%n)))", density_peak * part,
+                layer->falloff_per_m / world->units_per_m, bottom_units);
     }
-    words(writer, " } }\n");
+    put(writer, " } }\n");
 }
 
 static void write_comment(struct writer *writer, const struct neph_medium *medium,
@@ -601,7 +591,7 @@ static void write_comment(struct writer *writer, const struct neph_medium *mediu
     const char *where = container->uniform           ? " per metre.\n"
                         : neph_medium_is_fog(medium) ? " per metre at the bottom, falling.\n"
                                                      : " per metre at the densest.\n";
-    named_number(writer, "// Extinction ", container->extinction_per_m, where);
+    put(writer, "// Extinction %n%s", container->extinction_per_m, where);
 }
 
 /* Extinction of density 1 as the density is written, per unit of length. */
@@ -619,12 +609,10 @@ static double extinction_per_unit(const struct writer *writer, int index)
 
 static void write_emission(struct writer *writer, const struct neph_medium *medium, double per_unit)
 {
-    if (!has_emission(writer))
-        return;
-    words(writer, "    emission ");
-    colour(writer, neph_rgb_scale(neph_rgb_mul(neph_medium_glow(medium), medium->extinction_color),
-                                  per_unit));
-    words(writer, "\n");
+    if (has_emission(writer))
+        put(writer, "    emission %l\n",
+            neph_rgb_scale(neph_rgb_mul(neph_medium_glow(medium), medium->extinction_color),
+                           per_unit));
 }
 
 static void write_medium(struct writer *writer, int index)
@@ -634,20 +622,19 @@ static void write_medium(struct writer *writer, int index)
     const double per_unit = extinction_per_unit(writer, index);
     write_comment(writer, medium, container);
     write_container(writer, container);
-    words(writer, " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
-                  "  interior { media {\n");
-    named_number(writer, "    method 2 intervals ", intervals_of(writer, is_plain(writer, index)),
-                 " samples 1,1\n");
-    words(writer, "    absorption ");
-    property(writer, neph_rgb_scale(medium->extinction_color, per_unit));
-    words(writer, "\n");
+    put(writer,
+        " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
+        "  interior { media {\n"
+        "    method 2 intervals %i samples 1,1\n",
+        intervals_of(writer, is_plain(writer, index)));
+    put(writer, "    absorption %m\n", neph_rgb_scale(medium->extinction_color, per_unit));
     write_emission(writer, medium, per_unit);
     write_scattering(writer, medium, per_unit);
     if (!neph_medium_is_fog(medium))
         write_voxels(writer, index);
     else if (!is_plain(writer, index))
         write_layers(writer, medium, container);
-    words(writer, "  } }\n}\n\n");
+    put(writer, "  } }\n}\n\n");
 }
 
 static void write_media(struct writer *writer)
@@ -673,58 +660,47 @@ static void write_digit(struct writer *writer, int place)
     struct neph_vec3 eye_m = neph_vec3_sub(world->camera.position_m, world->origin_m);
     struct neph_vec3 eye = neph_vec3_scale(eye_m, world->units_per_m);
     double scale = pow(NEPH_POVRAY_DEPTH_BASE, place) / (world->depth_range_m * world->units_per_m);
-    named_number(writer, "  [1 function { (", scale, ")");
-    named_number(writer, "*((x - (", eye.x, "))");
-    named_number(writer, "*(", forward.x, ")");
-    named_number(writer, " + (y - (", eye.y, "))");
-    named_number(writer, "*(", forward.y, ")");
-    named_number(writer, " + (z - (", eye.z, "))");
-    named_number(writer, "*(", forward.z, ")) } color_map { [0 rgb 0] [1 rgb ");
-    words(writer, channels[place]);
-    words(writer, "] }]\n");
+    put(writer,
+        "  [1 function { (%n)*((x - (%n))*(%n) + (y - (%n))*(%n) + (z - (%n))*(%n)) } "
+        "color_map { [0 rgb 0] [1 rgb %s] }]\n",
+        scale, eye.x, forward.x, eye.y, forward.y, eye.z, forward.z, channels[place]);
 }
 
 static void declare_depth_texture(struct writer *writer)
 {
-    words(writer, "#declare Depth = texture { pigment { average pigment_map {\n");
+    put(writer, "#declare Depth = texture { pigment { average pigment_map {\n");
     for (int place = 0; place < 3; place++)
         write_digit(writer, place);
-    words(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
+    put(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
 }
 
 /* What a lit solid does with light, behind its pigment. */
 static void write_finish(struct writer *writer, const struct neph_solid *solid)
 {
     const double metalness = solid->surface.metalness;
-    named_number(writer, " finish { ambient 0 diffuse ", 1.0 - metalness, "");
-    if (metalness > 0.0) {
-        words(writer, " reflection { ");
-        property(writer, neph_rgb_scale(solid->albedo, metalness));
-        words(writer, " }");
-    }
-    words(writer, " }");
+    put(writer, " finish { ambient 0 diffuse %n", 1.0 - metalness);
+    if (metalness > 0.0)
+        put(writer, " reflection { %m }", neph_rgb_scale(solid->albedo, metalness));
+    put(writer, " }");
 }
 
 static void write_texture(struct writer *writer, const struct neph_solid *solid)
 {
     switch (writer->pass->kind) {
     case NEPH_POVRAY_DEPTH:
-        words(writer, " texture { Depth }");
+        put(writer, " texture { Depth }");
         break;
     case NEPH_POVRAY_TRANSMITTANCE:
-        words(writer, " pigment { ");
-        colour(writer, (struct neph_rgb){1.0, 1.0, 1.0});
-        words(writer, " } finish { ambient 0 diffuse 0 emission 1 }");
+        put(writer, " pigment { %l } finish { ambient 0 diffuse 0 emission 1 }",
+            (struct neph_rgb){1.0, 1.0, 1.0});
         break;
     case NEPH_POVRAY_VOLUME:
     case NEPH_POVRAY_EMISSION:
-        words(writer, " pigment { rgb 0 } finish { ambient 0 diffuse 0 }");
+        put(writer, " pigment { rgb 0 } finish { ambient 0 diffuse 0 }");
         break;
     case NEPH_POVRAY_BEAUTY:
     case NEPH_POVRAY_SURFACE:
-        words(writer, " pigment { ");
-        property(writer, solid->albedo);
-        words(writer, " }");
+        put(writer, " pigment { %m }", solid->albedo);
         write_finish(writer, solid);
         break;
     case NEPH_POVRAY_KIND_COUNT:
@@ -748,26 +724,16 @@ static void write_by_face(struct writer *writer, const struct neph_solid *box, c
     static const double within = 1.0 - 1e-9; /* POV-Ray's places on a face are rounded */
     const struct neph_vec3 side_m = neph_vec3_sub(box->box.max_m, box->box.min_m);
     const double half = 0.5 / box->surface.texture.cell_m * within;
-    named_number(writer, "select(abs(x) - ", half * side_m.x, ", ");
-    named_number(writer, "select(abs(y) - ", half * side_m.y, ", ");
-    words(writer, across_z);
-    words(writer, ", ");
-    words(writer, across_y);
-    words(writer, "), ");
-    words(writer, across_x);
-    words(writer, ")");
+    put(writer, "select(abs(x) - %n, select(abs(y) - %n, %s, %s), %s)", half * side_m.x,
+        half * side_m.y, across_z, across_y, across_x);
 }
 
 /* Patterns wrap at 1, so the two values are 1/4 and 3/4. */
 static void write_checker(struct writer *writer, const struct neph_solid *box)
 {
-    words(writer, " function { 0.25 + 0.5*abs(mod(");
+    put(writer, " function { 0.25 + 0.5*abs(mod(");
     write_by_face(writer, box, "floor(x) + floor(y)", "floor(x) + floor(z)", "floor(y) + floor(z)");
-    words(writer, ", 2)) } color_map { [0.5 ");
-    property(writer, box->albedo);
-    words(writer, "] [0.5 ");
-    property(writer, box->surface.texture.other);
-    words(writer, "] }");
+    put(writer, ", 2)) } color_map { [0.5 %m] [0.5 %m] }", box->albedo, box->surface.texture.other);
 }
 
 /* The file's nodes, with zeros around them, lie at (i + 1) / (NEPH_NOISE_CELLS + 3) of a unit cube,
@@ -775,15 +741,11 @@ static void write_checker(struct writer *writer, const struct neph_solid *box)
 static void write_noise(struct writer *writer, const struct neph_solid *box)
 {
     const struct neph_paint *noise = &box->surface.texture;
-    named_number(writer, " function { 0.999*Noise", noise->seed, "(Cell(");
+    put(writer, " function { 0.999*Noise%i(Cell(", noise->seed);
     write_by_face(writer, box, "x", "x", "y");
-    words(writer, "), Cell(");
+    put(writer, "), Cell(");
     write_by_face(writer, box, "y", "z", "z");
-    words(writer, "), 1/3) } color_map { [0 ");
-    property(writer, box->albedo);
-    words(writer, "] [0.999 ");
-    property(writer, noise->other);
-    words(writer, "] }");
+    put(writer, "), 1/3) } color_map { [0 %m] [0.999 %m] }", box->albedo, noise->other);
 }
 
 static bool is_noise(const struct neph_solid *solid)
@@ -795,14 +757,13 @@ static bool is_noise(const struct neph_solid *solid)
 /* A pattern turns along where it stands before the turn. */
 static void write_paint(struct writer *writer, const struct neph_solid *box)
 {
-    words(writer, " pigment {");
+    put(writer, " pigment {");
     if (is_noise(box))
         write_noise(writer, box);
     else
         write_checker(writer, box);
-    named_number(writer, " scale U*", box->surface.texture.cell_m, " translate ");
-    position(writer, neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m), 0.5));
-    words(writer, " }");
+    put(writer, " scale U*%n translate %p }", box->surface.texture.cell_m,
+        neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m), 0.5));
     write_finish(writer, box);
 }
 
@@ -814,39 +775,31 @@ static void write_turn(struct writer *writer, const struct neph_solid *box)
                                                       0.5);
     if (!neph_is_turned(&box->turn))
         return;
-    words(writer, " translate -");
-    position(writer, middle_m);
-    words(writer, " matrix <");
+    put(writer, " translate -%p matrix <", middle_m);
     for (int axis = 0; axis < 3; axis++) {
         const struct neph_vec3 unit = {axis == 0, axis == 1, axis == 2};
         const struct neph_vec3 row = neph_turned(&box->turn, unit);
         for (int i = 0; i < 3; i++)
-            named_number(writer, "", neph_povray_axis(row, i), ", ");
+            put(writer, "%n, ", neph_povray_axis(row, i));
     }
-    words(writer, "0, 0, 0> translate ");
-    position(writer, middle_m);
+    put(writer, "0, 0, 0> translate %p", middle_m);
 }
 
 static void write_solid(struct writer *writer, const struct neph_solid *solid)
 {
     if (solid->kind == NEPH_SOLID_BOX) {
-        words(writer, "box { ");
-        position(writer, solid->box.min_m);
-        words(writer, ", ");
-        position(writer, solid->box.max_m);
+        put(writer, "box { %p, %p", solid->box.min_m, solid->box.max_m);
         if (shows_paint(writer, solid))
             write_paint(writer, solid);
         write_turn(writer, solid);
     } else {
-        words(writer, "sphere { ");
-        position(writer, solid->center_m);
-        named_number(writer, ", U*", solid->radius_m, "");
+        put(writer, "sphere { %p, U*%n", solid->center_m, solid->radius_m);
     }
     if (!shows_paint(writer, solid))
         write_texture(writer, solid);
     if (has_radiosity(writer) && neph_is_mirror(&solid->surface))
-        words(writer, " photons { target reflection on refraction off collect off }");
-    words(writer, " }\n");
+        put(writer, " photons { target reflection on refraction off collect off }");
+    put(writer, " }\n");
 }
 
 void neph_povray_noise_name(int seed, char name[NEPH_POVRAY_FILE_NAME_MAX])
@@ -889,16 +842,14 @@ static void declare_noises(struct writer *writer)
         char name[NEPH_POVRAY_FILE_NAME_MAX];
         if (!is_noise(&scene->solids[i]) || !is_first_of_seed(scene, i))
             continue;
-        if (is_first) {
-            named_number(writer, "#declare Cell = function(x) { (x - ", NEPH_NOISE_CELLS, "*");
-            named_number(writer, "floor(x/", NEPH_NOISE_CELLS, ") + 1)");
-            named_number(writer, "/", NEPH_NOISE_CELLS + 3, " }\n");
-        }
+        if (is_first)
+            put(writer, "#declare Cell = function(x) { (x - %i*floor(x/%i) + 1)/%i }\n",
+                NEPH_NOISE_CELLS, NEPH_NOISE_CELLS, NEPH_NOISE_CELLS + 3);
         is_first = false;
         neph_povray_noise_name(seed, name);
-        named_number(writer, "#declare Noise", seed, " = function { pattern { density_file df3 \"");
-        words(writer, name);
-        words(writer, "\" interpolate 1 } }\n");
+        put(writer,
+            "#declare Noise%i = function { pattern { density_file df3 \"%s\" interpolate 1 } }\n",
+            seed, name);
     }
 }
 
@@ -910,7 +861,7 @@ static void write_solids(struct writer *writer)
     if (scene->solid_count > 0 && writer->pass->kind == NEPH_POVRAY_DEPTH)
         declare_depth_texture(writer);
     if (scene->solid_count > 0)
-        words(writer, "// Solids.\n");
+        put(writer, "// Solids.\n");
     for (int i = 0; i < scene->solid_count; i++)
         write_solid(writer, &scene->solids[i]);
 }

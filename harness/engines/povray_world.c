@@ -11,6 +11,7 @@
  */
 #include "harness/engines/povray_world.h"
 
+#include "harness/engines/baked_scene.h"
 #include "harness/engines/povray_exposure.h"
 #include "scenes/bounds.h"
 #include "scenes/lights.h"
@@ -76,23 +77,6 @@ static bool is_uniform(const struct neph_medium *medium)
             return false;
     }
     return true;
-}
-
-double neph_povray_layer_per_m(const struct neph_fog_layer *layer, double y_m)
-{
-    if (layer->extinction_per_m <= 0.0)
-        return 0.0;
-    return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
-}
-
-static double densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds)
-{
-    if (!neph_medium_is_fog(medium))
-        return neph_medium_extinction_bound_per_m(medium, bounds);
-    double sum_per_m = 0.0;
-    for (int i = 0; i < medium->layer_count; i++)
-        sum_per_m += neph_povray_layer_per_m(&medium->layers[i], bounds->min_m.y);
-    return sum_per_m;
 }
 
 static bool is_empty(const struct neph_medium *medium)
@@ -306,7 +290,7 @@ static enum neph_status separate_faces(struct neph_povray_world *world, int inde
                          "medium %d is thinner than the %.2g m by which a face must keep off the "
                          "eye",
                          index + 1, shift_m);
-    const double per_m = densest_per_m(&world->scene->media[index], &container->bounds);
+    const double per_m = neph_densest_per_m(&world->scene->media[index], &container->bounds);
     container->extinction_per_m = per_m;
     world->shift_error = fmax(world->shift_error, per_m * shift_m);
     return NEPH_OK;

@@ -85,7 +85,4 @@ static inline void neph_povray_set_axis(struct neph_vec3 *v, int axis, double va
     *(axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z) = value;
 }
 
-/* Extinction of a layer of fog at a height, per metre. */
-double neph_povray_layer_per_m(const struct neph_fog_layer *layer, double y_m);
-
 #endif

@@ -4,13 +4,17 @@
 #include "base/child.h"
 #include "base/files.h"
 #include "base/hash.h"
+#include "base/threads.h"
+#include "harness/data.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 static const char scratch_prefix[] = "neph-probe-";
+static const double probe_limit_s = 30.0; /* Blender answers in less than 1 s */
 static const size_t text_limit_bytes = 1 << 16;
 static const int64_t folder_bytes = (int64_t)512 << 20, folder_bytes_per_px = 256,
                      folder_entries = 16384, log_bytes = (int64_t)16 << 20;
@@ -163,4 +167,118 @@ enum neph_status neph_program_ask(const char *program, const char *name, double 
     }
     *text = said;
     return NEPH_OK;
+}
+
+/* ---- external renderers ---------------------------------------------------------------------- */
+
+static void judge_version(const struct neph_external_renderer *renderer, const char *text,
+                          struct neph_engine_info *info)
+{
+    char version[64];
+    info->broken = !renderer->parse_version(text, version);
+    if (info->broken) {
+        snprintf(info->missing, sizeof(info->missing), "'%s --version' does not tell it",
+                 renderer->program);
+        return;
+    }
+    if (strncmp(version, renderer->measured, strlen(renderer->measured)) != 0) {
+        snprintf(info->missing, sizeof(info->missing), "%s%s%s", renderer->other[0], version,
+                 renderer->other[1]);
+        return;
+    }
+    info->available = true;
+    snprintf(info->version, sizeof(info->version), "%s %s", renderer->name, version);
+    snprintf(info->device, sizeof(info->device), "CPU, %d threads", neph_processor_count());
+}
+
+static bool has_data_file(const struct neph_external_renderer *renderer,
+                          struct neph_engine_info *info)
+{
+    if (!renderer->data_file)
+        return true;
+    char *path = neph_data_path(renderer->data_file);
+    const bool is_there = path && neph_path_exists(path);
+    if (!is_there)
+        snprintf(info->missing, sizeof(info->missing),
+                 "'%.300s' is not there; NEPH_DATA_DIR names the folder that holds scripts/",
+                 path ? path : renderer->data_file);
+    free(path);
+    return is_there;
+}
+
+void neph_external_probe(const struct neph_external_renderer *renderer,
+                         struct neph_engine_info *info)
+{
+    *info = (struct neph_engine_info){.available = false};
+    snprintf(info->install_line, sizeof(info->install_line), "%s", renderer->install_line);
+    if (!neph_child_program_exists(renderer->program)) {
+        snprintf(info->missing, sizeof(info->missing), "there is no program '%s' in PATH",
+                 renderer->program);
+        return;
+    }
+    info->broken = true;
+    if (!has_data_file(renderer, info))
+        return;
+    struct neph_diag diag = {0};
+    char name[64], *text = NULL;
+    snprintf(name, sizeof(name), "%s ", renderer->name);
+    if (neph_program_ask(renderer->program, name, probe_limit_s, &text, info->build, &diag))
+        snprintf(info->missing, sizeof(info->missing), "'%s --version' failed: %.400s",
+                 renderer->program, diag.message);
+    else
+        judge_version(renderer, text, info);
+    free(text);
+}
+
+enum neph_status neph_external_run(const struct neph_external_renderer *renderer,
+                                   const char *const argv[], const char *folder, const char *log,
+                                   const struct neph_shot *shot, struct neph_child_result *result,
+                                   struct neph_diag *diag)
+{
+    const struct neph_usage before = neph_usage_measure(folder);
+    const struct neph_child_params params = {
+        .argv = argv,
+        .working_directory = folder,
+        .log_path = log,
+        .home = folder,
+        .environment = renderer->environment,
+        .limits = neph_program_limits(&before, shot->width_px, shot->height_px),
+        .time_limit_s = shot->time_limit_s};
+    const enum neph_status status = neph_child_run(&params, result, diag);
+    if (status == NEPH_ERR_UNAVAILABLE)
+        neph_hint(diag, "%s", renderer->install_line);
+    return status;
+}
+
+enum neph_status neph_external_left(const struct neph_external_renderer *renderer, const char *path,
+                                    const char *which, const char *log, struct neph_diag *diag)
+{
+    bool is_left = false;
+    const enum neph_status status = neph_program_left(path, &is_left, diag);
+    if (status || is_left)
+        return status;
+    neph_fail(diag, NEPH_ERR_ENGINE, "%s ended well but wrote no %simage", renderer->name, which);
+    neph_hint(diag, "its whole log is '%s'", log);
+    return NEPH_ERR_ENGINE;
+}
+
+enum neph_status neph_external_size(const struct neph_external_renderer *renderer,
+                                    const char *which, int width_px, int height_px,
+                                    const struct neph_shot *shot, struct neph_diag *diag)
+{
+    if (width_px == shot->width_px && height_px == shot->height_px)
+        return NEPH_OK;
+    return neph_fail(diag, NEPH_ERR_ENGINE, "%s's %simage is %d x %d pixels, not %d x %d",
+                     renderer->name, which, width_px, height_px, shot->width_px, shot->height_px);
+}
+
+enum neph_status neph_external_cannot(const char *name, enum neph_status status,
+                                      const struct neph_diag *why, struct neph_diag *diag)
+{
+    if (!status)
+        return NEPH_OK;
+    neph_fail(diag, status, "%s%s%s", status == NEPH_ERR_UNSUPPORTED ? name : "",
+              status == NEPH_ERR_UNSUPPORTED ? " cannot: " : "", why->message);
+    neph_hint(diag, "%s", why->hint);
+    return status;
 }

@@ -38,4 +38,43 @@ enum neph_status neph_program_status(enum neph_status status);
 enum neph_status neph_program_ask(const char *program, const char *name, double time_limit_s,
                                   char **text, char build[NEPH_BUILD_SIZE], struct neph_diag *diag);
 
+/* A renderer of other people that neph knows: its program in PATH, and what is said about it. */
+struct neph_external_renderer {
+    const char *program;      /* "povray" */
+    const char *name;         /* "POV-Ray": --version says it, a space and the version */
+    const char *install_line; /* the command that installs it */
+    const char *data_file;    /* a file of neph's that it is run with (neph_data_path()), or NULL */
+
+    /* The version in what it says of itself; false: it does not tell it. */
+    bool (*parse_version)(const char *text, char version[64]);
+    const char *measured;           /* what versions start with that were measured: "3.7.0." */
+    const char *other[2];           /* what to say of another version, before and behind it */
+    const char *const *environment; /* of its processes: neph_child_params.environment */
+};
+
+/* neph_engine.probe of an engine on such a renderer on the CPU. */
+void neph_external_probe(const struct neph_external_renderer *renderer,
+                         struct neph_engine_info *info);
+
+/* Run it for a shot in `folder`, where it may write for a frame of the shot's size. Errors as of
+ * neph_child_run(). */
+enum neph_status neph_external_run(const struct neph_external_renderer *renderer,
+                                   const char *const argv[], const char *folder, const char *log,
+                                   const struct neph_shot *shot, struct neph_child_result *result,
+                                   struct neph_diag *diag);
+
+/* Whether it has left an image: NEPH_ERR_ENGINE says that it has not, which one ("depth ", or ""
+ * where there is one) and where its `log` is. */
+enum neph_status neph_external_left(const struct neph_external_renderer *renderer, const char *path,
+                                    const char *which, const char *log, struct neph_diag *diag);
+
+/* NEPH_ERR_ENGINE when an image that it has left is not of the shot's size. */
+enum neph_status neph_external_size(const struct neph_external_renderer *renderer,
+                                    const char *which, int width_px, int height_px,
+                                    const struct neph_shot *shot, struct neph_diag *diag);
+
+/* Why a scene could not be adapted to a renderer called `name`, in front of what it cannot. */
+enum neph_status neph_external_cannot(const char *name, enum neph_status status,
+                                      const struct neph_diag *why, struct neph_diag *diag);
+
 #endif

@@ -4,12 +4,11 @@
  * runs on. A single picture is the end of a sequence of its own.
  */
 #include "harness/engines/engines.h"
-#include "harness/engines/vulkan_device.h"
 
 #include "harness/data.h"
 #include "harness/engines/frame_stats.h"
-#include "harness/engines/own_cost.h"
-#include "harness/engines/sky_passes.h"
+#include "harness/engines/gpu_frames.h"
+#include "harness/engines/vulkan_device.h"
 #include "metrics/extractors/cycle_frequency.h"
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/options.h"
@@ -21,43 +20,6 @@
 #include <string.h>
 
 _Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pictures in flight");
-
-struct sequence {
-    struct neph_open_device *device;
-    struct neph_realtime *realtime;
-    int width_px, height_px;
-};
-
-static void close_sequence(void *opened)
-{
-    struct sequence *sequence = opened;
-    if (!sequence)
-        return;
-    neph_realtime_destroy(sequence->realtime);
-    neph_device_release(sequence->device);
-    free(sequence);
-}
-
-static enum neph_status create(struct sequence *sequence, const struct neph_shot *shot,
-                               struct neph_diag *diag)
-{
-    char *cache = neph_cache_path();
-    const struct neph_realtime_params params = {
-        .width_px = shot->width_px,
-        .height_px = shot->height_px,
-        .settings = &shot->settings,
-        .seed = (uint32_t)shot->seed,
-        .cache_folder = cache,
-    };
-    enum neph_status status = cache ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = neph_device_acquire(shot->device, &sequence->device, diag);
-    if (!status)
-        status = neph_realtime_create(sequence->device->vulkan, shot->scene, &params,
-                                      &sequence->realtime, diag);
-    free(cache);
-    return status;
-}
 
 /* The only file that a render writes is the mask of blue noise. */
 static void name_cache(enum neph_status status, struct neph_diag *diag)
@@ -72,70 +34,81 @@ static void name_cache(enum neph_status status, struct neph_diag *diag)
 /* Whether warm-up frames stay on the device. Without the split the passes behind the march need
  * them on the CPU; and on a CPU device frames that are not read take a kernel of their own, which
  * costs more to compile than to read some small frames. */
-static bool stays_on_device(const struct sequence *sequence, const struct neph_shot *shot)
+static bool stays_on_device(const struct neph_vulkan *vulkan, const struct neph_shot *shot)
 {
-    return shot->settings.values[RT_SPLIT] != RT_SPLIT_NONE &&
-           !neph_vulkan_describe(sequence->device->vulkan).is_cpu;
+    return shot->settings.values[RT_SPLIT] != RT_SPLIT_NONE && !neph_vulkan_describe(vulkan).is_cpu;
 }
 
 /* The pictures before the first, as if the sequence had begun earlier: before picture 0 camera and
  * sun are held and the wind blows as in picture 0. A given frame is the first picture's. */
-static enum neph_status warm_up(struct sequence *sequence, const struct neph_shot *shot,
-                                struct neph_diag *diag)
+static enum neph_status warm_up(const struct neph_vulkan *vulkan, struct neph_realtime *realtime,
+                                const struct neph_shot *shot, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int left = (int)shot->settings.values[RT_WARM_UP]; left > 0 && !status; left--) {
-        const struct neph_realtime_frame frame = {shot->scene, shot->frame - left, shot->given};
+        const struct neph_realtime_frame picture = {shot->scene, shot->frame - left, shot->given};
         struct neph_image *image = NULL;
-        status = neph_realtime_render(sequence->realtime, &frame,
-                                      stays_on_device(sequence, shot) ? NULL : &image, NULL, diag);
+        status = neph_realtime_render(realtime, &picture,
+                                      stays_on_device(vulkan, shot) ? NULL : &image, NULL, diag);
         neph_image_destroy(image);
     }
     name_cache(status, diag);
     return status;
 }
 
-static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
-                                      struct neph_diag *diag)
+static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_engine *engine,
+                               const struct neph_shot *shot, void **renderer,
+                               struct neph_diag *diag)
 {
-    struct sequence *sequence = calloc(1, sizeof(*sequence));
-    if (!sequence)
-        return neph_fail_memory(diag);
-    sequence->width_px = shot->width_px;
-    sequence->height_px = shot->height_px;
-    enum neph_status status = create(sequence, shot, diag);
-    if (!status)
-        status = warm_up(sequence, shot, diag);
-    if (status)
-        close_sequence(sequence);
-    else
-        *opened = sequence;
+    (void)engine;
+    char *cache = neph_cache_path();
+    const struct neph_realtime_params params = {
+        .width_px = shot->width_px,
+        .height_px = shot->height_px,
+        .settings = &shot->settings,
+        .seed = (uint32_t)shot->seed,
+        .cache_folder = cache,
+    };
+    struct neph_realtime *realtime = NULL;
+    const enum neph_status status = cache ? neph_realtime_create(vulkan, shot->scene, &params,
+                                                                 &realtime, diag)
+                                          : neph_fail_memory(diag);
+    free(cache);
+    *renderer = realtime;
+    return status ? status : warm_up(vulkan, realtime, shot, diag);
+}
+
+static void destroy(void *renderer)
+{
+    neph_realtime_destroy(renderer);
+}
+
+static enum neph_status resize(void *renderer, const struct neph_shot *shot, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_realtime_resize(renderer, shot->scene, shot->width_px,
+                                                         shot->height_px, diag);
+    name_cache(status, diag);
     return status;
 }
 
-static enum neph_status label_passes(struct neph_image *frame,
+static enum neph_status label_passes(struct neph_image *image,
                                      const struct neph_realtime_stats *stats,
                                      struct neph_diag *diag)
 {
+    static const char ending[] = "gpu_ms";
     enum neph_status status = NEPH_OK;
-    for (int i = 0; neph_rt_passes[i].name && !status; i++) {
-        char name[NEPH_IMAGE_NAME_MAX];
-        snprintf(name, sizeof(name), "%s_gpu_ms", neph_rt_passes[i].name);
-        for (char *c = name; *c; c++)
-            *c = *c == ' ' || *c == '-' ? '_' : *c;
-        if (stats->pass_gpu_s[i] > 0.0) /* it ran, on a device with a clock */
-            status = neph_frame_stats_set(frame, name, 1e3 * stats->pass_gpu_s[i], diag);
-    }
-    if (!status && stats->light_gpu_s > 0.0)
-        status = neph_frame_stats_set(frame, "higher_orders_gpu_ms", 1e3 * stats->light_gpu_s,
-                                      diag);
-    if (!status && stats->shadow_gpu_s > 0.0)
-        status = neph_frame_stats_set(frame, "cloud_shadow_gpu_ms", 1e3 * stats->shadow_gpu_s,
-                                      diag);
-    const double sky_s = neph_sky_gpu_s(&stats->sky);
-    if (!status && sky_s > 0.0)
-        status = neph_frame_stats_set(frame, "sky_gpu_ms", 1e3 * sky_s, diag);
-    return status;
+    for (int i = 0; neph_rt_passes[i].name && !status; i++)
+        status = neph_frame_stats_set_pass(image, neph_rt_passes[i].name, ending,
+                                           stats->pass_gpu_s[i], diag);
+    if (!status)
+        status = neph_frame_stats_set_pass(image, "higher orders", ending, stats->light_gpu_s,
+                                           diag);
+    if (!status)
+        status = neph_frame_stats_set_pass(image, "cloud shadow", ending, stats->shadow_gpu_s,
+                                           diag);
+    return status
+               ? status
+               : neph_frame_stats_set_pass(image, "sky", ending, neph_sky_gpu_s(&stats->sky), diag);
 }
 
 /* NaN: the picture needed no targets, and what the march itself has in memory is not counted. */
@@ -177,14 +150,11 @@ static enum neph_status label_cycles(struct neph_image *frame, const struct neph
                    : NEPH_OK;
 }
 
-static enum neph_status label(struct neph_image *frame, const struct neph_realtime_stats *stats,
+static enum neph_status label(struct neph_image *image, const struct neph_realtime_stats *stats,
                               struct neph_diag *diag)
 {
-    const double pixels = (double)neph_image_pixel_count(frame);
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {
+    const double pixels = (double)neph_image_pixel_count(image);
+    const struct neph_frame_stat numbers[] = {
         {"density_evaluations", (double)stats->density_evaluations},
         {"density_evaluations_per_pixel", (double)stats->density_evaluations / pixels},
         {"closed_forms", (double)stats->closed_forms},
@@ -196,10 +166,9 @@ static enum neph_status label(struct neph_image *frame, const struct neph_realti
         {"gpu_ms", 1e3 * stats->gpu_s},
         {"wall_ms", 1e3 * stats->wall_s},
     };
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]) && !status; i++)
-        status = neph_frame_stats_set(frame, numbers[i].name, numbers[i].value, diag);
-    return status ? status : label_passes(frame, stats, diag);
+    const enum neph_status status = neph_frame_stats_set_all(
+        image, numbers, sizeof(numbers) / sizeof(numbers[0]), diag);
+    return status ? status : label_passes(image, stats, diag);
 }
 
 /* Nothing of a scene that injects nothing. */
@@ -221,51 +190,30 @@ static enum neph_status label_injections(struct neph_image *frame,
     return status;
 }
 
-static enum neph_status follow_size(struct sequence *sequence, const struct neph_shot *shot,
-                                    struct neph_diag *diag)
+static enum neph_status frame(void *renderer, const struct neph_shot *shot,
+                              struct neph_image **image, double *render_s, struct neph_diag *diag)
 {
-    if (shot->width_px == sequence->width_px && shot->height_px == sequence->height_px)
-        return NEPH_OK;
-    sequence->width_px = shot->width_px;
-    sequence->height_px = shot->height_px;
-    return neph_realtime_resize(sequence->realtime, shot->scene, shot->width_px, shot->height_px,
-                                diag);
-}
-
-static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
-                                     struct neph_image **frame, struct neph_cost *cost,
-                                     struct neph_diag *diag)
-{
-    struct sequence *sequence = opened;
-    const struct neph_stopwatch start = neph_stopwatch_start();
     const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
     struct neph_realtime_stats stats;
-    struct neph_image *image = NULL;
-    enum neph_status status = follow_size(sequence, shot, diag);
-    if (!status)
-        status = neph_realtime_render(sequence->realtime, &picture, &image, &stats, diag);
+    enum neph_status status = neph_realtime_render(renderer, &picture, image, &stats, diag);
     name_cache(status, diag);
     if (!status)
-        status = label(image, &stats, diag);
+        status = label(*image, &stats, diag);
     if (!status)
-        status = label_injections(image, &shot->scene->injections, &stats, diag);
+        status = label_injections(*image, &shot->scene->injections, &stats, diag);
     if (!status)
-        status = label_cycles(image, &shot->settings, diag);
-    if (status) {
-        neph_image_destroy(image);
-        return status;
-    }
-    *cost = neph_own_cost(start, isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s);
-    *frame = image;
-    return NEPH_OK;
+        status = label_cycles(*image, &shot->settings, diag);
+    if (!status)
+        *render_s = isfinite(stats.gpu_s) ? stats.gpu_s : stats.wall_s;
+    return status;
 }
 
-static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
+static enum neph_status submit(void *renderer, const struct neph_shot *shot,
+                               struct neph_flight_cost *cost, struct neph_diag *diag)
 {
-    struct sequence *sequence = opened;
+    (void)cost;
     const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
-    const enum neph_status status = neph_realtime_render(sequence->realtime, &picture, NULL, NULL,
-                                                         diag);
+    const enum neph_status status = neph_realtime_render(renderer, &picture, NULL, NULL, diag);
     name_cache(status, diag);
     return status;
 }
@@ -273,49 +221,40 @@ static enum neph_status send(void *opened, const struct neph_shot *shot, struct 
 /* What is done before the passes, if it is. */
 static void add_before(const char *name, double gpu_s, struct neph_flight_cost *cost)
 {
-    if (!(gpu_s > 0.0))
-        return;
-    cost->passes[cost->pass_count].name = name;
-    cost->passes[cost->pass_count].gpu_s = gpu_s;
-    cost->passes[cost->pass_count++].traffic_bytes = NAN;
+    if (gpu_s > 0.0)
+        neph_flight_cost_add(cost, name, gpu_s, NAN);
 }
 
-static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
+static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
+                                struct neph_diag *diag)
 {
-    struct sequence *sequence = opened;
     struct neph_realtime_stats stats;
-    const enum neph_status status = neph_realtime_home(sequence->realtime, &stats, diag);
+    const enum neph_status status = neph_realtime_home(renderer, &stats, diag);
     if (status)
         return status;
     *cost = (struct neph_flight_cost){.gpu_s = stats.gpu_s, .cpu_s = stats.wall_s};
-    for (int i = 0; neph_rt_passes[i].name; i++) {
-        cost->passes[i].name = neph_rt_passes[i].name;
-        cost->passes[i].gpu_s = stats.pass_gpu_s[i];
-        cost->passes[i].traffic_bytes = of_targets(stats.pass_traffic_bytes[i]);
-        cost->pass_count = i + 1;
-    }
-    neph_sky_passes_add(&stats.sky, cost);
+    for (int i = 0; neph_rt_passes[i].name; i++)
+        neph_flight_cost_add(cost, neph_rt_passes[i].name, stats.pass_gpu_s[i],
+                             of_targets(stats.pass_traffic_bytes[i]));
+    neph_flight_cost_add_sky(cost, &stats.sky);
     add_before("higher orders", stats.light_gpu_s, cost);
     add_before("cloud shadow", stats.shadow_gpu_s, cost);
     return NEPH_OK;
 }
 
-static enum neph_status watch(void *opened, uint64_t *bad, struct neph_diag *diag)
+static enum neph_status watch(void *renderer, uint64_t *bad, struct neph_diag *diag)
 {
-    struct sequence *sequence = opened;
-    return neph_realtime_watch(sequence->realtime, bad, diag);
+    return neph_realtime_watch(renderer, bad, diag);
 }
 
-static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
-                               struct neph_cost *cost, struct neph_diag *diag)
-{
-    void *sequence = NULL;
-    enum neph_status status = open_sequence(shot, &sequence, diag);
-    if (!status)
-        status = next_picture(sequence, shot, frame, cost, diag);
-    close_sequence(sequence);
-    return status;
-}
+static const struct neph_gpu_renderer gpu = {.create = create,
+                                             .destroy = destroy,
+                                             .resize = resize,
+                                             .frame = frame,
+                                             .submit = submit,
+                                             .collect = collect,
+                                             .watch = watch,
+                                             .set_up_is_free = true};
 
 /* Where another lighting could, the reason says so. */
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
@@ -375,15 +314,6 @@ static bool describe_pass(int index, struct neph_engine_pass *pass)
     return true;
 }
 
-static const struct neph_engine_sequence sequence_of = {
-    .open = open_sequence,
-    .next = next_picture,
-    .send = send,
-    .home = home,
-    .watch = watch,
-    .close = close_sequence,
-};
-
 const struct neph_engine neph_engine_realtime = {
     .name = "realtime",
     .summary = "the four-frame pipeline: a ray per 4x4 pixels, history, depth-aware upscale, TAA",
@@ -392,7 +322,8 @@ const struct neph_engine neph_engine_realtime = {
     .bias = "a shortcut: measure it against `march` with the same steps",
     .options = neph_rt_options,
     .presets = neph_rt_presets,
-    .sequence = &sequence_of,
+    .sequence = &neph_gpu_sequence_watched,
+    .gpu = &gpu,
     .remembers = true,
     .takes_given = true,
     .injects = true,
@@ -403,5 +334,4 @@ const struct neph_engine neph_engine_realtime = {
     .describe_pass = describe_pass,
     .probe = neph_vulkan_probe,
     .can_render = can_render,
-    .render = render,
 };

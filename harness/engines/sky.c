@@ -5,18 +5,15 @@
  */
 #include "harness/engines/engines.h"
 
-#include "base/clock.h"
-#include "base/threads.h"
+#include "harness/engines/cpu_frame.h"
 #include "harness/engines/frame_stats.h"
-#include "harness/engines/own_cost.h"
-#include "harness/engines/sky_passes.h"
+#include "harness/engines/gpu_frames.h"
 #include "harness/engines/vulkan_device.h"
 #include "renderer/shortcuts.h"
 #include "renderer/sky/device.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 enum {
     OPTION_ON,
@@ -110,240 +107,111 @@ static struct neph_sky_params params_of(const struct neph_settings *settings)
 
 /* ---- a picture ------------------------------------------------------------------------------- */
 
-struct job {
-    const struct neph_shot *shot;
-    const struct neph_sky *sky;
-    struct neph_camera camera;
-    float *radiance[3], *volume[3], *transmittance[3], *depth;
-};
-
-static void store(float *layer[3], size_t pixel, const double value[3])
+static struct neph_rgb rgb(const double value[3])
 {
-    for (int c = 0; c < 3 && layer[0]; c++)
-        layer[c][pixel] = (float)value[c];
+    return (struct neph_rgb){value[0], value[1], value[2]};
 }
 
-static void render_row(int row, void *context)
+static struct neph_ray_light see_ray(const void *sky, struct neph_vec3 origin_m,
+                                     struct neph_vec3 direction)
 {
-    const struct job *job = context;
-    const struct neph_shot *shot = job->shot;
-    for (int column = 0; column < shot->width_px; column++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&job->camera, shot->width_px,
-                                                          shot->height_px, column, row);
-        const struct neph_sky_light light = neph_sky_see(job->sky, ray.origin_m, ray.direction);
-        const size_t pixel = (size_t)row * (size_t)shot->width_px + (size_t)column;
-        store((float **)job->radiance, pixel, light.radiance);
-        store((float **)job->volume, pixel, light.volume);
-        store((float **)job->transmittance, pixel, light.transmittance);
-        if (job->depth)
-            job->depth[pixel] = (float)(light.length_m *
-                                        neph_vec3_dot(ray.direction, job->camera.forward));
-    }
+    const struct neph_sky_light light = neph_sky_see(sky, origin_m, direction);
+    return (struct neph_ray_light){.radiance = rgb(light.radiance),
+                                   .volume = rgb(light.volume),
+                                   .transmittance = rgb(light.transmittance),
+                                   .hit_m = light.length_m};
 }
 
-static enum neph_status add_layers(struct neph_image *frame, struct job *job,
-                                   struct neph_diag *diag)
+static enum neph_status render_on_cpu(const struct neph_shot *shot, struct neph_image **image,
+                                      struct neph_diag *diag)
 {
-    const unsigned layers = job->shot->layers;
-    enum neph_status status = NEPH_OK;
-    if (layers & NEPH_LAYER_RADIANCE) {
-        status = neph_image_add_rgb(frame, NULL, job->radiance, diag);
-        if (!status)
-            status = neph_image_add_rgb(frame, "volume", job->volume, diag);
-    }
-    if (!status && (layers & NEPH_LAYER_TRANSMITTANCE))
-        status = neph_image_add_rgb(frame, "transmittance", job->transmittance, diag);
-    if (!status && (layers & NEPH_LAYER_DEPTH))
-        status = neph_image_add_channel(frame, "Z", &job->depth, diag);
-    return status;
-}
-
-static enum neph_status render_on_cpu(const struct neph_shot *shot,
-                                      const struct neph_sky_params *params,
-                                      struct neph_image **frame, struct neph_diag *diag)
-{
+    const struct neph_sky_params params = params_of(&shot->settings);
+    const struct neph_camera camera = neph_scene_camera(shot->scene, shot->frame);
     struct neph_sky *sky = NULL;
-    struct neph_image *image = NULL;
-    enum neph_status status = neph_sky_create(shot->scene, params, &sky, diag);
+    double error;
+    enum neph_status status = neph_sky_create(shot->scene, &params, &sky, diag);
     if (!status)
-        status = neph_image_create(shot->width_px, shot->height_px, &image, diag);
-    struct job job = {
-        .shot = shot, .sky = sky, .camera = neph_scene_camera(shot->scene, shot->frame)};
+        status = neph_sky_stand(sky, camera.position_m, diag);
     if (!status)
-        status = neph_sky_stand(sky, job.camera.position_m, diag);
-    if (!status)
-        status = add_layers(image, &job, diag);
-    if (!status)
-        status = neph_parallel_rows(shot->height_px, render_row, &job, diag);
+        status = neph_cpu_frame(shot, see_ray, sky, image, &error, diag);
     neph_sky_destroy(sky);
-    if (status)
-        neph_image_destroy(image);
-    else
-        *frame = image;
-    return status;
-}
-
-static enum neph_status label(struct neph_image *frame, const struct neph_sky_stats *stats,
-                              struct neph_diag *diag)
-{
-    const struct {
-        const char *name;
-        double seconds;
-    } rows[] = {{"sky_tables_ms", stats->tables.air_s},
-                {"sky_view_ms", stats->tables.view_s},
-                {"sky_picture_ms", stats->picture_s}};
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]) && !status; i++)
-        status = neph_frame_stats_set(frame, rows[i].name, 1e3 * rows[i].seconds, diag);
     return status;
 }
 
 /* ---- pictures in a row ----------------------------------------------------------------------- */
-
-struct sequence {
-    struct neph_open_device *device;    /* NULL: on the CPU */
-    struct neph_sky_pictures *pictures; /* of this size */
-    int width_px, height_px;
-    int sent, home; /* pictures that went on their way, and those no longer on it */
-    double sent_s[NEPH_FLIGHT_PICTURES_MAX]; /* the CPU's part of each, by number */
-};
-
-static void close_sequence(void *opened)
-{
-    struct sequence *sequence = opened;
-    if (!sequence)
-        return;
-    neph_sky_pictures_destroy(sequence->pictures);
-    neph_device_release(sequence->device);
-    free(sequence);
-}
 
 static bool is_on_device(const struct neph_shot *shot)
 {
     return shot->settings.values[OPTION_ON] != 0.0;
 }
 
-static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
+static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_engine *engine,
+                               const struct neph_shot *shot, void **renderer,
                                struct neph_diag *diag)
 {
+    (void)engine;
+    if (!vulkan)
+        return NEPH_OK;
     const struct neph_sky_params params = params_of(&shot->settings);
-    neph_sky_pictures_destroy(sequence->pictures);
-    sequence->pictures = NULL;
-    sequence->width_px = shot->width_px;
-    sequence->height_px = shot->height_px;
-    return neph_sky_pictures_create(sequence->device->vulkan, shot->scene, &params, shot->width_px,
-                                    shot->height_px, &sequence->pictures, diag);
-}
-
-static enum neph_status open_sequence(const struct neph_shot *shot, void **opened,
-                                      struct neph_diag *diag)
-{
-    struct sequence *sequence = calloc(1, sizeof(*sequence));
-    if (!sequence)
-        return neph_fail_memory(diag);
-    enum neph_status status = NEPH_OK;
-    if (is_on_device(shot))
-        status = neph_device_acquire(shot->device, &sequence->device, diag);
-    if (!status && sequence->device)
-        status = set_up(sequence, shot, diag);
-    if (status)
-        close_sequence(sequence);
-    else
-        *opened = sequence;
+    struct neph_sky_pictures *pictures = NULL;
+    const enum neph_status status = neph_sky_pictures_create(
+        vulkan, shot->scene, &params, shot->width_px, shot->height_px, &pictures, diag);
+    *renderer = pictures;
     return status;
 }
 
-static enum neph_status picture_on_device(struct sequence *sequence, const struct neph_shot *shot,
-                                          struct neph_image **frame, double *gpu_s,
-                                          struct neph_diag *diag)
+static void destroy(void *renderer)
 {
-    struct neph_image *image = NULL;
-    struct neph_sky_stats stats;
-    sequence->home = sequence->sent; /* those in flight are forgotten */
-    const bool fits = shot->width_px == sequence->width_px &&
-                      shot->height_px == sequence->height_px && sequence->pictures;
-    enum neph_status status = fits ? NEPH_OK : set_up(sequence, shot, diag);
-    if (!status)
-        status = neph_sky_pictures_frame(sequence->pictures, shot->scene, shot->frame, &image,
-                                         &stats, diag);
-    if (!status)
-        status = label(image, &stats, diag);
-    if (status) {
-        neph_image_destroy(image);
-        return status;
-    }
-    *gpu_s = neph_sky_gpu_s(&stats.tables) + stats.picture_s;
-    *frame = image;
-    return NEPH_OK;
+    neph_sky_pictures_destroy(renderer);
 }
 
-static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
-                                     struct neph_image **frame, struct neph_cost *cost,
-                                     struct neph_diag *diag)
+static enum neph_status frame(void *renderer, const struct neph_shot *shot,
+                              struct neph_image **image, double *gpu_s, struct neph_diag *diag)
 {
-    struct sequence *sequence = opened;
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    const struct neph_sky_params params = params_of(&shot->settings);
-    double gpu_s = NAN;
-    const enum neph_status status = sequence->device
-                                        ? picture_on_device(sequence, shot, frame, &gpu_s, diag)
-                                        : render_on_cpu(shot, &params, frame, diag);
-    if (!status)
-        *cost = neph_own_cost(start, gpu_s);
-    return status;
-}
-
-static enum neph_status send(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
-{
-    struct sequence *sequence = opened;
-    if (!sequence->device)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "a sky on the CPU is never in flight: set on=device");
-    const double start_s = neph_wall_s();
-    const enum neph_status status = neph_sky_pictures_frame(sequence->pictures, shot->scene,
-                                                            shot->frame, NULL, NULL, diag);
-    if (!status)
-        sequence->sent_s[sequence->sent++ % NEPH_FLIGHT_PICTURES_MAX] = neph_wall_s() - start_s;
-    return status;
-}
-
-static enum neph_status home(void *opened, struct neph_flight_cost *cost, struct neph_diag *diag)
-{
-    struct sequence *sequence = opened;
-    struct neph_sky_stats stats;
-    const enum neph_status status = neph_sky_pictures_home(sequence->pictures, &stats, diag);
+    struct neph_sky_stats sky;
+    if (!renderer)
+        return render_on_cpu(shot, image, diag);
+    const enum neph_status status = neph_sky_pictures_frame(renderer, shot->scene, shot->frame,
+                                                            image, &sky, diag);
     if (status)
         return status;
-    *cost = (struct neph_flight_cost){
-        .gpu_s = neph_sky_gpu_s(&stats.tables) + stats.picture_s,
-        .cpu_s = sequence->sent_s[sequence->home++ % NEPH_FLIGHT_PICTURES_MAX],
-        .pass_count = 1,
-        .passes = {{.name = "sky picture", .gpu_s = stats.picture_s, .traffic_bytes = NAN}},
+    const struct neph_frame_stat stats[] = {
+        {"sky_tables_ms", 1e3 * sky.tables.air_s},
+        {"sky_view_ms", 1e3 * sky.tables.view_s},
+        {"sky_picture_ms", 1e3 * sky.picture_s},
     };
-    neph_sky_passes_add(&stats.tables, cost);
+    *gpu_s = neph_sky_gpu_s(&sky.tables) + sky.picture_s;
+    return neph_frame_stats_set_all(*image, stats, sizeof(stats) / sizeof(stats[0]), diag);
+}
+
+static enum neph_status submit(void *renderer, const struct neph_shot *shot,
+                               struct neph_flight_cost *cost, struct neph_diag *diag)
+{
+    (void)cost;
+    return renderer ? neph_sky_pictures_frame(renderer, shot->scene, shot->frame, NULL, NULL, diag)
+                    : neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                                "a sky on the CPU is never in flight: set on=device");
+}
+
+static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
+                                struct neph_diag *diag)
+{
+    struct neph_sky_stats stats;
+    const enum neph_status status = neph_sky_pictures_home(renderer, &stats, diag);
+    if (status)
+        return status;
+    cost->gpu_s = neph_sky_gpu_s(&stats.tables) + stats.picture_s;
+    neph_flight_cost_add(cost, "sky picture", stats.picture_s, NAN);
+    neph_flight_cost_add_sky(cost, &stats.tables);
     return NEPH_OK;
 }
 
-/* A picture alone pays for what it is set up with. */
-static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
-                               struct neph_cost *cost, struct neph_diag *diag)
-{
-    const struct neph_stopwatch start = neph_stopwatch_start();
-    void *sequence = NULL;
-    enum neph_status status = open_sequence(shot, &sequence, diag);
-    if (!status)
-        status = next_picture(sequence, shot, frame, cost, diag);
-    close_sequence(sequence);
-    if (!status)
-        *cost = neph_own_cost(start, is_on_device(shot) ? cost->render_s : NAN);
-    return status;
-}
-
-static const struct neph_engine_sequence sequence_of_sky = {.open = open_sequence,
-                                                            .next = next_picture,
-                                                            .send = send,
-                                                            .home = home,
-                                                            .close = close_sequence};
+static const struct neph_gpu_renderer gpu = {.create = create,
+                                             .destroy = destroy,
+                                             .frame = frame,
+                                             .submit = submit,
+                                             .collect = collect,
+                                             .needs_device = is_on_device};
 
 /* ---- the table ------------------------------------------------------------------------------- */
 
@@ -382,6 +250,6 @@ const struct neph_engine neph_engine_sky = {
     .version = 1,
     .probe = probe,
     .can_render = can_render,
-    .render = render,
-    .sequence = &sequence_of_sky,
+    .sequence = &neph_gpu_sequence,
+    .gpu = &gpu,
 };

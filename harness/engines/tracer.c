@@ -73,20 +73,14 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     };
     struct neph_open_device *device = NULL;
     struct neph_image *image = NULL;
-    struct neph_tracer_stats stats;
+    struct neph_tracer_stats stats = {.wall_s = NAN};
     enum neph_status status = neph_device_acquire(shot->device, &device, diag);
     if (!status)
         status = neph_tracer_render(device->vulkan, shot->scene, &params, &image, &stats, diag);
     if (!status)
         status = label(image, &stats, diag);
     neph_device_release(device);
-    if (status) {
-        neph_image_destroy(image);
-        return status;
-    }
-    *cost = neph_own_cost(start, stats.wall_s);
-    *frame = image;
-    return NEPH_OK;
+    return neph_own_frame(status, image, start, stats.wall_s, frame, cost);
 }
 
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,

@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "harness/compare/frame.h"
+#include "harness/engines/gpu_frames.h"
 #include "scenes/motion.h"
 #include "truth/lamp_peak.h"
 
@@ -203,7 +204,8 @@ enum neph_status neph_job_open(struct neph_job *job, struct neph_diag *diag)
     if (!job->engine->sequence)
         return NEPH_OK;
     const enum neph_status status = check_possible(job, diag);
-    return status ? status : job->engine->sequence->open(&job->shot, &job->sequence, diag);
+    return status ? status
+                  : job->engine->sequence->open(job->engine, &job->shot, &job->sequence, diag);
 }
 
 void neph_job_close(struct neph_job *job)
@@ -230,7 +232,7 @@ static enum neph_status render_shot(const struct neph_job *job, struct neph_imag
                                     struct neph_cost *cost, struct neph_diag *diag)
 {
     return job->sequence ? job->engine->sequence->next(job->sequence, &job->shot, frame, cost, diag)
-                         : job->engine->render(&job->shot, frame, cost, diag);
+                         : neph_engine_render(job->engine, &job->shot, frame, cost, diag);
 }
 
 /* Programs that run out of disk say so in their own words, or die, or leave half a picture. */

@@ -7,6 +7,7 @@
 #define NEPH_TESTS_ENGINE_TEST_H
 
 #include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "base/files.h"
 #include "base/text.h"
@@ -39,6 +40,35 @@ static inline bool test_can_render(const struct neph_engine *engine, const struc
 {
     const struct neph_settings settings = neph_settings_default(engine);
     return engine->can_render(scene, &settings, reason, reason_size);
+}
+
+/* A camera at `eye`, a sun, no media, no solids, black sky, single scattering. */
+static inline void test_stage(struct test_scene *stage, struct neph_vec3 eye,
+                              struct neph_vec3 look_at)
+{
+    test_scene_init(stage);
+    stage->key = (struct neph_camera_key){.position_m = eye, .look_at_m = look_at};
+    stage->scene.path = "scene.yaml";
+    stage->scene.name = "stage";
+    stage->scene.vertical_fov_rad = 0.7;
+    stage->scene.frame_rate_hz = 25.0;
+    stage->scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.48, 0.6, 0.64});
+    stage->scene.sun.irradiance_w_per_m2 = make_grey(2.0);
+    stage->scene.background_w_per_m2_sr = make_grey(0.0);
+}
+
+/* Render in a scratch folder of an awkward name. */
+static inline enum neph_status test_render(const struct neph_engine *engine, struct neph_shot *shot,
+                                           struct neph_image **frame, struct neph_cost *cost,
+                                           struct neph_diag *diag)
+{
+    char scratch[] = "/tmp/neph \"test\" #1 '$(touch x)' %d XXXXXX";
+    assert_non_null(mkdtemp(scratch));
+    shot->scratch_directory = scratch;
+    const enum neph_status status = engine->render(shot, frame, cost, diag);
+    neph_dir_remove(scratch, NULL);
+    shot->scratch_directory = NULL;
+    return status;
 }
 
 /* First in PATH. */

@@ -132,22 +132,17 @@ static struct neph_shot make_shot(const struct stage *stage, unsigned layers)
     return shot;
 }
 
-/* Render in a scratch folder of an awkward name. */
 static struct neph_image *render(const struct stage *stage, unsigned layers)
 {
     struct neph_diag diag = {0};
     struct neph_cost cost = {0};
     struct neph_image *frame = NULL;
-    char scratch[] = "/tmp/neph \"test\" #1 '$(touch x)' %d XXXXXX";
-    assert_non_null(mkdtemp(scratch));
     struct neph_shot shot = make_shot(stage, layers);
-    shot.scratch_directory = scratch;
-    neph_assert_ok(neph_engine_cycles.render(&shot, &frame, &cost, &diag), &diag);
+    neph_assert_ok(test_render(&neph_engine_cycles, &shot, &frame, &cost, &diag), &diag);
     print_message("  %.2f s render, %.2f s wall, %.2f s cpu, %.0f MiB\n", cost.render_s,
                   cost.wall_s, cost.cpu_s, (double)cost.peak_memory_bytes / 1048576.0);
     assert_true(cost.wall_s > cost.render_s);
     assert_true(cost.peak_memory_bytes > 1 << 20);
-    neph_dir_remove(scratch, NULL);
     return frame;
 }
 
@@ -731,12 +726,9 @@ static void test_failures_are_reported(void **state)
     shot.scratch_directory = "/nonexistent/folder";
     assert_int_not_equal(neph_engine_cycles.render(&shot, &frame, &cost, &diag), NEPH_OK);
     assert_true(diag.message[0] != '\0');
-    char scratch[] = "/tmp/neph-late-XXXXXX";
-    assert_non_null(mkdtemp(scratch));
-    shot.scratch_directory = scratch;
     shot.time_limit_s = 0.05;
-    assert_int_equal(neph_engine_cycles.render(&shot, &frame, &cost, &diag), NEPH_ERR_TIMEOUT);
-    neph_dir_remove(scratch, NULL);
+    assert_int_equal(test_render(&neph_engine_cycles, &shot, &frame, &cost, &diag),
+                     NEPH_ERR_TIMEOUT);
     assert_null(frame);
 }
 

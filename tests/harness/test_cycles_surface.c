@@ -129,22 +129,18 @@ static struct neph_image *render(const struct neph_scene *scene, const char *dis
     struct neph_diag diag = {0};
     struct neph_cost cost = {0};
     struct neph_image *frame = NULL;
-    char scratch[] = "/tmp/neph-cycles-surface-XXXXXX";
-    assert_non_null(mkdtemp(scratch));
     struct neph_shot shot = {.scene = scene,
                              .settings = neph_settings_default(&neph_engine_cycles),
                              .width_px = WIDTH,
                              .height_px = HEIGHT,
                              .layers = NEPH_LAYER_RADIANCE | NEPH_LAYER_DEPTH,
                              .seed = 1,
-                             .time_limit_s = 300.0,
-                             .scratch_directory = scratch};
+                             .time_limit_s = 300.0};
     const char *const assignments[] = {"samples=256", "surface_layers=on", distance};
     for (size_t i = 0; i < COUNT(assignments); i++)
         neph_assert_ok(
             neph_settings_set(&neph_engine_cycles, &shot.settings, assignments[i], &diag), &diag);
-    neph_assert_ok(neph_engine_cycles.render(&shot, &frame, &cost, &diag), &diag);
-    neph_dir_remove(scratch, NULL);
+    neph_assert_ok(test_render(&neph_engine_cycles, &shot, &frame, &cost, &diag), &diag);
     return frame;
 }
 

@@ -26,21 +26,9 @@ static void set_axis(struct neph_vec3 *v, int axis, double value)
 /* A box of fog below a sun, seen from `eye`. */
 static void set_stage(struct test_scene *stage, struct neph_vec3 eye, struct neph_vec3 look_at)
 {
-    memset(stage, 0, sizeof(*stage));
-    stage->key = (struct neph_camera_key){.position_m = eye, .look_at_m = look_at};
-    stage->scene = (struct neph_scene){
-        .path = "scene.yaml",
-        .name = "stage",
-        .camera_key_count = 1,
-        .camera_keys = &stage->key,
-        .camera_up = {0.0, 1.0, 0.0},
-        .vertical_fov_rad = 20.0 * NEPH_RAD_PER_DEG,
-        .frame_count = 1,
-        .frame_rate_hz = 25.0,
-        .sun = {true, {0, 1, 0}, make_grey(1.0)},
-        .scattering = NEPH_SCATTERING_SINGLE,
-        .solids = stage->solids,
-    };
+    test_stage(stage, eye, look_at);
+    stage->scene.vertical_fov_rad = 20.0 * NEPH_RAD_PER_DEG;
+    stage->scene.sun = (struct neph_sun){true, {0, 1, 0}, make_grey(1.0)};
     test_add(stage, make_homogeneous(1.0, cube))->albedo = make_grey(0.8);
 }
 
@@ -73,18 +61,14 @@ static enum neph_status render(const struct test_scene *stage, unsigned layers, 
                                struct neph_image **frame, double *cpu_s, struct neph_diag *diag)
 {
     struct neph_cost cost = {0};
-    char scratch[] = "/tmp/neph-test-near-XXXXXX";
-    assert_non_null(mkdtemp(scratch));
     struct neph_shot shot = {.scene = &stage->scene,
                              .settings = neph_settings_default(&neph_engine_povray),
                              .width_px = WIDTH,
                              .height_px = HEIGHT,
                              .layers = layers,
-                             .scratch_directory = scratch,
                              .time_limit_s = 60.0};
     shot.settings.values[0] = intervals;
-    const enum neph_status status = neph_engine_povray.render(&shot, frame, &cost, diag);
-    neph_dir_remove(scratch, NULL);
+    const enum neph_status status = test_render(&neph_engine_povray, &shot, frame, &cost, diag);
     *cpu_s += cost.cpu_s;
     return status;
 }

@@ -6,6 +6,7 @@
 #include "tests/neph_test.h"
 
 #include "harness/engines/engines.h"
+#include "harness/engines/gpu_frames.h"
 #include "harness/engines/vulkan_device.h"
 #include "renderer/vulkan_device.h"
 #include "scenes/scene.h"
@@ -163,7 +164,7 @@ static struct neph_image *render(const struct neph_scene *scene, struct neph_sha
     struct neph_image *frame = NULL;
     struct neph_cost cost;
     struct neph_diag diag = {0};
-    neph_assert_ok(engine->render(&shot, &frame, &cost, &diag), &diag);
+    neph_assert_ok(neph_engine_render(engine, &shot, &frame, &cost, &diag), &diag);
     return frame;
 }
 

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A frame of which each pixel is one ray through its centre, on all cores of the CPU.
+ */
+#ifndef NEPH_HARNESS_ENGINES_CPU_FRAME_H
+#define NEPH_HARNESS_ENGINES_CPU_FRAME_H
+
+#include "harness/engines/engine.h"
+#include "truth/transport.h"
+
+/* The light of a ray. */
+typedef struct neph_ray_light neph_see_ray(const void *context, struct neph_vec3 origin_m,
+                                           struct neph_vec3 direction);
+
+/* Render the layers of a shot. `*error`: the largest quadrature error of all rays. */
+enum neph_status neph_cpu_frame(const struct neph_shot *shot, neph_see_ray *see_ray,
+                                const void *context, struct neph_image **frame, double *error,
+                                struct neph_diag *diag);
+
+#endif
