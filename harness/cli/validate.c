@@ -185,8 +185,6 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "--check needs a part of the name of a check or rung");
     if (is_physics(request) && shared->settings.count > 0)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
-    if (is_physics(request) && request->jobs >= 0)
-        argp_error(state, "--jobs is of scenes and of the failure suite");
     if (request->seed > 0 && (is_physics(request) || is_failure(request)))
         argp_error(state, "--seed is of scenes; the suites have their own");
     if (!is_physics(request) && (request->check || request->samples >= 0))

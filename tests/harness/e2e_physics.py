@@ -171,7 +171,6 @@ class OtherRuns(unittest.TestCase):
             ([*suite, "height_fog_up"], ["height_fog_up", "--check"]),
             (["validate", "--suite", "metaphysics"], ["metaphysics", "catalog", "physics"]),
             (["validate", "--check", "furnace", "-o", self.folder], ["--suite physics"]),
-            (["validate", "--jobs", "2", "-o", self.folder], ["--suite physics"]),
             (["validate", "--samples", "4", "-o", self.folder], ["--suite physics"]),
             (["study", "magic", "height_fog_up", "-o", self.folder], ["magic", "cycles"]),
             (["study", "exact", "height_fog_up", "-o", self.folder], ["exact", "no step"]),
