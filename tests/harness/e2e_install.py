@@ -73,7 +73,8 @@ class Install(unittest.TestCase):
         complete = ('. "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _neph; '
                     'echo "${COMPREPLY[@]}"')
         for words, expected in (
-                ("neph fli", "flicker"), ("neph study ", "steps flicker light sky fog screen convergence post"),
+                ("neph fli", "flicker"),
+                ("neph study ", "steps flicker light sky fog screen convergence post"),
                 ("neph study flicker --see", "--seeds"), ("neph bake --me", "--medium"),
                 ("neph render white", "white_furnace"), ("neph fly white", "white_furnace"),
                 ("neph render -e po", "povray"),
