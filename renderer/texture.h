@@ -10,7 +10,8 @@
 #include "renderer/compute.h"
 #include "renderer/march_params.h"
 
-/* The numbers of one slab along z, x fastest; `context` is that of _create. */
+/* The numbers of one slab along z, x fastest; `context` is that of _create. Called from several
+ * threads at a time. */
 typedef void neph_texture_slab(const void *context, int z, float *values);
 
 struct neph_texture_params {

@@ -98,6 +98,7 @@ json_t *neph_table_json(const struct neph_table *table);
 
 /* Print a table and finish it; a failure of memory goes on in `arena`. */
 void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
+
 /* An object, which is taken over, with the members of one struct; NULL: memory was short. */
 json_t *neph_fields_json(json_t *object, const struct neph_field *fields, int count,
                          const void *of);

@@ -15,8 +15,8 @@
 
 /* What a run is lent. */
 struct neph_experiment_run {
-    struct neph_store
-        *store; /* in OUTPUT/store; NULL without --output, and where it opens its own */
+    /* In OUTPUT/store; NULL without --output, and where the run opens its own (opens_stores). */
+    struct neph_store *store;
     struct neph_shared_device *device;
     const char *output; /* the folder of --output, which is there */
     bool quiet;

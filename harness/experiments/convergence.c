@@ -5,6 +5,7 @@
  */
 #include "harness/experiments/experiments.h"
 
+#include "base/clock.h"
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/study/take.h"
@@ -100,9 +101,7 @@ static void add_row(const struct request *request, const char *scene, const char
         settled--;
     neph_table_word(table, scene);
     neph_table_word(table, preset);
-    neph_table_count(table, settled + 1);
-    if (settled == count)
-        neph_table_shown(table, "never");
+    neph_table_number(table, settled < count ? settled + 1 : NAN);
     neph_table_number(table, final);
     for (int i = 0; i < SHOWN; i++)
         neph_table_number(table, shown_frames[i] <= count ? errors[shown_frames[i] - 1] : NAN);
@@ -140,7 +139,7 @@ static enum neph_status run_preset(const struct request *request,
     double errors[FRAMES_MAX];
     struct neph_engine_info info;
     struct neph_reference reference = {.text = NULL};
-    struct neph_progress progress = neph_progress_start(run->quiet, 0);
+    struct neph_progress unseen = neph_progress_start(true, 0);
     struct neph_take take = {.frame_count = request->frames,
                              .reference = &reference,
                              .readings = &reading,
@@ -149,14 +148,13 @@ static enum neph_status run_preset(const struct request *request,
                              .frozen_is_fine = true};
     enum neph_status status = neph_experiment_job(run, scene, &frames, &info, &take.job, diag);
     if (!status)
-        status = neph_reference_make(&take.job, take.frame_count, run->store, &progress, &reference,
+        status = neph_reference_make(&take.job, take.frame_count, run->store, &unseen, &reference,
                                      diag);
     if (!status)
         status = measure(&take, run->store, errors, diag);
     if (!status)
         add_row(request, scene->name, preset, errors, table);
     neph_reference_finish(&reference);
-    neph_progress_end(&progress);
     return status;
 }
 
@@ -165,7 +163,7 @@ static void begin_table(struct neph_table *table)
     static const struct neph_column columns[] = {
         {.key = "scene", .title = "scene"},
         {.key = "preset", .title = "preset"},
-        {.key = "settled_frame", .title = "settled at frame", .format = "%g"},
+        {.key = "settled_frame", .title = "settled at frame", .format = "%g", .none = "never"},
         {.key = "final_error", .title = "final error", .format = "%.4f"},
     };
     neph_table_columns(table, columns, 4);
@@ -184,14 +182,23 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     const struct request *request = request_;
     struct neph_table table = {.cells = NULL};
     enum neph_status status = NEPH_OK;
+    struct neph_progress progress = neph_progress_start(run->quiet, request->shared.operand_count *
+                                                                        request->presets.count);
     begin_table(&table);
     for (int i = 0; i < request->shared.operand_count && !status; i++) {
         struct neph_scene *scene = NULL;
         status = neph_data_load_scene(request->shared.operands[i], &scene, diag);
-        for (int p = 0; p < request->presets.count && !status; p++)
+        for (int p = 0; p < request->presets.count && !status; p++) {
+            const double start_s = neph_wall_s();
+            neph_progress_begin(&progress, request->presets.words[p]);
             status = run_preset(request, run, scene, request->presets.words[p], &table, diag);
+            if (!status)
+                neph_progress_step(&progress, request->presets.words[p], "measured",
+                                   neph_wall_s() - start_s);
+        }
         neph_scene_destroy(scene);
     }
+    neph_progress_end(&progress);
     if (!status)
         status = neph_table_check(&table, diag);
     if (publication->text)

@@ -38,7 +38,7 @@ struct neph_realtime {
     struct neph_settings settings;
     uint32_t seed;
     char *cache_folder;    /* owned; or NULL */
-    uint32_t *noise_ranks; /* owned; 0 until has_noise */
+    uint32_t *noise_ranks; /* owned; the task writes them until has_noise */
     bool has_noise;
     struct neph_workers *noise_maker; /* owned; NULL: no noise is read */
     struct neph_task noise_making;
