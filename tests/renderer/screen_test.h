@@ -19,12 +19,7 @@ static inline struct neph_settings screen_settings(const char *assignments)
     neph_assert_ok(neph_options_preset(neph_screen_options, "the screen", neph_screen_presets,
                                        "ours", &settings, &diag),
                    &diag);
-    char *copy = strdup(assignments ? assignments : ""), *rest = copy;
-    for (char *word; (word = strsep(&rest, " "));)
-        if (*word)
-            neph_assert_ok(
-                neph_options_set(neph_screen_options, "the screen", word, &settings, &diag), &diag);
-    free(copy);
+    test_assign(neph_screen_options, assignments ? assignments : "", &settings);
     return settings;
 }
 

@@ -9,7 +9,7 @@
 #define PLAIN "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_guard=off "
 
 static const double alphas[] = {0.04, 0.1, 0.2, 0.5};
-enum { ALPHAS = sizeof(alphas) / sizeof(alphas[0]) };
+enum { ALPHAS = COUNT(alphas) };
 
 /* A film is a test_passes whose RT_TAA_BEFORE is the last output, on both sides. */
 static void film_open(struct neph_vulkan *vulkan, const char *settings_text, const int size_px[2],
@@ -18,8 +18,7 @@ static void film_open(struct neph_vulkan *vulkan, const char *settings_text, con
     const struct neph_settings settings = test_settings(settings_text);
     test_passes_open(vulkan, &settings, size_px, (int[2]){0, 0}, 0, film);
     film->view.has_history = 1;
-    for (size_t i = 0; i < test_elements(film, RT_DEPTH); i++)
-        test_set(film, RT_DEPTH, i, (float[4]){128.0f});
+    test_fill(film, RT_DEPTH, 128, 0, 0, 0);
     struct neph_diag diag = {0};
     neph_assert_ok(
         neph_rt_device_upload(&film->device, RT_DEPTH, film->twin.targets[RT_DEPTH], &diag), &diag);
@@ -35,8 +34,7 @@ static void film_upload(struct test_passes *film, int target)
 /* The history before the first frame. */
 static void film_start(struct test_passes *film, float value)
 {
-    for (size_t i = 0; i < test_elements(film, RT_TAA_BEFORE); i++)
-        test_set(film, RT_TAA_BEFORE, i, (float[4]){value, value, value});
+    test_fill(film, RT_TAA_BEFORE, value, value, value, 0);
     film_upload(film, RT_TAA_BEFORE);
 }
 

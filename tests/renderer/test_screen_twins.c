@@ -190,10 +190,10 @@ static void test_occlusion(void **state)
         "ao=ssao ao_bias=0.01 ao_radius_m=2",
         "ao=unreal ao_places=pixel ao_radius_m=2 ao_directions=6 ao_steps=3 targets=float16",
     };
-    for (size_t i = 0; i < sizeof(by_day) / sizeof(by_day[0]); i++)
+    for (size_t i = 0; i < COUNT(by_day); i++)
         check_occlusion(*state, by_day[i], PLAIN);
     check_occlusion(*state, "ao=gtao ao_slices=axis", FLAT);
-    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]) && neph_test_is_night(); i++)
+    for (size_t i = 0; i < COUNT(by_night) && neph_test_is_night(); i++)
         for (int kind = PLAIN; kind <= FLAT; kind++)
             check_occlusion(*state, by_night[i], (enum kind)kind);
 }
@@ -242,7 +242,7 @@ static void test_rays(void **state)
         return;
     check_rays(*state, "", PLAIN, 1);
     check_rays(*state, "", FLAT, 2);
-    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]); i++)
+    for (size_t i = 0; i < COUNT(by_night); i++)
         check_rays(*state, by_night[i], PLAIN, 3);
 }
 
@@ -391,10 +391,10 @@ static void test_blur_and_smoothing(void **state)
         HALF "gi_smooth=1 ssr_smooth=1 ao_blur_px=1",
         HALF "gi_smooth=2 ssr_smooth=2 ao_blur_px=3 targets=float16",
     };
-    for (size_t i = 0; i < sizeof(by_day) / sizeof(by_day[0]); i++)
+    for (size_t i = 0; i < COUNT(by_day); i++)
         for (int kind = ROUGH; kind <= FLAT_ROUGH; kind++)
             check_smoothing(*state, by_day[i], (enum kind)kind);
-    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]) && neph_test_is_night(); i++)
+    for (size_t i = 0; i < COUNT(by_night) && neph_test_is_night(); i++)
         for (int kind = PLAIN; kind <= FLAT_ROUGH; kind++)
             check_smoothing(*state, by_night[i], (enum kind)kind);
 }
