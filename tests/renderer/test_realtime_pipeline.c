@@ -15,14 +15,11 @@ static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
 }
 
 static struct neph_image *marched(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                  int frame, struct neph_march_stats *stats)
+                                  struct neph_march_stats *stats)
 {
     const struct neph_march_params params = {
-        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .frame = frame, .steps = 64, .sun_steps = 16};
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(test_march_frame(vulkan, scene, &params, &image, stats, &diag), &diag);
-    return image;
+        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 64, .sun_steps = 16};
+    return test_marched(vulkan, scene, &params, stats);
 }
 
 /* --- what equals what ----------------------------------------------------------------------- */
@@ -33,7 +30,7 @@ static void test_off_is_the_march(void **state)
     test_scene_fence(&test);
     const struct neph_settings settings = test_preset("off", "");
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
+    struct neph_image *truth = marched(*state, &test.scene, NULL);
     for (int frame = 0; frame < 3; frame++) {
         struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
         assert_same_bits(image, truth);
@@ -93,9 +90,7 @@ static void test_a_tile_marches_as_march_does(void **state)
     const struct neph_settings settings = plain();
     const struct neph_march_params params = {
         .width_px = WIDTH_PX / 2, .height_px = HEIGHT_PX / 2, .steps = 64, .sun_steps = 16};
-    struct neph_image *half = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(test_march_frame(*state, &test.scene, &params, &half, NULL, &diag), &diag);
+    struct neph_image *half = test_marched(*state, &test.scene, &params, NULL);
     struct ray_check check = {.half = half};
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_rays, &check);
@@ -146,7 +141,7 @@ static void test_zero_density_changes_nothing(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     test.scene.media[0].bounds = (struct neph_bounds){{-1.0, -9.0, -9.0}, {1.0, -8.0, -8.0}};
-    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
+    struct neph_image *truth = marched(*state, &test.scene, NULL);
     check_nothing(*state, &test.scene, truth, plain());
     for (int p = 0; p < neph_test_by_day(1, COUNT(presets)); p++)
         check_nothing(*state, &test.scene, truth, test_preset(presets[p], "taa=off"));
@@ -204,7 +199,7 @@ static void test_error_against_the_number_of_frames(void **state)
 {
     struct test_scene test;
     test_scene_fence(&test);
-    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
+    struct neph_image *truth = marched(*state, &test.scene, NULL);
     const struct neph_settings settings = plain();
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     double errors[12];
@@ -416,7 +411,7 @@ static void test_a_fourteenth_of_the_evaluations(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct neph_march_stats whole;
-    neph_image_destroy(marched(*state, &test.scene, 0, &whole));
+    neph_image_destroy(marched(*state, &test.scene, &whole));
     for (int p = 1; p < preset_count(); p++) {
         const struct neph_settings settings = test_preset(presets[p], "");
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
@@ -454,7 +449,7 @@ static void test_given_depth(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     const struct neph_settings settings = plain();
-    struct neph_image *given = marched(*state, &test.scene, 0, NULL);
+    struct neph_image *given = marched(*state, &test.scene, NULL);
     struct neph_realtime *from_scene = open_realtime(*state, &test.scene, &settings);
     struct neph_realtime *from_file = open_realtime(*state, &test.scene, &settings);
     struct neph_diag diag = {0};
@@ -499,7 +494,7 @@ static void test_few_and_many_solids_look_alike(void **state)
         test.scene.solid_count = counts[n];
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
         struct neph_image *frame = test_next(realtime, &test.scene, 0, NULL);
-        struct neph_image *march = marched(*state, &test.scene, 0, NULL);
+        struct neph_image *march = marched(*state, &test.scene, NULL);
         for (int c = 0; c < 4; c++)
             assert_same_channel(frame, march, channels[c]);
         neph_image_destroy(march);
