@@ -72,6 +72,15 @@ static inline bool reconstruct_is_marched(const struct test_passes *test, int x,
     return half_pixel[0] == x && half_pixel[1] == y;
 }
 
+/* A channel of a texel at half resolution. */
+static inline double half_value(const struct test_passes *test, int target, int x, int y,
+                                int channel)
+{
+    float value[4];
+    twin_fetch_half(&test->twin, target, x, y, value);
+    return value[channel];
+}
+
 /* A camera turned by angles about its own axes: to the right, upwards, clockwise. */
 static inline void reconstruct_turn(struct neph_gpu_view_camera *camera, double yaw_rad,
                                     double pitch_rad, double roll_rad)

@@ -172,10 +172,9 @@ static void test_what_stands_in_for_history(void **state)
         skipped_one(&test, at);
         twin_put_half(&test.twin, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
         reconstruct_run(&test);
-        float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
         const double expected = cases[i].expected ? cases[i].expected : mean_of_nine(at, i == 4);
-        neph_assert_close(value[0], expected, 2e-6, 0); /* nine sums and products of float32 */
+        /* nine sums and products of float32 */
+        neph_assert_close(half_value(&test, RT_HISTORY, at[0], at[1], 0), expected, 2e-6, 0);
         test_passes_close(&test);
     }
 }
@@ -194,9 +193,7 @@ static void test_rejected_is_not_absent(void **state)
         test_fill(&test, RT_HALF_DEPTH_BEFORE, 500, 0, 0, 0);
         test.view.has_history = (uint32_t)is_rejected;
         reconstruct_run(&test);
-        float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
-        assert_true(value[0] == (is_rejected ? 3.0f : 1.0f));
+        assert_true(half_value(&test, RT_HISTORY, at[0], at[1], 0) == (is_rejected ? 3.0f : 1.0f));
         test_passes_close(&test);
     }
 }
@@ -406,9 +403,7 @@ static void test_the_sky_is_not_in_the_box_of_solids(void **state)
         reconstruct_run(&test);
         int at[2];
         skipped_one(&test, at);
-        float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
-        assert_true(value[0] == (i ? 8.0f : 9.0f));
+        assert_true(half_value(&test, RT_HISTORY, at[0], at[1], 0) == (i ? 8.0f : 9.0f));
         test_passes_close(&test);
     }
 }
@@ -424,11 +419,9 @@ static void test_fresh_rays_are_mixed_tone_mapped(void **state)
     reconstruct_run(&test);
     int at[2];
     reconstruct_marched(&test, 1, 1, at);
-    float value[4];
-    twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
     const double expected[4] = {7.0 / 3.0, 3, 0, 0.9};
     for (int c = 0; c < 4; c++)
-        neph_assert_close(value[c], expected[c], 1e-6, 0);
+        neph_assert_close(half_value(&test, RT_HISTORY, at[0], at[1], c), expected[c], 1e-6, 0);
     test_passes_close(&test);
 }
 

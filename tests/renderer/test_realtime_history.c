@@ -231,10 +231,9 @@ static void test_filters_are_exact_on_polynomials(void **state)
                 const double expected = degree == 0   ? 0.25
                                         : degree == 1 ? u + v
                                                       : u * u + u * v + v * v;
-                float value[4];
-                twin_fetch_half(&test.twin, RT_HISTORY, x, y, value);
                 /* 1e-4 px of place, and rounding */
-                neph_assert_close(value[0], expected, 1e-6, degree * 2e-6);
+                neph_assert_close(half_value(&test, RT_HISTORY, x, y, 0), expected, 1e-6,
+                                  degree * 2e-6);
             }
         test_passes_close(&test);
     }

@@ -413,9 +413,7 @@ static void put_ray(struct test_passes *test, int x, int y, double depth_m, doub
 
 static double light_at(const struct test_passes *test, int x, int y)
 {
-    float value[4];
-    twin_fetch_half(&test->twin, RT_HISTORY, x, y, value);
-    return value[0];
+    return half_value(test, RT_HISTORY, x, y, 0);
 }
 
 /* A texel of the tile that is not marched in this frame. */
