@@ -573,7 +573,7 @@ static void test_all_shares_are_heard_and_the_whole_is_there_for_the_rest(void *
 {
     struct heard heard = {.whole = 0};
     scratch_path(state, heard.path, "notes");
-    assert_int_equal(neph_pool_run(3, note, hear, &heard, NULL), NEPH_OK);
+    assert_int_equal(neph_pool_run(3, NULL, note, hear, &heard, NULL), NEPH_OK);
     for (int number = 0; number < PIECES; number++)
         assert_int_equal(heard.times[number], number < PIECES - 1);
     assert_int_equal(heard.whole, 1);
@@ -584,7 +584,7 @@ static void test_one_job_has_nobody_to_tell(void **state)
 {
     struct heard heard = {.whole = 0};
     scratch_path(state, heard.path, "notes");
-    assert_int_equal(neph_pool_run(1, note, hear, &heard, NULL), NEPH_OK);
+    assert_int_equal(neph_pool_run(1, NULL, note, hear, &heard, NULL), NEPH_OK);
     assert_int_equal(heard.whole, PIECES);
     assert_int_equal(count_in(heard.path, ";"), PIECES);
 }
@@ -601,7 +601,7 @@ static void test_what_fails_here_ends_all(void **state)
     struct heard heard = {.whole = 0};
     struct neph_diag diag = {.line = 0};
     scratch_path(state, heard.path, "notes");
-    assert_int_equal(neph_pool_run(3, note, hear_nothing, &heard, &diag), NEPH_ERR_IO);
+    assert_int_equal(neph_pool_run(3, NULL, note, hear_nothing, &heard, &diag), NEPH_ERR_IO);
     assert_int_equal(heard.whole, 0);
 }
 
