@@ -133,12 +133,6 @@ static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
 static enum neph_status choose(struct run *run, struct neph_diag *diag)
 {
     const struct neph_physics_params *params = run->params;
-    for (int i = 0; i < params->engine_count; i++)
-        if (!neph_engine_find(params->engines[i])) {
-            neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", params->engines[i]);
-            neph_hint(diag, "`neph engines` lists them");
-            return NEPH_ERR_USAGE;
-        }
     run->checks = neph_arena_zeroed(&run->made->arena, (size_t)neph_check_count(), sizeof(int));
     if (!run->checks)
         return neph_fail_memory(diag);
