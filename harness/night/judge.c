@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/night/judge.h"
 
+#include "base/sort.h"
 #include "metrics/significance.h"
 
 #include <math.h>
@@ -60,12 +61,6 @@ struct centre {
     double mean, deviation, correlation, dof;
 };
 
-static int by_value(const void *a_, const void *b_)
-{
-    const double a = *(const double *)a_, b = *(const double *)b_;
-    return (a > b) - (a < b);
-}
-
 /* The deviation of a normal variable whose outer shares g are pulled in to where they begin, z:
  * its square is 1 - 2 g - 2 z phi(z) + 2 g z^2. */
 static double winsorized_deviation(double g)
@@ -104,7 +99,7 @@ static struct centre centre_of(const double *values, int count)
     double sorted[NEPH_JUDGE_WINDOW];
     struct centre centre = {.count = count};
     memcpy(sorted, values, (size_t)count * sizeof(*sorted));
-    qsort(sorted, (size_t)count, sizeof(*sorted), by_value);
+    neph_sort_doubles(sorted, (size_t)count);
     const int cut = (int)(trimmed_share * count);
     const double low = sorted[cut], high = sorted[count - 1 - cut];
     double sum = 0.0, winsorized = 0.0, squares = 0.0;
@@ -200,7 +195,7 @@ static struct look look_at_week(const struct centre *centre, const double *recen
 {
     double sorted[NEPH_JUDGE_WEEK];
     memcpy(sorted, recent, sizeof(sorted));
-    qsort(sorted, NEPH_JUDGE_WEEK, sizeof(*sorted), by_value);
+    neph_sort_doubles(sorted, NEPH_JUDGE_WEEK);
     const double worth = worth_of(centre->count, centre->correlation),
                  week = worth_of(NEPH_JUDGE_WEEK, centre->correlation) / M_PI_2;
     return (struct look){sorted[NEPH_JUDGE_WEEK / 2] - centre->mean,
