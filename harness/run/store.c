@@ -343,9 +343,9 @@ bool neph_store_find(struct neph_store *store, const char *key, char **frame_pat
     return true;
 }
 
-char *neph_store_resting_place(const struct neph_store *store, const char *key)
+struct neph_path neph_store_resting_place(const struct neph_store *store, const char *key)
 {
-    return neph_path_join(store->resting.text, key);
+    return neph_path_in(store->resting.text, key);
 }
 
 /* ---- working --------------------------------------------------------------------------------- */
