@@ -21,7 +21,7 @@ static const struct neph_cli_option options[] = {
     {.name = "size", .otherwise = "1920x1080"},
     {"scene", 0, "SCENE",
      "A file, or a name of the catalogue; may be given several times (default: the catalogue and "
-     "scenes/failure)",
+     "scenes/stress)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, scenes)},
     {"engine",
      .help = "One of march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "

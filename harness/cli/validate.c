@@ -3,13 +3,14 @@
  * `neph validate`: the main job.
  */
 #include "harness/cli/cli.h"
-#include "harness/cli/validate_failure.h"
+#include "harness/cli/validate_stress.h"
 
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/physics/physics.h"
+#include "harness/progress.h"
 #include "harness/report/charts.h"
 #include "harness/report/report.h"
 #include "harness/report/validate.h"
@@ -80,7 +81,7 @@ static const struct neph_cli_option options[] = {
     {"suite", 0, "NAME",
      "catalog: the same as --tier full; physics: every engine against truth that needs no "
      "renderer; "
-     "failure: presets of realtime where such methods fail, and engines in fog, with limits (tiers "
+     "stress: presets of realtime where such methods fail, and engines in fog, with limits (tiers "
      "quick, full)",
      NEPH_CLI_WORD, .at = offsetof(struct request, suite)},
     {"check", 0, "TEXT", "Of the physics suite: only checks whose name or rung contains TEXT",
@@ -89,28 +90,28 @@ static const struct neph_cli_option options[] = {
      "Of the physics suite: paths per pixel and seed of our tracers (default: 256)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, samples), .minimum = 2, .maximum = 1000000},
     {"only", 0, "SCENARIO",
-     "Of the failure suite: only this scenario, whatever its tier; may be given several times",
+     "Of the stress tests: only this scenario, whatever its tier; may be given several times",
      NEPH_CLI_WORDS, .at = offsetof(struct request, only)},
     {"preset", 0, "NAME",
-     "Of the failure suite: only this preset, or PRESET+KEY=VALUE; may be given several times "
+     "Of the stress tests: only this preset, or PRESET+KEY=VALUE; may be given several times "
      "(default: seed, fixed and ours, in the full tier all but ours1; march, cycles and povray "
      "beside them)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, presets)},
     {"on-device", 0, NULL,
-     "Of the failure suite: only count bad values, in all images of every frame, on the device "
+     "Of the stress tests: only count bad values, in all images of every frame, on the device "
      "(preset off, which has none: in its pictures); nothing is kept",
      NEPH_CLI_FLAG, .at = offsetof(struct request, on_device)},
     {"jobs", 'j', "N",
      "Processes that render at the same time: scenes, checks of the physics suite, or trials of "
-     "the failure suite; results do not depend on it (default: 1)",
+     "the stress tests; results do not depend on it (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, jobs), .minimum = 1,
-     .maximum = NEPH_FAILURE_JOBS_MAX},
+     .maximum = NEPH_STRESS_JOBS_MAX},
     {"pictures", 0, "WHICH",
-     "Of the failure suite: results that the page has pictures of: failed (default), changed, all, "
+     "Of the stress tests: results that the page has pictures of: failed (default), changed, all, "
      "none",
      NEPH_CLI_WORD, .at = offsetof(struct request, pictures)},
     {"page-limit", 0, "MB",
-     "Of the failure suite: what the page may take; the worst results have their pictures first "
+     "Of the stress tests: what the page may take; the worst results have their pictures first "
      "(default: 60)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, page_limit_mb), .minimum = 1,
      .maximum = 1000000},
@@ -143,29 +144,36 @@ static bool is_physics(const struct request *request)
     return request->suite && strcmp(request->suite, "physics") == 0;
 }
 
-static bool is_failure(const struct request *request)
+/* The word that the stress tests had before, taken for one release. */
+static bool is_old_word(const struct request *request)
 {
     return request->suite && strcmp(request->suite, "failure") == 0;
 }
 
-/* What belongs to the failure suite, and what does not. */
-static void check_failure(const struct request *request, const struct argp_state *state)
+static bool is_stress(const struct request *request)
+{
+    return request->suite && (strcmp(request->suite, "stress") == 0 || is_old_word(request));
+}
+
+/* What belongs to the stress tests, and what does not. */
+static void check_stress(const struct request *request, const struct argp_state *state)
 {
     const struct neph_cli_shared *shared = &request->shared;
-    if (!is_failure(request)) {
+    if (!is_stress(request)) {
         if (request->only.count > 0 || request->presets.count > 0 || request->pictures ||
             request->page_limit_mb >= 0 || request->on_device)
             argp_error(state, "--only, --preset, --pictures, --page-limit and --on-device belong "
-                              "to --suite failure");
+                              "to --suite stress");
         return;
     }
     if (shared->operand_count > 0)
-        argp_error(state, "the failure suite has scenarios of its own; --only chooses among them");
+        argp_error(state,
+                   "the stress tests have scenarios of their own; --only chooses among them");
     if (shared->settings.count > 0)
-        argp_error(state, "the failure suite has no --set; presets take settings: --preset "
+        argp_error(state, "the stress tests have no --set; presets take settings: --preset "
                           "NAME+KEY=VALUE");
     if (request->pictures &&
-        neph_cli_failure_pictures(request->pictures) == NEPH_FAILURE_PICTURES_COUNT)
+        neph_cli_stress_pictures(request->pictures) == NEPH_STRESS_PICTURES_COUNT)
         argp_error(state, "there are no pictures '%s'; there are failed, changed, all and none",
                    request->pictures);
 }
@@ -175,21 +183,21 @@ static void check(const void *request_, const struct argp_state *state)
     const struct request *request = request_;
     const struct neph_cli_shared *shared = &request->shared;
     if (request->suite && strcmp(request->suite, "catalog") != 0 && !is_physics(request) &&
-        !is_failure(request))
-        argp_error(state, "there is no suite '%s'; there are catalog, physics and failure",
+        !is_stress(request))
+        argp_error(state, "there is no suite '%s'; there are catalog, physics and stress",
                    request->suite);
-    check_failure(request, state);
+    check_stress(request, state);
     if (request->tier && !find_tier(request->tier))
         argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
     if (request->check && request->check[0] == '\0')
         argp_error(state, "--check needs a part of the name of a check or rung");
     if (is_physics(request) && shared->settings.count > 0)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
-    if (request->seed > 0 && (is_physics(request) || is_failure(request)))
+    if (request->seed > 0 && (is_physics(request) || is_stress(request)))
         argp_error(state, "--seed is of scenes; the suites have their own");
     if (!is_physics(request) && (request->check || request->samples >= 0))
         argp_error(state, "--check and --samples belong to --suite physics");
-    if (request->suite && request->tier && !is_failure(request))
+    if (request->suite && request->tier && !is_stress(request))
         argp_error(state, "either --suite or --tier: the catalogue is --tier full");
     if (is_physics(request) && shared->operand_count > 0)
         argp_error(state,
@@ -219,8 +227,8 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate my_fog.yaml -e exact -e march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics --jobs 4 -o out/physics\n"
         "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096\n"
-        "  neph validate --suite failure --only fence_tiles --preset fixed+override=parallel\n"
-        "  neph validate --suite failure --only fog_seam -e povray --pictures all",
+        "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
+        "  neph validate --suite stress --only fog_seam -e povray --pictures all",
 };
 
 /* ---- scenes, and the physics suite ----------------------------------------------------------- */
@@ -418,29 +426,32 @@ static enum neph_status run_catalog(const struct request *request, struct neph_d
     return status;
 }
 
-static enum neph_status run_failure(const struct request *request, struct neph_diag *diag)
+static enum neph_status run_stress(const struct request *request, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
     struct neph_shared_device device = {.open = NULL};
-    struct neph_failure_params params = {.full = request->tier &&
-                                                 strcmp(request->tier, "full") == 0,
-                                         .only = request->only.list,
-                                         .only_count = request->only.count,
-                                         .presets = request->presets.list,
-                                         .preset_count = request->presets.count,
-                                         .engines = request->engines.list,
-                                         .engine_count = request->engines.count,
-                                         .width_px = shared->size.width_px,
-                                         .height_px = shared->size.height_px,
-                                         .on_device = request->on_device,
-                                         .jobs = request->jobs < 0 ? 1 : request->jobs,
-                                         .device = &device,
-                                         .quiet = shared->quiet};
+    struct neph_stress_params params = {.full = request->tier && strcmp(request->tier, "full") == 0,
+                                        .only = request->only.list,
+                                        .only_count = request->only.count,
+                                        .presets = request->presets.list,
+                                        .preset_count = request->presets.count,
+                                        .engines = request->engines.list,
+                                        .engine_count = request->engines.count,
+                                        .width_px = shared->size.width_px,
+                                        .height_px = shared->size.height_px,
+                                        .on_device = request->on_device,
+                                        .jobs = request->jobs < 0 ? 1 : request->jobs,
+                                        .device = &device,
+                                        .quiet = shared->quiet};
     const size_t limit_mb = request->page_limit_mb < 0 ? 60 : (size_t)request->page_limit_mb;
+    if (is_old_word(request))
+        neph_progress_warn("--suite failure is called --suite stress now, and its failure.json "
+                           "stress.json; the old word goes with the next release");
     if (request->pictures)
-        params.pictures = neph_cli_failure_pictures(request->pictures);
-    const enum neph_status status = neph_cli_validate_failure(
-        &params, shared->output, limit_mb * 1000000, shared->json, diag);
+        params.pictures = neph_cli_stress_pictures(request->pictures);
+    const enum neph_status status = neph_cli_validate_stress(
+        &params, shared->output, is_old_word(request) ? "failure.json" : "stress.json",
+        limit_mb * 1000000, shared->json, diag);
     neph_shared_device_close(&device);
     return status;
 }
@@ -450,8 +461,8 @@ enum neph_status neph_cli_validate(int argc, char **argv, struct neph_diag *diag
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
     const struct neph_cli_shared *shared = &request.shared;
-    if (is_failure(&request))
-        return run_failure(&request, diag);
+    if (is_stress(&request))
+        return run_stress(&request, diag);
     if (shared->operand_count > 0)
         return run(&request, shared->operands, shared->operand_count, diag);
     const char *const *scenes = tier_of(&request)->scenes;

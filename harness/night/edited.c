@@ -50,8 +50,13 @@ static enum neph_status link_entries(const char *from, const char *to, const cha
 /* The folder of the catalogue, below scenes/, that a scene is in. */
 static const char *folder_of(const char *data, const char *scene, struct neph_arena *arena)
 {
-    const char *path = neph_arena_format(arena, "%s/scenes/failure/%s.yaml", data, scene);
-    return path && neph_path_exists(path) ? "failure" : "catalog";
+    static const char *const names[] = {"stress", "failure"}; /* now, and one release ago */
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+        const char *path = neph_arena_format(arena, "%s/scenes/%s/%s.yaml", data, names[i], scene);
+        if (path && neph_path_exists(path))
+            return names[i];
+    }
+    return "catalog";
 }
 
 /* Make `folder` what NEPH_DATA_DIR may name. */
@@ -161,7 +166,7 @@ static enum neph_status measure(struct neph_night_work *work, int index, const c
     return status;
 }
 
-/* Numbers of the failure suite are named by the hash that the scene has in the project, as its
+/* Numbers of the stress tests are named by the hash that the scene has in the project, as its
  * results have none. What is of another version than the accepted one is left out. */
 static void name_accepted(const struct neph_night_edit *edit,
                           const struct neph_history_scene *scene, struct neph_arena *arena,

@@ -2,6 +2,7 @@
 #include "harness/night/lost.h"
 
 #include "harness/night/judge.h"
+#include "harness/night/plan.h"
 #include "harness/run/record.h"
 
 #include <stdlib.h>
@@ -172,7 +173,7 @@ static bool was_asked_for(const struct neph_night_scope *scope, const char *step
 {
     bool asked = !scope || scope->only_count == 0;
     for (int i = 0; !asked && i < scope->only_count; i++)
-        asked = strstr(step, scope->only[i]) != NULL;
+        asked = neph_night_is_named(step, scope->only[i]);
     return asked;
 }
 

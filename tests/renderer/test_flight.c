@@ -114,7 +114,7 @@ static void test_the_picture_after_pictures_in_flight(void **state)
  * that is in flight the fill alone is counted. */
 static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
 {
-    struct neph_scene *scene = load_file(NEPH_SOURCE_DIR "/scenes/failure/wind_cloud.yaml");
+    struct neph_scene *scene = load_file(NEPH_SOURCE_DIR "/scenes/stress/wind_cloud.yaml");
     struct neph_settings settings = few_steps("ours");
     settings.values[RT_SUN_CACHE] = 1.0;
     settings.values[RT_SUN_CACHE_VOXELS] = 16.0;
