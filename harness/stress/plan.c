@@ -4,6 +4,7 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/stress/measures.h"
+#include "renderer/realtime/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,9 +14,6 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
 
-static const char *const all_presets[] = {"off",   "seed", "fixed", "ue",  "c52e",
-                                          "unity", "ours", "fsr2",  "svgf"};
-static const char *const quick_presets[] = {"seed", "fixed", "ours"};
 static const char *const engines[] = {"march", "fog_look", "cycles", "povray"};
 /* Every scenario has it, whatever its file says. */
 static const struct neph_failing_limit no_bad_values = {
@@ -98,6 +96,17 @@ static bool has_engines(const struct neph_stress_suite *suite)
     return has;
 }
 
+static int list_presets(unsigned use, const char *names[NEPH_STRESS_COLUMNS_MAX])
+{
+    const struct neph_preset *preset;
+    int count = 0;
+    for (; count < NEPH_STRESS_COLUMNS_MAX &&
+           (preset = neph_preset_of_use(neph_rt_presets, use, count));
+         count++)
+        names[count] = preset->name;
+    return count;
+}
+
 #define COUNT(list) ((int)(sizeof(list) / sizeof((list)[0])))
 
 /* Those that are named, or the presets of the tier, and engines where a scene is of them. */
@@ -105,10 +114,12 @@ static enum neph_status choose_columns(const struct neph_stress_params *params,
                                        struct neph_stress_suite *suite, struct neph_diag *diag)
 {
     struct neph_stress_params chosen = *params;
+    const char *names[NEPH_STRESS_COLUMNS_MAX];
     enum neph_status status = NEPH_OK;
     if (params->preset_count == 0 && params->engine_count == 0) {
-        chosen.presets = params->full ? all_presets : quick_presets;
-        chosen.preset_count = params->full ? COUNT(all_presets) : COUNT(quick_presets);
+        chosen.presets = names;
+        chosen.preset_count = list_presets(
+            params->full ? NEPH_RT_STRESS_FULL : NEPH_RT_STRESS_QUICK, names);
         chosen.engines = engines;
         chosen.engine_count = has_engines(suite) ? COUNT(engines) : 0;
     }
