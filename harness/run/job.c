@@ -60,24 +60,15 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
     return status;
 }
 
-/* Where +inf is an answer: the sky, a medium that shows nothing. */
-static bool may_be_infinite(const char *channel)
-{
-    return strcmp(channel, "Z") == 0 || strcmp(channel, "volume.distance") == 0;
-}
-
-static bool may_be_negative(const char *channel)
-{
-    return strncmp(channel, "normal.", strlen("normal.")) == 0;
-}
-
 /* Every other value an engine hands over is finite, and none is negative. Returns how many values
  * are bad: -inf is both not finite and negative, and one value. */
 static size_t count_bad(const struct neph_image *frame, const struct neph_channel *channel,
                         size_t *non_finite, size_t *negative)
 {
-    const bool is_distance = may_be_infinite(channel->name);
-    const bool is_signed = may_be_negative(channel->name);
+    /* Where +inf is an answer: the sky, a medium that shows nothing. */
+    const bool is_distance = strcmp(channel->name, "Z") == 0 ||
+                             strcmp(channel->name, "volume.distance") == 0;
+    const bool is_signed = strncmp(channel->name, "normal.", strlen("normal.")) == 0;
     const size_t count = neph_image_pixel_count(frame);
     size_t bad = 0;
     *non_finite = *negative = 0;
@@ -217,13 +208,6 @@ static enum neph_status hold_scene(const struct neph_engine *engine, struct neph
     return status;
 }
 
-static enum neph_status render_shot(const struct neph_job *job, struct neph_image **frame,
-                                    struct neph_cost *cost, struct neph_diag *diag)
-{
-    return job->sequence ? job->engine->sequence->next(job->sequence, &job->shot, frame, cost, diag)
-                         : neph_engine_render(job->engine, &job->shot, frame, cost, diag);
-}
-
 /* Programs that run out of disk say so in their own words, or die, or leave half a picture. */
 static enum neph_status name_full_disk(enum neph_status status, const struct neph_shot *shot,
                                        struct neph_diag *diag)
@@ -266,8 +250,12 @@ enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct ne
     enum neph_status status = hold_scene(job->engine, &held.shot, &still, diag);
     if (!status)
         status = check_possible(&held, diag);
-    if (!status)
-        status = name_full_disk(render_shot(&held, &rendered, cost, diag), &held.shot, diag);
+    if (!status) {
+        status = held.sequence
+                     ? held.engine->sequence->next(held.sequence, &held.shot, &rendered, cost, diag)
+                     : neph_engine_render(held.engine, &held.shot, &rendered, cost, diag);
+        status = name_full_disk(status, &held.shot, diag);
+    }
     if (!status)
         status = label_frame(&held, cost, rendered, diag);
     neph_scene_destroy(still);

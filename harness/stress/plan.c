@@ -96,38 +96,26 @@ static bool has_engines(const struct neph_stress_suite *suite)
     return has;
 }
 
-static int list_presets(unsigned use, const char *names[NEPH_STRESS_COLUMNS_MAX])
-{
-    const struct neph_preset *preset;
-    int count = 0;
-    for (; count < NEPH_STRESS_COLUMNS_MAX &&
-           (preset = neph_preset_of_use(neph_rt_presets, use, count));
-         count++)
-        names[count] = preset->name;
-    return count;
-}
-
 #define COUNT(list) ((int)(sizeof(list) / sizeof((list)[0])))
 
 /* Those that are named, or the presets of the tier, and engines where a scene is of them. */
 static enum neph_status choose_columns(const struct neph_stress_params *params,
                                        struct neph_stress_suite *suite, struct neph_diag *diag)
 {
-    struct neph_stress_params chosen = *params;
-    const char *names[NEPH_STRESS_COLUMNS_MAX];
+    const bool is_default = params->preset_count == 0 && params->engine_count == 0;
+    const unsigned use = params->full ? NEPH_RT_STRESS_FULL : NEPH_RT_STRESS_QUICK;
+    const struct neph_preset *preset;
     enum neph_status status = NEPH_OK;
-    if (params->preset_count == 0 && params->engine_count == 0) {
-        chosen.presets = names;
-        chosen.preset_count = list_presets(
-            params->full ? NEPH_RT_STRESS_FULL : NEPH_RT_STRESS_QUICK, names);
-        chosen.engines = engines;
-        chosen.engine_count = has_engines(suite) ? COUNT(engines) : 0;
-    }
-    for (int i = 0; i < chosen.preset_count && !status; i++)
-        status = add_column(suite, chosen.presets[i], true, diag);
-    for (int i = 0; i < chosen.engine_count && !status; i++)
-        status = add_column(suite, chosen.engines[i], false, diag);
-    if (!status && chosen.preset_count == 0 && !has_engines(suite)) {
+    for (int i = 0; is_default && !status && (preset = neph_preset_of_use(neph_rt_presets, use, i));
+         i++)
+        status = add_column(suite, preset->name, true, diag);
+    for (int i = 0; is_default && has_engines(suite) && i < COUNT(engines) && !status; i++)
+        status = add_column(suite, engines[i], false, diag);
+    for (int i = 0; i < params->preset_count && !status; i++)
+        status = add_column(suite, params->presets[i], true, diag);
+    for (int i = 0; i < params->engine_count && !status; i++)
+        status = add_column(suite, params->engines[i], false, diag);
+    if (!status && !is_default && params->preset_count == 0 && !has_engines(suite)) {
         neph_fail(diag, NEPH_ERR_USAGE, "none of the scenarios is of engines");
         neph_hint(diag, "those that are say `engines: true`: fog_seam, fog_none, fog_below, "
                         "elevator, fog_look_...; others are of presets (--preset)");
