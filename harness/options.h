@@ -64,8 +64,8 @@ struct neph_cli_option {
     const char *otherwise; /* the argument when none is given, which the help tells; NULL: none */
     double minimum, maximum;
     int group; /* in the help, which sorts by name within each */
-    /* Of a list, what is taken when none is given, and of words only what the help says of that: the
-     * names of presets that have one of these uses, behind `otherwise`. NULL: none. */
+    /* The presets with one of these uses, behind `otherwise`, stand for a list that is not given;
+     * the help names them. NULL: none. */
     const struct neph_preset *presets;
     unsigned uses;
     const char *between; /* before each name; NULL: "," */
