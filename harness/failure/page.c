@@ -14,7 +14,8 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILURE_STATE_COUNT == 3, "a new kind");
 
-static const struct neph_page_parts parts = {.files = {"failure.html", "failure.js"}};
+static const struct neph_page_parts parts = {.title = "Nephelometer failure suite",
+                                             .files = {"failure.html", "failure.js"}};
 
 /* ---- evidence -------------------------------------------------------------------------------- */
 
