@@ -15,7 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct neph_page_parts parts = {.files = {"night.html", "night.js"}};
+static const struct neph_page_parts parts = {.title = "Nephelometer night",
+                                             .files = {"night.html", "night.js"}};
 
 enum {
     TREND_NIGHTS = 60,
