@@ -4,33 +4,15 @@
  * do not disturb each other, and nothing of killed or failed ones stays. Everything happens in one
  * process: its number is the same for all, as in containers, and tells nothing.
  */
-#include "tests/base/scratch.h"
+#include "tests/harness/store_test.h"
 
 #include "base/lock.h"
-#include "harness/run/store.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 static const char key_a[] = "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa";
 static const char key_b[] = "bbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbb";
-
-static struct neph_store *open_store(void **state)
-{
-    char path[SCRATCH_PATH_MAX];
-    struct neph_store *store = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_store_open(scratch_path(state, path, "store"), &store, &diag), &diag);
-    return store;
-}
-
-static void write_text(const char *folder, const char *name, const char *text)
-{
-    char *path = neph_path_join(folder, name);
-    neph_assert_ok(neph_file_write(path, text, strlen(text), NULL), NULL);
-    free(path);
-}
 
 static void publish(struct neph_store *store, const char *key, const char *frame, double seconds)
 {
@@ -72,15 +54,6 @@ static void assert_gone(void **state, const char *part, const char *key)
     char path[SCRATCH_PATH_MAX];
     entry_path(state, part, key, path);
     assert_false(neph_path_exists(path));
-}
-
-static int count_in(void **state, const char *name)
-{
-    char path[SCRATCH_PATH_MAX];
-    struct scratch inner;
-    snprintf(inner.folder, sizeof(inner.folder), "%.250s", scratch_path(state, path, name));
-    void *inner_state = &inner;
-    return scratch_count(&inner_state);
 }
 
 /* Replace text in the record of an entry by another of the same length. */

@@ -2,7 +2,7 @@
  *
  * The store's database: it says what the frames say, whatever happens to it or to who writes it.
  */
-#include "tests/base/scratch.h"
+#include "tests/harness/store_test.h"
 
 #include "harness/run/history.h"
 #include "harness/run/index.h"
@@ -15,22 +15,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
-static struct neph_store *open_store(void **state)
-{
-    char path[SCRATCH_PATH_MAX];
-    struct neph_store *store = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_store_open(scratch_path(state, path, "store"), &store, &diag), &diag);
-    return store;
-}
-
-static void write_text(const char *folder, const char *name, const char *text)
-{
-    char *path = neph_path_join(folder, name);
-    neph_assert_ok(neph_file_write(path, text, strlen(text), NULL), NULL);
-    free(path);
-}
 
 static void name_key(char key[NEPH_HASH_HEX_SIZE], int number)
 {
@@ -183,7 +167,6 @@ static void damage(const char *path, uint64_t *random)
 
 static void ignore_fault(const struct neph_store_fault *fault, void *context)
 {
-    (void)context;
     assert_string_equal(fault->key, "");
 }
 
@@ -305,15 +288,6 @@ static void publish_for_ever(void **state, int first)
             publish(store, first + k, 100, NULL);
         neph_store_close(store);
     }
-}
-
-static int count_in(void **state, const char *name)
-{
-    char path[SCRATCH_PATH_MAX];
-    struct scratch inner;
-    snprintf(inner.folder, sizeof(inner.folder), "%.250s", scratch_path(state, path, name));
-    void *inner_state = &inner;
-    return scratch_count(&inner_state);
 }
 
 /* The moments are counted in frames, and then in microseconds: a slow disk has as many of them. */
