@@ -32,6 +32,21 @@ void *neph_arena_copy(struct neph_arena *arena, const void *from, size_t size)
     return to ? memcpy(to, from, size) : NULL;
 }
 
+void *neph_arena_grown(struct neph_arena *arena, void *list, int count, int *room, size_t size)
+{
+    enum { FIRST = 16 };
+    if (count < *room)
+        return list;
+    const int wanted = *room > 0 ? 2 * *room : FIRST;
+    void *grown = neph_arena_zeroed(arena, (size_t)wanted, size);
+    if (!grown)
+        return NULL;
+    if (count > 0)
+        memcpy(grown, list, (size_t)count * size);
+    *room = wanted;
+    return grown;
+}
+
 const char *neph_arena_text(struct neph_arena *arena, const char *text)
 {
     return text ? neph_arena_format(arena, "%s", text) : NULL;

@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What of a sequence is judged; harness/failure/measures.h says how each is measured. Of all of
+/* What of a sequence is judged; harness/stress/measures.h says how each is measured. Of all of
  * them less is better. */
 enum neph_failing_measure {
     NEPH_FAILING_ERROR,

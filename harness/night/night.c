@@ -288,8 +288,7 @@ static enum neph_status list_frames(struct neph_night_work *work, struct neph_da
                                     json_t **frames, struct neph_diag *diag)
 {
     struct tm began = {0};
-    if (!work->night->started_utc ||
-        !strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
+    if (!strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
         return neph_fail(diag, NEPH_ERR_INTERNAL, "a night without a beginning");
     const int64_t start_s = timegm(&began);
     json_t *list = json_array();

@@ -36,14 +36,13 @@ struct neph_history_step {
     double calibration_s; /* NaN: nothing was timed */
 };
 
-/* As of record.h. */
-extern const char neph_measurement_fields[], neph_history_step_fields[];
-
 /* The scene that a step has measured. `terms` is a digest of what decides about its numbers and
  * changes none: gates, exposure, what is measured over time (night/scene_copy.h). */
 struct neph_history_scene {
     const char *step, *scene, *hash, *terms;
 };
+
+extern const struct neph_record_form neph_history_step_form, neph_history_scene_form;
 
 /* Who a night is. */
 struct neph_history_night {

@@ -204,18 +204,18 @@ static enum neph_status check_acceptance(const struct check *check, const json_t
 static enum neph_status find_last_acceptance(const struct check *check, int64_t *last,
                                              struct neph_diag *diag)
 {
-    struct dirent **names;
-    int count;
-    enum neph_status status = neph_history_list(check->store_folder, &names, &count, diag);
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_history_list(check->store_folder, &arena, &names, diag);
     if (!status)
         status = neph_database_count(check->index, last, diag,
                                      "SELECT coalesce(max(id), 0) FROM acceptances", "");
-    for (int i = 0; i < count && !status; i++) {
-        const int64_t a = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_ACCEPTANCE),
-                      b = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_COPY);
+    for (int i = 0; i < names.count && !status; i++) {
+        const int64_t a = neph_document_number(names.list[i], NEPH_DOCUMENT_ACCEPTANCE),
+                      b = neph_document_number(names.list[i], NEPH_DOCUMENT_COPY);
         *last = a > *last ? a : b > *last ? b : *last;
     }
-    neph_history_free_list(names, count);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -263,15 +263,15 @@ enum neph_status neph_history_check_torn(struct neph_database *index, const char
                                          struct neph_diag *diag)
 {
     const struct check check = {index, store_folder, false, tell, context};
-    struct dirent **names;
-    int count;
-    enum neph_status status = neph_history_list(store_folder, &names, &count, diag);
-    for (int i = 0; i < count && !status; i++) {
-        const int64_t night = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_NIGHT);
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_history_list(store_folder, &arena, &names, diag);
+    for (int i = 0; i < names.count && !status; i++) {
+        const int64_t night = neph_document_number(names.list[i], NEPH_DOCUMENT_NIGHT);
         if (night > 0)
             status = check_torn(&check, night, diag);
     }
-    neph_history_free_list(names, count);
+    neph_arena_finish(&arena);
     return status;
 }
 

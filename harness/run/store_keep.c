@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/store_keep.h"
 
+#include "base/files.h"
 #include "base/interrupt.h"
 #include "base/path.h"
 #include "harness/run/history.h"
@@ -8,7 +9,6 @@
 #include "harness/run/index.h"
 #include "harness/run/store_entry.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -75,19 +75,16 @@ static enum neph_status check_frame(struct check *check, const char *key, struct
 
 static enum neph_status check_frames(struct check *check, struct neph_diag *diag)
 {
-    struct dirent **names = NULL;
-    const int count = scandir(neph_path_in(neph_store_folder(check->store), "frames").text, &names,
-                              NULL, alphasort);
-    enum neph_status status = count < 0 ? neph_fail(diag, NEPH_ERR_IO, "the store has no frames/")
-                                        : NEPH_OK;
-    for (int i = 0; i < count; i++) {
-        if (!status && neph_interrupted())
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_dir_list(
+        neph_path_in(neph_store_folder(check->store), "frames").text, &arena, &names, diag);
+    for (int i = 0; i < names.count && !status; i++)
+        if (neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
-        if (!status && names[i]->d_name[0] != '.')
-            status = check_frame(check, names[i]->d_name, diag);
-        free(names[i]);
-    }
-    free(names);
+        else if (names.list[i][0] != '.')
+            status = check_frame(check, names.list[i], diag);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -100,7 +97,7 @@ static enum neph_status count_rows(struct neph_database *index, struct neph_stor
     } sums_of[] = {
         {&sums->bytes, "SELECT coalesce(sum(bytes), 0) FROM jobs"},
         {&sums->nights, "SELECT count(*) FROM nights WHERE ended_utc != ''"},
-        {&sums->accepted, "SELECT count(*) FROM acceptances"},
+        {&sums->acceptances, "SELECT count(*) FROM acceptances"},
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < sizeof(sums_of) / sizeof(sums_of[0]); i++)
@@ -267,11 +264,11 @@ enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, do
 /* ---- export ---------------------------------------------------------------------------------- */
 
 static enum neph_status list_all(struct neph_database *index, const char *question,
-                                 const char *fields, json_t *document, const char *name,
-                                 struct neph_diag *diag)
+                                 const struct neph_record_form *form, json_t *document,
+                                 const char *name, struct neph_diag *diag)
 {
     json_t *list = NULL;
-    const enum neph_status status = neph_record_list(index, diag, question, 0, fields, &list);
+    const enum neph_status status = neph_record_list(index, form, &list, diag, question, "");
     if (!status && !list) {
         neph_fail(diag, NEPH_ERR_INPUT, "a row of '%s' in the store's database is damaged", name);
         neph_hint(diag, "`neph store check --repair` makes it again");
@@ -306,11 +303,11 @@ enum neph_status neph_store_export(struct neph_store *store, json_t **document,
     json_t *made = json_pack("{s:s}", "format", "neph-store-1"), *acceptances = NULL;
     enum neph_status status = made ? neph_store_index(store, &index, diag) : neph_fail_memory(diag);
     if (!status)
-        status = list_all(index, "SELECT * FROM environments WHERE ? = 0 ORDER BY id",
-                          neph_index_environment_fields, made, "environments", diag);
+        status = list_all(index, "SELECT * FROM environments ORDER BY id",
+                          &neph_index_environment_form, made, "environments", diag);
     if (!status)
-        status = list_all(index, "SELECT * FROM jobs WHERE ? = 0 ORDER BY key",
-                          neph_index_job_fields, made, "jobs", diag);
+        status = list_all(index, "SELECT * FROM jobs ORDER BY key", &neph_index_job_form, made,
+                          "jobs", diag);
     if (!status)
         status = list_nights(index, made, diag);
     if (!status)

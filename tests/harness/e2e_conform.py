@@ -95,7 +95,7 @@ class Conform(neph_case.NephCase):
         for name in ("disney_cloud", "height_fog_level"):
             self.put(f"scenes/catalog/{name}.yaml",
                      (ROOT / f"scenes/catalog/{name}.yaml").read_text())
-        (self.folder / "scenes/failure").mkdir()
+        (self.folder / "scenes/stress").mkdir()
         request = ("-e", "march", "--size", "32x18", "-o", self.folder / "out")
         environment = {"NEPH_DATA_DIR": str(self.folder), "NEPH_DISNEY_CLOUD": ""}
         done = self.neph(*request, **environment)

@@ -107,6 +107,28 @@ static void test_a_quick_night_looks_at_the_air(void **state)
     neph_arena_finish(&arena);
 }
 
+/* Steps and series keep the word that the stress tests had in the first nights. */
+static void test_the_stress_tests_keep_their_word_in_names(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *step, *text;
+        bool is_named;
+    } cases[] = {
+        {"failure ridge_far", "stress ridge_far", true},
+        {"failure ridge_far", "stress", true},
+        {"failure ridge_far", "failure ridge", true},
+        {"failure ridge_far", "stress fog", false},
+        {"failure ridge_far", "ridge", true},
+        {"sweep ridge_far", "stress", false},
+        {"catalog stress_one", "stress_one", true},
+        {"catalog stress_one", "stress", false},
+    };
+    assert_string_equal(neph_night_suite_name(NEPH_NIGHT_STRESS), "failure");
+    for (size_t i = 0; i < COUNT(cases); i++)
+        assert_true(neph_night_is_named(cases[i].step, cases[i].text) == cases[i].is_named);
+}
+
 /* `neph benchmark` refuses a scene that one of its engines cannot render. */
 static void test_what_is_timed_can_be_rendered(void **state)
 {
@@ -283,7 +305,7 @@ static void test_results_of_the_other_suites(void **state)
               "\"engine\": \"march\", \"deviation\": -0.01, \"standard_error\": null}]}}",
               NAN, &arena, &numbers);
     neph_assert_close(number_of(&numbers, "physics/slab/march/deviation/theory"), -0.01, 0.0, 0.0);
-    read_text(NEPH_NIGHT_FAILURE,
+    read_text(NEPH_NIGHT_STRESS,
               "{\"device\": \"D\", \"results\": [{\"scene\": \"none\", \"point\": \"\", "
               "\"measure\": \"error\", \"over\": \"solid\", \"column\": \"ours\", \"value\": 0.5}, "
               "{\"scene\": \"none\", \"point\": \"\", \"measure\": \"lag\", \"over\": \"all\", "
@@ -764,6 +786,7 @@ int main(void)
         cmocka_unit_test(test_what_is_asked_for_goes_to_the_catalogue),
         cmocka_unit_test(test_what_steps_name_is_there),
         cmocka_unit_test(test_a_quick_night_looks_at_the_air),
+        cmocka_unit_test(test_the_stress_tests_keep_their_word_in_names),
         cmocka_unit_test(test_plans_that_differ_are_told_apart),
         cmocka_unit_test(test_what_tells_most_a_second_comes_first),
         scratch_test(test_results_of_the_catalogue),
