@@ -80,12 +80,15 @@ class NephCase(unittest.TestCase):
             for words in [said] if isinstance(said, str) else said:
                 self.assertIn(words, " ".join(done.stderr.split()), arguments)
 
-    def start(self, *arguments, **environment):
+    def start(self, *arguments, niceness=0, **environment):
         """neph, which goes on beside the test."""
+        def prepare():
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # which a shell's background ignores
+            os.nice(niceness)
         child = subprocess.Popen([NEPH, *words_of(self.words + arguments)], text=True,
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                  cwd=self.where(), env={**self.surroundings, **environment},
-                                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+                                 preexec_fn=prepare)
         for stream in (child.stdout, child.stderr):
             self.addCleanup(stream.close)
         return child
