@@ -26,7 +26,6 @@ static const struct neph_option options[] = {
 
 static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
-    (void)device;
     *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
 }
 
@@ -59,7 +58,6 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
 static enum neph_status hang(const struct neph_shot *shot, struct neph_image **frame,
                              struct neph_cost *cost, struct neph_diag *diag)
 {
-    (void)frame;
     *cost = (struct neph_cost){.wall_s = shot->time_limit_s};
     return neph_fail(diag, NEPH_ERR_TIMEOUT, "stopped after %g s", shot->time_limit_s);
 }
