@@ -286,8 +286,6 @@ static enum neph_status count_points(struct neph_worker *worker, void *context,
         if (worker->index == 0)
             neph_progress_tick(&work->progress, "evaluations");
     }
-    if (worker->index > 0)
-        neph_shared_device_close(work->params->device);
     return status;
 }
 
@@ -295,9 +293,8 @@ static enum neph_status count_all(struct work *work, struct neph_diag *diag)
 {
     struct neph_scaling *scaling = work->scaling;
     work->progress.kind = KIND_POINT;
-    if (work->params->jobs > 1)
-        neph_shared_device_close(work->params->device); /* workers open their own */
-    enum neph_status status = neph_pool_run(work->params->jobs, count_points, NULL, work, diag);
+    enum neph_status status = neph_pool_run(work->params->jobs, work->params->device, count_points,
+                                            NULL, work, diag);
     for (int i = 0; i < scaling->line_count && !status; i++)
         if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
             work->progress.kind = KIND_PICTURES;

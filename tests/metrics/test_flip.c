@@ -5,6 +5,7 @@
  */
 #include "tests/metrics/extractor_test.h"
 
+#include "base/sort.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/flip.h"
 #include "metrics/meter.h"
@@ -175,19 +176,13 @@ static double *flip_of(const struct pictures *pictures, int first, double pixels
     return map;
 }
 
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static struct expected facts_of(const double *map, int width_px, int height_px)
 {
     const size_t count = (size_t)width_px * (size_t)height_px;
     double *sorted = malloc(count * sizeof(*sorted));
     assert_non_null(sorted);
     memcpy(sorted, map, count * sizeof(*sorted));
-    qsort(sorted, count, sizeof(*sorted), compare);
+    neph_sort_doubles(sorted, count);
     double sum = 0.0, running = 0.0;
     for (size_t i = 0; i < count; i++)
         sum += sorted[i];
