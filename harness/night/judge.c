@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/night/judge.h"
 
+#include "base/sort.h"
 #include "metrics/significance.h"
 #include "metrics/statistics.h"
 
@@ -61,12 +62,6 @@ struct centre {
     double mean, deviation, correlation, dof;
 };
 
-static int by_value(const void *a_, const void *b_)
-{
-    const double a = *(const double *)a_, b = *(const double *)b_;
-    return (a > b) - (a < b);
-}
-
 /* The deviation of a normal variable whose outer shares g are pulled in to where they begin, z:
  * its square is 1 - 2 g - 2 z phi(z) + 2 g z^2. */
 static double winsorized_deviation(double g)
@@ -105,7 +100,7 @@ static struct centre centre_of(const double *values, int count)
     double sorted[NEPH_JUDGE_WINDOW];
     struct centre centre = {.count = count};
     memcpy(sorted, values, (size_t)count * sizeof(*sorted));
-    qsort(sorted, (size_t)count, sizeof(*sorted), by_value);
+    neph_sort_doubles(sorted, (size_t)count);
     const int cut = (int)(trimmed_share * count);
     const double low = sorted[cut], high = sorted[count - 1 - cut];
     double sum = 0.0, winsorized = 0.0, squares = 0.0;

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
 #include "harness/report/page.h"
@@ -348,11 +349,10 @@ enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
 {
     if (!over_time)
         return NEPH_OK;
-    char *folder = neph_path_join(report_folder, "images/over_time");
-    enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
+    enum neph_status status = neph_dir_create(neph_path_in(report_folder, "images/over_time").text,
+                                              diag);
     for (int i = 0; i < over_time->row_count && !status; i++)
         status = copy_row(&over_time->rows[i], over_time->scene, report_folder, arena, diag);
-    free(folder);
     return status ? status : neph_arena_check(arena, diag);
 }
 

@@ -3,12 +3,14 @@
 
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/compare/comparison.h"
 #include "harness/document/display_png.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/seen_spectrum.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -166,17 +168,13 @@ struct easel {
 static enum neph_status draw(const struct easel *easel, const struct pair *pair, enum part part,
                              const char *name, struct neph_diag *diag)
 {
-    char *path = neph_path_join(easel->folder, name);
-    enum neph_status status = NEPH_OK;
-    if (!path)
-        status = neph_fail_memory(diag);
-    else if (part == DIFFERENCE)
-        status = neph_difference_png(path, pair->width_px, pair->height_px, pair->planes[REFERENCE],
-                                     pair->planes[FRAME], easel->scale, diag);
-    else
-        status = neph_display_png(path, pair->width_px, pair->height_px, pair->planes[part],
-                                  easel->exposure_ev, diag);
-    free(path);
+    const struct neph_path path = neph_path_in(easel->folder, name);
+    const enum neph_status status =
+        part == DIFFERENCE
+            ? neph_difference_png(path.text, pair->width_px, pair->height_px,
+                                  pair->planes[REFERENCE], pair->planes[FRAME], easel->scale, diag)
+            : neph_display_png(path.text, pair->width_px, pair->height_px, pair->planes[part],
+                               easel->exposure_ev, diag);
     return status ? status : neph_json_append(easel->names, json_string(name), diag);
 }
 
@@ -289,12 +287,10 @@ enum { DRAWN_REVISION = 2 };
 enum neph_status neph_evidence_key(const char *take_key, double exposure_ev,
                                    char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
 {
-    char *text = neph_format("neph-exhibit-%d\n%s\nexposure_ev %.17g\n", DRAWN_REVISION, take_key,
-                             exposure_ev);
-    const enum neph_status status = text ? neph_hash(text, strlen(text), key, diag)
-                                         : neph_fail_memory(diag);
-    free(text);
-    return status;
+    char text[160];
+    snprintf(text, sizeof(text), "neph-exhibit-%d\n%s\nexposure_ev %.17g\n", DRAWN_REVISION,
+             take_key, exposure_ev);
+    return neph_hash(text, strlen(text), key, diag);
 }
 
 char *neph_evidence_find(struct neph_store *store, const char *key)
@@ -329,12 +325,8 @@ static enum neph_status draw_flicker(const struct neph_evidence_source *source,
     comparison.choices[comparison.choice_count++] = (struct neph_meter_choice){
         seen, neph_options_default(seen->options)};
     enum neph_status status = neph_comparison_run(&comparison, false, &compared, diag);
-    char *path = neph_path_join(folder, NEPH_EVIDENCE_FLICKER_MAP);
-    if (!status && !path)
-        status = neph_fail_memory(diag);
-    if (!status && neph_path_exists(path))
+    if (!status && neph_path_exists(neph_path_in(folder, NEPH_EVIDENCE_FLICKER_MAP).text))
         status = neph_json_append(names, json_string(NEPH_EVIDENCE_FLICKER_MAP), diag);
-    free(path);
     neph_compared_finish(&compared);
     return status;
 }
@@ -344,16 +336,9 @@ static enum neph_status keep_worst(const struct neph_evidence_source *source, in
                                    const char *folder, struct neph_diag *diag)
 {
     const struct neph_image *image = source->images ? source->images[frame] : NULL;
-    char *path = neph_path_join(folder, "frame.exr");
-    enum neph_status status = NEPH_OK;
-    if (!path)
-        status = neph_fail_memory(diag);
-    else if (image)
-        status = neph_exr_write(path, image, diag);
-    else
-        status = neph_file_copy(source->files->paths[frame], path, diag);
-    free(path);
-    return status;
+    const struct neph_path path = neph_path_in(folder, "frame.exr");
+    return image ? neph_exr_write(path.text, image, diag)
+                 : neph_file_copy(source->files->paths[frame], path.text, diag);
 }
 
 enum neph_status neph_evidence_make(struct neph_store *store, const char *key,

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
 #include "harness/stress/output.h"
@@ -57,21 +58,16 @@ static void finish_gallery(struct gallery *gallery)
 
 /* Under `work`, where an entry's images are not yet. */
 static enum neph_status copy_images(const struct shown *shown, const char *work,
-                                    struct neph_arena *arena, struct neph_diag *diag)
+                                    struct neph_diag *diag)
 {
     const json_t *names = json_object_get(shown->entry, "pictures");
-    const char *folder = neph_arena_format(arena, "%s/%s", work, shown->folder);
-    enum neph_status status = neph_arena_check(arena, diag);
-    if (status || !shown->fits || neph_path_is_dir(folder))
-        return status;
-    status = neph_dir_create(folder, diag);
+    const struct neph_path folder = neph_path_in(work, shown->folder);
+    if (!shown->fits || neph_path_is_dir(folder.text))
+        return NEPH_OK;
+    enum neph_status status = neph_dir_create(folder.text, diag);
     for (size_t i = 0; i < json_array_size(names) && !status; i++) {
         const char *name = json_string_value(json_array_get(names, i));
-        const char *from = neph_arena_format(arena, "%s/%s", shown->evidence, name);
-        const char *to = neph_arena_format(arena, "%s/%s", folder, name);
-        status = neph_arena_check(arena, diag);
-        if (!status)
-            status = neph_file_copy(from, to, diag);
+        status = neph_page_copy(shown->evidence, name, folder.text, name, diag);
     }
     return status;
 }
@@ -94,9 +90,7 @@ static enum neph_status remove_unwanted(const struct gallery *gallery, const cha
     for (const struct dirent *entry; directory && !status && (entry = readdir(directory));) {
         if (entry->d_name[0] == '.' || is_wanted(gallery, entry->d_name))
             continue;
-        char *path = neph_path_join(images, entry->d_name);
-        status = path ? neph_dir_remove(path, diag) : neph_fail_memory(diag);
-        free(path);
+        status = neph_dir_remove(neph_path_in(images, entry->d_name).text, diag);
     }
     if (directory)
         closedir(directory);
@@ -106,12 +100,9 @@ static enum neph_status remove_unwanted(const struct gallery *gallery, const cha
 static enum neph_status update_images(struct gallery *gallery, const char *work,
                                       struct neph_diag *diag)
 {
-    const char *images = neph_arena_format(&gallery->arena, "%s/images", work);
-    enum neph_status status = neph_arena_check(&gallery->arena, diag);
-    if (!status)
-        status = remove_unwanted(gallery, images, diag);
+    enum neph_status status = remove_unwanted(gallery, neph_path_in(work, "images").text, diag);
     for (int i = 0; i < gallery->shown_count && !status; i++)
-        status = copy_images(&gallery->shown[i], work, &gallery->arena, diag);
+        status = copy_images(&gallery->shown[i], work, diag);
     return status;
 }
 

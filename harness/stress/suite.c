@@ -331,8 +331,6 @@ static enum neph_status run_trials(struct neph_worker *worker, void *context,
         status = run_trial(work, worker, &work->trials.list[next], &point, diag);
     close_point(&point);
     neph_progress_end(&work->bench.progress);
-    if (worker->index > 0)
-        neph_shared_device_close(work->bench.params->device);
     return status;
 }
 
@@ -354,9 +352,7 @@ enum neph_status neph_stress_run(const struct neph_stress_params *params, struct
     if (!status)
         status = neph_stress_expectations_load(NULL, &work.bench.expectations, diag);
     if (!status)
-        neph_shared_device_close(params->device); /* other processes open their own */
-    if (!status)
-        status = neph_pool_run(params->jobs, run_trials, hear, &work, diag);
+        status = neph_pool_run(params->jobs, params->device, run_trials, hear, &work, diag);
     json_decref(work.bench.expectations);
     free(work.trials.list);
     if (!status)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/stress/truth.h"
 
-#include "base/files.h"
 #include "harness/engines/engines.h"
 #include "scenes/motion.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,14 +48,13 @@ static enum neph_status make_key(const struct neph_job *first,
                                  const struct neph_stress_frames *frames,
                                  char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
 {
-    enum neph_status status = neph_job_key(first, key, diag);
+    const enum neph_status status = neph_job_key(first, key, diag);
     if (status || frames->count == 1)
         return status;
-    char *text = neph_format("neph-exact-frames-1\nfirst %s\nframes %d every %d\n", key,
-                             frames->count, frames->step);
-    status = text ? neph_hash(text, strlen(text), key, diag) : neph_fail_memory(diag);
-    free(text);
-    return status;
+    char text[160];
+    snprintf(text, sizeof(text), "neph-exact-frames-1\nfirst %s\nframes %d every %d\n", key,
+             frames->count, frames->step);
+    return neph_hash(text, strlen(text), key, diag);
 }
 
 static enum neph_status make_exact(const struct neph_job *test,

@@ -9,7 +9,6 @@
 #include "scenes/motion.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -155,34 +154,29 @@ void neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_l
         append(neph_ladder_takes(part, scene, light) ? part->on : NULL, held);
 }
 
-static const char *copy(const char *text, bool *is_short)
-{
-    char *made = text ? strdup(text) : NULL;
-    *is_short |= text && !made;
-    return made;
-}
-
 enum neph_status neph_ladder_add(struct neph_sweep_plan *plan,
                                  const struct neph_sweep_series *series, const char *steps,
                                  struct neph_diag *diag)
 {
-    struct neph_sweep_series *longer = realloc(plan->series,
-                                               (size_t)(plan->series_count + 1) * sizeof(*longer));
+    struct neph_arena *arena = &plan->arena;
+    struct neph_sweep_series *longer = neph_arena_zeroed(arena, (size_t)plan->series_count + 1,
+                                                         sizeof(*longer));
     const bool is_told = series->held && series->held[0];
-    bool is_short = false;
     if (!longer)
         return neph_fail_memory(diag);
+    for (int i = 0; i < plan->series_count; i++)
+        longer[i] = plan->series[i];
     plan->series = longer;
     longer[plan->series_count++] = (struct neph_sweep_series){
-        .name = copy(series->name, &is_short),
-        .engine = copy(series->engine, &is_short),
-        .preset = copy(series->preset, &is_short),
-        .held = copy(is_told ? series->held : NULL, &is_short),
-        .varied = copy(steps ? "steps" : NULL, &is_short),
-        .values = copy(steps, &is_short),
+        .name = neph_arena_text(arena, series->name),
+        .engine = neph_arena_text(arena, series->engine),
+        .preset = neph_arena_text(arena, series->preset),
+        .held = neph_arena_text(arena, is_told ? series->held : NULL),
+        .varied = steps ? "steps" : NULL,
+        .values = neph_arena_text(arena, steps),
         .flicker = series->flicker,
         .scattering = series->scattering};
-    return is_short ? neph_fail_memory(diag) : NEPH_OK;
+    return neph_arena_check(arena, diag);
 }
 
 /* A light of a pipeline: "ours+air, octaves". */
@@ -271,8 +265,8 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
                                   struct neph_diag *diag)
 {
     const bool closed = neph_ladder_has_closed_form(scene);
-    *plan = (struct neph_sweep_plan){.title = strdup("pick"),
-                                     .light = strdup("octaves"),
+    *plan = (struct neph_sweep_plan){.title = "pick",
+                                     .light = "octaves",
                                      .width_px = width_px,
                                      .height_px = height_px,
                                      .frame_count = FRAMES,
@@ -280,7 +274,7 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
                                      .truth_samples = TRUTH_SAMPLES,
                                      .round_count = ROUNDS,
                                      .seed_count = 1};
-    enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
     const struct neph_ladder_light *light = neph_ladder_lights;
     for (; light->name && closed && !late && !status; light++)
         if (light->scattering <= (int)scene->scattering &&

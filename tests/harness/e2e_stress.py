@@ -346,7 +346,7 @@ class OldNames(unittest.TestCase):
     """The failure suite, as the stress tests were called until one release ago."""
 
     def test_old_names_are_read(self):
-        words = ["--only", "fence_tiles", "--preset", "fixed", "--json"]
+        words = ["--only", "fence_tiles", "--preset", "fixed", "--pictures", "none", "--json"]
         now = suite(TEMPORARY.name, *words)
         self.assertIn("known_fail", now.stdout)
         with tempfile.TemporaryDirectory() as name:
@@ -428,6 +428,7 @@ class Words(unittest.TestCase):
                     (("--only",), ("--suite", "stress", "fence_tiles")),
                     (("--preset",), ("--suite", "stress", "-e", "realtime")),
                     (("held against",), ("--suite", "stress", "-e", "exact")),
+                    (("nobody", "neph engines"), ("--suite", "stress", "-e", "nobody")),
                     (("NAME+KEY=VALUE",), ("--suite", "stress", "--set", "march:steps=4")),
                     (("of engines", "fog_seam"),
                      ("--suite", "stress", "--only", "fence_tiles", "-e", "march")),
