@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/page.h"
 
-#include "base/arena.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "base/written.h"
 #include "harness/data.h"
 #include "metrics/display.h"
@@ -36,12 +36,7 @@ static bool is_installed(const char *source)
 enum neph_status neph_page_copy(const char *from, const char *name, const char *folder,
                                 const char *as, struct neph_diag *diag)
 {
-    char *source = neph_path_join(from, name), *target = neph_path_join(folder, as);
-    const enum neph_status status = source && target ? neph_file_copy(source, target, diag)
-                                                     : neph_fail_memory(diag);
-    free(source);
-    free(target);
-    return status;
+    return neph_file_copy(neph_path_in(from, name).text, neph_path_in(folder, as).text, diag);
 }
 
 /* ---- index.html ------------------------------------------------------------------------------ */
@@ -88,26 +83,21 @@ static void print_index(const void *index_, FILE *out)
 static enum neph_status write_index(const char *source, const char *folder,
                                     const struct neph_page_parts *parts, struct neph_diag *diag)
 {
-    struct neph_arena arena = {0};
     char *shell = NULL, *words = NULL, *text = NULL;
     size_t size;
-    const char *const paths[] = {neph_arena_format(&arena, "%s/page.html", source),
-                                 neph_arena_format(&arena, "%s/%s", source, parts->files[0]),
-                                 neph_arena_format(&arena, "%s/index.html", folder)};
-    enum neph_status status = neph_arena_check(&arena, diag);
+    enum neph_status status = neph_file_read(neph_path_in(source, "page.html").text, PART_BYTES_MAX,
+                                             &shell, &size, diag);
     if (!status)
-        status = neph_file_read(paths[0], PART_BYTES_MAX, &shell, &size, diag);
-    if (!status)
-        status = neph_file_read(paths[1], PART_BYTES_MAX, &words, &size, diag);
+        status = neph_file_read(neph_path_in(source, parts->files[0]).text, PART_BYTES_MAX, &words,
+                                &size, diag);
     const struct index index = {parts, shell, words};
     if (!status)
         status = neph_written(print_index, &index, &text, diag);
     if (!status)
-        status = neph_file_write(paths[2], text, strlen(text), diag);
+        status = neph_file_write(neph_path_in(folder, "index.html").text, text, strlen(text), diag);
     free(shell);
     free(words);
     free(text);
-    neph_arena_finish(&arena);
     return status;
 }
 
@@ -118,11 +108,8 @@ enum neph_status neph_page_start(const char *folder, const struct neph_page_part
     enum neph_status status = source ? NEPH_OK : neph_fail_memory(diag);
     if (is_interactive)
         *is_interactive = source && is_installed(source);
-    for (int i = 0; i < NEPH_PAGE_FOLDERS_MAX && parts->folders[i] && !status; i++) {
-        char *path = neph_path_join(folder, parts->folders[i]);
-        status = path ? neph_dir_create(path, diag) : neph_fail_memory(diag);
-        free(path);
-    }
+    for (int i = 0; i < NEPH_PAGE_FOLDERS_MAX && parts->folders[i] && !status; i++)
+        status = neph_dir_create(neph_path_in(folder, parts->folders[i]).text, diag);
     if (!status)
         status = write_index(source, folder, parts, diag);
     for (int i = 1; i < NEPH_PAGE_FILES_MAX && parts->files[i] && !status; i++)
@@ -137,11 +124,8 @@ enum neph_status neph_page_start(const char *folder, const struct neph_page_part
 
 size_t neph_page_file_size(const char *folder, const char *name)
 {
-    char *path = neph_path_join(folder, name);
     struct stat info;
-    const bool is_there = path && stat(path, &info) == 0;
-    free(path);
-    return is_there ? (size_t)info.st_size : 0;
+    return stat(neph_path_in(folder, name).text, &info) == 0 ? (size_t)info.st_size : 0;
 }
 
 size_t neph_page_size(const char *folder, const struct neph_page_parts *parts)
@@ -190,18 +174,15 @@ enum neph_status neph_page_write_data(const char *folder, const char *variable,
     char *json = json_dumps(document, JSON_INDENT(1));
     char *escaped = json ? escape_for_script(json) : NULL;
     char *script = escaped ? neph_format("window.%s = %s;\n", variable, escaped) : NULL;
-    char *json_path = neph_path_join(folder, "data.json");
-    char *script_path = neph_path_join(folder, "data.js");
-    enum neph_status status = script && json_path && script_path ? NEPH_OK : neph_fail_memory(diag);
+    enum neph_status status = script ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
-        status = neph_file_write(json_path, json, strlen(json), diag);
+        status = neph_file_write(neph_path_in(folder, "data.json").text, json, strlen(json), diag);
     if (!status)
-        status = neph_file_write(script_path, script, strlen(script), diag);
+        status = neph_file_write(neph_path_in(folder, "data.js").text, script, strlen(script),
+                                 diag);
     free(json);
     free(escaped);
     free(script);
-    free(json_path);
-    free(script_path);
     return status;
 }
 
