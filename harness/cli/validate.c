@@ -131,6 +131,7 @@ static const struct neph_cli_option options[] = {
      "samples, or is reported as not fitting (default: 300; quick: 30)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, budget_s), .minimum = 1, .maximum = 1000000},
     {.name = "time-limit", .kind = NEPH_CLI_ALIAS},
+    {.name = "blender"},
     {.name = "json", .help = "The whole document as JSON on stdout"},
     {.name = "quiet"},
     {.name = NULL},
@@ -227,6 +228,7 @@ static const struct neph_cli_syntax syntax = {
 
 struct work {
     const struct request *request;
+    const char *engines[NEPH_ENGINE_COUNT]; /* those of the tier */
     struct neph_validate_params params;
     struct neph_charts_params charts;
     struct neph_shared_device device;
@@ -235,6 +237,19 @@ struct work {
     struct neph_validation validation;
     struct neph_physics physics;
 };
+
+/* The engines of a tier, and other Blenders beside `cycles`. */
+static void choose_engines(const char *const *wanted, struct work *work)
+{
+    int known;
+    const struct neph_engine *const *engines = neph_engines(&known);
+    work->params.engines = work->engines;
+    work->params.engine_count = 0;
+    for (int i = 0; i < known; i++)
+        for (const char *const *name = wanted; *name; name++)
+            if (neph_engine_is(engines[i], *name))
+                work->engines[work->params.engine_count++] = engines[i]->name;
+}
 
 /* The tier of a run without --tier: scenes that are named get all engines, as in the full tier. */
 static const struct tier *tier_of(const struct request *request)
@@ -286,8 +301,7 @@ static void make_params(struct work *work, const char *const *scenes, int scene_
         .context = work->report,
     };
     if (!names_engines && !names_scenes && tier->engines)
-        for (params->engines = tier->engines; tier->engines[params->engine_count];)
-            params->engine_count++;
+        choose_engines(tier->engines, work);
 }
 
 /* The physics suite: the frame of a validation without scenes, and the checks. */

@@ -106,6 +106,8 @@ static enum neph_status choose_columns(const struct neph_failure_params *params,
 {
     struct neph_failure_params chosen = *params;
     enum neph_status status = NEPH_OK;
+    int known;
+    const struct neph_engine *const *all = neph_engines(&known);
     if (params->preset_count == 0 && params->engine_count == 0) {
         chosen.presets = params->full ? all_presets : quick_presets;
         chosen.preset_count = params->full ? COUNT(all_presets) : COUNT(quick_presets);
@@ -116,6 +118,9 @@ static enum neph_status choose_columns(const struct neph_failure_params *params,
         status = add_column(suite, chosen.presets[i], true, diag);
     for (int i = 0; i < chosen.engine_count && !status; i++)
         status = add_column(suite, chosen.engines[i], false, diag);
+    for (int i = 0; i < known && !status && chosen.engines == engines && chosen.engine_count; i++)
+        if (all[i]->first) /* other Blenders */
+            status = add_column(suite, all[i]->name, false, diag);
     if (!status && chosen.preset_count == 0 && !has_engines(suite)) {
         neph_fail(diag, NEPH_ERR_USAGE, "none of the scenarios is of engines");
         neph_hint(diag, "those that are say `engines: true`: fog_seam, fog_none, fog_below, "
