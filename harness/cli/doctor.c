@@ -76,12 +76,12 @@ static json_t *engine_json(const struct neph_engine *engine, const struct neph_e
 static void print_engine(const struct neph_engine *engine, const struct neph_engine_info *info)
 {
     if (info->available)
-        printf("ok       %-9s %s; %s%s%s\n", engine->name, info->version, info->device,
+        printf("ok       %-10s %s; %s%s%s\n", engine->name, info->version, info->device,
                info->can[0] ? "; " : "", info->can);
     else if (info->broken)
-        printf("broken   %-9s %s\n", engine->name, info->missing);
+        printf("broken   %-10s %s\n", engine->name, info->missing);
     else
-        printf("missing  %-9s %s\n         get it:   %s\n", engine->name, info->missing,
+        printf("missing  %-10s %s\n         get it:   %s\n", engine->name, info->missing,
                info->install_line);
     if (info->warning[0])
         printf("         warning:  %s\n", info->warning);
@@ -120,7 +120,7 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
                                        "available", there, "needed_for", tools[i].needed_for,
                                        "install_line", tools[i].install_line));
         if (!request.json)
-            printf("%-8s %-9s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
+            printf("%-8s %-10s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
                    tools[i].needed_for,
                    there ? "" : "\n         get it:   ", there ? "" : tools[i].install_line);
     }
