@@ -11,13 +11,13 @@ Written for Blender 3.4, 4.3 and 5.2. Where they differ it looks for the propert
 only some of them have, and never for a number of a version. Every setting is read back: Blender
 takes an unknown name, or cuts a value, without a word.
 
-The spec comes from harness/engines/cycles_spec.c. It is data: its strings are compared with the words
-known here and are never executed, imported or used as a path.
+The spec comes from harness/engines/cycles_spec.c. It is data: its strings are compared with the
+words known here and are never executed, imported or used as a path.
 
 Laws of Cycles that this file relies on, all measured (tests/harness/test_cycles.c):
 - World (x, y, z) is Blender's (x, -z, y).
 - A closure whose weight is below 1e-5 per Blender unit is dropped: thin air would not scatter. So
-  a unit is not a metre but `unit_m`, chosen by cycles_spec.c to make the numbers large; the origin is
+  a unit is not a metre but `unit_m`, chosen by cycles_spec.c to make numbers large; the origin is
   at `origin_m`, the camera, where single precision is finest. Radiances do not change with either.
 - VolumeScatter(color c, density s) has sigma_s = c s and no absorption; VolumeAbsorption(c, s) has
   sigma_a = (1 - c) s. With c = albedo and s = sigma_t their sum is a grey medium.
@@ -125,7 +125,7 @@ def put(thing, name: str, value) -> None:
 
 
 def stored_settings(material):
-    """The material's settings of Cycles as they are stored, without the ranges of the properties."""
+    """The material's settings of Cycles as they are stored, without the properties' ranges."""
     if hasattr(material, "bl_system_properties_get"):
         return material.bl_system_properties_get(do_create=True)["cycles"]
     return material["cycles"]

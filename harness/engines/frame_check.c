@@ -7,6 +7,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 enum { COLUMNS = 16, ROWS = 9 };
 
 /* What pixels see less than this of says nothing, and what is left of it when it is not there. */

@@ -10,6 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* Radiance: 1e-4 of the value, or 1e-6 of the brightest. */
 static const double radiance_relative = 1e-4;
 static const double radiance_of_peak = 1e-6;

@@ -20,7 +20,7 @@ struct neph_trial {
     struct neph_grid *grid;
 };
 
-/* Free with neph_trial_close(), whatever the status. Without `with_voxels` there is the fog only. */
+/* Free with neph_trial_close(), whatever the status. Without `with_voxels` there is only fog. */
 enum neph_status neph_trial_open(bool with_voxels, struct neph_trial *trial,
                                  struct neph_diag *diag);
 void neph_trial_close(struct neph_trial *trial);
@@ -31,8 +31,8 @@ void neph_trial_close(struct neph_trial *trial);
 enum neph_status neph_trial_judge(const struct neph_trial *trial, const struct neph_image *image,
                                   bool *has_voxels, struct neph_diag *diag);
 
-/* The file in the cache folder that keeps what a trial of `program` found, for the caller to free:
- * its name is a digest of the program's path, size and date and of what it was run with, the file
+/* The file in the cache folder for the result of a trial of `program`, for the caller to free: its
+ * name is a digest of the program's path, size and date and of what it was run with, the file
  * `data_file` of the data folder, or NULL. NULL: one of them cannot be read, or memory is short. */
 char *neph_trial_file(const char *program, const char *data_file);
 

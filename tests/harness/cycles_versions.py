@@ -61,7 +61,8 @@ for number, entry in enumerate(plan):
         start = time.process_time()
         render(scene)
         seconds.append([number, seed, time.process_time() - start])
-json.dump({"version": bpy.app.version_string, "is_unbiased": is_unbiased, "seconds": seconds}, open("seconds.json", "w"))
+told = {"version": bpy.app.version_string, "is_unbiased": is_unbiased, "seconds": seconds}
+json.dump(told, open("seconds.json", "w"))
 """
 
 
@@ -87,7 +88,8 @@ class Reference:
     def __init__(self, neph, scene, size, folder):
         self.transmittance = None
         try:
-            run([neph, "render", scene, "-e", "exact", "--size", size, "-o", folder / "exact", "-q"])
+            run([neph, "render", scene, "-e", "exact", "--size", size, "-o", folder / "exact",
+                 "-q"])
             frames, self.name = [next((folder / "exact").glob("*.exr"))], "exact"
         except RuntimeError:
             frames, self.name = [], "tracer, 4 x 2048"

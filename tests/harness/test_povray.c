@@ -1098,7 +1098,7 @@ static void test_failures_are_told(void **state)
     assert_int_equal(render_with("#!/bin/sh\nexec sleep 60\n", 0.3, message), NEPH_ERR_TIMEOUT);
 }
 
-/* Of a version that was measured it must render, too. */
+/* A version that was measured does not suffice: it must render. */
 static void test_probe_tries_it(void **state)
 {
     (void)state;
