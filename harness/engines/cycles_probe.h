@@ -16,8 +16,9 @@ struct neph_cycles_features {
 };
 
 /* Find the features of Blender `program` (blender.h). The result is kept in the cache folder
- * (trial.h), a failure is not. NEPH_ERR_UNAVAILABLE: no such program. NEPH_ERR_ENGINE: it does not render
- * what neph needs, and why: no images, black ones, or values that are not those of the scene. */
+ * (trial.h), a failure is not. NEPH_ERR_UNAVAILABLE: no such program. NEPH_ERR_ENGINE: it does not
+ * render what neph needs, and why: no images, black ones, or values that are not those of the
+ * scene. */
 enum neph_status neph_cycles_features(int program, struct neph_cycles_features *features,
                                       struct neph_diag *diag);
 
