@@ -23,7 +23,7 @@ struct sight {
     int column, row;
     size_t pixel;
     double depths[3]; /* optical, up to the first solid */
-    bool meets_solid;
+    struct neph_hit hit;
 };
 
 static double most(struct neph_rgb color)
@@ -46,7 +46,7 @@ static struct sight sight_of(const struct neph_scene *scene, const struct neph_c
                           .row = row,
                           .pixel = (size_t)row * (size_t)image->width_px + (size_t)column,
                           .depths = {depth.r, depth.g, depth.b},
-                          .meets_solid = hit.solid != NULL};
+                          .hit = hit};
 }
 
 static int thickest(const struct sight *sight)
@@ -97,12 +97,13 @@ static bool is_black(const struct neph_image *image)
     return true;
 }
 
+/* Whether all media do, whichever a pixel sees. */
 static bool scatters(const struct neph_scene *scene)
 {
-    bool any = false;
+    bool all = scene->scattering != NEPH_SCATTERING_NONE;
     for (int i = 0; i < scene->medium_count; i++)
-        any |= most(scene->media[i].albedo) > 0.0;
-    return any && scene->scattering != NEPH_SCATTERING_NONE;
+        all &= most(scene->media[i].albedo) > 0.0;
+    return all;
 }
 
 static double depth_along(const struct neph_scene *scene, struct neph_vec3 from_m,
@@ -111,8 +112,16 @@ static double depth_along(const struct neph_scene *scene, struct neph_vec3 from_
     return most(neph_scene_optical_depth(scene, from_m, direction, 0.0, length_m));
 }
 
-/* Whether the sun reaches the place that is a small optical depth behind the eye. */
-static bool is_sunlit(const struct neph_scene *scene, const struct sight *sight)
+/* Whether the sun reaches a place, so that single precision sees it. */
+static bool is_sunlit(const struct neph_scene *scene, struct neph_vec3 place_m)
+{
+    const struct neph_vec3 sun = scene->sun.direction;
+    return !neph_scene_hit(scene, place_m, sun).solid &&
+           depth_along(scene, place_m, sun, INFINITY) < lit_depth;
+}
+
+/* The place on a pixel's ray that is a small optical depth behind the eye. */
+static struct neph_vec3 place_in_medium_m(const struct neph_scene *scene, const struct sight *sight)
 {
     const struct neph_pixel_ray *ray = &sight->ray;
     double near_m = 0.0, far_m = 1e-3;
@@ -124,24 +133,36 @@ static bool is_sunlit(const struct neph_scene *scene, const struct sight *sight)
                              thick_depth;
         *(is_near ? &near_m : &far_m) = middle_m;
     }
-    return depth_along(scene, neph_vec3_along(ray->origin_m, ray->direction, far_m),
-                       scene->sun.direction, INFINITY) < lit_depth;
+    return neph_vec3_along(ray->origin_m, ray->direction, far_m);
 }
 
-/* What light a pixel must see, in words; NULL: it may be black. Solids may hide the sun. */
+static bool is_lit_solid(const struct neph_scene *scene, const struct sight *sight)
+{
+    const struct neph_hit *hit = &sight->hit;
+    if (!hit->solid || !(most(hit->solid->albedo) > 0.0) ||
+        !(neph_vec3_dot(hit->normal, scene->sun.direction) > 0.1) ||
+        hit->solid->surface.metalness > 0.0)
+        return false;
+    const struct neph_vec3 at_m = neph_vec3_along(sight->ray.origin_m, sight->ray.direction,
+                                                  hit->t_m);
+    return is_sunlit(scene, neph_hit_outside_m(hit, at_m));
+}
+
+/* What light a pixel must see, in words; NULL: it may be black. */
 static const char *light_in(const struct neph_scene *scene, const struct sight *sight)
 {
     const bool has_medium = sight->depths[thickest(sight)] > thick_depth;
+    const bool has_sun = scene->sun.present && most(scene->sun.irradiance_w_per_m2) > 0.0;
     const double *d = sight->depths;
     const bool sees_through = exp(-fmin(d[0], fmin(d[1], d[2]))) > seen_transmittance;
-    if (!sight->meets_solid && sees_through && most(scene->background_w_per_m2_sr) > 0.0)
+    if (!sight->hit.solid && sees_through && most(scene->background_w_per_m2_sr) > 0.0)
         return "the background";
-    if (has_medium && scatters(scene) && scene->sun.present && scene->solid_count == 0 &&
-        most(scene->sun.irradiance_w_per_m2) > 0.0 && is_sunlit(scene, sight))
-        return "a medium in the sun";
     if (has_medium && neph_scene_emits(scene))
         return "a medium that emits";
-    return NULL;
+    if (has_medium && has_sun && scatters(scene) &&
+        is_sunlit(scene, place_in_medium_m(scene, sight)))
+        return "a medium in the sun";
+    return has_sun && sees_through && is_lit_solid(scene, sight) ? "a solid in the sun" : NULL;
 }
 
 static enum neph_status check_light(const struct neph_scene *scene, const struct sight sights[],
@@ -150,11 +171,13 @@ static enum neph_status check_light(const struct neph_scene *scene, const struct
 {
     if (!is_black(image))
         return NEPH_OK;
-    for (int i = 0; i < COLUMNS * ROWS; i++)
-        if (light_in(scene, &sights[i]))
+    for (int i = 0; i < COLUMNS * ROWS; i++) {
+        const char *light = light_in(scene, &sights[i]);
+        if (light)
             return neph_fail(diag, NEPH_ERR_ENGINE,
                              "%s gave a black frame: all radiance is 0, and pixel (%d, %d) sees %s",
-                             name, sights[i].column, sights[i].row, light_in(scene, &sights[i]));
+                             name, sights[i].column, sights[i].row, light);
+    }
     return NEPH_OK;
 }
 

@@ -23,6 +23,7 @@
 #include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_light.h"
 #include "harness/engines/povray_run.h"
+#include "harness/engines/povray_solids.h"
 #include "harness/engines/trial.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"

@@ -127,7 +127,9 @@ class Output(neph_case.NephCase):
         program.parent.mkdir(exist_ok=True)
         program.write_text(BLENDER.format(body=body))
         program.chmod(0o755)
-        return {"PATH": f"{program.parent}:/usr/bin:/bin"}
+        neph_case.keep_trial(program, self.folder, "scripts/blender_render.py", has_voxels=True,
+                             has_unbiased=False, has_rayleigh=False)
+        return {"PATH": f"{program.parent}:/usr/bin:/bin", "XDG_CACHE_HOME": str(self.folder)}
 
     def test_a_full_disk_in_an_engines_words_is_named(self):
         words = "OSError: [Errno 28] No space left on device: timing.json"

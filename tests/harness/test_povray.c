@@ -12,6 +12,7 @@
 #include "harness/engines/povray_exposure.h"
 #include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_scene.h"
+#include "harness/engines/povray_solids.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 #include "truth/transport.h"
