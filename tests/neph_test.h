@@ -37,6 +37,21 @@ static inline void neph_assert_close_at(double actual, double expected, double r
     _fail(file, line);
 }
 
+/* minimum <= value <= maximum. cmocka's assert_in_range() is deprecated from 2.0 on, and what takes
+ * its place is not in 1.1. */
+#define neph_assert_in_range(value, minimum, maximum)                                              \
+    neph_assert_in_range_at((intmax_t)(value), (intmax_t)(minimum), (intmax_t)(maximum), #value,   \
+                            __FILE__, __LINE__)
+
+static inline void neph_assert_in_range_at(intmax_t value, intmax_t minimum, intmax_t maximum,
+                                           const char *text, const char *file, int line)
+{
+    if (minimum <= value && value <= maximum)
+        return;
+    print_error("%s = %jd is not in %jd..%jd\n", text, value, minimum, maximum);
+    _fail(file, line);
+}
+
 /* Passes when the status is NEPH_OK; prints the diagnostic otherwise. */
 #define neph_assert_ok(status, diag) neph_assert_ok_at((status), (diag), __FILE__, __LINE__)
 
