@@ -22,9 +22,10 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
+static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info)
 {
-    (void)device;
+    (void)engine, (void)device;
     *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
 }
 
@@ -76,7 +77,6 @@ static enum neph_status render_rough(const struct neph_shot *shot, struct neph_i
 static enum neph_status render_black(const struct neph_shot *shot, struct neph_image **frame,
                                      struct neph_cost *cost, struct neph_diag *diag)
 {
-    (void)shot;
     float *planes[3];
     neph_assert_ok(neph_image_create(WIDTH, HEIGHT, frame, diag), diag);
     *cost = (struct neph_cost){.wall_s = 1.0};
@@ -106,7 +106,7 @@ static struct neph_study run(const struct neph_engine *engine, void **state,
     struct neph_scene scene = {.name = "none", .hash = "0", .medium_count = 1};
     enum neph_outcome outcome;
     char reason[1600];
-    engine->probe(NULL, &info);
+    engine->probe(engine, NULL, &info);
     const struct neph_job job = {.engine = engine,
                                  .info = &info,
                                  .shot = {.scene = &scene,

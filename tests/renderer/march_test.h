@@ -23,16 +23,4 @@ test_march_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
     return status;
 }
 
-/* For neph_image_destroy(). */
-static inline struct neph_image *test_marched(struct neph_vulkan *vulkan,
-                                              const struct neph_scene *scene,
-                                              const struct neph_march_params *params,
-                                              struct neph_march_stats *stats)
-{
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(test_march_frame(vulkan, scene, params, &frame, stats, &diag), &diag);
-    return frame;
-}
-
 #endif

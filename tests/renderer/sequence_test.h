@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sequences of the real-time renderer: its settings by presets, a renderer, its next frame.
+ * Sequences of the real-time renderer, frame by frame, and the scene that most of them have.
  */
 #ifndef NEPH_TESTS_SEQUENCE_TEST_H
 #define NEPH_TESTS_SEQUENCE_TEST_H
 
-#include "tests/renderer/image_test.h"
+#include "tests/renderer/frames.h"
 #include "tests/renderer/realtime_test.h"
-
-#include "renderer/realtime/pipeline.h"
 
 /* A fence before the sky, on a ground, in fog: edges of depth, and light that differs across them.
  * Passes with rays know how many solids there are: tests that share a scene share kernels, whose
@@ -21,18 +19,6 @@ static inline void test_scene_fence(struct test_scene *test)
         test_add_box(test, (struct neph_vec3){-3.0 + 1.4 * i, 0.0, -12.0},
                      (struct neph_vec3){-2.4 + 1.4 * i, 4.0, -11.8});
     test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
-}
-
-/* A preset with "key=value key=value" applied. */
-static inline struct neph_settings test_preset(const char *name, const char *assignments)
-{
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, name, &settings, &diag),
-        &diag);
-    test_assign(neph_rt_options, assignments, &settings);
-    return settings;
 }
 
 /* Masks of blue noise are kept from test to test where the environment names a folder: one takes

@@ -44,7 +44,7 @@ static int differing(struct neph_vulkan *vulkan, struct neph_scene *scene,
         struct neph_image *a = test_next(first, scene, frame, NULL);
         scene->injections = *other;
         struct neph_image *b = test_next(second, scene, frame, NULL);
-        differ += !test_has_same_bits(a, b);
+        differ += !test_same_bits(a, b);
         neph_image_destroy(a);
         neph_image_destroy(b);
     }

@@ -2,7 +2,6 @@
  *
  * The real-time renderer as a whole: what must hold of its frames whatever its passes do.
  */
-#include "tests/renderer/march_test.h"
 #include "tests/renderer/sequence_test.h"
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36 };
@@ -19,7 +18,7 @@ static struct neph_image *marched(struct neph_vulkan *vulkan, const struct neph_
 {
     const struct neph_march_params params = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 64, .sun_steps = 16};
-    return test_marched(vulkan, scene, &params, stats);
+    return test_march(vulkan, scene, &params, stats);
 }
 
 /* --- what equals what ----------------------------------------------------------------------- */
@@ -90,7 +89,7 @@ static void test_a_tile_marches_as_march_does(void **state)
     const struct neph_settings settings = plain();
     const struct neph_march_params params = {
         .width_px = WIDTH_PX / 2, .height_px = HEIGHT_PX / 2, .steps = 64, .sun_steps = 16};
-    struct neph_image *half = test_marched(*state, &test.scene, &params, NULL);
+    struct neph_image *half = test_march(*state, &test.scene, &params, NULL);
     struct ray_check check = {.half = half};
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_rays, &check);
