@@ -100,6 +100,32 @@ static inline void fill_moves(struct test_passes *test, uint64_t seed)
     }
 }
 
+/* What a frame may find, another in each round: colours, depths, media, movers, a camera; each 16th
+ * without history, each fifth at another exposure. Returns how bright it is at most. */
+static inline double fill_round(struct test_passes *test, int round, uint64_t *seed)
+{
+    static const double brightest[] = {1e-3, 1.0, 100.0, 6e4};
+    const double most = brightest[neph_test_random(seed) % 4];
+    const bool is_exposed = round % 5 == 2;
+    test->view.frame = (uint32_t)neph_test_random(seed);
+    test->view.has_history = round % 16 != 0;
+    for (int axis = 0; axis < 2; axis++)
+        test->view.jitter_px[axis] = (float)neph_test_uniform(seed, -0.5, 0.5);
+    if (round % 4)
+        move_camera(&test->view, round % 4 == 1 ? 3.1 : 0.02, 2.0, seed);
+    fill_depths(test, seed);
+    fill_colours(test, RT_COLOR, most, seed);
+    fill_colours(test, RT_TAA_BEFORE, most, seed);
+    fill_medium(test, seed);
+    if (is_exposed) {
+        test->view.exposure = 8.0f;
+        test->view.exposure_before = 0.5f;
+    }
+    if (round % 3 == 1)
+        fill_moves(test, *seed);
+    return is_exposed ? 16.0 * most : most;
+}
+
 static inline double pixel_value(const struct test_passes *test, int target, int x, int y,
                                  int channel)
 {
@@ -107,15 +133,6 @@ static inline double pixel_value(const struct test_passes *test, int target, int
     (neph_rt_is_of_picture(target) ? twin_fetch_picture : twin_fetch_full)(&test->twin, target, x,
                                                                            y, value);
     return value[channel];
-}
-
-/* Take the device's output for the twin's. */
-static inline void take_output(struct test_passes *test)
-{
-    uint32_t *words = test_download(test, RT_TAA_OUT);
-    memcpy(test->twin.targets[RT_TAA_OUT], words,
-           neph_rt_device_words(&test->device, RT_TAA_OUT) * sizeof(*words));
-    free(words);
 }
 
 /* Any choice for every setting; returned to be printed. */

@@ -28,7 +28,7 @@ static void open_plain(struct neph_vulkan *vulkan, int p, const char *words,
 static void run(struct test_passes *test, int p)
 {
     test_passes_run(test, passes[p].pass);
-    take_output(test);
+    test_take(test, RT_TAA_OUT);
 }
 
 /* A mover covers columns 4 to 7 now, and had covered 2 to 5: 2 and 3 are uncovered, and 3 is next

@@ -8,15 +8,8 @@
 static void run(struct test_passes *test)
 {
     test_passes_run(test, "locks");
-    take_output(test);
-}
-
-static void take_state(struct test_passes *test)
-{
-    uint32_t *words = test_download(test, RT_TAA_STATE);
-    memcpy(test->twin.targets[RT_TAA_STATE], words,
-           neph_rt_device_words(&test->device, RT_TAA_STATE) * sizeof(*words));
-    free(words);
+    test_take(test, RT_TAA_OUT);
+    test_take(test, RT_TAA_STATE);
 }
 
 /* --- against the twin ------------------------------------------------------------------------- */
@@ -139,7 +132,6 @@ static void test_thin_features_are_locked(void **state)
             for (int x = cases[i].first; x < cases[i].end; x++)
                 twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){1.0f, 1.0f, 1.0f});
         run(&test);
-        take_state(&test);
         for (int y = 0; y < 16; y++)
             for (int x = 0; x < 32; x++)
                 assert_true(pixel_value(&test, RT_TAA_STATE, x, y, 0) ==
@@ -153,7 +145,6 @@ static void test_thin_features_are_locked(void **state)
         test_set(&test, RT_TAA_STATE_BEFORE, e,
                  (float[4]){0.5f, e % 2 ? 0.4f : 0.6f, 128.0f}); /* luma of the wall, or not */
     run(&test);
-    take_state(&test);
     neph_assert_close(pixel_value(&test, RT_TAA_STATE, 5, 5, 0), 0.5 - 1.0 / 32.0, 0.0, 1e-6);
     assert_true(pixel_value(&test, RT_TAA_STATE, 6, 5, 0) == 0.0);
     test_passes_close(&test);

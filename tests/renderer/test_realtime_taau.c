@@ -48,7 +48,6 @@ static void test_places_grow_with_the_square(void **state)
 
 static void test_the_pass_equals_the_twin(void **state)
 {
-    static const double brightest[] = {1e-3, 1.0, 100.0, 6e4};
     static const char *const percents[] = {"50", "58", "67", "77", "99", "100"};
     uint64_t seed = 20261125;
     for (int round = 0; round < neph_test_by_day(18, 60); round++) {
@@ -62,26 +61,10 @@ static void test_the_pass_equals_the_twin(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[round % SIZES], (int[2]){0, 0}, 3 * start,
                          &test);
-        const double most = brightest[neph_test_random(&seed) % 4];
-        test.view.frame = (uint32_t)neph_test_random(&seed);
-        test.view.has_history = round % 16 != 0;
-        test.view.jitter_px[0] = (float)neph_test_uniform(&seed, -0.5, 0.5);
-        test.view.jitter_px[1] = (float)neph_test_uniform(&seed, -0.5, 0.5);
-        if (round % 4)
-            move_camera(&test.view, round % 4 == 1 ? 3.1 : 0.02, 2.0, &seed);
-        fill_depths(&test, &seed);
-        fill_colours(&test, RT_COLOR, most, &seed);
-        fill_colours(&test, RT_TAA_BEFORE, most, &seed);
-        fill_medium(&test, &seed);
-        if (round % 5 == 2) {
-            test.view.exposure = 8.0f;
-            test.view.exposure_before = 0.5f;
-        }
-        if (round % 3 == 1)
-            fill_moves(&test, start);
+        const double most = fill_round(&test, round, &seed);
         test_passes_run(&test, "upsampling");
         twin_taa(&test.twin);
-        compare(&test, round % 5 == 2 ? 16.0 * most : most, start, text);
+        compare(&test, most, start, text);
         test_passes_close(&test);
     }
 }
