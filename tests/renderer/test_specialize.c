@@ -170,17 +170,18 @@ static void specialize(const uint32_t *code, size_t code_bytes, const uint32_t *
 
 static void test_valid_whatever_the_constants(void **state)
 {
-    enum { TRIES = 3, COUNT = 12 };
+    enum { COUNT = 12 };
+    const size_t tries = (size_t)neph_test_by_day(1, 3);
     const uint64_t seed = 20261123;
     uint64_t random = seed;
-    for (size_t i = 0; i < TRIES * sizeof(shaders) / sizeof(shaders[0]); i++) {
+    for (size_t i = 0; i < tries * sizeof(shaders) / sizeof(shaders[0]); i++) {
         uint32_t constants[COUNT], *spirv = NULL;
         size_t bytes = 0, whole_bytes = 0;
         for (int j = 0; j < COUNT; j++)
             constants[j] = (uint32_t)neph_test_random(&random) >> neph_test_random(&random) % 32;
-        const size_t shader = i / TRIES;
+        const size_t shader = i / tries;
         print_message("%s, seed %llu, try %zu\n", shaders[shader].name, (unsigned long long)seed,
-                      i % TRIES);
+                      i % tries);
         specialize(shaders[shader].code, shaders[shader].code_bytes, constants, COUNT, &spirv,
                    &bytes, &whole_bytes);
         assert_false(has_open_constants(spirv, bytes));
