@@ -10,15 +10,14 @@ import pathlib
 import re
 import shutil
 import sqlite3
-import subprocess
 import sys
 import tempfile
 import unittest
 
+import neph_case
+from neph_case import ROOT as SOURCES
 from night import of_the_night
 
-NEPH = os.environ["NEPH"]
-SOURCES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SOURCES / "docs/examples"))
 import fog  # noqa: E402, the renderer that a user may begin with: it writes a frame
@@ -60,7 +59,7 @@ class Attacks(unittest.TestCase):
         cls.root = pathlib.Path(cls.kept.name)
         cls.data, cls.out = cls.root / "data", cls.root / "out"
         cls.catalog = cls.data / "scenes/catalog"
-        for folder in (cls.catalog, cls.data / "scenes/failure"):
+        for folder in (cls.catalog, cls.data / "scenes/stress"):
             folder.mkdir(parents=True)
         for entry in SOURCES.iterdir():
             if entry.name in ("scripts", "docs"):
@@ -111,10 +110,8 @@ class Attacks(unittest.TestCase):
         none = {} if device else {"VK_DRIVER_FILES": "/nonexistent",
                                   "VK_ICD_FILENAMES": "/nonexistent"}
         nothing = {"PATH": "/nonexistent", **none}
-        done = subprocess.run([NEPH, *map(str, arguments), "-o", str(cls.out)], text=True,
-                              capture_output=True, timeout=120,
-                              env={**os.environ, **nothing, "NEPH_DATA_DIR": str(cls.data),
-                                   "NEPH_COMMAND": str(cls.root / "program")})
+        done = neph_case.run(*arguments, "-o", cls.out, **nothing, NEPH_DATA_DIR=str(cls.data),
+                             NEPH_COMMAND=str(cls.root / "program"))
         assert done.returncode == code, f"{arguments}: {done.returncode}\n{done.stdout}" \
                                         f"{done.stderr}"
         return done
@@ -189,11 +186,11 @@ class Attacks(unittest.TestCase):
                       found["lost"][series])
 
     def test_a_scene_is_moved_to_another_suite(self):
-        shutil.move(self.catalog / "zz_haze.yaml", self.data / "scenes/failure/zz_haze.yaml")
+        shutil.move(self.catalog / "zz_haze.yaml", self.data / "scenes/stress/zz_haze.yaml")
         try:
             self.assertIn(self.series("zz_haze"), self.night()["lost"])
         finally:
-            (self.data / "scenes/failure/zz_haze.yaml").unlink()
+            (self.data / "scenes/stress/zz_haze.yaml").unlink()
 
     def test_a_scene_is_edited_and_nothing_is_worse(self):
         self.scene("zz_haze", 0.03)
@@ -225,8 +222,8 @@ class Attacks(unittest.TestCase):
     @of_the_night
     def test_scenes_of_the_other_suites_are_edited(self):
         """On a device. The accepted versions give the accepted numbers, to the last bit."""
-        folder = self.data / "scenes/failure"
-        shutil.copy(SOURCES / "scenes/failure/fog_none.yaml", folder)
+        folder = self.data / "scenes/stress"
+        shutil.copy(SOURCES / "scenes/stress/fog_none.yaml", folder)
         self.addCleanup((folder / "fog_none.yaml").unlink)
         shutil.copy(SOURCES / "scenes/catalog/voxel_grid.yaml", self.catalog)
         shutil.rmtree(self.out)

@@ -389,7 +389,6 @@ static bool is_whole(double value)
 /* Texels are the same columns of air whichever way camera and sun go, and go with the wind. */
 static void test_texels_stay_with_the_clouds(void **state)
 {
-    (void)state;
     struct test_scene test;
     test_scene_init(&test);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
@@ -444,7 +443,6 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
  * once. And it has all of them. */
 static void test_a_map_of_all_clouds_stays(void **state)
 {
-    (void)state;
     struct test_scene test;
     struct neph_shadow_level before = {.texel_m = {0.0, 0.0}};
     int changes = 0;
@@ -558,7 +556,6 @@ static void test_what_is_out_of_range_is_refused(void **state)
                  {{64, 1, 5, 0.0, 0, 1}, "cloud_shadow_levels"},
                  {{64, 1, 1, -1.0, 0, 1}, "cloud_shadow_extent_m"},
                  {{64, 1, 1, 0.0, 0, 257}, "cloud_shadow_frames"}};
-    (void)state;
     struct test_scene test;
     look_down(&test, 20.0);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});

@@ -80,7 +80,7 @@ static void test_the_picture_after_pictures_in_flight(void **state)
  * that is in flight the fill alone is counted. */
 static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
 {
-    struct neph_scene *scene = test_load("failure/wind_cloud");
+    struct neph_scene *scene = test_load("stress/wind_cloud");
     const struct neph_settings settings = test_preset(
         "off", "steps=4 ray_dither=none upscale_dither=none split=four sun=marched "
                "sun_cache=grid sun_cache_voxels=16");

@@ -349,7 +349,6 @@ static void refuses(const struct neph_scene *scene, int fog, enum neph_march_lig
 
 static void test_says_what_it_cannot(void **state)
 {
-    (void)state;
     struct test_scene test;
     set_stage(&test);
     refuses(&test.scene, 2, NEPH_MARCH_SINGLE, "Filament has one");

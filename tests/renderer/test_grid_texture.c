@@ -333,7 +333,6 @@ static void test_a_texture_has_its_own_march(void **state)
 
 static void test_closed_forms_alone_are_refused(void **state)
 {
-    (void)state;
     struct test_scene test;
     struct neph_diag diag = {0};
     test_scene_init(&test);
@@ -354,7 +353,6 @@ static void test_closed_forms_alone_are_refused(void **state)
 static VKAPI_ATTR void VKAPI_CALL know_8_bits(VkPhysicalDevice device, VkFormat format,
                                               VkFormatProperties *properties)
 {
-    (void)device;
     *properties = (VkFormatProperties){0};
     if (format == VK_FORMAT_R8_UNORM)
         properties->optimalTilingFeatures = ~0u;

@@ -149,7 +149,6 @@ static void test_sun_and_lamps_add(void **state)
 /* Octaves and the like would leave lights out. */
 static void test_what_knows_no_lamps_says_so(void **state)
 {
-    (void)state;
     struct test_scene test;
     lamp_stage(&test)->scene.scattering = NEPH_SCATTERING_MULTIPLE;
     for (int l = NEPH_MARCH_SINGLE + 1; l <= NEPH_MARCH_SLAB; l++) {

@@ -277,7 +277,6 @@ static void test_similar_media_over_a_slab(void **state)
  * what was scattered once, is the flux that the slab reflects. */
 static void test_the_table_is_a_slab(void **state)
 {
-    (void)state;
     static const double depths[] = {1.0, 8.0, 40.0}, albedos[] = {1.0, 0.9};
     for (int d = 0; d < 3; d++)
         for (int a = neph_test_by_day(d % 2, 0); a < 2; a += neph_test_by_day(2, 1)) {
@@ -462,7 +461,6 @@ static void test_horizon_light_of_an_empty_layer(void **state)
 
 static void test_what_each_model_cannot(void **state)
 {
-    (void)state;
     struct test_scene test;
     char reason[256];
     look_down_on_slab(&test, 1.0);

@@ -438,7 +438,6 @@ static void refuses(const struct neph_scene *scene, enum neph_march_lighting lig
 
 static void test_says_what_it_cannot(void **state)
 {
-    (void)state;
     char reason[256];
     struct neph_scene *scene = load_with_cloud(1.0, NEPH_SCATTERING_MULTIPLE);
     assert_true(neph_march_can_render_under(scene, sky, NEPH_MARCH_TRACED, reason, sizeof(reason)));

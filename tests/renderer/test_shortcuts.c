@@ -494,7 +494,6 @@ static void test_what_is_of_no_use_is_refused(void **state)
         {{.skip = true}, NEPH_MARCH_HORIZON, NEPH_ERR_UNSUPPORTED},
         {{.sun_cache = true, .sun_cache_voxels = 64}, NEPH_MARCH_HORIZON, NEPH_ERR_UNSUPPORTED},
     };
-    (void)state;
     struct test_scene test;
     test_scene_init(&test);
     add_blob(&test);

@@ -193,7 +193,6 @@ static void test_valid_whatever_the_constants(void **state)
 /* A march of nothing knows no medium, no light and no cloud. */
 static void test_unused_goes(void **state)
 {
-    (void)state;
     const uint32_t nothing[12] = {0}, all_kinds[12] = {(1u << NEPH_MEDIUM_KIND_COUNT) - 1, 262532};
     size_t bytes[2], whole_bytes;
     for (int i = 0; i < 2; i++) {
@@ -210,7 +209,6 @@ static void test_unused_goes(void **state)
 static void test_the_size_of_work_groups_stays(void **state)
 {
     enum { HEADER_WORDS = 5, OP_DECORATE = 71, BUILT_IN = 11, WORKGROUP_SIZE = 25 };
-    (void)state;
     const uint32_t constants[3] = {[2] = 8};
     uint32_t *words = NULL;
     size_t bytes = 0, whole_bytes = 0;
@@ -264,7 +262,6 @@ static void test_a_refused_shader_is_named(void **state)
 
 static void test_a_damaged_shader_is_found(void **state)
 {
-    (void)state;
     static const uint32_t module[16] = {1, 2, 3};
     uint32_t packed[64], *words = NULL;
     size_t size_bytes = 0;

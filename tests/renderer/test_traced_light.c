@@ -576,7 +576,6 @@ static void test_what_it_cannot_is_refused(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
-    (void)state;
     test_scene_init(&test);
     add_blob(&test);
     make_sunlit(&test);

@@ -134,7 +134,6 @@ static void judge_skewed(const char *name, struct verdict v, double skewness, do
 static double exact_single(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                            const void *context)
 {
-    (void)i, (void)context;
     const struct neph_rgb light =
         neph_transport_ray(&test->scene, test->key.position_m, ray).radiance;
     return channel == 0 ? light.r : channel == 1 ? light.g : light.b;
@@ -391,7 +390,6 @@ static void test_a_grid_far_from_the_fog_below(void **state)
 static double lit_from_behind(const struct test_scene *test, struct neph_vec3 ray, int i,
                               int channel, const void *context)
 {
-    (void)ray, (void)i;
     const double tau = *(const double *)context;
     const struct neph_rgb light = test->scene.sun.irradiance_w_per_m2;
     const struct neph_rgb albedo = test->scene.media[0].albedo;
@@ -662,7 +660,6 @@ static void test_level_rays_stay_in_their_cells(void **state)
 static double one(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                   const void *context)
 {
-    (void)test, (void)ray, (void)i, (void)channel, (void)context;
     return 1.0;
 }
 
@@ -725,7 +722,6 @@ static struct neph_slab *solve_slab(const struct test_scene *test,
 static double slab_truth(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                          const void *context)
 {
-    (void)channel;
     const struct neph_slab *slab = context;
     /* Light travels to the camera along -ray, sunlight along -x: azimuth between the two. */
     const double azimuth = atan2(ray.z, ray.x);
@@ -768,7 +764,6 @@ static void test_slabs_are_those_of_adding_and_doubling(void **state)
 static double half_space(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                          const void *context)
 {
-    (void)i, (void)channel, (void)context;
     const double mu0 = test->scene.sun.direction.y, mu = -ray.y;
     return 0.9 / (4.0 * M_PI) * mu0 / (mu + mu0) * neph_chandrasekhar_h(0.9, mu) *
            neph_chandrasekhar_h(0.9, mu0);

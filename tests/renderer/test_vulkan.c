@@ -26,7 +26,6 @@ static void test_describes_the_device(void **state)
 
 static void test_two_devices_live_side_by_side(void **state)
 {
-    (void)state;
     struct neph_vulkan *first = test_vulkan_open();
     struct neph_vulkan *second = NULL;
     struct neph_diag diag = {0};
@@ -70,7 +69,6 @@ static void test_only_constants_of_the_shader_make_another_kernel(void **state)
 
 static void test_destroy_takes_null(void **state)
 {
-    (void)state;
     assert_int_equal(neph_vulkan_destroy(NULL), 0);
 }
 
@@ -103,14 +101,12 @@ static void with_environment(const char *name, const char *value,
 
 static void test_no_driver_is_said_with_the_install_line(void **state)
 {
-    (void)state;
     with_environment("VK_ICD_FILENAMES", "/nonexistent/icd.json", NULL, "Vulkan",
                      "apt-get install mesa-vulkan-drivers");
 }
 
 static void test_no_validation_layer_is_said_with_the_install_line(void **state)
 {
-    (void)state;
     with_environment("VK_LAYER_PATH", "/nonexistent",
                      &(struct neph_vulkan_params){.validation = true}, "validation",
                      "apt-get install vulkan-validationlayers");
@@ -125,7 +121,6 @@ static void read_device_name(char device[256])
 
 static void test_unknown_device_lists_what_there_is(void **state)
 {
-    (void)state;
     char device[256];
     read_device_name(device);
     assert_unavailable(&(struct neph_vulkan_params){.device = "abacus"}, "abacus", device);
@@ -133,7 +128,6 @@ static void test_unknown_device_lists_what_there_is(void **state)
 
 static void test_device_is_found_by_part_of_its_name(void **state)
 {
-    (void)state;
     struct neph_vulkan *vulkan = NULL;
     char device[256];
     read_device_name(device);
@@ -147,7 +141,6 @@ static void test_device_is_found_by_part_of_its_name(void **state)
 
 static void test_validation_hears_a_mistake(void **state)
 {
-    (void)state;
     struct neph_vulkan *vulkan = test_vulkan_open();
     const VkBufferCreateInfo no_usage = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
@@ -164,7 +157,6 @@ static void test_validation_hears_a_mistake(void **state)
 
 static void test_validation_hears_a_leak(void **state)
 {
-    (void)state;
     struct neph_vulkan *vulkan = test_vulkan_open();
     struct neph_buffer leaked = {0};
     struct neph_diag diag = {0};
@@ -250,7 +242,6 @@ static bool is_sound(const char *path)
 
 static void test_a_broken_cache_is_renewed(void **state)
 {
-    (void)state;
     static const char *const broken[] = {
         "", "not a cache",
         "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef and something"};
@@ -274,7 +265,6 @@ static void test_a_broken_cache_is_renewed(void **state)
 
 static void test_no_room_for_the_cache_is_no_error(void **state)
 {
-    (void)state;
     open_and_close("/dev/null/cache");
 }
 
