@@ -150,7 +150,7 @@ struct test_rgb {
     float *of[3];
 };
 
-/* Of a layer (NULL: R, G, B). */
+/* The channels of a layer (NULL: R, G, B). */
 static inline struct test_rgb test_layer(const struct neph_image *frame, const char *layer)
 {
     struct test_rgb rgb;
@@ -167,7 +167,7 @@ static inline bool test_same_bits(const struct neph_image *a, const struct neph_
     return same;
 }
 
-/* Of a layer (NULL: R, G, B). */
+/* The largest difference in a layer (NULL: R, G, B). */
 static inline double test_largest_difference(const struct neph_image *a, const struct neph_image *b,
                                              const char *layer)
 {

@@ -42,8 +42,8 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
     return worst;
 }
 
-/* From the ground of a small planet, low over the horizon, where the path is longest: all rays rise.
- */
+/* From the ground of a small planet, low over the horizon, where the path is longest. All rays
+ * rise. */
 static void scene_shell(struct test_scene *test)
 {
     struct neph_medium *shell = test_add_cloud(test, NEPH_MEDIUM_SHELL, 2e-4);

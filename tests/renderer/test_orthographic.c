@@ -48,8 +48,8 @@ static void add_apart(struct test_scene *test, struct neph_medium medium, struct
     test_add(test, medium);
 }
 
-/* A medium of each kind and a solid behind the camera and below, where no ray goes: scenes that have
- * them share one kernel, whose making is most of what they cost. */
+/* A medium of each kind and a solid behind the camera and below, where no ray goes: scenes that
+ * have them share one kernel, whose making is most of what they cost. */
 static void add_company(struct test_scene *test)
 {
     const struct neph_vec3 at_m = neph_vec3_add(test->key.position_m,
