@@ -147,7 +147,7 @@ struct test_rgb {
     float *of[3];
 };
 
-/* Of a layer (NULL: R, G, B). */
+/* The channels of a layer (NULL: R, G, B). */
 static inline struct test_rgb test_layer(const struct neph_image *frame, const char *layer)
 {
     struct test_rgb rgb;
@@ -191,7 +191,7 @@ static inline void assert_same_channel(const struct neph_image *a, const struct 
                         neph_image_pixel_count(a) * sizeof(float));
 }
 
-/* Of a layer (NULL: R, G, B). */
+/* The largest difference in a layer (NULL: R, G, B). */
 static inline double test_largest_difference(const struct neph_image *a, const struct neph_image *b,
                                              const char *layer)
 {
