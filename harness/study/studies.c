@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/progress.h"
@@ -15,10 +16,7 @@ static const char format[] = "neph-studies-1";
 
 static char *file_of(const struct neph_engine *engine)
 {
-    char *name = neph_format("scenes/studies/%s.json", engine->name);
-    char *path = name ? neph_data_path(name) : NULL;
-    free(name);
-    return path;
+    return neph_data_path(neph_path_format("scenes/studies/%s.json", engine->name).text);
 }
 
 /* The file's content, or an empty one where there is no file. */

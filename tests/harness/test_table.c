@@ -30,8 +30,12 @@ static void fill(struct neph_table *table)
     static const struct row rows[] = {{0.125, NAN}, {NAN, 0.25}};
     neph_table_columns(table, fixed, 5);
     neph_table_fields(table, numbers, 2);
-    neph_table_row(table, "sitsbot", "fog, \"thin\"", 3, NULL, "left out", true,
-                   json_pack("[f,f]", 1.5, 2.0), "1.5 to 2");
+    neph_table_word(table, "fog, \"thin\"");
+    neph_table_count(table, 3);
+    neph_table_word(table, "left out");
+    neph_table_flag(table, true);
+    neph_table_value(table, json_pack("[f,f]", 1.5, 2.0));
+    neph_table_shown(table, "%g to %d", 1.5, 2);
     neph_table_field_cells(table, numbers, 2, &rows[0]);
     neph_table_word(table, "cloud");
     neph_table_count(table, 0);
@@ -54,7 +58,6 @@ static void print_csv(const void *table, FILE *out)
 
 static void test_one_table_is_written_in_three_forms(void **state)
 {
-    (void)state;
     struct neph_table table = {.cells = NULL};
     char *text, *csv;
     fill(&table);
@@ -84,10 +87,9 @@ static void test_one_table_is_written_in_three_forms(void **state)
 
 static void test_words_are_cleaned(void **state)
 {
-    (void)state;
     struct neph_table table = {.cells = NULL};
     char *text;
-    neph_table_columns(&table, &(struct neph_column){.key = "name", .title = "name"}, 1);
+    neph_table_column(&table, (struct neph_column){.key = "name", .title = "name"});
     neph_table_word(&table, "a\x1b[31mb");
     assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
     assert_null(strchr(text, '\x1b'));
@@ -103,7 +105,6 @@ static void print_aligned(const void *table, FILE *out)
 /* A text that is longer than its column moves those behind it. */
 static void test_columns_of_a_width(void **state)
 {
-    (void)state;
     static const struct neph_column columns[] = {
         {.title = "scene", .width = -7},
         {.key = "hidden", .width = 9},
@@ -130,12 +131,11 @@ static void test_columns_of_a_width(void **state)
 
 static void test_a_row_may_end_early(void **state)
 {
-    (void)state;
     const struct neph_field field = {{.key = "b", .title = "b", .format = "%g"}, 0};
     const double value = 0.5;
     struct neph_table table = {.cells = NULL};
     char *text, *csv;
-    neph_table_columns(&table, &(struct neph_column){.key = "a", .title = "a"}, 1);
+    neph_table_column(&table, (struct neph_column){.key = "a", .title = "a"});
     neph_table_fields(&table, &field, 1);
     neph_table_word(&table, "left out");
     neph_table_end_row(&table);
