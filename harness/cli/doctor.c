@@ -17,6 +17,7 @@
 #include <stdlib.h>
 
 static const struct neph_cli_option options[] = {
+    {.name = "blender"},
     {.name = "json"},
     {.name = "quiet", .help = "Accepted; this verb prints results alone"},
     {.name = NULL},
@@ -64,6 +65,28 @@ static const struct {
     {"SDL 2", has_windows, "neph fly", "apt-get install libsdl2-dev, and build neph again"},
 };
 
+static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
+{
+    return json_pack("{s:s, s:b, s:b, s:s, s:s, s:s, s:s, s:s, s:s}", "name", engine->name,
+                     "available", info->available, "broken", info->broken, "version", info->version,
+                     "device", info->device, "missing", info->missing, "install_line",
+                     info->install_line, "can", info->can, "warning", info->warning);
+}
+
+static void print_engine(const struct neph_engine *engine, const struct neph_engine_info *info)
+{
+    if (info->available)
+        printf("ok       %-10s %s; %s%s%s\n", engine->name, info->version, info->device,
+               info->can[0] ? "; " : "", info->can);
+    else if (info->broken)
+        printf("broken   %-10s %s\n", engine->name, info->missing);
+    else
+        printf("missing  %-10s %s\n         get it:   %s\n", engine->name, info->missing,
+               info->install_line);
+    if (info->warning[0])
+        printf("         warning:  %s\n", info->warning);
+}
+
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .doc = "What is installed, on which device, and how to get what is missing.\v"
@@ -86,17 +109,9 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
             continue;
         missing += !info.available;
         broken += info.broken;
-        neph_json_add(&list, json_pack("{s:s, s:b, s:b, s:s, s:s, s:s, s:s}", "name",
-                                       engines[i]->name, "available", info.available, "broken",
-                                       info.broken, "version", info.version, "device", info.device,
-                                       "missing", info.missing, "install_line", info.install_line));
-        if (!request.json && info.available)
-            printf("ok       %-9s %s; %s\n", engines[i]->name, info.version, info.device);
-        else if (!request.json && info.broken)
-            printf("broken   %-9s %s\n", engines[i]->name, info.missing);
-        else if (!request.json)
-            printf("missing  %-9s %s\n         get it:   %s\n", engines[i]->name, info.missing,
-                   info.install_line);
+        neph_json_add(&list, engine_json(engines[i], &info));
+        if (!request.json)
+            print_engine(engines[i], &info);
     }
     neph_shared_device_close(&device);
     for (size_t i = 0; i < sizeof(tools) / sizeof(tools[0]); i++) {
@@ -105,7 +120,7 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
                                        "available", there, "needed_for", tools[i].needed_for,
                                        "install_line", tools[i].install_line));
         if (!request.json)
-            printf("%-8s %-9s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
+            printf("%-8s %-10s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
                    tools[i].needed_for,
                    there ? "" : "\n         get it:   ", there ? "" : tools[i].install_line);
     }

@@ -7,6 +7,7 @@
 
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "renderer/realtime/options.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -75,10 +76,10 @@ static const struct neph_cli_option options[] = {
      "Of the stress tests: only this scenario, whatever its tier; may be given several times",
      NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, only)},
     {"preset", 0, "NAME",
-     "Of the stress tests: only this preset, or PRESET+KEY=VALUE; may be given several times "
-     "(default: seed, fixed and ours, in the full tier all but ours1; march, cycles and povray "
-     "beside them)",
-     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, presets)},
+     "Of the stress tests: only this preset, or PRESET+KEY=VALUE; may be given several times; "
+     "without it, the full tier has more of them, and march, cycles and povray are beside them",
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, presets),
+     .presets = neph_rt_presets, .uses = NEPH_RT_STRESS_QUICK},
     {"on-device", 0, NULL,
      "Of the stress tests: only count bad values, in all images of every frame, on the device "
      "(preset off, which has none: in its pictures); nothing is kept",
@@ -117,6 +118,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, budget_s), .minimum = 1,
      .maximum = 1000000},
     {.name = "time-limit", .kind = NEPH_CLI_ALIAS},
+    {.name = "blender"},
     {.name = "json", .help = "The whole document as JSON on stdout"},
     {.name = "quiet"},
     {.name = NULL},
@@ -249,12 +251,6 @@ void neph_validate_close_report(void *request_)
     free(request->page_folder);
 }
 
-static enum neph_status show_page(struct neph_validation *validation, void *report,
-                                  struct neph_diag *diag)
-{
-    return neph_report_publish(report, validation, diag);
-}
-
 struct neph_validate_params neph_validate_params_of(const struct neph_validate_request *request,
                                                     const struct neph_experiment_run *run)
 {
@@ -274,8 +270,7 @@ struct neph_validate_params neph_validate_params_of(const struct neph_validate_r
         .jobs = shared->jobs,
         .quiet = run->quiet,
         .skip_absent = shared->operand_count == 0,
-        .show = show_page,
-        .context = request->report,
+        .report = request->report,
     };
 }
 

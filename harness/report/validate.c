@@ -9,6 +9,7 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
 #include "harness/progress.h"
+#include "harness/report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -57,7 +58,10 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         field->engines[field->count] = engines[i];
         field->settings[field->count] = neph_settings_default(engines[i]);
-        neph_engine_probe(engines[i], params->device, &field->infos[field->count++]);
+        struct neph_engine_info *info = &field->infos[field->count++];
+        neph_engine_probe(engines[i], params->device, info);
+        if (info->warning[0])
+            fprintf(stderr, "warning: %s: %s\n", engines[i]->name, info->warning);
     }
     return NEPH_OK;
 }
@@ -134,10 +138,10 @@ static void judge_so_far(struct run *run, enum neph_verdict verdict)
 
 static enum neph_status show(struct run *run, struct neph_diag *diag)
 {
-    if (!run->params->show)
+    if (!run->params->report)
         return NEPH_OK;
     judge_so_far(run, NEPH_VERDICT_RUNNING);
-    return run->params->show(run->made, run->params->context, diag);
+    return neph_report_publish(run->params->report, run->made, diag);
 }
 
 /* A scene whose data is not on this machine takes its steps away; the diag is used up. */

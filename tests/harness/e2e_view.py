@@ -245,7 +245,7 @@ class View(neph_case.NephCase):
                 ("view_paint.js", "(z * side + y) * side + x", "(x * side + y) * side + z"),
                 ("view_paint.js", "rgb = colours.below", "rgb = colours.above"),
                 ("view.js", "state.ev -= 0.5", "state.ev -= 1"),
-                ("view.js", "() => step(4)],", "() => step(3)],"),
+                ("view.js", "() => step(4) }],", "() => step(3) }],"),
                 ("view.js", "Math.min(4, data.frames))", "Math.min(5, data.frames))"),
                 ("view.js", '"wipe", "px", "py"', '"px", "py"'),
                 ("view.js", "...pointIn(pane, event)", ""),

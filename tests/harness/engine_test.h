@@ -18,7 +18,7 @@
 static inline bool test_has_engine(const struct neph_engine *engine)
 {
     struct neph_engine_info info;
-    engine->probe(NULL, &info);
+    engine->probe(engine, NULL, &info);
     if (!info.available)
         print_message("SKIPPED, %s is not measured here: %s\n", engine->name, info.missing);
     return info.available;
@@ -29,7 +29,7 @@ static inline struct neph_engine_info test_probe_without_path(const struct neph_
     struct neph_engine_info info;
     char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
     setenv("PATH", "/nonexistent", 1);
-    engine->probe(NULL, &info);
+    engine->probe(engine, NULL, &info);
     setenv("PATH", path, 1);
     free(path);
     return info;
@@ -39,7 +39,7 @@ static inline bool test_can_render(const struct neph_engine *engine, const struc
                                    char *reason, size_t reason_size)
 {
     const struct neph_settings settings = neph_settings_default(engine);
-    return engine->can_render(scene, &settings, reason, reason_size);
+    return neph_engine_can_render(engine, scene, &settings, reason, reason_size);
 }
 
 /* A camera at `eye`, a sun, no media, no solids, black sky, single scattering. */
@@ -104,7 +104,7 @@ static inline struct neph_engine_info test_probe_impostor(const struct neph_engi
     struct neph_engine_info info;
     struct impostor impostor;
     set_impostor(&impostor, program, script);
-    engine->probe(NULL, &info);
+    engine->probe(engine, NULL, &info);
     remove_impostor(&impostor);
     return info;
 }

@@ -4,7 +4,7 @@
  * pixel, and is stopped when that is more than it was given. Its noise is known:
  * a pixel is 1 + u / sqrt(samples) with u uniform in -0.5 .. 0.5.
  */
-#include "tests/base/scratch.h"
+#include "tests/harness/store_test.h"
 
 #include "base/exr.h"
 #include "harness/run/budget.h"
@@ -24,8 +24,10 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
+static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info)
 {
+    (void)engine, (void)device;
     *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
 }
 
@@ -81,17 +83,13 @@ struct bench {
 
 static struct bench open_bench(void **state)
 {
-    char folder[SCRATCH_PATH_MAX];
-    struct neph_diag diag = {0};
-    struct bench bench = {.scene = {.name = "none", .hash = "0", .medium_count = 1}};
-    neph_assert_ok(neph_store_open(scratch_path(state, folder, "store"), &bench.store, &diag),
-                   &diag);
-    return bench;
+    return (struct bench){.store = open_store(state),
+                          .scene = {.name = "none", .hash = "0", .medium_count = 1}};
 }
 
 static struct neph_job make_job(struct bench *bench, const struct neph_engine *engine)
 {
-    engine->probe(NULL, &bench->info);
+    engine->probe(engine, NULL, &bench->info);
     return (struct neph_job){.engine = engine,
                              .info = &bench->info,
                              .shot = {.scene = &bench->scene,

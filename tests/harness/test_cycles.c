@@ -48,7 +48,7 @@ static void set_stage(struct stage *stage, struct neph_vec3 eye, struct neph_vec
     stage->key = (struct neph_camera_key){.position_m = eye, .look_at_m = look_at};
     stage->seed = 1;
     stage->scene = (struct neph_scene){
-        .name = (char *)hostile_name,
+        .name = hostile_name,
         .camera_key_count = 1,
         .camera_keys = &stage->key,
         .camera_up = {0.0, 1.0, 0.0},
@@ -194,13 +194,13 @@ static void test_probe_without_blender(void **state)
     assert_string_equal(info.install_line, "apt-get install blender python3-numpy");
 }
 
-static void test_probe_refuses_another_version(void **state)
+static void test_probe_refuses_an_old_version(void **state)
 {
     (void)state;
     const struct neph_engine_info info = test_probe_impostor(&neph_engine_cycles, "blender",
-                                                             "#!/bin/sh\necho 'Blender 5.0.1'\n");
+                                                             "#!/bin/sh\necho 'Blender 3.3.1'\n");
     assert_false(info.available);
-    assert_non_null(strstr(info.missing, "wrong version: 'blender' is 5.0.1"));
+    assert_non_null(strstr(info.missing, "is Blender 3.3.1; versions from 3.4 on are taken"));
 }
 
 static void assert_cannot(const struct stage *stage, const char *word)
@@ -222,8 +222,6 @@ static void test_what_it_can_render(void **state)
     assert_true(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
     medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
     assert_true(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
-    medium->phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
-    assert_cannot(&stage, "Rayleigh");
     medium->phase = (struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0};
     add_medium(&stage, medium->bounds, 1e-8, 0.0);
     assert_cannot(&stage, "1e6");
@@ -324,7 +322,7 @@ static void test_spec_refuses_what_is_not_a_number(void **state)
     stage.solids[1].box.max_m.y = INFINITY;
     assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
     set_full_stage(&stage);
-    stage.scene.name = (char *)"\xff";
+    stage.scene.name = "\xff";
     assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
     assert_null(spec);
 }
@@ -736,7 +734,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_probe_without_blender),
-        cmocka_unit_test(test_probe_refuses_another_version),
+        cmocka_unit_test(test_probe_refuses_an_old_version),
         cmocka_unit_test(test_what_it_can_render),
         cmocka_unit_test(test_tiny_frames_are_refused),
         cmocka_unit_test(test_spec_is_data),

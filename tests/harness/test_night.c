@@ -778,6 +778,8 @@ static void test_nights_that_were_worse_are_set_aside(void **state)
     neph_assert_close(bench->c.findings[0].change, 1.0, 0.03, 0.0);
 }
 
+#define bench_test(function) cmocka_unit_test_setup_teardown(function, open_bench, close_bench)
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {

@@ -36,9 +36,10 @@ static void write_frame(void **state, const char *name, float value)
 /* A page, a node and frames of the test's own. */
 static int setup(void **state)
 {
-    static const char *const page[] = {
-        "report.html", "report.css", "page.js",        "report.js",     "view.html",
-        "view.css",    "view.js",    "view_planes.js", "view_paint.js", "render_chart.mjs"};
+    static const char *const page[] = {"page.html",     "report.html",     "report.css",
+                                       "page.js",       "report.js",       "view.html",
+                                       "view.css",      "view.js",         "view_planes.js",
+                                       "view_paint.js", "render_chart.mjs"};
     char path[SCRATCH_PATH_MAX];
     if (scratch_setup(state))
         return -1;

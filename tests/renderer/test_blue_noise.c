@@ -64,7 +64,7 @@ static void assert_each_rank_once(const struct neph_blue_noise *noise)
         int seen[PIXELS_MAX] = {0};
         for (int i = 0; i < count; i++) {
             const int rank = noise->ranks[frame * count + i];
-            assert_in_range(rank, 0, count - 1);
+            neph_assert_in_range(rank, 0, count - 1);
             assert_int_equal(seen[rank]++, 0);
         }
     }
@@ -179,7 +179,7 @@ static void test_the_seed_decides(void **state)
     int equal_count = 0;
     for (int i = 0; i < SIDE_PX * SIDE_PX; i++)
         equal_count += first->ranks[i] == other->ranks[i];
-    assert_in_range(equal_count, 0, 10); /* Poisson of mean 1: more than 10 in 1e-8 of seeds */
+    neph_assert_in_range(equal_count, 0, 10); /* Poisson of mean 1: more than 10 in 1e-8 of seeds */
     neph_blue_noise_destroy(first);
     neph_blue_noise_destroy(same);
     neph_blue_noise_destroy(other);

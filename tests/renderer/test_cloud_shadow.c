@@ -466,7 +466,7 @@ static void test_a_map_of_all_clouds_stays(void **state)
         assert_true(now->low_m[0] + 63 * now->texel_m[0] >= 9.0 + half_m - 1e-9);
     }
     /* 1 + cot of 30 degrees is 1.45 octaves above 1: 12 steps, and the first. */
-    assert_in_range(changes, 12, 13);
+    neph_assert_in_range(changes, 12, 13);
 }
 
 /* --- over pictures --------------------------------------------------------------------------- */

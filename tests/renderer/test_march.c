@@ -808,7 +808,7 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
     }
     print_message("%zu of %zu samples are nonsense, %zu rounds of many media\n", nonsense, samples,
                   crowds);
-    assert_in_range(crowds, 50, 200);
+    neph_assert_in_range(crowds, 50, 200);
     assert_int_equal(nonsense, 0);
 }
 

@@ -56,8 +56,8 @@ static void assert_net(int n)
             neph_march_point(i, n, at_px);
             const int x = (int)floor((at_px[0] + 0.5) * columns);
             const int y = (int)floor((at_px[1] + 0.5) * (n / columns));
-            assert_in_range(x, 0, columns - 1);
-            assert_in_range(y, 0, n / columns - 1);
+            neph_assert_in_range(x, 0, columns - 1);
+            neph_assert_in_range(y, 0, n / columns - 1);
             hits[y * columns + x]++;
         }
         for (int box = 0; box < n; box++)

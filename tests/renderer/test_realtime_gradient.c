@@ -478,7 +478,7 @@ static void test_what_a_solid_uncovers_has_changed(void **state)
         if (frame == 9)
             assert_int_equal(changes.void_tiles, 0);
         if (frame == 10) /* a strip at each side, and the tiles around */
-            assert_in_range(changes.void_tiles, 8, TILES / 2);
+            neph_assert_in_range(changes.void_tiles, 8, TILES / 2);
         if (frame == 11)
             assert_int_equal(changes.void_tiles, 0);
     }
