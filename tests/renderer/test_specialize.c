@@ -7,6 +7,7 @@
 #include "tests/renderer/probe.h"
 
 #include "renderer/shader_code.h"
+#include "renderer/shaders/realtime_names.h"
 #include "renderer/specialize.h"
 
 #include <zlib.h>
@@ -190,6 +191,37 @@ static void test_valid_whatever_the_constants(void **state)
     }
 }
 
+/* Bits that a shader does not read make no other kernel (kernel.c), whatever they are: the words of
+ * both are the same. A step of the real-time pipeline reads few of 150 settings. */
+static void test_bits_that_are_not_read_change_nothing(void **state)
+{
+    (void)state;
+    enum { COUNT = RT_CONSTANT_COUNT };
+    uint64_t random = 39;
+    for (size_t i = 0; i < sizeof(shaders) / sizeof(shaders[0]); i++) {
+        uint32_t all[COUNT], read[COUNT], *words[2] = {NULL};
+        size_t bytes[2], whole_bytes;
+        int unread = 0;
+        if (!neph_test_is_night() && shaders[i].code != taa_code && shaders[i].code != probe_code)
+            continue;
+        for (int c = 0; c < COUNT; c++) {
+            all[c] = (uint32_t)neph_test_random(&random) >> neph_test_random(&random) % 32;
+            read[c] = all[c] & neph_shader_constant_bits(shaders[i].code, c);
+            unread += __builtin_popcount(~neph_shader_constant_bits(shaders[i].code, c));
+        }
+        specialize(shaders[i].code, shaders[i].code_bytes, all, COUNT, &words[0], &bytes[0],
+                   &whole_bytes);
+        specialize(shaders[i].code, shaders[i].code_bytes, read, COUNT, &words[1], &bytes[1],
+                   &whole_bytes);
+        print_message("%s: %d of %d bits are not read\n", shaders[i].name, unread, 32 * COUNT);
+        assert_int_equal(bytes[0], bytes[1]);
+        assert_memory_equal(words[0], words[1], bytes[0]);
+        assert_true(shaders[i].code != taa_code || unread > 32 * RT_CHOICE_CONSTANT_COUNT - 4 * 40);
+        free(words[0]);
+        free(words[1]);
+    }
+}
+
 /* A march of nothing knows no medium, no light and no cloud. */
 static void test_unused_goes(void **state)
 {
@@ -223,15 +255,20 @@ static void test_the_size_of_work_groups_stays(void **state)
 
 /* --- what is refused ---------------------------------------------------------------------- */
 
-/* As pack_shader.py packs, with constants 1 and 33. */
+enum { PACKED_HEAD = 2 + 34 };
+
+/* As pack_shader.py packs, with constant 1 and the lowest digit of constant 33. */
 static size_t pack(const void *module, size_t size_bytes, uint32_t packed[64])
 {
-    uLongf deflated = 60 * sizeof(*packed);
+    uLongf deflated = (64 - PACKED_HEAD) * sizeof(*packed);
     memset(packed, 0, 64 * sizeof(*packed));
     packed[0] = (uint32_t)size_bytes;
-    packed[1] = packed[2] = 2;
-    assert_int_equal(compress((Bytef *)(packed + 4), &deflated, module, size_bytes), Z_OK);
-    return 4 * sizeof(*packed) + deflated;
+    packed[1] = 34;
+    packed[2 + 1] = UINT32_MAX;
+    packed[2 + 33] = 15;
+    assert_int_equal(compress((Bytef *)(packed + PACKED_HEAD), &deflated, module, size_bytes),
+                     Z_OK);
+    return PACKED_HEAD * sizeof(*packed) + deflated;
 }
 
 /* The batch that needs a kernel is told of its shader, its constants and the reason. */
@@ -244,7 +281,7 @@ static void test_a_refused_shader_is_named(void **state)
         .code = packed,
         .code_bytes = pack(no_spirv, sizeof(no_spirv), packed),
         .constant_count = 34,
-        .constants = {[1] = 7, [2] = 8, [33] = 9},
+        .constants = {[1] = 7, [2] = 8, [33] = 0x79},
     };
     const struct neph_dispatch dispatch = {.group_count = 1};
     const struct neph_kernel *kernel = NULL;
@@ -271,10 +308,10 @@ static void test_a_damaged_shader_is_found(void **state)
     assert_int_equal(size_bytes, sizeof(module));
     assert_memory_equal(words, module, sizeof(module));
     free(words);
-    assert_true(neph_shader_has_constant(packed, 1) && neph_shader_has_constant(packed, 33));
-    assert_false(neph_shader_has_constant(packed, 0) || neph_shader_has_constant(packed, 34) ||
-                 neph_shader_has_constant(packed, 96));
-    packed[5] ^= 0x100;
+    static const uint32_t bits[][2] = {{0, 0}, {1, UINT32_MAX}, {33, 15}, {34, 0}, {96, 0}};
+    for (size_t i = 0; i < COUNT(bits); i++)
+        assert_int_equal(neph_shader_constant_bits(packed, (int)bits[i][0]), bits[i][1]);
+    packed[PACKED_HEAD + 1] ^= 0x100;
     assert_int_equal(neph_shader_unpack(packed, bytes, &words, &size_bytes, &diag),
                      NEPH_ERR_INTERNAL);
 }
@@ -284,6 +321,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_way),
         cmocka_unit_test(test_valid_whatever_the_constants),
+        cmocka_unit_test(test_bits_that_are_not_read_change_nothing),
         cmocka_unit_test(test_unused_goes),
         cmocka_unit_test(test_the_size_of_work_groups_stays),
         cmocka_unit_test(test_a_refused_shader_is_named),
