@@ -6,9 +6,7 @@
 #include "metrics/interval.h"
 #include "metrics/pooling.h"
 #include "metrics/series.h"
-#include "metrics/statistics.h"
 #include "metrics/validity.h"
-#include "metrics/vector_math.h"
 
 #include <float.h>
 #include <math.h>
@@ -26,14 +24,16 @@ struct run {
     const struct neph_quantity *quantity;
     const char *obstacle; /* why it gives nothing; NULL: it does */
     char reason[192];     /* room for an obstacle that came up on the way */
-    void *state;          /* owned; NULL while an obstacle stands */
+    void *state;          /* NULL while an obstacle stands */
+    struct neph_arena memory;
 };
 
 struct neph_meter {
-    struct neph_meter_choice *choices; /* owned */
+    struct neph_arena memory; /* of all that is not said to be owned or borrowed */
+    struct neph_meter_choice *choices;
     int choice_count;
     struct neph_viewing viewing;
-    struct neph_pool_mask *masks; /* owned; the masks themselves are borrowed */
+    struct neph_pool_mask *masks; /* the masks themselves are borrowed */
     int mask_count;
     const struct neph_meter_number *wanted; /* borrowed; NULL: all */
     bool intervals, draws;
@@ -41,11 +41,11 @@ struct neph_meter {
     int width_px, height_px;   /* of the first frame; 0 before it */
     int frame_count;           /* so far */
     int announced_frame_count; /* of all; 0: not known */
-    struct run *runs;          /* owned; made at the first frame */
+    struct run *runs;          /* made at the first frame */
     int run_count;
-    struct neph_pair_codes *codes;         /* one for each quantity; owned */
-    const struct neph_mask **bare_masks;   /* those of `masks`; owned */
-    struct neph_clipping **clipping;       /* by quantity, NULL where nobody asks; owned */
+    struct neph_pair_codes *codes;         /* one for each quantity */
+    const struct neph_mask **bare_masks;   /* those of `masks` */
+    struct neph_clipping **clipping;       /* by quantity, NULL where nobody asks */
     struct neph_measurement *measurements; /* owned */
     int measurement_count, measurement_room;
 };
@@ -89,24 +89,26 @@ static enum neph_status copy_params(struct neph_meter *meter,
     meter->intervals = params->intervals;
     meter->draws = params->draws;
     meter->announced_frame_count = params->frame_count;
-    meter->choices = calloc((size_t)params->choice_count + 1, sizeof(*meter->choices));
-    meter->masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->masks));
-    meter->codes = calloc((size_t)neph_quantity_count(), sizeof(*meter->codes));
-    meter->clipping = calloc((size_t)neph_quantity_count(), sizeof(*meter->clipping));
-    meter->bare_masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->bare_masks));
-    if (!meter->choices || !meter->masks || !meter->codes || !meter->clipping || !meter->bare_masks)
-        return neph_fail_memory(diag);
-    for (int i = 0; i < params->choice_count; i++)
+    const size_t choice_count = (size_t)params->choice_count,
+                 mask_count = (size_t)params->mask_count;
+    const size_t quantity_count = (size_t)neph_quantity_count();
+    struct neph_arena *memory = &meter->memory;
+    meter->choices = neph_arena_zeroed(memory, choice_count, sizeof(*meter->choices));
+    meter->masks = neph_arena_zeroed(memory, mask_count, sizeof(*meter->masks));
+    meter->codes = neph_arena_zeroed(memory, quantity_count, sizeof(*meter->codes));
+    meter->clipping = neph_arena_zeroed(memory, quantity_count, sizeof(*meter->clipping));
+    meter->bare_masks = neph_arena_zeroed(memory, mask_count, sizeof(*meter->bare_masks));
+    enum neph_status status = neph_arena_check(memory, diag);
+    for (int i = 0; i < params->choice_count && !status; i++)
         meter->choices[meter->choice_count++] = params->choices[i];
-    for (int i = 0; i < params->mask_count; i++) {
-        enum neph_status status = neph_pool_mask_create(params->masks[i],
-                                                        &meter->masks[meter->mask_count], diag);
-        if (status)
-            return status;
+    for (size_t q = 0; q < quantity_count && !status; q++)
+        meter->codes[q].memory = memory;
+    for (int i = 0; i < params->mask_count && !status; i++) {
         meter->bare_masks[i] = params->masks[i];
-        meter->mask_count++;
+        status = neph_pool_mask_create(params->masks[i], memory, &meter->masks[i], diag);
+        meter->mask_count += !status;
     }
-    return NEPH_OK;
+    return status;
 }
 
 enum neph_status neph_meter_create(const struct neph_meter_params *params,
@@ -135,20 +137,11 @@ void neph_meter_destroy(struct neph_meter *meter)
         struct run *run = &meter->runs[i];
         if (run->state && run->choice->extractor->close)
             run->choice->extractor->close(run->state);
-        free(run->state);
+        neph_arena_finish(&run->memory);
     }
     for (int i = 0; i < meter->mask_count; i++)
-        neph_pool_mask_finish(&meter->masks[i]);
-    for (int q = 0; meter->codes && q < neph_quantity_count(); q++)
-        neph_pair_codes_finish(&meter->codes[q]);
-    for (int q = 0; meter->clipping && q < neph_quantity_count(); q++)
-        neph_clipping_destroy(meter->clipping[q]);
-    free(meter->clipping);
-    free(meter->bare_masks);
-    free(meter->codes);
-    free(meter->runs);
-    free(meter->choices);
-    free(meter->masks);
+        neph_resampling_finish(&meter->masks[i].resampling);
+    neph_arena_finish(&meter->memory);
     neph_measurements_destroy(meter->measurements, meter->measurement_count);
     free(meter);
 }
@@ -177,54 +170,6 @@ struct neph_measurement *neph_meter_release(struct neph_meter *meter, int *count
 
 /* ---- a pair of frames ------------------------------------------------------------------------ */
 
-enum { LANES = 8 }; /* sums are made in as many parts, so that the order of adding is ours */
-
-NEPH_VECTOR static void add_luminance(const float *restrict r, const float *restrict g,
-                                      const float *restrict b, size_t count, double *restrict lanes)
-{
-    size_t i = 0;
-    for (; i + LANES <= count; i += LANES)
-        for (size_t l = 0; l < LANES; l++)
-            lanes[l] += neph_luminance((double)r[i + l], (double)g[i + l], (double)b[i + l]);
-    for (; i < count; i++)
-        lanes[0] += neph_luminance((double)r[i], (double)g[i], (double)b[i]);
-}
-
-/* The depths of a row that are not the sky, and their number. */
-static size_t add_depth(const float *depth_m, size_t count, double *sum)
-{
-    size_t solid_count = 0;
-    for (size_t i = 0; i < count; i++) {
-        const bool is_sky = depth_m[i] == INFINITY;
-        *sum += is_sky ? 0.0 : (double)depth_m[i];
-        solid_count += !is_sky;
-    }
-    return solid_count;
-}
-
-/* S of extractor.h: NaN when there is none. */
-static double scene_mean(const struct neph_frame_pair *pair)
-{
-    const float *const *planes = pair->reference;
-    const size_t width = (size_t)pair->width_px;
-    struct neph_sum sum = {0};
-    size_t count = 0;
-    for (size_t row = 0; row < (size_t)pair->height_px; row++) {
-        const size_t first = row * width;
-        double lanes[LANES] = {0.0};
-        if (pair->quantity->bit == NEPH_DEPTH)
-            count += add_depth(planes[0] + first, width, &lanes[0]);
-        else
-            add_luminance(planes[0] + first, planes[1] + first, planes[2] + first, width, lanes);
-        if (pair->quantity->bit != NEPH_DEPTH)
-            count += width;
-        for (int l = 0; l < LANES; l++)
-            neph_sum_add(&sum, lanes[l]);
-    }
-    const double mean = count > 0 ? neph_sum_value(&sum) / (double)count : 0.0;
-    return mean > 0.0 && isfinite(mean) ? mean : NAN;
-}
-
 static bool pair_up(const struct neph_meter *meter, const struct neph_quantity *quantity,
                     const struct neph_image *const images[3], struct neph_frame_pair *pair)
 {
@@ -244,7 +189,8 @@ static bool pair_up(const struct neph_meter *meter, const struct neph_quantity *
         return false;
     if (images[1])
         neph_quantity_planes(quantity, images[1], pair->reference_second);
-    pair->scene_mean = scene_mean(pair);
+    pair->scene_mean = neph_quantity_mean(quantity, pair->reference, pair->width_px,
+                                          pair->height_px);
     pair->codes = &meter->codes[quantity - neph_quantity_at(0)];
     neph_pair_codes_forget(pair->codes);
     return true;
@@ -262,14 +208,6 @@ static bool is_good(const struct neph_frame_pair *pair, size_t pixel)
     return good;
 }
 
-NEPH_VECTOR static uint32_t count_not_finite(const float *values, size_t count)
-{
-    uint32_t bad = 0;
-    for (size_t i = 0; i < count; i++)
-        bad += fabsf(values[i]) <= FLT_MAX ? 0u : 1u;
-    return bad;
-}
-
 /* Whether all samples of a row are finite: then nothing in it is bad. A reference with a mean is
  * finite everywhere, for what is not finite stays in a sum; but a sky is left out of that. */
 static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
@@ -277,8 +215,8 @@ static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
     const size_t width = (size_t)pair->width_px;
     const bool is_known = pair->quantity->bit != NEPH_DEPTH && isfinite(pair->scene_mean);
     for (int p = 0; p < pair->plane_count; p++)
-        if (count_not_finite(pair->test[p] + first, width) > 0 ||
-            (!is_known && count_not_finite(pair->reference[p] + first, width) > 0))
+        if (neph_count_not_finite(pair->test[p] + first, width) > 0 ||
+            (!is_known && neph_count_not_finite(pair->reference[p] + first, width) > 0))
             return false;
     return true;
 }
@@ -515,7 +453,7 @@ static enum neph_status take_numbers(struct neph_meter *meter, const struct run 
 
 /* ---- the runs -------------------------------------------------------------------------------- */
 
-static enum neph_status start_run(struct run *run, const struct neph_frame_pair *pair,
+static enum neph_status start_run(struct run *run, struct neph_frame_pair *pair,
                                   struct neph_diag *diag)
 {
     const struct neph_extractor *extractor = run->choice->extractor;
@@ -523,7 +461,8 @@ static enum neph_status start_run(struct run *run, const struct neph_frame_pair 
     run->obstacle = extractor->obstacle ? extractor->obstacle(pair, settings) : NULL;
     if (run->obstacle)
         return NEPH_OK;
-    run->state = calloc(1, extractor->state_size);
+    pair->memory = &run->memory;
+    run->state = neph_arena_zeroed(&run->memory, 1, extractor->state_size);
     if (!run->state)
         return neph_fail_memory(diag);
     return extractor->init ? extractor->init(run->state, pair, settings, diag) : NEPH_OK;
@@ -536,7 +475,7 @@ static enum neph_status start_clipping(struct neph_meter *meter, const struct ru
     struct neph_clipping **clipping = &meter->clipping[run->quantity - neph_quantity_at(0)];
     if (run->obstacle || !run->choice->extractor->bound || *clipping)
         return NEPH_OK;
-    *clipping = neph_clipping_create(meter->mask_count);
+    *clipping = neph_clipping_create(meter->mask_count, &meter->memory);
     return *clipping ? NEPH_OK : neph_fail_memory(diag);
 }
 
@@ -544,8 +483,8 @@ static enum neph_status start_clipping(struct neph_meter *meter, const struct ru
 static enum neph_status start_runs(struct neph_meter *meter,
                                    const struct neph_image *const images[3], struct neph_diag *diag)
 {
-    const int room = neph_quantity_count() * meter->choice_count;
-    meter->runs = calloc((size_t)room + 1, sizeof(*meter->runs));
+    const size_t room = (size_t)neph_quantity_count() * (size_t)meter->choice_count;
+    meter->runs = neph_arena_zeroed(&meter->memory, room, sizeof(*meter->runs));
     if (!meter->runs)
         return neph_fail_memory(diag);
     meter->width_px = images[0]->width_px;
@@ -595,9 +534,10 @@ static enum neph_status check_sizes(const struct neph_meter *meter,
 
 /* Look at a pair; a bad value in a further layer ends a run in order, as one in the quantity does.
  */
-static enum neph_status extract(struct run *run, const struct neph_frame_pair *pair,
+static enum neph_status extract(struct run *run, struct neph_frame_pair *pair,
                                 struct neph_diag *diag)
 {
+    pair->memory = &run->memory;
     struct neph_diag found = {.message = ""};
     const enum neph_status status = run->choice->extractor->extract(run->state, pair, &found);
     if (status == NEPH_ERR_GATE && run->choice->extractor->temporal) {
@@ -612,8 +552,8 @@ static enum neph_status extract(struct run *run, const struct neph_frame_pair *p
 
 /* One extractor over one pair. `bad` counts by mask, `all_bad` over the frame. */
 static enum neph_status measure_run(struct neph_meter *meter, struct run *run,
-                                    const struct neph_frame_pair *pair, const size_t *bad,
-                                    size_t all_bad, struct neph_diag *diag)
+                                    struct neph_frame_pair *pair, const size_t *bad, size_t all_bad,
+                                    struct neph_diag *diag)
 {
     const struct neph_extractor *extractor = run->choice->extractor;
     if (run->obstacle)

@@ -9,6 +9,7 @@
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/study/take.h"
+#include "renderer/realtime/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +26,8 @@ struct request {
 
 static const struct neph_cli_option options[] = {
     {"presets", 0, "A,B", "Presets to compare; PRESET+KEY=VALUE changes one", NEPH_CLI_LIST,
-     .at = offsetof(struct request, presets), .otherwise = "seed,ue,ours", .maximum = 16},
+     .at = offsetof(struct request, presets), .maximum = 16, .presets = neph_rt_presets,
+     .uses = NEPH_RT_CONVERGENCE},
     {"frames", 0, "N", "Frames from the cold start", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, frames), .otherwise = "64", .minimum = 16,
      .maximum = FRAMES_MAX},

@@ -8,6 +8,7 @@
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/experiments/experiments.h"
+#include "renderer/screen/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,8 +17,8 @@
 
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B", "Screens to hold against the truth; screen+KEY=VALUE+... changes one",
-     NEPH_CLI_LIST, .at = offsetof(struct neph_screen_request, models),
-     .otherwise = "screen,screen+preset=ours,screen+preset=fast,screen+preset=slices",
+     NEPH_CLI_LIST, .at = offsetof(struct neph_screen_request, models), .otherwise = "screen",
+     .between = ",screen+preset=", .presets = neph_screen_presets, .uses = NEPH_SCREEN_STUDY,
      .maximum = NEPH_LIGHT_MODELS_MAX},
     {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
      .at = offsetof(struct neph_screen_request, radius_m), .otherwise = "1", .minimum = 1e-3,

@@ -7,6 +7,7 @@
 
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "renderer/realtime/options.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -75,10 +76,10 @@ static const struct neph_cli_option options[] = {
      "Of the stress tests: only this scenario, whatever its tier; may be given several times",
      NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, only)},
     {"preset", 0, "NAME",
-     "Of the stress tests: only this preset, or PRESET+KEY=VALUE; may be given several times "
-     "(default: seed, fixed and ours, in the full tier all but ours1; march, cycles and povray "
-     "beside them)",
-     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, presets)},
+     "Of the stress tests: only this preset, or PRESET+KEY=VALUE; may be given several times; "
+     "without it, the full tier has more of them, and march, cycles and povray are beside them",
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, presets),
+     .presets = neph_rt_presets, .uses = NEPH_RT_STRESS_QUICK},
     {"on-device", 0, NULL,
      "Of the stress tests: only count bad values, in all images of every frame, on the device "
      "(preset off, which has none: in its pictures); nothing is kept",

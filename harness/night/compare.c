@@ -78,12 +78,6 @@ static enum neph_status accepted_night(struct work *work, const char *series, in
                                diag);
 }
 
-/* Engines of one version and device are one program. */
-static const char *family_of(struct neph_arena *arena, const char *environment)
-{
-    return neph_arena_format(arena, "%.*s", (int)strcspn(environment, ";"), environment);
-}
-
 /* A number as it is in the database. */
 struct row {
     const char *name, *step, *kind, *environment;
@@ -98,20 +92,23 @@ static void take_row(struct neph_arena *arena, const struct row *row, struct can
 {
     const struct neph_night_name parts = neph_night_split(arena, row->name);
     const struct neph_night_metric *metric = neph_night_metric(parts.metric);
-    *c = (struct candidate){.name = row->name,
-                            .step = row->step,
-                            .environment = row->environment,
-                            .is_picture = strcmp(row->kind, NEPH_NIGHT_PICTURE) == 0,
-                            .series = {.name = row->name,
-                                       .engine = parts.engine,
-                                       .metric = parts.metric,
-                                       .truth = parts.truth[0] ? parts.truth : NULL,
-                                       .family = family_of(arena, row->environment),
-                                       .kind = neph_series_kind_of(row->kind),
-                                       .is_signed = metric->is_signed,
-                                       .unit = metric->unit,
-                                       .tonight = row->value,
-                                       .standard_error = row->standard_error}};
+    *c = (struct candidate){
+        .name = row->name,
+        .step = row->step,
+        .environment = row->environment,
+        .is_picture = strcmp(row->kind, NEPH_NIGHT_PICTURE) == 0,
+        .series = {.name = row->name,
+                   .engine = parts.engine,
+                   .metric = parts.metric,
+                   .truth = parts.truth[0] ? parts.truth : NULL,
+                   /* Engines of one version and device are one program. */
+                   .family = neph_arena_format(arena, "%.*s", (int)strcspn(row->environment, ";"),
+                                               row->environment),
+                   .kind = neph_series_kind_of(row->kind),
+                   .is_signed = metric->is_signed,
+                   .unit = metric->unit,
+                   .tonight = row->value,
+                   .standard_error = row->standard_error}};
 }
 
 static enum neph_status read_candidates(struct work *work, struct neph_diag *diag)
@@ -208,13 +205,11 @@ static enum neph_status compare_sizes(struct work *work, struct candidate *c,
 
 static enum neph_status check_against(struct work *work, struct neph_diag *diag)
 {
-    int64_t known = 1;
+    bool has = true;
     enum neph_status status = NEPH_OK;
     if (work->against > 0)
-        status = neph_database_count(work->index, &known, diag,
-                                     "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
-                                     "i", work->against);
-    return status || known > 0
+        status = neph_history_has(work->index, work->against, &has, diag);
+    return status || has
                ? status
                : neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
                            (long long)work->against);

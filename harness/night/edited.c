@@ -107,24 +107,30 @@ static enum neph_status check_version(const char *path, const struct neph_histor
 
 /* ---- one scene ------------------------------------------------------------------------------- */
 
-/* The scene that the accepted night has measured in a step. NEPH_ERR_NOT_FOUND: it is not known. */
-static enum neph_status find_version(struct neph_night_work *work,
-                                     const struct neph_night_edit *edit,
-                                     struct neph_history_scene *scene, struct neph_diag *diag)
+/* What the store has of an edit: whether its accepted version was rendered tonight, and the scene
+ * that the accepted night has measured; without a name when that is not known. */
+static enum neph_status look_up(struct neph_night_work *work, const struct neph_night_edit *edit,
+                                bool *done, struct neph_history_scene *scene,
+                                struct neph_diag *diag)
 {
+    int64_t count = 0;
     struct neph_database *index = NULL;
     struct neph_records scenes = {NULL, 0};
+    const char *name = neph_arena_format(&work->night->arena, "%s%s", edit->step, neph_as_accepted);
     enum neph_status status = neph_store_index(work->store, &index, diag);
+    if (!status)
+        status = neph_database_count(index, &count, diag,
+                                     "SELECT count(*) FROM steps WHERE night = ? AND name = ?",
+                                     "is", work->night->id, name);
     if (!status)
         status = neph_record_select(
             index, &work->night->arena, &neph_history_scene_form, &scenes, diag,
             "SELECT step, scene, hash, terms FROM night_scenes WHERE night = ? AND step = ?", "is",
             edit->accepted, edit->step);
     neph_database_close(index);
-    if (!status && scenes.count == 0)
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "the store has no copy of it");
-    if (!status)
-        *scene = *(const struct neph_history_scene *)scenes.list;
+    *done = count > 0;
+    *scene = scenes.count > 0 ? *(const struct neph_history_scene *)scenes.list
+                              : (struct neph_history_scene){.step = edit->step};
     return status;
 }
 
@@ -224,22 +230,6 @@ static enum neph_status render(struct neph_night_work *work, const struct neph_h
 
 /* ---- all of them ----------------------------------------------------------------------------- */
 
-static enum neph_status was_done(struct neph_night_work *work, const struct neph_night_edit *edit,
-                                 bool *done, struct neph_diag *diag)
-{
-    int64_t count = 0;
-    struct neph_database *index = NULL;
-    const char *name = neph_arena_format(&work->night->arena, "%s%s", edit->step, neph_as_accepted);
-    enum neph_status status = neph_store_index(work->store, &index, diag);
-    if (!status)
-        status = neph_database_count(index, &count, diag,
-                                     "SELECT count(*) FROM steps WHERE night = ? AND name = ?",
-                                     "is", work->night->id, name);
-    neph_database_close(index);
-    *done = count > 0;
-    return status;
-}
-
 static enum neph_status render_edit(struct neph_night_work *work, struct neph_night_edit *edit,
                                     struct neph_diag *diag)
 {
@@ -252,11 +242,12 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
     const int index = step ? (int)(step - work->night->plan.steps) : -1;
     const double start_s = neph_wall_s(),
                  left_s = work->params->budget_s - (start_s - work->start_s);
-    enum neph_status status = was_done(work, edit, &done, diag);
+    enum neph_status status = look_up(work, edit, &done, &scene, diag);
     if (status || index < 0)
         return status;
-    status = find_version(work, edit, &scene, &why);
-    if (!status)
+    if (!scene.scene)
+        status = neph_fail(&why, NEPH_ERR_NOT_FOUND, "the store has no copy of it");
+    else
         copy = neph_scene_copy_path(neph_store_folder(work->store), &scene, &work->night->arena);
     if (!done && neph_night_step_cost(step, &work->history[index]) > left_s) {
         edit->words = "no time was left to render the accepted version once more";

@@ -3,6 +3,7 @@
 
 #include "base/sort.h"
 #include "metrics/significance.h"
+#include "metrics/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -193,12 +194,11 @@ static struct look look_at_nights(const struct centre *centre, const double *rec
 /* The median of the last seven nights, whose variance is pi / 2 times that of a mean. */
 static struct look look_at_week(const struct centre *centre, const double *recent)
 {
-    double sorted[NEPH_JUDGE_WEEK];
-    memcpy(sorted, recent, sizeof(sorted));
-    neph_sort_doubles(sorted, NEPH_JUDGE_WEEK);
+    double nights[NEPH_JUDGE_WEEK];
+    memcpy(nights, recent, sizeof(nights));
     const double worth = worth_of(centre->count, centre->correlation),
                  week = worth_of(NEPH_JUDGE_WEEK, centre->correlation) / M_PI_2;
-    return (struct look){sorted[NEPH_JUDGE_WEEK / 2] - centre->mean,
+    return (struct look){neph_percentile(nights, NEPH_JUDGE_WEEK, 0.5) - centre->mean,
                          centre->deviation * sqrt(1.0 / fmax(week, 1.0) + 1.0 / worth),
                          centre->dof};
 }
@@ -267,19 +267,15 @@ static bool has_errors(const struct neph_series *series)
            series->standard_error + series->past_errors[0] > 0.0;
 }
 
-/* A series whose noise is not known, and which gave the same bits as the accepted night. */
-static bool is_unchanged(const struct neph_series *series)
-{
-    return series->kind == NEPH_SERIES_DRAWN && series->tonight == series->past[0];
-}
-
 static struct trial try_series(const struct neph_series *series)
 {
     double values[NEPH_JUDGE_WINDOW], recent[NEPH_JUDGE_WEEK];
     if (series->past_count < 1 || !isfinite(level(series, series->tonight)) ||
         !isfinite(level(series, series->past[0])))
         return (struct trial){.judged = false};
-    if (series->kind == NEPH_SERIES_FIXED || is_unchanged(series))
+    /* What is drawn and gave the same bits as the accepted night has no noise that is known. */
+    if (series->kind == NEPH_SERIES_FIXED ||
+        (series->kind == NEPH_SERIES_DRAWN && series->tonight == series->past[0]))
         return try_fixed(series);
     const int count = baseline_values(series, values), of_late = recent_values(series, recent);
     struct trial by_errors = {.judged = false, .nights = count};

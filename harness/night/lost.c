@@ -77,29 +77,20 @@ static bool split(const char *name, size_t *head, const char **hash, const char 
     return *rest != NULL;
 }
 
-/* The same series of another version of the scene; NULL: there is none. */
-static const char *find_successor(const struct search *search, const char *name)
+/* The same series of another version of the scene; else, with `of_version`, a number of the same
+ * version under another name or in another suite. NULL: there is none. */
+static const char *find_other(const struct search *search, const char *name, bool of_version)
 {
     size_t head, other_head;
     const char *hash, *rest, *other_hash, *other_rest;
-    for (int i = 0; split(name, &head, &hash, &rest) && i < search->tonight_count; i++)
-        if (strncmp(search->tonight[i], name, head + 1) == 0 &&
-            split(search->tonight[i], &other_head, &other_hash, &other_rest) &&
-            other_head == head && strcmp(rest, other_rest) == 0)
-            return search->tonight[i];
-    return NULL;
-}
-
-/* The same number of the same scene, under another name or in another suite; NULL: there is none.
- */
-static const char *find_renamed(const struct search *search, const char *name)
-{
-    size_t head, other_head;
-    const char *hash, *rest, *other_hash, *other_rest;
-    for (int i = 0; split(name, &head, &hash, &rest) && i < search->tonight_count; i++)
-        if (split(search->tonight[i], &other_head, &other_hash, &other_rest) &&
-            strcmp(hash, other_hash) == 0)
-            return search->tonight[i];
+    for (int i = 0; split(name, &head, &hash, &rest) && i < search->tonight_count; i++) {
+        const char *other = search->tonight[i];
+        if (split(other, &other_head, &other_hash, &other_rest) &&
+            (of_version ? strcmp(hash, other_hash) == 0
+                        : strncmp(other, name, head + 1) == 0 && other_head == head &&
+                              strcmp(rest, other_rest) == 0))
+            return other;
+    }
     return NULL;
 }
 
@@ -230,7 +221,7 @@ static enum neph_status classify(struct search *search, const struct absent *abs
                                  struct neph_diag *diag)
 {
     struct step_state step;
-    const char *successor = find_successor(search, absent->name);
+    const char *successor = find_other(search, absent->name, false);
     const enum neph_status status = read_step(search, absent->step, &step, diag);
     if (status || (step.is_there && !step.is_done))
         return status; /* that the step failed is said once */
@@ -241,7 +232,7 @@ static enum neph_status classify(struct search *search, const struct absent *abs
     if (!step.is_there && !was_asked_for(search->scope, absent->step))
         return NEPH_OK;
     if (!step.is_there && !is_planned(search->scope, absent->step))
-        return add(search, absent, NEPH_LOSS_STEP, find_renamed(search, absent->name), diag);
+        return add(search, absent, NEPH_LOSS_STEP, find_other(search, absent->name, true), diag);
     return search->night - absent->last > neph_lost_after_nights
                ? add(search, absent, NEPH_LOSS_OVERDUE, NULL, diag)
                : NEPH_OK;

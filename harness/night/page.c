@@ -15,7 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct neph_page_parts parts = {.files = {"night.html", "night.js"}};
+static const struct neph_page_parts parts = {.title = "Nephelometer night",
+                                             .files = {"night.html", "night.js"}};
 
 enum {
     TREND_NIGHTS = 60,
@@ -150,17 +151,6 @@ static enum neph_status take_all(json_t *object, json_t *more, struct neph_diag 
     return status;
 }
 
-static enum neph_status set_names(struct work *work, const struct neph_finding *f, json_t *json,
-                                  struct neph_diag *diag)
-{
-    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
-    return take_all(json,
-                    json_pack("{s:o, s:o, s:o, s:o, s:o}", "suite", word_json(name.suite), "scene",
-                              word_json(name.scene), "engine", word_json(name.engine), "metric",
-                              word_json(name.metric), "truth", word_json(name.truth)),
-                    diag);
-}
-
 /* A mean has the step of the scene that it is shown by. */
 static const char *step_of(const struct work *work, const struct neph_finding *f)
 {
@@ -193,18 +183,16 @@ static enum neph_status set_trend(struct work *work, const struct neph_finding *
     return status ? status : neph_json_put(json, "trend", trend, diag);
 }
 
-static enum neph_status set_pictures(struct work *work, const struct neph_finding *f, json_t *json,
-                                     struct neph_diag *diag)
+static enum neph_status set_pictures(struct work *work, const struct neph_finding *f,
+                                     const char *scene, json_t *json, struct neph_diag *diag)
 {
     const char *accepted = "", *tonight = "";
     json_t *shown = NULL;
     enum neph_status status = frame_of(work, f->example, work->night->id, &tonight, diag);
     if (!status && f->accepted > 0)
         status = frame_of(work, f->example, f->accepted, &accepted, diag);
-    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
     if (!status)
-        status = neph_night_pictures_pair(&work->pictures, name.scene, accepted, tonight, &shown,
-                                          diag);
+        status = neph_night_pictures_pair(&work->pictures, scene, accepted, tonight, &shown, diag);
     return status ? status : neph_json_put(json, "shown", shown, diag);
 }
 
@@ -213,17 +201,20 @@ static enum neph_status explain(struct work *work, const struct neph_finding *f,
                                 struct neph_diag *diag)
 {
     char *command = NULL;
+    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
     enum neph_status status = neph_night_command(work->night, step_of(work, f), &command, diag);
     if (!status)
-        status = neph_json_put(json, "command", word_json(command), diag);
+        status = take_all(json,
+                          json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "command",
+                                    word_json(command), "suite", word_json(name.suite), "scene",
+                                    word_json(name.scene), "engine", word_json(name.engine),
+                                    "metric", word_json(name.metric), "truth",
+                                    word_json(name.truth), "interval", interval_json(f)),
+                          diag);
     free(command);
     if (!status)
-        status = set_names(work, f, json, diag);
-    if (!status)
-        status = neph_json_put(json, "interval", interval_json(f), diag);
-    if (!status)
         status = set_trend(work, f, json, diag);
-    return status ? status : set_pictures(work, f, json, diag);
+    return status ? status : set_pictures(work, f, name.scene, json, diag);
 }
 
 static enum neph_status explain_all(struct work *work, json_t *document, struct neph_diag *diag)
@@ -285,23 +276,21 @@ static enum neph_status draw_scenes(struct work *work, json_t *document, struct 
 
 /* ---- the document ---------------------------------------------------------------------------- */
 
-static const char *state_of(const struct neph_night *night)
-{
-    return night->is_over ? "finished" : night->is_interrupted ? "interrupted" : "running";
-}
-
 static enum neph_status set_head(const struct work *work, json_t *document, struct neph_diag *diag)
 {
-    char created[32];
+    const struct neph_night *night = work->night;
+    char created[32], *summary = NULL;
     neph_utc_now(created);
-    char *summary = NULL;
-    enum neph_status status = neph_night_summary(work->night, work->page->tier, &summary, diag);
+    enum neph_status status = neph_night_summary(night, work->page->tier, &summary, diag);
     if (!status)
         status = take_all(document,
                           json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1",
-                                    "state", state_of(work->night), "created_utc", created,
-                                    "neph_version", NEPH_VERSION, "summary", summary,
-                                    "difference_colours", neph_page_difference_colours()),
+                                    "state",
+                                    night->is_over          ? "finished"
+                                    : night->is_interrupted ? "interrupted"
+                                                            : "running",
+                                    "created_utc", created, "neph_version", NEPH_VERSION, "summary",
+                                    summary, "difference_colours", neph_page_difference_colours()),
                           diag);
     free(summary);
     return status;

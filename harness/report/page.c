@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/page.h"
 
+#include "base/arena.h"
 #include "base/files.h"
 #include "base/path.h"
 #include "base/written.h"
@@ -12,7 +13,7 @@
 #include <sys/stat.h>
 
 /* Files of scripts/report/, some with another name in a page's folder. */
-static const char *const shared[] = {"report.css", "page.js"};
+static const char *const shared[] = {"report.css", "page.js"}; /* page.html loads these, too */
 static const char *const vendored[][2] = {
     {"node_modules/vega/build/vega.min.js", "vendor/vega.min.js"},
     {"node_modules/vega-lite/build/vega-lite.min.js", "vendor/vega-lite.min.js"},
@@ -21,7 +22,8 @@ static const char *const vendored[][2] = {
 };
 enum {
     SHARED_COUNT = sizeof(shared) / sizeof(shared[0]),
-    VENDORED_COUNT = sizeof(vendored) / sizeof(vendored[0])
+    VENDORED_COUNT = sizeof(vendored) / sizeof(vendored[0]),
+    PART_BYTES_MAX = 1 << 20
 };
 
 static bool is_installed(const char *source)
@@ -38,9 +40,71 @@ enum neph_status neph_page_copy(const char *from, const char *name, const char *
     return neph_file_copy(neph_path_in(from, name).text, neph_path_in(folder, as).text, diag);
 }
 
-static const char *name_of(const struct neph_page_parts *parts, int file)
+/* ---- index.html ------------------------------------------------------------------------------ */
+
+struct index {
+    const struct neph_page_parts *parts;
+    const char *shell; /* text, in which @title@, @files@ and @words@ stand for .. */
+    const char *words; /* .. these of the page */
+};
+
+/* The element that loads a file of the page. */
+static void print_file(const char *name, FILE *out)
 {
-    return file == 0 ? "index.html" : parts->files[file];
+    const char *extension = strrchr(name, '.');
+    if (extension && strcmp(extension, ".css") == 0)
+        fprintf(out, "<link rel=\"stylesheet\" href=\"%s\">\n", name);
+    else
+        fprintf(out, "<script src=\"%s\" defer></script>\n", name);
+}
+
+static void print_part(const struct index *index, const char *name, FILE *out)
+{
+    if (strncmp(name, "title@", 6) == 0)
+        fputs(index->parts->title, out);
+    else if (strncmp(name, "words@", 6) == 0)
+        fputs(index->words, out);
+    else
+        for (int i = 1; i < NEPH_PAGE_FILES_MAX && index->parts->files[i]; i++)
+            print_file(index->parts->files[i], out);
+}
+
+static void print_index(const void *index_, FILE *out)
+{
+    const struct index *index = index_;
+    const char *from = index->shell;
+    for (const char *at; (at = strchr(from, '@')) && strchr(at + 1, '@');) {
+        fwrite(from, 1, (size_t)(at - from), out);
+        print_part(index, at + 1, out);
+        from = strchr(at + 1, '@') + 1;
+    }
+    fputs(from, out);
+}
+
+static enum neph_status write_index(const char *source, const char *folder,
+                                    const struct neph_page_parts *parts, struct neph_diag *diag)
+{
+    struct neph_arena arena = {0};
+    char *shell = NULL, *words = NULL, *text = NULL;
+    size_t size;
+    const char *const paths[] = {neph_arena_format(&arena, "%s/page.html", source),
+                                 neph_arena_format(&arena, "%s/%s", source, parts->files[0]),
+                                 neph_arena_format(&arena, "%s/index.html", folder)};
+    enum neph_status status = neph_arena_check(&arena, diag);
+    if (!status)
+        status = neph_file_read(paths[0], PART_BYTES_MAX, &shell, &size, diag);
+    if (!status)
+        status = neph_file_read(paths[1], PART_BYTES_MAX, &words, &size, diag);
+    const struct index index = {parts, shell, words};
+    if (!status)
+        status = neph_written(print_index, &index, &text, diag);
+    if (!status)
+        status = neph_file_write(paths[2], text, strlen(text), diag);
+    free(shell);
+    free(words);
+    free(text);
+    neph_arena_finish(&arena);
+    return status;
 }
 
 enum neph_status neph_page_start(const char *folder, const struct neph_page_parts *parts,
@@ -52,8 +116,10 @@ enum neph_status neph_page_start(const char *folder, const struct neph_page_part
         *is_interactive = source && is_installed(source);
     for (int i = 0; i < NEPH_PAGE_FOLDERS_MAX && parts->folders[i] && !status; i++)
         status = neph_dir_create(neph_path_in(folder, parts->folders[i]).text, diag);
-    for (int i = 0; i < NEPH_PAGE_FILES_MAX && parts->files[i] && !status; i++)
-        status = neph_page_copy(source, parts->files[i], folder, name_of(parts, i), diag);
+    if (!status)
+        status = write_index(source, folder, parts, diag);
+    for (int i = 1; i < NEPH_PAGE_FILES_MAX && parts->files[i] && !status; i++)
+        status = neph_page_copy(source, parts->files[i], folder, parts->files[i], diag);
     for (int i = 0; i < SHARED_COUNT && !status; i++)
         status = neph_page_copy(source, shared[i], folder, shared[i], diag);
     for (int i = 0; i < VENDORED_COUNT && !status && is_interactive && *is_interactive; i++)
@@ -72,7 +138,7 @@ size_t neph_page_size(const char *folder, const struct neph_page_parts *parts)
 {
     size_t sum = 0;
     for (int i = 0; i < NEPH_PAGE_FILES_MAX && parts->files[i]; i++)
-        sum += neph_page_file_size(folder, name_of(parts, i));
+        sum += neph_page_file_size(folder, i == 0 ? "index.html" : parts->files[i]);
     for (int i = 0; i < SHARED_COUNT; i++)
         sum += neph_page_file_size(folder, shared[i]);
     return sum;

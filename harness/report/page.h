@@ -15,7 +15,10 @@ enum { NEPH_PAGE_FILES_MAX = 6, NEPH_PAGE_FOLDERS_MAX = 4 };
 
 /* A page beside the files that all pages share. */
 struct neph_page_parts {
-    const char *files[NEPH_PAGE_FILES_MAX]; /* of scripts/report/; the first becomes index.html */
+    const char *title;
+    /* Names in scripts/report/. The first is the text for readers without scripts: page.html with
+     * this text becomes index.html, which loads the other files, style sheets and scripts. */
+    const char *files[NEPH_PAGE_FILES_MAX];
     const char *folders[NEPH_PAGE_FOLDERS_MAX]; /* empty ones, for what is drawn */
 };
 

@@ -20,6 +20,7 @@
 static const double viewers_limit_bytes = 32e6;
 
 static const struct neph_page_parts parts = {
+    .title = "Nephelometer report",
     .files = {"report.html", "report.js"},
     .folders = {"images", "charts", "vendor"},
 };

@@ -21,7 +21,8 @@
 static const double display_scale = 0.02, share_scale = 0.02, depth_scale_m = 1.0;
 
 static const struct neph_page_parts parts = {
-    .files = {"view.html", "view.css", "view.js", "view_planes.js", "view_paint.js"},
+    .title = "Frames",
+    .files = {"view.html", "view.css", "view_planes.js", "view_paint.js", "view.js"},
     .folders = {"frames"},
 };
 

@@ -41,6 +41,16 @@ struct neph_path neph_document_path(const char *store_folder, enum neph_document
                             (long long)number);
 }
 
+enum neph_status neph_history_has(struct neph_database *index, int64_t night, bool *has,
+                                  struct neph_diag *diag)
+{
+    int64_t count = 0;
+    const enum neph_status status = neph_database_count(
+        index, &count, diag, documents[NEPH_DOCUMENT_NIGHT].known, "i", night);
+    *has = count > 0;
+    return status;
+}
+
 bool neph_history_is_over(const char *store_folder, int64_t night)
 {
     return neph_path_exists(neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night).text);
@@ -576,10 +586,10 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
 static enum neph_status check_acceptable(struct neph_database *index, const char *series,
                                          int64_t night, struct neph_diag *diag)
 {
-    int64_t count = 0;
-    enum neph_status status = neph_database_count(index, &count, diag,
-                                                  documents[NEPH_DOCUMENT_NIGHT].known, "i", night);
-    if (!status && count == 0)
+    int64_t count = 1;
+    bool has = false;
+    enum neph_status status = neph_history_has(index, night, &has, diag);
+    if (!status && !has)
         return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
                          (long long)night);
     if (!status && strcmp(series, "*") != 0)

@@ -100,6 +100,10 @@ enum neph_status neph_history_accept(struct neph_database *index, const char *st
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag);
 
+/* Whether the database has a night that is over. */
+enum neph_status neph_history_has(struct neph_database *index, int64_t night, bool *has,
+                                  struct neph_diag *diag);
+
 /* Whether the night has its document, which is written last. */
 bool neph_history_is_over(const char *store_folder, int64_t night);
 

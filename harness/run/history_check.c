@@ -240,13 +240,10 @@ enum neph_status neph_history_check_acceptances(struct neph_database *index,
 
 static enum neph_status check_torn(const struct check *check, int64_t night, struct neph_diag *diag)
 {
-    int64_t known = 0;
     json_t *document = NULL;
-    bool torn = false;
-    enum neph_status status = neph_database_count(
-        check->index, &known, diag, "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
-        "i", night);
-    if (!status && known == 0)
+    bool has = false, torn = false;
+    enum neph_status status = neph_history_has(check->index, night, &has, diag);
+    if (!status && !has)
         status = read_version(check->store_folder, NEPH_DOCUMENT_NIGHT, night, &document, &torn,
                               diag);
     json_decref(document);
@@ -279,16 +276,14 @@ enum neph_status neph_history_check_torn(struct neph_database *index, const char
 static enum neph_status check_accepted_night(const struct check *check, int64_t night,
                                              struct neph_diag *diag)
 {
-    int64_t known = 0;
+    bool has = false;
     struct neph_diag why = {.line = 0};
-    enum neph_status status = neph_database_count(
-        check->index, &known, diag, "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
-        "i", night);
+    enum neph_status status = neph_history_has(check->index, night, &has, diag);
     if (status)
         return status;
     const char *fault = "the night was accepted, and the history does not have it: bring its "
                         "document back from a copy of the store, or accept another night";
-    if (known > 0) {
+    if (has) {
         status = check_night(check->index, check->store_folder, night, false, &why);
         if (status == NEPH_OK)
             return NEPH_OK;

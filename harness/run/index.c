@@ -338,12 +338,6 @@ static void tell_new_database(struct neph_database *index, const char *store_fol
                            store_folder, (long long)frames);
 }
 
-/* Rows that were damaged where SQLite cannot tell show when what belongs to them is refused. */
-static bool is_damage(enum neph_status status)
-{
-    return status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL;
-}
-
 enum neph_status neph_index_open(const char *store_folder, bool reads, struct neph_database **index,
                                  struct neph_diag *diag)
 {
@@ -362,7 +356,8 @@ enum neph_status neph_index_open(const char *store_folder, bool reads, struct ne
         status = open_whole(path.text, store_folder, reads, index, &why);
     if (!status && is_new && neph_index_place() == NEPH_INDEX_IN_STORE)
         tell_new_database(*index, store_folder);
-    if (is_damage(status)) {
+    /* Rows that were damaged where SQLite cannot tell show when what belongs to them is refused. */
+    if (status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL) {
         status = set_aside(folder.text, why.message, &why);
         if (!status)
             status = open_whole(path.text, store_folder, reads, index, &why);

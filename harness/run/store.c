@@ -343,9 +343,9 @@ bool neph_store_find(struct neph_store *store, const char *key, char **frame_pat
     return true;
 }
 
-char *neph_store_resting_place(const struct neph_store *store, const char *key)
+struct neph_path neph_store_resting_place(const struct neph_store *store, const char *key)
 {
-    return neph_path_join(store->resting.text, key);
+    return neph_path_in(store->resting.text, key);
 }
 
 /* ---- working --------------------------------------------------------------------------------- */
@@ -356,17 +356,12 @@ enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch 
     return neph_scratch_create(store->tmp.text, work_prefix, scratch, diag);
 }
 
-static bool has_ending(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), ending_length = strlen(ending);
-    return length >= ending_length && strcmp(name + length - ending_length, ending) == 0;
-}
-
 static bool worth_keeping(const char *name)
 {
     static const char *const endings[] = {".log", ".json", ".pov"};
-    for (size_t i = 0; i < sizeof(endings) / sizeof(endings[0]); i++)
-        if (has_ending(name, endings[i]))
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot && i < sizeof(endings) / sizeof(endings[0]); i++)
+        if (strcmp(dot, endings[i]) == 0)
             return true;
     return strcmp(name, "frame.exr") == 0;
 }

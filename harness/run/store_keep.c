@@ -178,9 +178,12 @@ enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_s
 /* ---- room ------------------------------------------------------------------------------------ */
 
 struct candidate {
-    char key[NEPH_HASH_HEX_SIZE];
-    int64_t bytes, used_s;
+    const char *key;
+    int64_t bytes, is_of_baseline, used_s;
 };
+#define CANDIDATE(member) NEPH_RECORD_FIELD(struct candidate, member)
+static const struct neph_record_form candidate_form = {
+    sizeof(struct candidate), {CANDIDATE(key), CANDIDATE(bytes), CANDIDATE(is_of_baseline)}};
 
 /* The longest unused first; in the same second, the lesser key. */
 static int by_use(const void *a_, const void *b_)
@@ -189,39 +192,34 @@ static int by_use(const void *a_, const void *b_)
     return a->used_s != b->used_s ? (a->used_s < b->used_s ? -1 : 1) : strcmp(a->key, b->key);
 }
 
-/* `*list` is to be freed in any case. */
-static enum neph_status list_candidates(struct neph_store *store, struct neph_database *index,
+/* Those that are of no baseline; of the arena. */
+static enum neph_status list_candidates(struct neph_store *store, struct neph_arena *arena,
                                         struct candidate **list, int *count,
                                         struct neph_store_gc *result, struct neph_diag *diag)
 {
-    int64_t total = 0;
-    const enum neph_status status = neph_database_count(index, &total, diag,
-                                                        "SELECT count(*) FROM jobs", "");
-    if (status)
-        return status;
-    *list = calloc((size_t)total + 1, sizeof(**list));
-    if (!*list)
-        return neph_fail_memory(diag);
-    struct neph_query *query = neph_query(
-        index, diag,
-        "SELECT key, bytes, key IN (SELECT key FROM night_frames WHERE "
-        "night IN (SELECT night FROM acceptances)) FROM jobs",
-        "");
-    while (*count < total && neph_query_next(query)) {
-        struct candidate *c = &(*list)[*count];
-        c->bytes = neph_query_integer(query, 1);
+    struct neph_database *index = NULL;
+    struct neph_records rows = {NULL, 0};
+    enum neph_status status = neph_store_index(store, &index, diag);
+    if (!status)
+        status = neph_record_select(index, arena, &candidate_form, &rows, diag,
+                                    "SELECT key, bytes, key IN (SELECT key FROM night_frames WHERE "
+                                    "night IN (SELECT night FROM acceptances)) FROM jobs",
+                                    "");
+    neph_database_close(index);
+    *list = rows.list;
+    *count = 0;
+    for (int i = 0; i < rows.count; i++) {
+        struct candidate *c = &(*list)[i];
         result->frames_before++;
         result->bytes_before += c->bytes;
-        if (neph_query_integer(query, 2)) {
-            result->bytes_of_baselines += c->bytes;
-            continue;
-        }
-        memcpy(c->key, neph_query_text(query, 0), sizeof(c->key));
+        result->bytes_of_baselines += c->is_of_baseline ? c->bytes : 0;
         c->used_s = neph_store_used_s(store, c->key);
-        ++*count;
+        if (!c->is_of_baseline)
+            (*list)[(*count)++] = *c;
     }
-    qsort(*list, (size_t)*count, sizeof(**list), by_use);
-    return neph_query_end(query, NEPH_OK);
+    if (*count > 0)
+        qsort(*list, (size_t)*count, sizeof(**list), by_use);
+    return status;
 }
 
 /* Somebody may have used it since it was listed. */
@@ -241,15 +239,12 @@ static void collect(struct neph_store *store, const struct candidate *c, int64_t
 enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, double spare_s,
                                struct neph_store_gc *result, struct neph_diag *diag)
 {
-    struct neph_database *index = NULL;
+    struct neph_arena arena = {NULL};
     struct candidate *list = NULL;
     int count = 0;
     const int64_t before_s = (int64_t)time(NULL) - (int64_t)spare_s;
     *result = (struct neph_store_gc){0};
-    enum neph_status status = neph_store_index(store, &index, diag);
-    if (!status)
-        status = list_candidates(store, index, &list, &count, result, diag);
-    neph_database_close(index);
+    const enum neph_status status = list_candidates(store, &arena, &list, &count, result, diag);
     for (int i = 0; !status && i < count; i++) {
         if (list[i].used_s > before_s)
             result->bytes_in_use += list[i].bytes;
@@ -257,7 +252,7 @@ enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, do
             collect(store, &list[i], before_s, result);
     }
     result->fits = result->bytes_before - result->bytes_removed <= limit_bytes;
-    free(list);
+    neph_arena_finish(&arena);
     return status;
 }
 

@@ -15,7 +15,8 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_STRESS_STATE_COUNT == 3, "a new kind");
 
-static const struct neph_page_parts parts = {.files = {"stress.html", "stress.js"}};
+static const struct neph_page_parts parts = {.title = "Nephelometer stress tests",
+                                              .files = {"stress.html", "stress.js"}};
 
 /* ---- evidence -------------------------------------------------------------------------------- */
 

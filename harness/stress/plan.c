@@ -4,6 +4,7 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/stress/measures.h"
+#include "renderer/realtime/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,9 +14,6 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
 
-static const char *const all_presets[] = {"off",   "seed", "fixed", "ue",  "c52e",
-                                          "unity", "ours", "fsr2",  "svgf"};
-static const char *const quick_presets[] = {"seed", "fixed", "ours"};
 static const char *const engines[] = {"march", "fog_look", "cycles", "povray"};
 /* Every scenario has it, whatever its file says. */
 static const struct neph_failing_limit no_bad_values = {
@@ -105,19 +103,20 @@ static bool has_engines(const struct neph_stress_suite *suite)
 static enum neph_status choose_columns(const struct neph_stress_params *params,
                                        struct neph_stress_suite *suite, struct neph_diag *diag)
 {
-    struct neph_stress_params chosen = *params;
+    const bool is_default = params->preset_count == 0 && params->engine_count == 0;
+    const unsigned use = params->full ? NEPH_RT_STRESS_FULL : NEPH_RT_STRESS_QUICK;
+    const struct neph_preset *preset;
     enum neph_status status = NEPH_OK;
-    if (params->preset_count == 0 && params->engine_count == 0) {
-        chosen.presets = params->full ? all_presets : quick_presets;
-        chosen.preset_count = params->full ? COUNT(all_presets) : COUNT(quick_presets);
-        chosen.engines = engines;
-        chosen.engine_count = has_engines(suite) ? COUNT(engines) : 0;
-    }
-    for (int i = 0; i < chosen.preset_count && !status; i++)
-        status = add_column(suite, chosen.presets[i], true, diag);
-    for (int i = 0; i < chosen.engine_count && !status; i++)
-        status = add_column(suite, chosen.engines[i], false, diag);
-    if (!status && chosen.preset_count == 0 && !has_engines(suite)) {
+    for (int i = 0; is_default && !status && (preset = neph_preset_of_use(neph_rt_presets, use, i));
+         i++)
+        status = add_column(suite, preset->name, true, diag);
+    for (int i = 0; is_default && has_engines(suite) && i < COUNT(engines) && !status; i++)
+        status = add_column(suite, engines[i], false, diag);
+    for (int i = 0; i < params->preset_count && !status; i++)
+        status = add_column(suite, params->presets[i], true, diag);
+    for (int i = 0; i < params->engine_count && !status; i++)
+        status = add_column(suite, params->engines[i], false, diag);
+    if (!status && !is_default && params->preset_count == 0 && !has_engines(suite)) {
         neph_fail(diag, NEPH_ERR_USAGE, "none of the scenarios is of engines");
         neph_hint(diag, "those that are say `engines: true`: fog_seam, fog_none, fog_below, "
                         "elevator, fog_look_...; others are of presets (--preset)");

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 static const struct neph_page_parts parts = {
+    .title = "Nephelometer sweep",
     .files = {"sweep.html", "sweep.js"},
     .folders = {"charts", "vendor"},
 };

@@ -360,13 +360,9 @@ static enum neph_status make_plan(struct work *work, struct neph_diag *diag)
                                                .preset = params->preset,
                                                .flicker = true,
                                                .scattering = -1};
-    *plan = (struct neph_sweep_plan){.title = strdup("scaling"),
-                                     .light = strdup("octaves"),
-                                     .round_count = ROUNDS,
-                                     .seed_count = 1};
-    enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = neph_ladder_add(plan, &march, NULL, diag);
+    *plan = (struct neph_sweep_plan){
+        .title = "scaling", .light = "octaves", .round_count = ROUNDS, .seed_count = 1};
+    enum neph_status status = neph_ladder_add(plan, &march, NULL, diag);
     if (!status)
         status = neph_ladder_add(plan, &realtime, NULL, diag);
     for (int i = 0; i < plan->series_count && !status; i++) {

@@ -21,7 +21,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 enum { AGE_COUNT = 4, AGE_LAST = 32 }; /* ages of their own numbers; how long ghosts are counted */
 
@@ -99,7 +98,7 @@ struct state {
     double gain; /* display value of the radiance 1 */
     double depth_tolerance;
     struct neph_kept frames[2];
-    struct pixel *pixels; /* owned */
+    struct pixel *pixels;
 };
 
 static enum neph_status init(void *state_, const struct neph_frame_pair *first,
@@ -111,9 +110,8 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .height_px = first->height_px,
                             .gain = exp2(first->viewing->exposure_ev),
                             .depth_tolerance = settings->values[DEPTH_TOLERANCE]};
-    state->pixels = calloc(pixel_count, sizeof(*state->pixels));
-    return state->pixels ? neph_kept_init(state->frames, pixel_count, diag)
-                         : neph_fail_memory(diag);
+    state->pixels = neph_arena_zeroed(first->memory, pixel_count, sizeof(*state->pixels));
+    return neph_kept_init(state->frames, pixel_count, first->memory, diag);
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -125,17 +123,12 @@ struct work {
     struct neph_kept *now, *before;
 };
 
-static double luminance_at(const float *const planes[3], size_t i)
-{
-    return neph_luminance((double)planes[0][i], (double)planes[1][i], (double)planes[2][i]);
-}
-
 static void look_row(int row, void *context)
 {
     const struct work *work = context;
     const size_t width = (size_t)work->state->width_px, first = (size_t)row * width;
     for (size_t i = first; i < first + width; i++) {
-        work->now->planes[REFERENCE][i] = luminance_at(work->pair->reference, i);
+        work->now->planes[REFERENCE][i] = neph_luminance_at(work->pair->reference, i);
         work->now->nearness_per_m[i] = neph_moved_nearness_per_m(&work->moved, i);
     }
 }
@@ -166,7 +159,7 @@ static void add_pixel(const struct work *work, size_t i)
 {
     struct pixel *pixel = &work->state->pixels[i];
     const double reference = work->now->planes[REFERENCE][i], front = work->now->planes[FRONT][i];
-    const double residual = luminance_at(work->pair->test, i) - reference;
+    const double residual = neph_luminance_at(work->pair->test, i) - reference;
     const double hidden = front - reference;
     const int age = work->now->age[i];
     if (age == 0 || !neph_is_visible_step(front, reference, work->state->gain))
@@ -245,13 +238,6 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
         values[0][i] = value_of(state, map, &state->pixels[first + i]);
 }
 
-static void finish(void *state_)
-{
-    struct state *state = state_;
-    neph_kept_finish(state->frames);
-    free(state->pixels);
-}
-
 const struct neph_extractor neph_extractor_ghost = {
     .name = "ghost",
     .help = "what is left behind moving edges of what had been in front, by frames since",
@@ -275,5 +261,4 @@ const struct neph_extractor neph_extractor_ghost = {
     .init = init,
     .extract = extract,
     .rows = rows,
-    .close = finish,
 };

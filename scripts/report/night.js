@@ -7,27 +7,13 @@
   "use strict";
 
   const night = window.NEPH_NIGHT;
-  const { el, svg, plural, unique, signed, colHead, rowHead, numHead, words, row, table, scrolling,
-    fact, entry, listed, link, hasData, withoutPlus, hole, pixels, fit, show, colourBar } =
-    window.NephPage;
+  const { el, small, bold, svg, line, label, plural, unique, signed, section, colHead, rowHead,
+    numHead, words, row, table, scrolling, fact, entry, listed, link, hasData, withoutPlus, hole,
+    pixels, fit, show, colourBar } = window.NephPage;
 
-  // A sign, a word and a colour each: none speaks by its colour.
-  const FOUND = {
-    "step failed": ["✗", "fail-word"],
-    "history damaged": ["✗", "fail-word"],
-    "not the same bits": ["✗", "fail-word"],
-    "reference stale": ["✗", "fail-word"],
-    "blank picture": ["✗", "fail-word"],
-    missing: ["✗", "fail-word"],
-    lost: ["✗", "fail-word"],
-    "another size": ["✗", "fail-word"],
-    worse: ["✗", "fail-word"],
-    "worse elsewhere": ["✗", "fail-word"],
-    edited: ["✗", "fail-word"],
-    better: ["✓", "pass-word"],
-    environment: ["○", "open-word"],
-    moved: ["○", "open-word"],
-  };
+  // What fails a night. A finding has a sign, a word and a colour: none speaks by its colour.
+  const FAILING = ["step failed", "history damaged", "not the same bits", "reference stale",
+    "blank picture", "missing", "lost", "another size", "worse", "worse elsewhere", "edited"];
   const JUDGED = { worse: "wrong", better: "agrees", moved: "known" };
   const KINDS = {
     fixed: "the same program gives the same bits, so any change is more than chance; an interval " +
@@ -55,14 +41,12 @@
   const percent = (value, sign = true) => (sign && value > 0 ? "+" : "") +
     `${written(100 * value, 3)} %`;
 
-  function word(found) {
-    const [sign, kind] = FOUND[found] ?? ["○", "open-word"];
-    return signed(sign, found, kind);
-  }
+  const fails = (found) => FAILING.includes(found);
+  const word = (found) => (fails(found) ? signed("✗", found, "fail-word")
+    : found === "better" ? signed("✓", found, "pass-word") : signed("○", found, "open-word"));
 
   // --------------------------------------------------------------------------------------- groups
 
-  const fails = (found) => (FOUND[found] ?? [])[1] === "fail-word";
   const sceneName = (scene) => scene.split(/[ @]/)[0];
   const sceneText = (scene) => scene.split("@")[0];
 
@@ -71,14 +55,8 @@
     : [finding.suite, finding.scene, finding.engine].join("/"));
 
   /** Numbers of one engine in one scene stand together, where the worst of them does. */
-  function groups() {
-    const all = new Map();
-    for (const finding of night.findings) {
-      const key = `${finding.found}\n${ofFinding(finding)}`;
-      all.set(key, [...(all.get(key) ?? []), finding]);
-    }
-    return [...all.values()];
-  }
+  const groups = () => [...Map.groupBy(night.findings, (finding) =>
+    `${finding.found}\n${ofFinding(finding)}`).values()];
 
   function titleOf([first]) {
     if (first.kind === "mean" || !first.scene) return first.series;
@@ -123,7 +101,7 @@
     return el("li", null, word(first.found), " ",
       link(`#finding-${n + 1}`, titleOf(group)),
       first.change !== null && [": ", first.kind !== "mean" && first.metric && `${first.metric} `,
-        el("b", null, changeText(first))],
+        bold(changeText(first))],
       group.length > 1 && `, and ${plural(group.length - 1, "number", "numbers")} more`);
   }
 
@@ -135,7 +113,7 @@
       : VERDICTS[night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail"];
     return el("div", { class: `verdict ${kind}` },
       el("p", { class: "word" }, said),
-      el("div", { class: "said" }, el("p", null, el("b", null, sentence())),
+      el("div", { class: "said" }, el("p", null, bold(sentence())),
         !running && el("p", { class: "small" }, counts())),
       news());
   }
@@ -169,7 +147,7 @@
     const x = (n) => PLOT.left + room * (n - first) / (last - first);
     const y = (value) => PLOT.top + (PLOT.height - PLOT.top - PLOT.bottom) *
       (high > low ? (high - value) / (high - low) : 0.5);
-    const line = points.map((point, n) =>
+    const course = points.map((point, n) =>
       `${n ? "L" : "M"}${x(point.night).toFixed(1)} ${y(point.value).toFixed(1)}`);
     const tonight = points[points.length - 1];
     return svg("svg", { class: "plot trend", role: "img", width: PLOT.width, height: PLOT.height,
@@ -179,26 +157,22 @@
     finding.range && svg("rect", { class: "zone", x: PLOT.left, y: y(finding.range.high),
       width: PLOT.width - PLOT.left - PLOT.right,
       height: Math.max(1, y(finding.range.low) - y(finding.range.high)) }),
-    svg("path", { d: line.join(""), class: "course" }),
-    points.map((point) => point.standard_error && svg("line", { class: "course",
-      x1: x(point.night), x2: x(point.night), y1: y(point.value - reach(point)),
-      y2: y(point.value + reach(point)) })),
+    svg("path", { d: course.join(""), class: "course" }),
+    points.map((point) => point.standard_error && line("course", x(point.night),
+      y(point.value - reach(point)), x(point.night), y(point.value + reach(point)))),
     points.map((point) => svg("circle", { cx: x(point.night), cy: y(point.value),
       r: point === tonight ? 4.5 : point.night === finding.accepted_night ? 4 : 2,
       class: point === tonight ? "tonight" : point.night === finding.accepted_night ? "accepted"
         : point.judgement ? "aside" : "night" })),
     svg("text", { x: PLOT.left, y: PLOT.height - 4 }, `night ${first}`),
-    svg("text", { x: PLOT.width - PLOT.right, y: PLOT.height - 4, "text-anchor": "end" },
-      `night ${last}`));
+    label(PLOT.width - PLOT.right, PLOT.height - 4, "end", `night ${last}`));
   }
 
   // ------------------------------------------------------------------------------------- findings
 
-  function figure(frame, alt, caption, size) {
-    if (!frame) return null;
-    return el("figure", null, frame.picture ? pixels(frame.picture, alt, size)
-      : hole("the limit of the page is reached"), el("figcaption", null, caption));
-  }
+  const figure = (frame, alt, caption, size) => frame && el("figure", null,
+    frame.picture ? pixels(frame.picture, alt, size) : hole("the limit of the page is reached"),
+    el("figcaption", null, caption));
 
   const differenceScale = (scale) => el("figure", { class: "difference-scale" },
     colourBar(night.difference_colours, "from darker tonight to brighter",
@@ -242,7 +216,7 @@
       return group.map((finding) => el("p", null, `${finding.words}.`));
     return el("div", { class: "changes" }, own.map((finding) => el("div", { class: "change" },
       el("div", null,
-        el("p", { class: "what" }, el("b", null, finding.metric ?? finding.series),
+        el("p", { class: "what" }, bold(finding.metric ?? finding.series),
           finding.truth && finding.truth !== "none" && `, against ${finding.truth}`),
         finding.tonight !== null && finding.baseline !== null
           ? el("p", null, el("span", { class: "big" }, number(finding.tonight)), " accepted ",
@@ -286,8 +260,7 @@
     if (night.state !== "finished") return null;
     const all = groups();
     const made = all.map(groupArticle);
-    return el("section", { "aria-labelledby": "changes" },
-      el("h2", { id: "changes" }, "What changed"),
+    return section("changes", "What changed",
       all.length === 0 && el("p", null, night.compared > 0
         ? `Nothing: ${plural(night.compared, "number is", "numbers are")} as accepted.`
         : "Nothing can be said before a night is accepted."),
@@ -314,11 +287,6 @@
 
   // --------------------------------------------------------------------------------------- scenes
 
-  function partsOf(series) {
-    const [suite, scene, engine, metric, truth] = series.split("/");
-    return { suite, scene, engine, metric, truth };
-  }
-
   function numberCell(result) {
     if (!result) return el("td", { class: "num soft" }, "·");
     return el("td", { class: `num ${JUDGED[result.judged] ?? ""}` },
@@ -328,8 +296,8 @@
           && `a change is seen from ${percent(result.floor, false)} on`].filter((text) => text)
           .join("; ") }, written(result.tonight, 3)),
       ["worse", "better", "moved"].includes(result.judged)
-        && el("small", null, `${result.judged}, ${percent(result.change)}`),
-      result.judged === "not judged" && el("small", null, "not judged"));
+        && small(`${result.judged}, ${percent(result.change)}`),
+      result.judged === "not judged" && small("not judged"));
   }
 
   function sceneTable(suite, scene, rows) {
@@ -359,15 +327,14 @@
   }
 
   function scenes() {
-    const rows = (night.series ?? []).map((row) => ({ ...row, ...partsOf(row.series) }));
-    const suites = unique(rows.map((row) => row.suite));
-    if (rows.length === 0) return null;
-    return el("section", { "aria-labelledby": "scenes" },
-      el("h2", { id: "scenes" }, "Every number of tonight"),
-      suites.map((suite) => [el("h3", null, suite),
-        unique(rows.filter((row) => row.suite === suite).map((row) => row.scene)).map((scene) =>
-          sceneCard(suite, scene, rows.filter((row) => row.suite === suite
-            && row.scene === scene)))]));
+    const rows = (night.series ?? []).map((row) => {
+      const [suite, scene, engine, metric] = row.series.split("/");
+      return { ...row, suite, scene, engine, metric };
+    });
+    return rows.length > 0 && section("scenes", "Every number of tonight",
+      [...Map.groupBy(rows, (row) => row.suite)].map(([suite, own]) => [el("h3", null, suite),
+        [...Map.groupBy(own, (row) => row.scene)].map(([scene, its]) =>
+          sceneCard(suite, scene, its))]));
   }
 
   function steps() {
@@ -376,11 +343,9 @@
       rowHead(step.name),
       el("td", null, step.outcome, step.log && [" ", link(`../${step.log}`, "log")]),
       words(step.reason));
-    return el("section", { "aria-labelledby": "steps" },
-      el("h2", { id: "steps" }, "Steps"),
+    return section("steps", "Steps",
       failed.length > 0 && el("ul", null, failed.map((step) => el("li", null, step.name, ": ",
-        step.outcome, ", ", step.reason, " ", step.log && el("a", { href: `../${step.log}` },
-          "log")))),
+        step.outcome, ", ", step.reason, " ", step.log && link(`../${step.log}`, "log")))),
       el("details", { open: night.state !== "finished" },
         el("summary", null, plural(night.steps.length, "step", "steps")),
         scrolling("Steps", table(null, ["Step", "Outcome", "Reason"].map((name) => colHead(name)),
@@ -402,7 +367,7 @@
     el("p", null, "Every number of this page is in ", link("data.json"),
       "; the same without pictures in ", link("../nightly.json", "nightly.json"), "."));
 
-  const main = document.getElementById("report");
+  const main = document.getElementById("main");
   if (!hasData(main, night, "neph-night-page-1")) return;
   document.title = `Night ${night.night}: ` + (night.state !== "finished" ? night.state
     : night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail");

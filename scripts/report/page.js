@@ -28,10 +28,21 @@
   const svg = (tag, attributes, ...children) => append(attributed(
     document.createElementNS("http://www.w3.org/2000/svg", tag), attributes), children);
 
+  // Of the pixels that a number is over, in plain words.
+  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium",
+    depth_edge: "at edges in depth", solid: "solids",
+    non_edge: "away from edges in depth", thin: "thin objects", cloud: "clouds", fog: "fog",
+    sun: "the sun" };
+
+  const line = (className, x1, y1, x2, y2) => svg("line", { class: className, x1, x2, y1, y2 });
+  const label = (x, y, anchor, ...text) => svg("text", { x, y, "text-anchor": anchor }, text);
+
   const plural = (count, one, many) => `${count} ${count === 1 ? one : many}`;
   const unique = (list) => [...new Set(list)];
 
   const hidden = (text) => el("span", { class: "hidden" }, text);
+  const small = (...children) => el("small", null, children);
+  const bold = (...children) => el("b", null, children);
   const folded = (title, ...content) => el("details", null, el("summary", null, title), content);
 
   /** A verdict has a sign and a word, so that none speaks by its colour. */
@@ -43,7 +54,7 @@
   const colHead = (...children) => el("th", { scope: "col" }, children);
   const rowHead = (...children) => el("th", { scope: "row" }, children);
   const numHead = (name, note) => el("th", { scope: "col", class: "num" }, name,
-    note !== undefined && el("small", null, note));
+    note !== undefined && small(note));
   const num = (...children) => el("td", { class: "num" }, children);
   const words = (...children) => el("td", { class: "words" }, children);
   const row = (...cells) => el("tr", null, cells);
@@ -69,6 +80,10 @@
   }
 
   // ------------------------------------------------------------------------------ parts of a page
+
+  /** A section that an address may name, with its heading. */
+  const section = (id, title, ...content) => el("section", { "aria-labelledby": id },
+    el("h2", { id }, title), content);
 
   const fact = (name, value) => el("div", null, el("dt", null, name), el("dd", null, value));
   const entry = (term, ...text) => el("div", null, el("dt", null, term), el("dd", null, text));
@@ -215,8 +230,8 @@
     figure.setAttribute("data-state", "interactive");
   }
 
-  window.NephPage = { append, el, svg, plural, unique, hidden, folded, signed, colHead, rowHead,
-    numHead, num, words, row, table, scrolling, fact, entry, head, help, listed, link, complain,
-    hasData, written, withoutPlus, hole, pixels, sized, fit, show, colourBar, loadVega,
-    drawLive };
+  window.NephPage = { MASKS, append, el, svg, line, label, plural, unique, hidden, small, bold,
+    folded, signed, colHead, rowHead, numHead, num, words, row, table, scrolling, section, fact,
+    entry, head, help, listed, link, complain, hasData, written, withoutPlus, hole, pixels, sized,
+    fit, show, colourBar, loadVega, drawLive };
 })();

@@ -7,9 +7,9 @@
   "use strict";
 
   const run = window.NEPH_STRESS;
-  const { el, svg, plural, unique, folded, signed, colHead, rowHead, num, row, table, scrolling,
-    fact, entry, listed, link, hasData, withoutPlus, sized, fit, show, colourBar } =
-    window.NephPage;
+  const { el, small, bold, svg, line, label, plural, unique, folded, signed, section, colHead,
+    rowHead, numHead, row, table, scrolling, fact, entry, listed, link, hasData, withoutPlus, sized,
+    fit, show, colourBar } = window.NephPage;
 
   // A sign and a word each, so that no verdict speaks by its colour.
   const VERDICTS = {
@@ -28,9 +28,7 @@
   const NEWS = ["fail", "no_number", "unexpected_pass"];
   const TINTS = { fail: "wrong", no_number: "wrong", unexpected_pass: "wrong", flake: "known",
     known_fail: "known", pass: "agrees" };
-  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium",
-    depth_edge: "at edges in depth", non_edge: "away from edges", solid: "solids",
-    thin: "thin objects" };
+  const MASKS = { ...window.NephPage.MASKS, non_edge: "away from edges" };
   const MEASURES = {
     error: "relative RMS error against the reference",
     flicker: "flicker that is seen, 1 at the threshold",
@@ -47,10 +45,6 @@
     ["#56b4e9", "4 2"], ["#7a6a00", "1 3"], ["#5a5f63", "10 4"]];
   const LISTED = 12; // what is new in the verdict before the rest is folded away
   const FLIPS_HZ = 30, SLOW_HZ = 2;
-
-  // ------------------------------------------------------------------------------------- elements
-
-  const anchor = (name) => `scene-${name}`;
 
   // -------------------------------------------------------------------------------------- numbers
 
@@ -83,36 +77,30 @@
   const order = unique(results.map((result) => result.scene)); // the worst first
   const of = (scene, column) => results.filter((result) => result.scene === scene
     && (column === undefined || result.column === column));
+  const measuresOf = (list) => unique(list.map(({ measure, over }) => `${measure} ${over}`));
+  const anchor = (name) => `scene-${name}`;
   const evidenceOf = (scene) => run.evidence.filter((item) => item.scene === scene);
   const maskText = (over) => (over === "all" ? "" : `, ${MASKS[over] ?? over}`);
   const maskOf = (result) => maskText(result.over);
-  const placeOf = (result) => (result.point ? ` at ${result.point}` : "");
 
   // ----------------------------------------------------------------------------------------- head
 
-  function megabytes(bytes) {
-    return bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB`
-      : `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
-  }
+  const megabytes = (bytes) => (bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB`
+    : `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`);
 
   /** What is new at several points of a sweep stands once, at the worst of them. */
   function news() {
-    const kin = new Map();
-    for (const result of results.filter((one) => NEWS.includes(one.verdict))) {
-      const { scene, column, measure, over, verdict } = result;
-      const key = [scene, column, measure, over, verdict].join("\n");
-      kin.set(key, [...(kin.get(key) ?? []), result]);
-    }
+    const kin = Map.groupBy(results.filter((one) => NEWS.includes(one.verdict)),
+      ({ scene, column, measure, over, verdict }) =>
+        [scene, column, measure, over, verdict].join("\n"));
     return [...kin.values()].map(newsItem);
   }
 
-  function newsItem([result, ...more]) {
-    return el("li", null, word(result.verdict, true), " ",
-      link(`#${anchor(result.scene)}`, result.scene), placeOf(result), " · ",
-      el("b", null, result.column), ` · ${result.measure}${maskOf(result)}: `,
-      hasNumber(result) ? [numberOf(result), ", limit ", limitOf(result)] : result.why,
-      more.length > 0 && `, and at ${plural(more.length, "point", "points")} more`);
-  }
+  const newsItem = ([result, ...more]) => el("li", null, word(result.verdict, true), " ",
+    link(`#${anchor(result.scene)}`, result.scene), result.point && ` at ${result.point}`, " · ",
+    bold(result.column), ` · ${result.measure}${maskOf(result)}: `,
+    hasNumber(result) ? [numberOf(result), ", limit ", limitOf(result)] : result.why,
+    more.length > 0 && `, and at ${plural(more.length, "point", "points")} more`);
 
   function verdict() {
     const [said, kind] = STATES[run.state] ?? OVER[run.verdict] ?? [run.verdict, "open"];
@@ -147,7 +135,7 @@
 
   // --------------------------------------------------------------------------------------- matrix
 
-  const notAsked = () => el("td", { class: "num soft" }, el("small", null, "not asked"));
+  const notAsked = () => el("td", { class: "num soft" }, small("not asked"));
 
   /** A cell is as bad as its worst number. */
   function matrixCell(scene, column) {
@@ -156,26 +144,22 @@
     const worst = own[0];
     const failing = own.filter((result) => !["pass", "not_yet"].includes(result.verdict)).length;
     return el("td", { class: `num ${TINTS[worst.verdict] ?? ""}` }, numberOf(worst),
-      el("small", null, word(worst.verdict)),
-      hasNumber(worst) && el("small", null, "limit ", limitOf(worst)),
-      el("small", null, `${worst.measure}${maskOf(worst)}`),
-      worst.point && el("small", null, worst.point),
+      small(word(worst.verdict)), hasNumber(worst) && small("limit ", limitOf(worst)),
+      small(`${worst.measure}${maskOf(worst)}`), worst.point && small(worst.point),
       own.length > 1 && hasNumber(worst) && worst.verdict !== "pass"
-        && el("small", null, `${failing} of ${own.length} numbers`));
+        && small(`${failing} of ${own.length} numbers`));
   }
 
   const matrixRow = (scene) => row(
-    rowHead(link(`#${anchor(scene)}`, scene), el("small", null, sceneNamed(scene).title)),
+    rowHead(link(`#${anchor(scene)}`, scene), small(sceneNamed(scene).title)),
     columns.map((column) => matrixCell(scene, column)));
 
-  const headCell = (column) => window.NephPage.numHead(column.name,
-    column.preset ? "preset" : "engine");
+  const headCell = (column) => numHead(column.name, column.preset ? "preset" : "engine");
 
   function matrix() {
     const told = order.filter((scene) => of(scene).some(hasNumber));
     const silent = order.filter((scene) => !told.includes(scene));
-    return el("section", { "aria-labelledby": "matrix" },
-      el("h2", { id: "matrix" }, "Verdicts"),
+    return section("matrix", "Verdicts",
       told.length > 0 && scrolling("Verdicts", table("wide matrix findings",
         [colHead("Scenario"), columns.map(headCell)], told.map(matrixRow))),
       el("p", { class: "note small soft" }, "Each cell shows the worst of its numbers: what was " +
@@ -203,14 +187,10 @@
 
   const pixels = (item, name, alt, size) => window.NephPage.pixels(`${item.folder}/${name}.png`,
     alt, size, `${name}.png is not in this page's folder`);
-
   const has = (item, name) => item.pictures.includes(`${name}.png`);
 
-  function figure(item, name, alt, caption, size) {
-    if (!has(item, name)) return null;
-    return sized(el("figure", null, pixels(item, name, alt, size),
-      el("figcaption", null, caption)), size);
-  }
+  const figure = (item, name, alt, caption, size) => has(item, name) && sized(el("figure", null,
+    pixels(item, name, alt, size), el("figcaption", null, caption)), size);
 
   function stack(item, names, what, size) {
     const frames = names.map((name, n) => pixels(item, name, `${what}, frame ${n + 1}`, size));
@@ -235,11 +215,14 @@
     const show = () => {
       for (const one of [test, reference]) if (one) one.show(Number(slider.value) - 1);
     };
+    const press = (isPlaying, text) => {
+      button.setAttribute("aria-pressed", String(isPlaying));
+      button.textContent = text;
+    };
     const stop = () => {
       window.clearTimeout(timer);
       timer = null;
-      button.setAttribute("aria-pressed", "false");
-      button.textContent = "▶ play";
+      press(false, "▶ play");
     };
     const turn = () => {
       slider.value = (Number(slider.value) % count) + 1;
@@ -248,8 +231,7 @@
     };
     button.addEventListener("click", () => {
       if (timer !== null) return stop();
-      button.setAttribute("aria-pressed", "true");
-      button.textContent = calm.matches ? "⏸ pause (slowed)" : "⏸ pause";
+      press(true, calm.matches ? "⏸ pause (slowed)" : "⏸ pause");
       return turn();
     });
     slider.addEventListener("input", () => { stop(); show(); });
@@ -289,7 +271,7 @@
         figure(item, "slice_difference", `${title}: difference of that row`,
           "frames − reference", strip)),
       has(item, "worst_difference") && differenceScale(item));
-    const worst = of(item.scene, item.column).filter((result) => result.point === item.point)[0];
+    const worst = of(item.scene, item.column).find((result) => result.point === item.point);
     return el("article", { class: "exhibit" },
       el("h4", null, item.column, item.point && ` at ${item.point}`),
       worst && el("p", { class: "small" }, word(worst.verdict), ": ", worst.measure, maskOf(worst),
@@ -341,9 +323,9 @@
     const points = spots.filter(({ one }) => one.value !== null)
       .map(({ x, one }) => [x, place(one.value)]);
     const endless = spots.filter(({ one }) => one.infinite).map(({ x }) => [x + 9 * n]);
-    const line = points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`);
+    const course = points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`);
     return svg("g", { fill: colour, stroke: colour },
-      svg("path", { d: line.join(""), fill: "none", "stroke-width": 1.5,
+      svg("path", { d: course.join(""), fill: "none", "stroke-width": 1.5,
         "stroke-dasharray": dash || null }),
       points.map(([x, y]) => MARKS[n % MARKS.length](x, y)),
       endless.map(([x]) => [MARKS[n % MARKS.length](x, PLOT.top + 6),
@@ -379,24 +361,22 @@
       || Math.min(...all) <= 0), own.some((result) => result.infinite));
     const room = PLOT.width - PLOT.left - PLOT.right;
     const across = (p) => PLOT.left + (room * (p + 0.5)) / points.length;
-    const y = scale.place(limit);
+    const level = (className, value) => line(className, PLOT.left, scale.place(value),
+      PLOT.width - PLOT.right, scale.place(value));
     return el("figure", { class: "curve" },
-      el("figcaption", { class: "small" }, el("b", null, measure), maskText(over),
+      el("figcaption", { class: "small" }, bold(measure), maskText(over),
         `: ${MEASURES[measure] ?? ""}, over ${points.length} points of the sweep`),
       el("div", { class: "scroll" }, svg("svg", { class: "plot", role: "img",
         viewBox: `0 0 ${PLOT.width} ${PLOT.height}`, width: PLOT.width, height: PLOT.height,
         "aria-label": `${measure} over the points of the sweep; the numbers are in the table` },
-      scale.ticks.map((tick) => [
-        svg("line", { class: "tick", x1: PLOT.left, x2: PLOT.width - PLOT.right,
-          y1: scale.place(tick), y2: scale.place(tick) }),
-        svg("text", { x: PLOT.left - 6, y: scale.place(tick) + 4, "text-anchor": "end" },
-          written(tick))]),
-      points.map((point, p) => svg("text", { x: across(p), y: PLOT.height - PLOT.bottom + 16,
-        "text-anchor": "middle" }, tickName(point) ?? String(p))),
-      svg("text", { x: PLOT.left + room / 2, y: PLOT.height - 6, "text-anchor": "middle" },
+      scale.ticks.map((tick) => [level("tick", tick),
+        label(PLOT.left - 6, scale.place(tick) + 4, "end", written(tick))]),
+      points.map((point, p) => label(across(p), PLOT.height - PLOT.bottom + 16, "middle",
+        tickName(point) ?? String(p))),
+      label(PLOT.left + room / 2, PLOT.height - 6, "middle",
         points.some((point) => point.includes(" ")) ? "point, as numbered in the table"
           : (points[1] ?? "").replace(/\+?=.*$/, "")),
-      svg("line", { class: "limit", x1: PLOT.left, x2: PLOT.width - PLOT.right, y1: y, y2: y }),
+      level("limit", limit),
       names.map((name, n) => series(points.map((point) => resultAt(name, point)), n, across,
         scale.place)))),
       curveKey(names));
@@ -409,21 +389,21 @@
       && one.measure === measure && one.over === over);
     if (!result) return notAsked();
     return el("td", { class: `num ${TINTS[result.verdict] ?? ""}`, title: result.why || null },
-      numberOf(result), el("small", null, word(result.verdict)));
+      numberOf(result), small(word(result.verdict)));
   }
 
   function numbers(scene, points, label) {
-    const rows = points.flatMap(({ point, number }) => unique(of(scene)
-      .filter((result) => result.point === point).map(({ measure, over }) => `${measure} ${over}`))
-      .map((key) => ({ point, number, key })));
+    const rows = points.flatMap(({ point, number }) =>
+      measuresOf(of(scene).filter((result) => result.point === point))
+        .map((key) => ({ point, number, key })));
     return scrolling(label, table("findings",
-      [colHead("Measure"), window.NephPage.numHead("Limit"), columns.map(headCell)],
+      [colHead("Measure"), numHead("Limit"), columns.map(headCell)],
       rows.map(({ point, number, key }) => {
         const [measure, over] = key.split(" ");
         const own = of(scene).find((result) => result.measure === measure && result.over === over
           && result.point === point);
         return row(rowHead(measure, maskText(over),
-          el("small", null, point ? `${number}: ${point}` : MEASURES[measure])),
+          small(point ? `${number}: ${point}` : MEASURES[measure])),
         el("td", { class: "num", title: own.reason }, limitOf(own)),
         columns.map((column) => numberCell(scene, column, point, measure, over)));
       })));
@@ -431,26 +411,20 @@
 
   /** Why it is so: once for all that it is said of. */
   function reasons(scene) {
-    const told = of(scene).filter((result) => result.why);
-    const list = unique(told.map((result) => `${result.verdict}\n${result.why}`));
-    if (list.length === 0) return null;
-    return el("ul", { class: "small" }, list.map((key) => {
-      const own = told.filter((result) => `${result.verdict}\n${result.why}` === key);
-      return el("li", null, word(own[0].verdict), " ",
-        el("b", null, unique(own.map((result) => result.column)).join(", ")), ", ",
-        unique(own.map((result) => result.measure)).join(", "), `: ${own[0].why}`);
-    }));
+    const told = Map.groupBy(of(scene).filter((result) => result.why),
+      ({ verdict, why }) => `${verdict}\n${why}`);
+    const named = (own, key) => unique(own.map((result) => result[key])).join(", ");
+    return told.size > 0 && el("ul", { class: "small" }, [...told.values()].map((own) =>
+      el("li", null, word(own[0].verdict), " ", bold(named(own, "column")), ", ",
+        named(own, "measure"), `: ${own[0].why}`)));
   }
 
   function limits(scene) {
-    const list = unique(of(scene).map(({ measure, over, limit, reason }) =>
-      JSON.stringify([measure, over, limit, reason])));
-    return folded("Where the limits are from",
-      el("ul", { class: "small" }, list.map((text) => {
-        const [measure, over, limit, reason] = JSON.parse(text);
-        return el("li", null, el("b", null, measure), maskText(over), ` ≤ ${written(limit)}: `,
-          reason);
-      })));
+    const list = Map.groupBy(of(scene), ({ measure, over, limit, reason }) =>
+      JSON.stringify([measure, over, limit, reason]));
+    return folded("Where the limits are from", el("ul", { class: "small" },
+      [...list.values()].map(([{ measure, over, limit, reason }]) => el("li", null, bold(measure),
+        maskText(over), ` ≤ ${written(limit)}: `, reason))));
   }
 
   function commands(scene) {
@@ -458,20 +432,16 @@
     const shown = evidenceOf(scene).map((item) => item.column);
     const names = columns.map(({ name }) => name).filter((name) => own[name]
       && !shown.includes(name));
-    if (names.length === 0) return null;
-    return folded("The commands that make what is not shown here",
-      el("ul", { class: "small" }, names.map((name) => el("li", null, el("b", null, name), ": ",
+    return names.length > 0 && folded("The commands that make what is not shown here",
+      el("ul", { class: "small" }, names.map((name) => el("li", null, bold(name), ": ",
         el("code", null, own[name])))));
   }
 
-  function section(name) {
+  function sceneSection(name) {
     const scene = sceneNamed(name);
     const points = scene.points.map((point, number) => ({ point, number }));
     const shown = evidenceOf(name);
-    const keys = unique(of(name).map(({ measure, over }) => `${measure} ${over}`));
-    const id = anchor(name);
-    return el("section", { "aria-labelledby": id },
-      el("h2", { id }, scene.title),
+    return section(anchor(name), scene.title,
       el("p", null, scene.fails),
       el("dl", { class: "facts" },
         fact("Scenario", el("span", { class: "mono" }, name)), fact("Symptom", scene.symptom),
@@ -487,7 +457,7 @@
       reasons(name),
       points.length > 1 && [
         el("h3", null, "Over the sweep"),
-        keys.filter((key) => !key.startsWith("bad_values")).map((key) => curve(name,
+        measuresOf(of(name)).filter((key) => !key.startsWith("bad_values")).map((key) => curve(name,
           ...key.split(" "))),
         folded(`The numbers of ${points.length - 1} points`,
           numbers(name, points.slice(1), `Numbers of ${name} over its sweep`))],
@@ -502,10 +472,10 @@
     link("data.json"), "; how the suite is run: ",
     el("code", null, "neph validate --suite stress"), "."));
 
-  const main = document.getElementById("report");
+  const main = document.getElementById("main");
   if (!hasData(main, run, "neph-failure-2")) return;
   document.title = `Stress tests: ${run.state === "finished" ? run.verdict : run.state}`;
-  show(main, head(), matrix(), help(), order.map(section), foot());
+  show(main, head(), matrix(), help(), order.map(sceneSection), foot());
   if (location.hash)
     document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
   document.documentElement.dataset.ready = "yes";

@@ -112,7 +112,7 @@
 
   const points = sweep.points.filter((point) => point.missing === null);
   document.title = `${sweep.scene}: sweep`;
-  append(document.getElementById("report"), [
+  append(document.getElementById("main"), [
     head(),
     sweep.charts.map((chart) => [el("h2", null, chart.title), figure(chart)]),
     el("h2", null, "All points"),

@@ -7,25 +7,25 @@
   "use strict";
 
   const data = window.NEPH_VIEW;
-  const main = document.getElementById("view");
-  const { el } = window.NephPage;
+  const main = document.getElementById("main");
+  const { el, colHead, rowHead, row, table, complain } = window.NephPage;
   const { want, keep, have } = window.NephPlanes;
   const { display, byCodes, byCube, paintPicture, paintDepth, paintValues, valueOf, differenceOf,
     gradient } = window.NephPaint;
 
-  if (!data || data.format !== "neph-view-1") {
-    main.replaceChildren(el("h1", {}, "This page has no data"), el("p", {},
-      "data.js, which lies beside it in a complete page, is missing or of another version."));
-    return;
-  }
+  if (data?.format !== "neph-view-1")
+    return complain(main, "This page has no data",
+      "data.js, which lies beside it in a complete page, is missing or of another version.");
 
   const [width, height] = data.size_px;
   const pixels = width * height;
   const codeOf = display(data.display_codes);
   const plainColours = byCodes(codeOf);
   const VIEWS = ["sRGB", ...(data.cube ? [data.cube.name] : [])];
-  const MODES = [["one", "One", "s"], ["all", "All", "a"], ["wipe", "Wipe", "w"],
-    ["flip", "Flip", "f"], ["difference", "Difference", "d"]];
+  const MODES = [["one", "One", "s", "one set alone"], ["all", "All", "a", "all sets side by side"],
+    ["wipe", "Wipe", "w", "wipe from the reference to it"],
+    ["flip", "Flip", "f", "flip between the two, twice a second"],
+    ["difference", "Difference", "d", "shown − reference"]];
   // Device pixels of a pixel, from far to near; 0 is the largest that fits.
   const ZOOMS = [0.125, 0.25, 0.5, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192];
   const NUMBERS_FROM = 48; // CSS pixels of a pixel that has room for its values
@@ -44,8 +44,6 @@
   let flipped = false; // which side of a flip is up
   let playing = null; // {first, count} of the frames that are played
   let timer = 0;
-
-  // ------------------------------------------------------------------------------------- elements
 
   const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
@@ -131,11 +129,10 @@
   const overlayScale = () => overlayNamed(state.map).scale * 2 ** state.gain;
 
   function difference() {
-    const keys = [keyOf(state.ref), keyOf(state.set)];
-    const [reference, shown] = keys.map((key) => key && have(key));
+    const [reference, shown] = bothPlanes();
     if (!reference || !shown) return null;
-    return sheet(`${keys.join(" ")} ${state.gain}`, (rgba) => paintValues(rgba, pixels,
-      (i) => differenceOf(reference, shown, i), data.differences, differenceScale()));
+    return sheet(`${keyOf(state.ref)} ${keyOf(state.set)} ${state.gain}`, (rgba) => paintValues(
+      rgba, pixels, (i) => differenceOf(reference, shown, i), data.differences, differenceScale()));
   }
 
   function overlay(set) {
@@ -232,11 +229,10 @@
   /** What a pane shows: the sheet below, that from the wipe on, and in which words. */
   function contentOf(n) {
     const { ref, set, mode } = state;
-    if (mode === "all") return { base: n, name: labelOf(n) };
     if (mode === "wipe") return { base: ref, over: set, name: labelOf(ref), other: labelOf(set) };
-    if (mode === "flip") return { base: flipped ? ref : set, name: labelOf(flipped ? ref : set) };
     if (mode === "difference") return { name: `${labelOf(set)} − ${labelOf(ref)}` };
-    return { base: set, name: labelOf(set) };
+    const base = mode === "all" ? n : mode === "flip" && flipped ? ref : set;
+    return { base, name: labelOf(base) };
   }
 
   function fillBar(pane, colours, low, high, text) {
@@ -419,8 +415,11 @@
     return text.replace(/-/g, "−").replace("e+", "e");
   }
 
+  /** The planes of the reference and of the shown set; undefined or null: not there. */
+  const bothPlanes = () => [keyOf(state.ref), keyOf(state.set)].map((key) => key && have(key));
+
   function differenceAt(i) {
-    const [reference, shown] = [keyOf(state.ref), keyOf(state.set)].map((key) => key && have(key));
+    const [reference, shown] = bothPlanes();
     return reference && shown ? differenceOf(reference, shown, i) : null;
   }
 
@@ -435,18 +434,16 @@
       i < 0 || !planes ? "" : exact(planes[c][i])));
     if (state.map)
       cells.push(el("td", {}, i < 0 || !map ? "" : map.map((plane) => exact(plane[i])).join(" ")));
-    return el("tr", { class: set === state.set ? "shown" : null },
-      el("th", { scope: "row" }, labelOf(set)), cells);
+    return el("tr", { class: set === state.set ? "shown" : null }, rowHead(labelOf(set)), cells);
   }
 
   function differenceRow(i) {
-    const planes = [keyOf(state.ref), keyOf(state.set)].map((key) => key && have(key));
+    const [reference, shown] = bothPlanes();
     const columns = quantityNamed(state.quantity).planes;
-    if (data.sets.length < 2 || !planes[0] || !planes[1]) return null;
-    return el("tr", {}, el("th", { scope: "row" }, `${state.set + 1} − ${state.ref + 1}`),
+    if (data.sets.length < 2 || !reference || !shown) return null;
+    return row(rowHead(`${state.set + 1} − ${state.ref + 1}`),
       Array.from({ length: columns }, (_, c) => el("td", {},
-        i < 0 ? "" : short(planes[1][c][i] === planes[0][c][i] ? 0
-          : planes[1][c][i] - planes[0][c][i]))));
+        i < 0 ? "" : short(shown[c][i] === reference[c][i] ? 0 : shown[c][i] - reference[c][i]))));
   }
 
   function showValues() {
@@ -455,14 +452,12 @@
     const quantity = quantityNamed(state.quantity);
     const names = quantity.planes === 3 ? ["R", "G", "B"] : ["Z"];
     const unit = data.is_picture ? "linear display value" : quantity.unit;
-    values.replaceChildren(el("table", {},
-      el("caption", {}, i < 0
-        ? "Point at a pixel, or move the cursor with the arrow keys, for values"
-        : `Pixel ${px}, ${py} from the upper left: ${quantity.name} [${unit}]`),
-      el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Set"),
-        names.map((name) => el("th", { scope: "col" }, name)),
-        state.map && el("th", { scope: "col" }, state.map))),
-      el("tbody", {}, data.sets.map((_, s) => valueRow(s, i)), differenceRow(i))));
+    const shown = table(null, ["Set", ...names, ...(state.map ? [state.map] : [])].map((name) =>
+      colHead(name)), [data.sets.map((_, s) => valueRow(s, i)), differenceRow(i)]);
+    shown.prepend(el("caption", {}, i < 0
+      ? "Point at a pixel, or move the cursor with the arrow keys, for values"
+      : `Pixel ${px}, ${py} from the upper left: ${quantity.name} [${unit}]`));
+    values.replaceChildren(shown);
   }
 
   // ------------------------------------------------------------------------------------- address
@@ -510,24 +505,21 @@
   }
 
   function keepInside() {
-    const whole = (value, count) => clamp(Math.round(value), 0, count - 1);
+    const whole = (name, count) => {
+      state[name] = clamp(Math.round(state[name]), 0, count - 1);
+    };
     if (!MODES.some(([mode]) => mode === state.mode)) state.mode = START.mode;
     if (!quantityNamed(state.quantity)) state.quantity = START.quantity;
     if (!overlayNamed(state.map)) state.map = "";
-    state.ref = whole(state.ref, data.sets.length);
-    state.set = whole(state.set, data.sets.length);
-    state.frame = whole(state.frame, data.frames);
-    state.view = whole(state.view, VIEWS.length);
-    state.ev = clamp(state.ev, -32, 32);
-    state.gain = clamp(Math.round(state.gain), -40, 40);
-    state.mix = clamp(state.mix, 0, 1);
-    state.wipe = clamp(state.wipe, 0, 1);
+    for (const [name, count] of [["ref", data.sets.length], ["set", data.sets.length],
+      ["frame", data.frames], ["view", VIEWS.length]]) whole(name, count);
+    state.gain = Math.round(state.gain);
+    for (const [name, low, high] of [["ev", -32, 32], ["gain", -40, 40], ["mix", 0, 1],
+      ["wipe", 0, 1], ["x", 0, width], ["y", 0, height]])
+      state[name] = clamp(state[name], low, high);
     state.zoom = state.zoom > 0 ? clamp(state.zoom, ZOOMS[0], ZOOMS.at(-1)) : 0;
-    state.x = clamp(state.x, 0, width);
-    state.y = clamp(state.y, 0, height);
-    const isSet = state.px >= 0 && state.py >= 0;
-    state.px = isSet ? whole(state.px, width) : -1;
-    state.py = isSet ? whole(state.py, height) : -1;
+    if (state.px < 0 || state.py < 0) Object.assign(state, { px: -1, py: -1 });
+    else for (const [name, count] of [["px", width], ["py", height]]) whole(name, count);
   }
 
   // ------------------------------------------------------------------------------------- controls
@@ -549,31 +541,22 @@
     return el("span", { class: "group" }, el("label", { for: id }, text), element);
   }
 
-  function select(text, options, name, convert) {
-    const element = el("select", {},
-      options.map(([value, label]) => el("option", { value }, label)));
-    element.addEventListener("change", () => change(() => {
-      state[name] = convert(element.value);
-    }));
-    redo.push(() => { element.value = String(state[name]); });
+  /** A control of a value of the state. */
+  function bound(text, element, event, name, convert, show = String) {
+    element.addEventListener(event, () => change(() => { state[name] = convert(element.value); }));
+    redo.push(() => { element.value = show(state[name]); });
     return labelled(text, element);
   }
 
-  function slider(text, attributes, read, write) {
-    const element = el("input", { type: "range", ...attributes });
-    element.addEventListener("input", () => change(() => write(Number(element.value))));
-    redo.push(() => { element.value = String(read()); });
-    return labelled(text, element);
-  }
+  const select = (text, options, name, convert) => bound(text, el("select", {},
+    options.map(([value, label]) => el("option", { value }, label))), "change", name, convert);
 
-  function exposureControl() {
-    const field = el("input", { type: "number", min: -32, max: 32, step: 0.5 });
-    field.addEventListener("change", () => change(() => {
-      state.ev = Number.isFinite(field.valueAsNumber) ? field.valueAsNumber : START.ev;
-    }));
-    redo.push(() => { field.value = String(round(state.ev)); });
-    return labelled("Exposure [EV]", field);
-  }
+  const slider = (text, max, step, name) => bound(text,
+    el("input", { type: "range", min: 0, max, step }), "input", name, Number);
+
+  const exposureControl = () => bound("Exposure [EV]",
+    el("input", { type: "number", min: -32, max: 32, step: 0.5 }), "change", "ev",
+    (value) => (value === "" ? START.ev : Number(value)), (ev) => String(round(ev)));
 
   function shownWhen(element, holds) {
     redo.push(() => { element.hidden = !holds(); });
@@ -590,8 +573,7 @@
           () => { state.mode = mode; }, () => state.mode === mode))),
       select("Reference", setOptions, "ref", Number),
       select("Shown", setOptions, "set", Number),
-      shownWhen(slider("Wipe", { min: 0, max: 1, step: 0.01 }, () => state.wipe,
-        (value) => { state.wipe = value; }), () => state.mode === "wipe"));
+      shownWhen(slider("Wipe", 1, 0.01, "wipe"), () => state.mode === "wipe"));
   }
 
   function settingsStrip() {
@@ -599,8 +581,8 @@
       select("Quantity", quantities.map(({ name }) => [name, name]), "quantity", String),
       data.overlays.length > 0 && select("Overlay", [["", "none"],
         ...data.overlays.map(({ name, help }) => [name, `${name}: ${help}`])], "map", String),
-      data.overlays.length > 0 && shownWhen(slider("Opacity", { min: 0, max: 1, step: 0.05 },
-        () => state.mix, (value) => { state.mix = value; }), () => state.map !== ""),
+      data.overlays.length > 0 && shownWhen(slider("Opacity", 1, 0.05, "mix"),
+        () => state.map !== ""),
       VIEWS.length > 1 && select("Colours", VIEWS.map((name, v) => [v, name]), "view", Number),
       exposureControl(),
       shownWhen(el("span", { class: "group" }, el("span", {}, "Scale"),
@@ -627,19 +609,13 @@
         () => playing !== null && playing.count !== data.frames),
       button("▸", "A frame on (.)", () => step(1)),
       button("▸▸", "Four frames on (>)", () => step(4)),
-      slider("Time", { min: 0, max: data.frames - 1, step: 1 }, () => state.frame,
-        (value) => { state.frame = value; }), place);
+      slider("Time", data.frames - 1, 1, "frame"), place);
   }
 
   // ------------------------------------------------------------------------------------- time
 
-  function step(count) {
-    state.frame = (state.frame + count + 8 * data.frames) % data.frames;
-  }
-
-  function play(first, count) {
-    playing = playing?.count === count ? null : { first, count };
-  }
+  const step = (count) => { state.frame = (state.frame + count + 8 * data.frames) % data.frames; };
+  const play = (first, count) => { playing = playing?.count === count ? null : { first, count }; };
 
   const playCycle = () => play(Math.min(state.frame, Math.max(0, data.frames - 4)),
     Math.min(4, data.frames));
@@ -659,7 +635,8 @@
 
   // ------------------------------------------------------------------------------------- keys
 
-  function moveCursor(dx, dy) {
+  const moveCursor = (x, y) => ({ shiftKey }) => {
+    const [dx, dy] = shiftKey ? [10 * x, 10 * y] : [x, y];
     const isSet = state.px >= 0;
     state.px = clamp(isSet ? state.px + dx : Math.floor(width / 2), 0, width - 1);
     state.py = clamp(isSet ? state.py + dy : Math.floor(height / 2), 0, height - 1);
@@ -668,60 +645,48 @@
     const half = [box.width, box.height].map((side) => (side * dots()) / state.zoom / 2 - 1);
     state.x = clamp(state.x, state.px - half[0], state.px + half[0] + 1);
     state.y = clamp(state.y, state.py - half[1], state.py + half[1] + 1);
-  }
+  };
 
-  function cycle(list, now) {
-    return list[(list.indexOf(now) + 1) % list.length];
-  }
+  const cycle = (list, now) => list[(list.indexOf(now) + 1) % list.length];
 
   const chooseSet = (name) => (event) => {
     const set = Number(event.code.slice(-1)) - 1;
     if (set >= 0 && set < data.sets.length) state[name] = set;
   };
 
-  // What is written in the help, which keys those are (by event.key), and what they do.
+  // Keys as the help writes them, what they do in words, and by event.key.
   const KEYS = [
-    ["?", ["?"], "this list", () => (help.open ? help.close() : help.showModal())],
-    ["1 … 9", ["1–9"], "show that set", chooseSet("set")],
-    ["Shift 1 … 9", ["Shift 1–9"], "make it the reference", chooseSet("ref")],
-    ...MODES.map(([mode, text, key]) => [key, [key], {
-      one: "one set alone", all: "all sets side by side", wipe: "wipe from the reference to it",
-      flip: "flip between the two, twice a second", difference: "shown − reference" }[mode],
-    () => { state.mode = mode; }]),
-    ["Space", [" "], "the reference and the shown set change places", () => {
-      [state.ref, state.set] = [state.set, state.ref];
-    }],
-    ["q", ["q"], "next quantity", () => {
+    ["?", "this list", { "?": () => (help.open ? help.close() : help.showModal()) }],
+    ["1 … 9", "show that set", { "1–9": chooseSet("set") }],
+    ["Shift 1 … 9", "make it the reference", { "Shift 1–9": chooseSet("ref") }],
+    ...MODES.map(([mode, , key, text]) => [key, text, { [key]: () => { state.mode = mode; } }]),
+    ["Space", "the reference and the shown set change places",
+      { " ": () => { [state.ref, state.set] = [state.set, state.ref]; } }],
+    ["q", "next quantity", { q: () => {
       state.quantity = cycle(quantities.map(({ name }) => name), state.quantity);
-    }],
-    ["o", ["o"], "next overlay, or none", () => {
+    } }],
+    ["o", "next overlay, or none", { o: () => {
       state.map = cycle(["", ...data.overlays.map(({ name }) => name)], state.map);
-    }],
-    ["v", ["v"], "next view of colours", () => { state.view = (state.view + 1) % VIEWS.length; }],
-    ["e  Shift E", ["e"], "half a stop brighter, darker", () => { state.ev += 0.5; }],
-    [null, ["E"], "", () => { state.ev -= 0.5; }],
-    ["[  ]", ["["], "half, twice the scale of colours", () => { state.gain -= 1; }],
-    [null, ["]"], "", () => { state.gain += 1; }],
-    ["r", ["r"], "exposure and scale as at first", () => {
-      state.ev = START.ev;
-      state.gain = 0;
-    }],
-    ["+  −", ["+", "="], "nearer, farther (also the wheel)", () => zoomBy(1)],
-    [null, ["-", "−"], "", () => zoomBy(-1)],
-    ["z", ["z"], "the whole picture", () => { state.zoom = 0; }],
-    ["arrows", ["ArrowLeft"], "the cursor by a pixel; with Shift by ten",
-      (event) => moveCursor(event.shiftKey ? -10 : -1, 0)],
-    [null, ["ArrowRight"], "", (event) => moveCursor(event.shiftKey ? 10 : 1, 0)],
-    [null, ["ArrowUp"], "", (event) => moveCursor(0, event.shiftKey ? -10 : -1)],
-    [null, ["ArrowDown"], "", (event) => moveCursor(0, event.shiftKey ? 10 : 1)],
-    [",  .", [","], "a frame back, on", () => step(-1)],
-    [null, ["."], "", () => step(1)],
-    ["<  >", ["<"], "four frames back, on", () => step(-4)],
-    [null, [">"], "", () => step(4)],
-    ["Home  End", ["Home"], "first, last frame", () => { state.frame = 0; }],
-    [null, ["End"], "", () => { state.frame = data.frames - 1; }],
-    ["k", ["k"], "play, or stop", () => play(0, data.frames)],
-    ["c", ["c"], "play the four frames from here on, or stop", playCycle],
+    } }],
+    ["v", "next view of colours", { v: () => { state.view = (state.view + 1) % VIEWS.length; } }],
+    ["e  Shift E", "half a stop brighter, darker",
+      { e: () => { state.ev += 0.5; }, E: () => { state.ev -= 0.5; } }],
+    ["[  ]", "half, twice the scale of colours",
+      { "[": () => { state.gain -= 1; }, "]": () => { state.gain += 1; } }],
+    ["r", "exposure and scale as at first",
+      { r: () => Object.assign(state, { ev: START.ev, gain: 0 }) }],
+    ["+  −", "nearer, farther (also the wheel)", { "+": () => zoomBy(1), "=": () => zoomBy(1),
+      "-": () => zoomBy(-1), "−": () => zoomBy(-1) }],
+    ["z", "the whole picture", { z: () => { state.zoom = 0; } }],
+    ["arrows", "the cursor by a pixel; with Shift by ten",
+      { ArrowLeft: moveCursor(-1, 0), ArrowRight: moveCursor(1, 0), ArrowUp: moveCursor(0, -1),
+        ArrowDown: moveCursor(0, 1) }],
+    [",  .", "a frame back, on", { ",": () => step(-1), ".": () => step(1) }],
+    ["<  >", "four frames back, on", { "<": () => step(-4), ">": () => step(4) }],
+    ["Home  End", "first, last frame",
+      { Home: () => { state.frame = 0; }, End: () => { state.frame = data.frames - 1; } }],
+    ["k", "play, or stop", { k: () => play(0, data.frames) }],
+    ["c", "play the four frames from here on, or stop", { c: playCycle }],
   ];
 
   function keyName(event) {
@@ -739,17 +704,17 @@
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const key = keyName(event);
-    const row = KEYS.find(([, keys]) => keys.includes(key));
-    if (!row || belongsTo(event.target, event.key) || (help.open && key !== "?")) return;
+    const run = KEYS.map(([, , runs]) => runs[key]).find((one) => one);
+    if (!run || belongsTo(event.target, event.key) || (help.open && key !== "?")) return;
     event.preventDefault();
-    change(() => row[3](event));
+    change(() => run(event));
   });
 
   const help = el("dialog", { "aria-labelledby": "help-title" });
   const shut = el("button", { type: "button" }, "Close");
   shut.addEventListener("click", () => help.close());
   help.append(el("h2", { id: "help-title" }, "Keys"),
-    el("dl", {}, KEYS.filter(([name]) => name !== null).map(([name, , text]) => el("div", {},
+    el("dl", {}, KEYS.map(([name, text]) => el("div", {},
       el("dt", {}, name.split("  ").map((key, n) => [n > 0 && " ", el("kbd", {}, key)])),
       el("dd", {}, text)))),
     el("p", { class: "small" }, "Drag to move the picture, or the line of the wipe. The address of "
@@ -805,9 +770,7 @@
 
   function point(pane, event) {
     const [x, y] = pointIn(pane, event).map(Math.floor);
-    if (x < 0 || y < 0 || x >= width || y >= height) return;
-    state.px = x;
-    state.py = y;
+    if (x >= 0 && y >= 0 && x < width && y < height) Object.assign(state, { px: x, py: y });
   }
 
   // ------------------------------------------------------------------------------------- the page
@@ -853,7 +816,9 @@
       `${width} × ${height} pixels, ${data.frames === 1 ? "1 frame" : `${data.frames} frames`}, `
       + `${size} of floats, made ${data.created_utc.slice(0, 10)} by neph ${data.neph_version}`)),
     setStrip() || "", settingsStrip(), stage, values, data.frames > 1 ? timeStrip() : "", help);
-  document.querySelector("[data-skip]").addEventListener("click", (event) => {
+  const skip = document.querySelector(".skip");
+  skip.textContent = "Skip to the picture";
+  skip.addEventListener("click", (event) => {
     event.preventDefault();
     stage.focus();
   });

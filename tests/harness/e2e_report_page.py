@@ -560,15 +560,16 @@ class Page(PageCase):
         """Faults that do not hide each other, in one page: a browser for each would take most of
         the time."""
         folder = self.copy_with((
-            ("const drawn = own.filter((r) => inside(rows[r].pictures?.[v]));",
-             "const drawn = own.filter((r) => inside(rows[r].pictures?.[v])"
-             ' && rows[r].participant !== "tracer");'),
+            ("const drawn = own.filter((row) => inside(row.pictures?.[v]));",
+             "const drawn = own.filter((row) => inside(row.pictures?.[v])"
+             ' && row.participant !== "tracer");'),
             ('row.lowered || row.look ? "gap"', 'row.lowered ? "gap"'),
             ("viewer && [", "null && ["),
             ('region.scrollWidth > region.clientWidth + 1);', "false);"),
-            ('        if (typeof row.value !== "number") return;\n', ""),
-            (' && typeof row.value === "number");\n  function', ");\n  function"),
-            ('    && gate.quantity === "radiance")))', "    && false)))"),
+            ('.filter((row) => typeof row.value === "number").map((row) => ({ frame, row })));',
+             ".map((row) => ({ frame, row })));"),
+            (' && typeof row.value === "number");\n\n  function', ");\n\n  function"),
+            (' && gate.quantity === "radiance")))', " && false)))"),
             ('el("p", {}, scene.physics)', 'Object.assign(el("p"), { innerHTML: scene.physics })'),
             ("const shown = value * scale;", "const shown = value * scale * "
              '(path === "scenes/1/frames/1/wall_s" ? 1.02 : 1);')))

@@ -45,7 +45,9 @@ def write_data(folder, variable, data):
 def lay_out(folder, name, variable, data):
     """A page without its images."""
     folder.mkdir(parents=True, exist_ok=True)
-    shutil.copy(PAGE / f"{name}.html", folder / "index.html")
+    text = (PAGE / "page.html").read_text().replace("@title@", f"Nephelometer {name}")
+    text = text.replace("@files@", f'<script src="{name}.js" defer></script>\n')
+    (folder / "index.html").write_text(text.replace("@words@", (PAGE / f"{name}.html").read_text()))
     for source in ("report.css", "page.js", f"{name}.js"):
         shutil.copy(PAGE / source, folder)
     write_data(folder, variable, data)

@@ -165,13 +165,14 @@ static double *flip_of(const struct pictures *pictures, int first, double pixels
     struct neph_flip *flip = NULL;
     double *map = calloc(pixel_count(pictures), sizeof(*map));
     assert_non_null(map);
-    neph_assert_ok(neph_flip_create(pixels_per_degree, &flip, &diag), &diag);
+    struct neph_arena memory = {0};
+    neph_assert_ok(neph_flip_create(pixels_per_degree, &memory, &flip, &diag), &diag);
     neph_assert_ok(neph_flip_map(flip, pictures->width_px, pictures->height_px,
                                  (const float *const *)pictures->planes[first],
                                  (const float *const *)pictures->planes[!first], &display, 1, map,
                                  &diag),
                    &diag);
-    neph_flip_destroy(flip);
+    neph_arena_finish(&memory);
     return map;
 }
 
@@ -345,13 +346,14 @@ static void test_largest_of_displays(void **state)
     assert_non_null(together);
     struct neph_flip *flip = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_flip_create(67.0, &flip, &diag), &diag);
+    struct neph_arena memory = {0};
+    neph_assert_ok(neph_flip_create(67.0, &memory, &flip, &diag), &diag);
     neph_assert_ok(neph_flip_map(flip, pictures.width_px, pictures.height_px,
                                  (const float *const *)pictures.planes[0],
                                  (const float *const *)pictures.planes[1], displays, 3, together,
                                  &diag),
                    &diag);
-    neph_flip_destroy(flip);
+    neph_arena_finish(&memory);
     int chosen[3] = {0};
     for (int i = 0; i < 3; i++)
         single[i] = flip_of(&pictures, 0, 67.0, displays[i]);
@@ -395,8 +397,9 @@ static void test_distance_out_of_range(void **state)
     const double bad[] = {0.0, -67.0, 0.99, 1000.1, INFINITY, NAN};
     for (int i = 0; i < 6; i++) {
         struct neph_flip *flip = NULL;
+        struct neph_arena memory = {0};
         struct neph_diag diag = {0};
-        assert_int_equal(neph_flip_create(bad[i], &flip, &diag), NEPH_ERR_INPUT);
+        assert_int_equal(neph_flip_create(bad[i], &memory, &flip, &diag), NEPH_ERR_INPUT);
         assert_null(flip);
         assert_non_null(strstr(diag.message, "outside 1..1000"));
     }
@@ -624,7 +627,6 @@ static void test_one_exposure_is_enough(void **state)
     void *opaque = calloc(1, neph_extractor_hdr_flip.state_size);
     assert_int_equal(neph_extractor_hdr_flip.init(opaque, &pair, &settings, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "from 100 EV down to"));
-    neph_extractor_hdr_flip.close(opaque);
     free(opaque);
     extraction_end(&rule);
     free_images(&pair);
