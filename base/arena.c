@@ -6,11 +6,26 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+
+enum { HUGE_PAGE = 1 << 21 };
 
 struct neph_arena_block {
     struct neph_arena_block *before;
     max_align_t content[];
 };
+
+/* In huge pages where the system has them: hundreds of megabytes are touched for the first time in
+ * the first few frames, which in small pages takes longer than the frames. calloc() itself does not
+ * touch what is fresh from the system. */
+static void wish_for_huge_pages(void *block, size_t size)
+{
+    const uintptr_t begin = ((uintptr_t)block + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+    const uintptr_t end = ((uintptr_t)block + size) / HUGE_PAGE * HUGE_PAGE;
+    if (begin < end)
+        madvise((void *)begin, end - begin,
+                MADV_HUGEPAGE); /* a wish; without it all is well, too */
+}
 
 void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size)
 {
@@ -21,6 +36,7 @@ void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size)
         arena->is_short = true;
         return NULL;
     }
+    wish_for_huge_pages(block, sizeof(*block) + count * size);
     block->before = arena->last;
     arena->last = block;
     return block->content;
@@ -30,6 +46,21 @@ void *neph_arena_copy(struct neph_arena *arena, const void *from, size_t size)
 {
     void *to = neph_arena_zeroed(arena, 1, size);
     return to ? memcpy(to, from, size) : NULL;
+}
+
+void *neph_arena_grown(struct neph_arena *arena, void *list, int count, int *room, size_t size)
+{
+    enum { FIRST = 16 };
+    if (count < *room)
+        return list;
+    const int wanted = *room > 0 ? 2 * *room : FIRST;
+    void *grown = neph_arena_zeroed(arena, (size_t)wanted, size);
+    if (!grown)
+        return NULL;
+    if (count > 0)
+        memcpy(grown, list, (size_t)count * size);
+    *room = wanted;
+    return grown;
 }
 
 const char *neph_arena_text(struct neph_arena *arena, const char *text)

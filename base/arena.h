@@ -24,6 +24,10 @@ void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size);
 /* A copy of `size` bytes; NULL when memory is short. */
 void *neph_arena_copy(struct neph_arena *arena, const void *from, size_t size);
 
+/* A list of `count` objects of `size` bytes with room for one more, zeroed: the list itself, or a
+ * copy with twice the `*room`. Start from NULL and a room of 0. NULL when memory is short. */
+void *neph_arena_grown(struct neph_arena *arena, void *list, int count, int *room, size_t size);
+
 /* A copy of a text, or printf; "" when memory is short, so that texts can be kept one after the
  * other and neph_arena_check() asked once. A NULL text stays NULL. */
 const char *neph_arena_text(struct neph_arena *arena, const char *text);

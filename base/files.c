@@ -371,6 +371,34 @@ enum neph_status neph_file_copy(const char *from, const char *to, struct neph_di
 
 /* ---- folders --------------------------------------------------------------------------------- */
 
+static int is_name(const struct dirent *entry)
+{
+    return strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+}
+
+static int by_bytes(const struct dirent **a, const struct dirent **b)
+{
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+enum neph_status neph_dir_list(const char *path, struct neph_arena *arena, struct neph_names *names,
+                               struct neph_diag *diag)
+{
+    struct dirent **entries = NULL;
+    const int count = scandir(path, &entries, is_name, by_bytes);
+    *names = (struct neph_names){NULL, 0};
+    if (count < 0)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", path, strerror(errno));
+    names->list = neph_arena_zeroed(arena, (size_t)count + 1, sizeof(*names->list));
+    for (int i = 0; i < count; i++) {
+        if (names->list)
+            names->list[names->count++] = neph_arena_text(arena, entries[i]->d_name);
+        free(entries[i]);
+    }
+    free(entries);
+    return neph_arena_check(arena, diag);
+}
+
 static enum neph_status make_one_folder(const char *path, struct neph_diag *diag)
 {
     if (mkdir(path, 0777) == 0 || (errno == EEXIST && neph_path_is_dir(path)))

@@ -5,6 +5,7 @@
 #ifndef NEPH_BASE_FILES_H
 #define NEPH_BASE_FILES_H
 
+#include "base/arena.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -57,6 +58,15 @@ enum neph_status neph_file_copy(const char *from, const char *to, struct neph_di
 
 /* fsync a file, or a folder: the names in it. NEPH_ERR_IO. */
 enum neph_status neph_file_sync(const char *path, struct neph_diag *diag);
+
+/* The names in a folder but "." and "..", sorted by their bytes; of the arena. None after an error:
+ * NEPH_ERR_IO, also where there is no such folder, NEPH_ERR_MEMORY. */
+struct neph_names {
+    const char **list;
+    int count;
+};
+enum neph_status neph_dir_list(const char *path, struct neph_arena *arena, struct neph_names *names,
+                               struct neph_diag *diag);
 
 /* mkdir -p. */
 enum neph_status neph_dir_create(const char *path, struct neph_diag *diag);

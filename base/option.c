@@ -156,17 +156,27 @@ static enum neph_status apply(const struct neph_option *options, const char *own
     return status;
 }
 
-static void hint_presets(const struct neph_preset *presets, const char *owner,
-                         struct neph_diag *diag)
+const struct neph_preset *neph_preset_of_use(const struct neph_preset *presets, unsigned use,
+                                             int index)
 {
-    char *names = neph_format("%s", "");
+    for (; presets->name; presets++)
+        if ((presets->uses & use) && index-- == 0)
+            return presets;
+    return NULL;
+}
+
+char *neph_preset_names(const struct neph_preset *presets, unsigned use, const char *first,
+                        const char *separator)
+{
+    char *names = neph_format("%s", first);
     for (; names && presets->name; presets++) {
-        char *longer = neph_format("%s%s%s", names, *names ? ", " : "", presets->name);
+        if (use && !(presets->uses & use))
+            continue;
+        char *longer = neph_format("%s%s%s", names, *names ? separator : "", presets->name);
         free(names);
         names = longer;
     }
-    neph_hint(diag, "%s has: %s", owner, names ? names : "");
-    free(names);
+    return names;
 }
 
 enum neph_status neph_options_preset(const struct neph_option *options, const char *owner,
@@ -183,8 +193,10 @@ enum neph_status neph_options_preset(const struct neph_option *options, const ch
                 *settings = made;
             return status;
         }
+    char *names = neph_preset_names(presets, 0, "", ", ");
     neph_fail(diag, NEPH_ERR_USAGE, "%s has no preset '%s'", owner, name);
-    hint_presets(presets, owner, diag);
+    neph_hint(diag, "%s has: %s", owner, names ? names : "");
+    free(names);
     return NEPH_ERR_USAGE;
 }
 

@@ -34,6 +34,7 @@ struct neph_preset {
     const char *name;
     const char *summary; /* one line */
     const char *assignments;
+    unsigned uses; /* bits of an enum beside the table: what takes it when none is named */
 };
 
 /* Values of options, by index in their table. */
@@ -59,6 +60,15 @@ enum neph_status neph_options_set(const struct neph_option *options, const char 
 enum neph_status neph_options_preset(const struct neph_option *options, const char *owner,
                                      const struct neph_preset *presets, const char *name,
                                      struct neph_settings *settings, struct neph_diag *diag);
+
+/* Preset `index`, from 0 on, of those that have a use. NULL: there are not so many. */
+const struct neph_preset *neph_preset_of_use(const struct neph_preset *presets, unsigned use,
+                                             int index);
+
+/* The names of those that have a use, or, with a `use` of 0, of all, behind the text `first`. For
+ * the caller to free; NULL when memory is short. */
+char *neph_preset_names(const struct neph_preset *presets, unsigned use, const char *first,
+                        const char *separator);
 
 /* "steps=64 sun=exact", canonical: all options, table order, numbers that read back as the same
  * double. For the caller to free; NULL when memory is short. */

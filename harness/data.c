@@ -13,9 +13,11 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_DATA_SCENES_COUNT == 2, "a new kind");
 
-static const char *const scene_folders[NEPH_DATA_SCENES_COUNT] = {
-    [NEPH_DATA_CATALOG] = "scenes/catalog",
-    [NEPH_DATA_FAILURES] = "scenes/failure",
+static const struct {
+    const char *name, *old_name;
+} scene_folders[NEPH_DATA_SCENES_COUNT] = {
+    [NEPH_DATA_CATALOG] = {"scenes/catalog", "scenes/catalog"},
+    [NEPH_DATA_STRESS] = {"scenes/stress", "scenes/failure"},
 };
 
 char *neph_data_directory(void)
@@ -33,6 +35,20 @@ char *neph_data_path(const char *relative)
     char *path = directory ? neph_path_join(directory, relative) : NULL;
     free(directory);
     return path;
+}
+
+char *neph_data_renamed_path(const char *relative, const char *old_relative)
+{
+    char *path = neph_data_path(relative), *old = neph_data_path(old_relative);
+    const bool is_old = path && old && !neph_path_exists(path) && neph_path_exists(old);
+    free(is_old ? path : old);
+    return is_old ? old : path;
+}
+
+/* For the caller to free; NULL when memory is short. */
+static char *folder_of(enum neph_data_scenes which)
+{
+    return neph_data_renamed_path(scene_folders[which].name, scene_folders[which].old_name);
 }
 
 static bool is_plain_name(const char *text)
@@ -87,9 +103,9 @@ enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scen
     if (!is_plain_name(path_or_name) || neph_path_exists(path_or_name))
         return load(path_or_name, scene, diag);
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT; folder++) {
-        char *name = neph_format("%s/%s.yaml", scene_folders[folder], path_or_name);
-        char *path = name ? neph_data_path(name) : NULL;
-        free(name);
+        char *within = folder_of((enum neph_data_scenes)folder);
+        char *path = within ? neph_format("%s/%s.yaml", within, path_or_name) : NULL;
+        free(within);
         if (!path)
             return neph_fail_memory(diag);
         const bool is_here = neph_path_exists(path);
@@ -139,7 +155,7 @@ static int keep_yaml(const struct dirent *entry)
 enum neph_status neph_data_list_scenes(enum neph_data_scenes which, char ***names, int *count,
                                        struct neph_diag *diag)
 {
-    char *folder = neph_data_path(scene_folders[which]);
+    char *folder = folder_of(which);
     struct dirent **entries = NULL;
     const int found = folder ? scandir(folder, &entries, keep_yaml, alphasort) : -1;
     if (found < 0) {

@@ -15,6 +15,10 @@ char *neph_data_directory(void);
 /* "<data>/<relative>" for the caller to free; NULL when memory is short. */
 char *neph_data_path(const char *relative);
 
+/* The path of a renamed file or folder: for one release, of its old name where only that is
+ * there. */
+char *neph_data_renamed_path(const char *relative, const char *old_relative);
+
 /* Where what can be made again is kept: $XDG_CACHE_HOME/nephelometer, else
  * $HOME/.cache/nephelometer, else a folder of /tmp. For the caller to free; NULL when memory is
  * short. */
@@ -31,8 +35,8 @@ enum neph_status neph_data_check_scenes(const char *const *scenes, int count,
 
 /* The folders of the catalogue; no name is in both. */
 enum neph_data_scenes {
-    NEPH_DATA_CATALOG,  /* measured against truth over all engines: what `neph validate` runs */
-    NEPH_DATA_FAILURES, /* where methods fail over many frames: what stability is measured with */
+    NEPH_DATA_CATALOG, /* measured against truth over all engines: what `neph validate` runs */
+    NEPH_DATA_STRESS,  /* where methods fail over many frames: what stability is measured with */
     NEPH_DATA_SCENES_COUNT,
 };
 

@@ -197,7 +197,7 @@ static void add_rows(struct parse *parse, const struct neph_cli_option *rows)
             *(int *)place = -1;
         if (row.kind == NEPH_CLI_REAL)
             *(double *)place = NAN;
-        if (row.otherwise)
+        if (row.otherwise && !row.presets)
             take[row.kind](&row, row.otherwise, place, NULL);
     }
 }
@@ -254,12 +254,22 @@ static error_t parse_key(int key, char *argument, struct argp_state *state)
     return 0;
 }
 
+/* What stands for an option of presets; to free. NULL: memory is short. */
+static char *preset_names(const struct neph_cli_option *row)
+{
+    return neph_preset_names(row->presets, row->uses, row->otherwise ? row->otherwise : "",
+                             row->between ? row->between : ",");
+}
+
 /* The help of an option with what stands for it when it is not given; argp frees what is new. */
 static char *describe(int key, const char *text, void *input)
 {
     const struct neph_cli_option *row = row_of(input, key);
-    return row && row->otherwise ? neph_format("%s (default: %s)", text, row->otherwise)
-                                 : (char *)text;
+    char *names = row && row->presets ? preset_names(row) : NULL;
+    const char *otherwise = names ? names : row ? row->otherwise : NULL;
+    char *said = otherwise ? neph_format("%s (default: %s)", text, otherwise) : (char *)text;
+    free(names);
+    return said;
 }
 
 static ssize_t write_clean(void *cookie, const char *bytes, size_t size)
@@ -372,9 +382,9 @@ static enum neph_status split_list(const struct neph_cli_option *row, struct nep
                                    struct neph_diag *diag)
 {
     const int most = row->maximum > 0 ? (int)row->maximum : NEPH_CLI_LIST_MAX;
-    if (!list->argument)
+    if (!list->argument && !row->presets)
         return NEPH_OK;
-    list->text = strdup(list->argument);
+    list->text = list->argument ? strdup(list->argument) : preset_names(row);
     enum neph_status status = list->text ? neph_cli_split(list->text, row->name, most, list->words,
                                                           &list->count, diag)
                                          : neph_fail_memory(diag);

@@ -6,6 +6,7 @@
 #ifndef NEPH_HARNESS_OPTIONS_H
 #define NEPH_HARNESS_OPTIONS_H
 
+#include "base/option.h"
 #include "base/status.h"
 
 #include <argp.h>
@@ -63,6 +64,11 @@ struct neph_cli_option {
     const char *otherwise; /* the argument when none is given, which the help tells; NULL: none */
     double minimum, maximum;
     int group; /* in the help, which sorts by name within each */
+    /* The presets with one of these uses, behind `otherwise`, stand for a list that is not given;
+     * the help names them. NULL: none. */
+    const struct neph_preset *presets;
+    unsigned uses;
+    const char *between; /* before each name; NULL: "," */
 };
 
 /* What several verbs have; the request of a verb begins with it. */

@@ -4,7 +4,6 @@
 #include "metrics/vector_math.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double pu21_most_cd_per_m2 = 1e4; /* see extractors/code_value.h */
@@ -19,29 +18,18 @@ struct tally {
 
 struct neph_clipping {
     int mask_count, frame_count;
-    struct tally *last, *all; /* of each mask; one block, owned through `last` */
+    struct tally *last, *all; /* of each mask */
 };
 
-struct neph_clipping *neph_clipping_create(int mask_count)
+struct neph_clipping *neph_clipping_create(int mask_count, struct neph_arena *memory)
 {
-    struct neph_clipping *created = calloc(1, sizeof(*created));
-    struct tally *tallies = calloc(2 * (size_t)mask_count + 1, sizeof(*tallies));
-    if (!created || !tallies) {
-        free(created);
-        free(tallies);
-        return NULL;
-    }
-    *created = (struct neph_clipping){
-        .mask_count = mask_count, .last = tallies, .all = tallies + mask_count};
-    return created;
-}
-
-void neph_clipping_destroy(struct neph_clipping *clipping)
-{
-    if (!clipping)
-        return;
-    free(clipping->last);
-    free(clipping);
+    const struct neph_clipping clipping = {
+        .mask_count = mask_count,
+        .last = neph_arena_zeroed(memory, (size_t)mask_count, sizeof(struct tally)),
+        .all = neph_arena_zeroed(memory, (size_t)mask_count, sizeof(struct tally)),
+    };
+    return clipping.last && clipping.all ? neph_arena_copy(memory, &clipping, sizeof(clipping))
+                                         : NULL;
 }
 
 /* Values above these are beyond a bound. */

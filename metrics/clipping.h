@@ -13,9 +13,8 @@
 /* Counts of one quantity over the masks, of a frame and of all frames so far. */
 struct neph_clipping;
 
-/* NULL when memory is short. */
-struct neph_clipping *neph_clipping_create(int mask_count);
-void neph_clipping_destroy(struct neph_clipping *clipping); /* NULL is fine */
+/* In the arena; NULL when memory is short. */
+struct neph_clipping *neph_clipping_create(int mask_count, struct neph_arena *memory);
 
 /* Look at the next frame, of a quantity with three planes. `masks` are as many as at creation. */
 void neph_clipping_look(struct neph_clipping *clipping, const struct neph_frame_pair *pair,

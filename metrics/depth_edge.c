@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/depth_edge.h"
 
+#include "base/arena.h"
 #include "metrics/vector_math.h"
 
 #include <stdlib.h>
@@ -110,24 +111,22 @@ enum neph_status neph_edge_field_create(const float *depth_m, int width_px, int 
                                         struct neph_diag *diag)
 {
     size_t width = (size_t)width_px, height = (size_t)height_px, count = width * height;
-    enum neph_status status = NEPH_OK;
     struct neph_edge_field made = {.near_px = malloc(count), .far_px = malloc(count)};
-    uint8_t *near = malloc(count), *far = malloc(count), *sideways = malloc(count);
-    uint8_t *padded = malloc(width + 2 * REACH);
-    if (!made.near_px || !made.far_px || !near || !far || !sideways || !padded) {
+    struct neph_arena memory = {.is_short = !made.near_px || !made.far_px};
+    uint8_t *near = neph_arena_zeroed(&memory, count, 1),
+            *far = neph_arena_zeroed(&memory, count, 1);
+    uint8_t *sideways = neph_arena_zeroed(&memory, count, 1);
+    uint8_t *padded = neph_arena_zeroed(&memory, width + 2 * REACH, 1);
+    const enum neph_status status = neph_arena_check(&memory, diag);
+    if (status) {
         neph_edge_field_finish(&made);
-        status = neph_fail_memory(diag);
-        goto done;
+    } else {
+        neph_edge_steps(depth_m, width_px, height_px, ratio, near, far);
+        measure_distances(near, width, height, sideways, padded, made.near_px);
+        measure_distances(far, width, height, sideways, padded, made.far_px);
+        *field = made;
     }
-    neph_edge_steps(depth_m, width_px, height_px, ratio, near, far);
-    measure_distances(near, width, height, sideways, padded, made.near_px);
-    measure_distances(far, width, height, sideways, padded, made.far_px);
-    *field = made;
-done:
-    free(near);
-    free(far);
-    free(sideways);
-    free(padded);
+    neph_arena_finish(&memory);
     return status;
 }
 

@@ -13,6 +13,7 @@
 #ifndef NEPH_METRICS_EXTRACTOR_H
 #define NEPH_METRICS_EXTRACTOR_H
 
+#include "base/arena.h"
 #include "base/option.h"
 #include "metrics/metric.h"
 
@@ -58,6 +59,8 @@ struct neph_frame_pair {
     int frame_count;   /* how many there will be; 0: nobody knows */
     const struct neph_viewing *viewing;
     struct neph_pair_codes *codes; /* of this pair, for extract() */
+    struct neph_arena *memory;     /* of the extractor at work: freed after its close(); for init()
+                                      and extract() */
 };
 
 /* A map that an extractor can give. */
@@ -97,7 +100,8 @@ struct neph_extractor {
     /* Beyond what all is alike to it, but to its metrics in the unit of the quantity. NULL hook:
      * NEPH_BOUND_NONE. */
     enum neph_display_bound (*bound)(const struct neph_settings *settings);
-    /* `state` is zeroed memory of state_size; `first` lives for this call only. */
+    /* `state` is zeroed memory of state_size; `first` lives for this call only. NULL hook: nothing is
+     * to be set up. */
     enum neph_status (*init)(void *state, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag);
     /* Look at a frame. What `rows` needs of a frame of an extractor that is not temporal may be
@@ -115,6 +119,7 @@ struct neph_extractor {
     const char *(*empty)(const void *state, int map);
     /* A number of the whole frame or sequence. NULL when it is defined, else why it is not. */
     const char *(*scalar)(const void *state, int which, double *value);
+    /* Frees what is not in the memory of the pair. NULL hook: there is nothing else. */
     void (*close)(void *state);
 };
 

@@ -26,14 +26,16 @@ struct run {
     const struct neph_quantity *quantity;
     const char *obstacle; /* why it gives nothing; NULL: it does */
     char reason[192];     /* room for an obstacle that came up on the way */
-    void *state;          /* owned; NULL while an obstacle stands */
+    void *state;          /* NULL while an obstacle stands */
+    struct neph_arena memory;
 };
 
 struct neph_meter {
-    struct neph_meter_choice *choices; /* owned */
+    struct neph_arena memory; /* of all that is not said to be owned or borrowed */
+    struct neph_meter_choice *choices;
     int choice_count;
     struct neph_viewing viewing;
-    struct neph_pool_mask *masks; /* owned; the masks themselves are borrowed */
+    struct neph_pool_mask *masks; /* the masks themselves are borrowed */
     int mask_count;
     const struct neph_meter_number *wanted; /* borrowed; NULL: all */
     bool intervals, draws;
@@ -41,11 +43,11 @@ struct neph_meter {
     int width_px, height_px;   /* of the first frame; 0 before it */
     int frame_count;           /* so far */
     int announced_frame_count; /* of all; 0: not known */
-    struct run *runs;          /* owned; made at the first frame */
+    struct run *runs;          /* made at the first frame */
     int run_count;
-    struct neph_pair_codes *codes;         /* one for each quantity; owned */
-    const struct neph_mask **bare_masks;   /* those of `masks`; owned */
-    struct neph_clipping **clipping;       /* by quantity, NULL where nobody asks; owned */
+    struct neph_pair_codes *codes;         /* one for each quantity */
+    const struct neph_mask **bare_masks;   /* those of `masks` */
+    struct neph_clipping **clipping;       /* by quantity, NULL where nobody asks */
     struct neph_measurement *measurements; /* owned */
     int measurement_count, measurement_room;
 };
@@ -89,24 +91,26 @@ static enum neph_status copy_params(struct neph_meter *meter,
     meter->intervals = params->intervals;
     meter->draws = params->draws;
     meter->announced_frame_count = params->frame_count;
-    meter->choices = calloc((size_t)params->choice_count + 1, sizeof(*meter->choices));
-    meter->masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->masks));
-    meter->codes = calloc((size_t)neph_quantity_count(), sizeof(*meter->codes));
-    meter->clipping = calloc((size_t)neph_quantity_count(), sizeof(*meter->clipping));
-    meter->bare_masks = calloc((size_t)params->mask_count + 1, sizeof(*meter->bare_masks));
-    if (!meter->choices || !meter->masks || !meter->codes || !meter->clipping || !meter->bare_masks)
-        return neph_fail_memory(diag);
-    for (int i = 0; i < params->choice_count; i++)
+    const size_t choice_count = (size_t)params->choice_count,
+                 mask_count = (size_t)params->mask_count;
+    const size_t quantity_count = (size_t)neph_quantity_count();
+    struct neph_arena *memory = &meter->memory;
+    meter->choices = neph_arena_zeroed(memory, choice_count, sizeof(*meter->choices));
+    meter->masks = neph_arena_zeroed(memory, mask_count, sizeof(*meter->masks));
+    meter->codes = neph_arena_zeroed(memory, quantity_count, sizeof(*meter->codes));
+    meter->clipping = neph_arena_zeroed(memory, quantity_count, sizeof(*meter->clipping));
+    meter->bare_masks = neph_arena_zeroed(memory, mask_count, sizeof(*meter->bare_masks));
+    enum neph_status status = neph_arena_check(memory, diag);
+    for (int i = 0; i < params->choice_count && !status; i++)
         meter->choices[meter->choice_count++] = params->choices[i];
-    for (int i = 0; i < params->mask_count; i++) {
-        enum neph_status status = neph_pool_mask_create(params->masks[i],
-                                                        &meter->masks[meter->mask_count], diag);
-        if (status)
-            return status;
+    for (size_t q = 0; q < quantity_count && !status; q++)
+        meter->codes[q].memory = memory;
+    for (int i = 0; i < params->mask_count && !status; i++) {
         meter->bare_masks[i] = params->masks[i];
-        meter->mask_count++;
+        status = neph_pool_mask_create(params->masks[i], memory, &meter->masks[i], diag);
+        meter->mask_count += !status;
     }
-    return NEPH_OK;
+    return status;
 }
 
 enum neph_status neph_meter_create(const struct neph_meter_params *params,
@@ -135,20 +139,11 @@ void neph_meter_destroy(struct neph_meter *meter)
         struct run *run = &meter->runs[i];
         if (run->state && run->choice->extractor->close)
             run->choice->extractor->close(run->state);
-        free(run->state);
+        neph_arena_finish(&run->memory);
     }
     for (int i = 0; i < meter->mask_count; i++)
-        neph_pool_mask_finish(&meter->masks[i]);
-    for (int q = 0; meter->codes && q < neph_quantity_count(); q++)
-        neph_pair_codes_finish(&meter->codes[q]);
-    for (int q = 0; meter->clipping && q < neph_quantity_count(); q++)
-        neph_clipping_destroy(meter->clipping[q]);
-    free(meter->clipping);
-    free(meter->bare_masks);
-    free(meter->codes);
-    free(meter->runs);
-    free(meter->choices);
-    free(meter->masks);
+        neph_resampling_finish(&meter->masks[i].resampling);
+    neph_arena_finish(&meter->memory);
     neph_measurements_destroy(meter->measurements, meter->measurement_count);
     free(meter);
 }
@@ -515,7 +510,7 @@ static enum neph_status take_numbers(struct neph_meter *meter, const struct run 
 
 /* ---- the runs -------------------------------------------------------------------------------- */
 
-static enum neph_status start_run(struct run *run, const struct neph_frame_pair *pair,
+static enum neph_status start_run(struct run *run, struct neph_frame_pair *pair,
                                   struct neph_diag *diag)
 {
     const struct neph_extractor *extractor = run->choice->extractor;
@@ -523,7 +518,8 @@ static enum neph_status start_run(struct run *run, const struct neph_frame_pair 
     run->obstacle = extractor->obstacle ? extractor->obstacle(pair, settings) : NULL;
     if (run->obstacle)
         return NEPH_OK;
-    run->state = calloc(1, extractor->state_size);
+    pair->memory = &run->memory;
+    run->state = neph_arena_zeroed(&run->memory, 1, extractor->state_size);
     if (!run->state)
         return neph_fail_memory(diag);
     return extractor->init ? extractor->init(run->state, pair, settings, diag) : NEPH_OK;
@@ -536,7 +532,7 @@ static enum neph_status start_clipping(struct neph_meter *meter, const struct ru
     struct neph_clipping **clipping = &meter->clipping[run->quantity - neph_quantity_at(0)];
     if (run->obstacle || !run->choice->extractor->bound || *clipping)
         return NEPH_OK;
-    *clipping = neph_clipping_create(meter->mask_count);
+    *clipping = neph_clipping_create(meter->mask_count, &meter->memory);
     return *clipping ? NEPH_OK : neph_fail_memory(diag);
 }
 
@@ -544,8 +540,8 @@ static enum neph_status start_clipping(struct neph_meter *meter, const struct ru
 static enum neph_status start_runs(struct neph_meter *meter,
                                    const struct neph_image *const images[3], struct neph_diag *diag)
 {
-    const int room = neph_quantity_count() * meter->choice_count;
-    meter->runs = calloc((size_t)room + 1, sizeof(*meter->runs));
+    const size_t room = (size_t)neph_quantity_count() * (size_t)meter->choice_count;
+    meter->runs = neph_arena_zeroed(&meter->memory, room, sizeof(*meter->runs));
     if (!meter->runs)
         return neph_fail_memory(diag);
     meter->width_px = images[0]->width_px;
@@ -595,9 +591,10 @@ static enum neph_status check_sizes(const struct neph_meter *meter,
 
 /* Look at a pair; a bad value in a further layer ends a run in order, as one in the quantity does.
  */
-static enum neph_status extract(struct run *run, const struct neph_frame_pair *pair,
+static enum neph_status extract(struct run *run, struct neph_frame_pair *pair,
                                 struct neph_diag *diag)
 {
+    pair->memory = &run->memory;
     struct neph_diag found = {.message = ""};
     const enum neph_status status = run->choice->extractor->extract(run->state, pair, &found);
     if (status == NEPH_ERR_GATE && run->choice->extractor->temporal) {
@@ -612,8 +609,8 @@ static enum neph_status extract(struct run *run, const struct neph_frame_pair *p
 
 /* One extractor over one pair. `bad` counts by mask, `all_bad` over the frame. */
 static enum neph_status measure_run(struct neph_meter *meter, struct run *run,
-                                    const struct neph_frame_pair *pair, const size_t *bad,
-                                    size_t all_bad, struct neph_diag *diag)
+                                    struct neph_frame_pair *pair, const size_t *bad, size_t all_bad,
+                                    struct neph_diag *diag)
 {
     const struct neph_extractor *extractor = run->choice->extractor;
     if (run->obstacle)

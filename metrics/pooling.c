@@ -29,11 +29,12 @@ struct tile {
 
 /* ---- masks ----------------------------------------------------------------------------------- */
 
-enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph_pool_mask *pooled,
-                                       struct neph_diag *diag)
+enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph_arena *memory,
+                                       struct neph_pool_mask *pooled, struct neph_diag *diag)
 {
     const struct neph_tiling tiling = neph_tiling_of(mask->width_px, mask->height_px);
-    uint32_t *counts = calloc((size_t)tiling.columns * (size_t)tiling.rows, sizeof(*counts));
+    uint32_t *counts = neph_arena_zeroed(memory, (size_t)tiling.columns * (size_t)tiling.rows,
+                                         sizeof(*counts));
     if (!counts)
         return neph_fail_memory(diag);
     const uint8_t *inside = mask->inside;
@@ -44,13 +45,6 @@ enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph
     }
     *pooled = (struct neph_pool_mask){.mask = mask, .tile_pixels = counts};
     return NEPH_OK;
-}
-
-void neph_pool_mask_finish(struct neph_pool_mask *pooled)
-{
-    free(pooled->tile_pixels);
-    neph_resampling_finish(&pooled->resampling);
-    *pooled = (struct neph_pool_mask){0};
 }
 
 /* ---- what the pools need --------------------------------------------------------------------- */
@@ -300,41 +294,27 @@ static void gather_strip(int strip, void *context)
     free(buffer);
 }
 
-static void finish_sets(struct gathered *sets, int count)
-{
-    for (int s = 0; sets && s < count; s++) {
-        free(sets[s].tiles);
-        free(sets[s].keys);
-        free(sets[s].first);
-        free(sets[s].counts);
-    }
-    free(sets);
-}
-
 static enum neph_status prepare_set(const struct walk *walk, struct neph_pool_mask *mask,
-                                    bool with_keys, struct gathered *set, struct neph_diag *diag)
+                                    bool with_keys, struct neph_arena *memory, struct gathered *set,
+                                    struct neph_diag *diag)
 {
     const size_t tile_count = (size_t)walk->tiling.columns * (size_t)walk->tiling.rows;
     set->mask = mask;
-    set->tiles = calloc(tile_count, sizeof(*set->tiles));
-    if (!set->tiles)
-        return neph_fail_memory(diag);
+    set->tiles = neph_arena_zeroed(memory, tile_count, sizeof(*set->tiles));
     if (!with_keys || mask->is_bad)
-        return NEPH_OK;
+        return neph_arena_check(memory, diag);
     const size_t planes = (size_t)walk->source->plane_count;
     const size_t room = mask->mask->pixel_count * planes + (size_t)walk->tiling.rows;
-    set->keys = malloc(room * sizeof(*set->keys));
-    set->first = malloc(tile_count * sizeof(*set->first));
-    set->counts = calloc(tile_count, sizeof(*set->counts));
-    if (!set->keys || !set->first || !set->counts)
-        return neph_fail_memory(diag);
+    set->keys = neph_arena_zeroed(memory, room, sizeof(*set->keys));
+    set->first = neph_arena_zeroed(memory, tile_count, sizeof(*set->first));
+    set->counts = neph_arena_zeroed(memory, tile_count, sizeof(*set->counts));
     size_t next = 0;
-    for (size_t t = 0; t < tile_count; t++) {
+    for (size_t t = 0; set->first && t < tile_count; t++) {
         set->first[t] = next;
         next += mask->tile_pixels[t] * planes;
         next += (t + 1) % (size_t)walk->tiling.columns == 0; /* see add_some_keys() */
     }
-    return NEPH_OK;
+    return neph_arena_check(memory, diag);
 }
 
 /* ---- numbers --------------------------------------------------------------------------------- */
@@ -446,12 +426,13 @@ static void lay_out_columns(struct table *table, const struct neph_metric *const
     }
 }
 
-static enum neph_status fill_table(struct table *table, int tile_count, struct neph_diag *diag)
+static enum neph_status fill_table(struct table *table, int tile_count, struct neph_arena *memory,
+                                   struct neph_diag *diag)
 {
     const size_t columns = (size_t)table->column_count;
     table->max = -INFINITY;
-    table->rows = calloc((size_t)tile_count, columns * sizeof(*table->rows));
-    table->tiles = malloc((size_t)tile_count * sizeof(*table->tiles));
+    table->rows = neph_arena_zeroed(memory, (size_t)tile_count, columns * sizeof(*table->rows));
+    table->tiles = neph_arena_zeroed(memory, (size_t)tile_count, sizeof(*table->tiles));
     if (!table->rows || !table->tiles)
         return neph_fail_memory(diag);
     for (int t = 0; t < tile_count; t++) {
@@ -763,13 +744,14 @@ static enum neph_status pool_mask(const struct walk *walk, const struct gathered
                                   enum neph_pool_certainty certainty, struct neph_pooled *pooled,
                                   struct neph_diag *diag)
 {
+    struct neph_arena memory = {0};
     struct table table = {.set = set};
     struct neph_key_runs runs = {.keys = set->keys,
                                  .first = set->first,
                                  .counts = set->counts,
                                  .run_count = walk->tiling.columns * walk->tiling.rows};
     lay_out_columns(&table, metrics, metric_count);
-    enum neph_status status = fill_table(&table, runs.run_count, diag);
+    enum neph_status status = fill_table(&table, runs.run_count, &memory, diag);
     runs.key_count = (size_t)table.totals[SUM_N];
     if (!status && set->keys && table.row_count > 0)
         status = select_from(&table, &runs, metric_count, diag);
@@ -780,8 +762,7 @@ static enum neph_status pool_mask(const struct walk *walk, const struct gathered
     if (!status && certainty == NEPH_POOL_DRAWS)
         status = add_draws(&table, metric_count, pooled, diag);
     neph_selector_destroy(table.selector);
-    free(table.rows);
-    free(table.tiles);
+    neph_arena_finish(&memory);
     return status;
 }
 
@@ -802,11 +783,12 @@ enum neph_status neph_pool_map(const struct neph_pool_source *source,
         if (needs_over(metrics[m]->pool))
             walk.over = metrics[m]->over;
     }
-    walk.sets = calloc((size_t)mask_count, sizeof(*walk.sets));
+    struct neph_arena memory = {0};
+    walk.sets = neph_arena_zeroed(&memory, (size_t)mask_count, sizeof(*walk.sets));
     enum neph_status status = walk.sets ? NEPH_OK : neph_fail_memory(diag);
     for (int s = 0; s < mask_count && !status; s++) {
         walk.any_good |= !masks[s].is_bad;
-        status = prepare_set(&walk, &masks[s], with_keys, &walk.sets[s], diag);
+        status = prepare_set(&walk, &masks[s], with_keys, &memory, &walk.sets[s], diag);
     }
     if (!status)
         status = neph_parallel_rows(walk.tiling.rows, gather_strip, &walk, diag);
@@ -815,6 +797,6 @@ enum neph_status neph_pool_map(const struct neph_pool_source *source,
     for (int s = 0; s < mask_count && !status; s++)
         status = pool_mask(&walk, &walk.sets[s], metrics, metric_count, certainty,
                            pooled + (size_t)s * (size_t)metric_count, diag);
-    finish_sets(walk.sets, mask_count);
+    neph_arena_finish(&memory);
     return status;
 }

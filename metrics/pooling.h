@@ -6,6 +6,7 @@
 #ifndef NEPH_METRICS_POOLING_H
 #define NEPH_METRICS_POOLING_H
 
+#include "base/arena.h"
 #include "metrics/interval.h"
 #include "metrics/mask.h"
 #include "metrics/metric.h"
@@ -13,14 +14,14 @@
 /* A mask with what pooling needs to know of it beforehand. */
 struct neph_pool_mask {
     const struct neph_mask *mask; /* borrowed */
-    uint32_t *tile_pixels;        /* pixels of the mask in each tile of neph_tiling_of(); owned */
+    uint32_t *tile_pixels;        /* pixels of the mask in each tile of neph_tiling_of() */
     bool is_bad; /* holds pixels whose inputs are not finite: nothing is pooled over it */
     struct neph_resampling resampling; /* of the last interval over it; owned */
 };
 
-enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph_pool_mask *pooled,
-                                       struct neph_diag *diag);
-void neph_pool_mask_finish(struct neph_pool_mask *pooled); /* a zeroed one is fine */
+/* In the arena, but for the resampling, which ends with neph_resampling_finish(). NEPH_ERR_MEMORY. */
+enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph_arena *memory,
+                                       struct neph_pool_mask *pooled, struct neph_diag *diag);
 
 /* Why a ratio to the error has no value where test and reference are equal: nothing can be better.
  */

@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What of a sequence is judged; harness/failure/measures.h says how each is measured. Of all of
+/* What of a sequence is judged; harness/stress/measures.h says how each is measured. Of all of
  * them less is better. */
 enum neph_failing_measure {
     NEPH_FAILING_ERROR,
@@ -37,41 +37,38 @@ enum neph_failing_truth {
 
 struct neph_failing_limit {
     enum neph_failing_measure measure;
-    char *over;   /* owned: the mask, "all" */
-    double limit; /* value <= limit passes */
-    char *reason; /* owned */
-    int line;     /* in the scene file */
+    const char *over; /* the mask, "all" */
+    double limit;     /* value <= limit passes */
+    const char *reason;
+    int line; /* in the scene file */
 };
 
 enum { NEPH_FAILING_VALUES_MAX = 16 };
 
 /* Numbers of the file that change together. */
 struct neph_failing_axis {
-    char *name;             /* owned: "pitch_m" */
-    char *paths;            /* owned: "solids[0].fence.pitch_m", several parted by spaces */
-    int to_count, by_count; /* one of them is 0 */
+    const char *name;                   /* "pitch_m" */
+    const char *paths;                  /* "solids[0].fence.pitch_m", several parted by spaces */
+    int to_count, by_count;             /* one of them is 0 */
     double to[NEPH_FAILING_VALUES_MAX]; /* in place of the numbers */
     double by[NEPH_FAILING_VALUES_MAX]; /* added to the numbers */
 };
 
 struct neph_failing {
-    char *fails;   /* owned: what fails and why; NULL: the scene says nothing of failures */
-    char *known;   /* owned: who is known to fail */
-    char *symptom; /* owned: what is seen of it */
-    char *presets; /* owned: names parted by spaces, "" for all */
+    const char *fails;   /* what fails and why; NULL: the scene says nothing of failures */
+    const char *known;   /* who is known to fail */
+    const char *symptom; /* what is seen of it */
+    const char *presets; /* names parted by spaces, "" for all */
     int width_px, height_px, frame_count, steps; /* what the limits hold at */
     int event_frame; /* of what happens in the scene, for lags; 0: nothing does */
     enum neph_failing_truth truth;
     bool quick;   /* one of the quick tier */
     bool engines; /* also of engines that make each picture anew, against engine exact */
     int limit_count;
-    struct neph_failing_limit *limits; /* owned */
+    struct neph_failing_limit *limits;
     int axis_count;
-    struct neph_failing_axis *axes; /* owned */
+    struct neph_failing_axis *axes;
 };
-
-/* What is owned; a zeroed one is fine. */
-void neph_failing_finish(struct neph_failing *failing);
 
 const char *neph_failing_measure_name(enum neph_failing_measure measure);
 const char *neph_failing_truth_name(enum neph_failing_truth truth);

@@ -271,7 +271,7 @@ static enum neph_status read_word(const struct neph_reader *reader, const yaml_n
 }
 
 static enum neph_status read_text(const struct neph_reader *reader, const yaml_node_t *node,
-                                  const struct neph_field *field, char **text)
+                                  const struct neph_field *field, const char **text)
 {
     int index;
     const enum neph_status status = field->words ? read_word(reader, node, field, &index) : NEPH_OK;
@@ -282,9 +282,8 @@ static enum neph_status read_text(const struct neph_reader *reader, const yaml_n
     const int size = (int)node->data.scalar.length;
     if (!field->words && (size < field->least || size > field->most))
         return refuse_value(reader, node, field);
-    free(*text);
-    *text = strdup(neph_document_text(node));
-    return *text ? NEPH_OK : neph_fail_memory(reader->diag);
+    *text = neph_arena_text(reader->arena, neph_document_text(node));
+    return neph_arena_check(reader->arena, reader->diag);
 }
 
 /* --- Lists --- */
@@ -365,14 +364,13 @@ static enum neph_status check_order(const struct neph_reader *reader,
     return NEPH_OK;
 }
 
-/* Its length is known before its entries are: what is half read can be freed. */
 static enum neph_status read_list(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *field, int count, void *target)
 {
     char **list = place(target, field->at);
     if (count == 0)
         return NEPH_OK;
-    *list = calloc((size_t)count, field->record->size);
+    *list = neph_arena_zeroed(reader->arena, (size_t)count, field->record->size);
     if (!*list)
         return neph_fail_memory(reader->diag);
     *count_of(field, target) = count;
@@ -573,25 +571,5 @@ void neph_fields_hash(const struct neph_field *fields, const void *record, FILE 
             neph_put_vec3(text, fields->key, *(const struct neph_vec3 *)value);
         else if (fields->type == NEPH_WHOLE || fields->type == NEPH_WORD)
             neph_put_number(text, fields->key, *(const int *)value);
-    }
-}
-
-static void free_list(const struct neph_field *field, void *target)
-{
-    char **list = place(target, field->at);
-    for (int i = 0; *list && i < *count_of(field, target); i++)
-        neph_fields_free(field->record->fields, *list + (size_t)i * field->record->size);
-    free(*list);
-}
-
-void neph_fields_free(const struct neph_field *fields, void *target)
-{
-    for (; fields->key; fields++) {
-        if (fields->type == NEPH_TEXT)
-            free(*(char **)place(target, fields->at));
-        else if (fields->type == NEPH_RECORD)
-            neph_fields_free(fields->record->fields, place(target, fields->at));
-        else if (fields->type == NEPH_LIST)
-            free_list(fields, target);
     }
 }

@@ -8,6 +8,7 @@
 #ifndef NEPH_SCENES_FIELDS_H
 #define NEPH_SCENES_FIELDS_H
 
+#include "base/arena.h"
 #include "scenes/document.h"
 
 #include <stdbool.h>
@@ -26,11 +27,11 @@ enum neph_field_type {
     NEPH_WHOLES,  /* three ints */
     NEPH_FLAG,    /* bool */
     NEPH_WORD,    /* int or enum: the index in `words` */
-    NEPH_TEXT,    /* char *, owned; where there are `words`, one of them */
+    NEPH_TEXT,    /* const char *, in the arena; where there are `words`, one of them */
     NEPH_RECORD,  /* a mapping, read into the place itself */
     NEPH_NUMBERS, /* double[most] and a count */
     NEPH_ENTRIES, /* mappings: an array[most] and a count */
-    NEPH_LIST,    /* mappings: a pointer to an owned array, and a count */
+    NEPH_LIST,    /* mappings: a pointer to an array in the arena, and a count */
     NEPH_FIELD_TYPE_COUNT,
 };
 
@@ -63,13 +64,13 @@ struct neph_field {
 
 struct neph_reader {
     struct neph_document *document;
+    struct neph_arena *arena; /* of texts and lists */
     struct neph_diag *diag;
     char path[NEPH_FIELD_PATH_MAX]; /* of what is being read: "media[0].homogeneous" */
 };
 
 /* The mapping into `target`, which is 0 or was read before: every key known and given once, every
- * value of its type and in its range, what must be there is there, the rest has its default. What
- * is owned in a half-read target is for neph_fields_free(), or for who knows the struct. */
+ * value of its type and in its range, what must be there is there, the rest has its default. */
 enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *fields, void *target);
 
@@ -79,9 +80,6 @@ enum neph_status neph_read_choice(struct neph_reader *reader, const yaml_node_t 
 
 /* What neph_read_fields() gives for keys that are all left out. */
 void neph_fields_default(const struct neph_field *fields, void *target);
-
-/* Texts and lists. */
-void neph_fields_free(const struct neph_field *fields, void *target);
 
 /* Whether the file gives the key, default or not. */
 bool neph_reader_has(const struct neph_reader *reader, const yaml_node_t *mapping, const char *key);

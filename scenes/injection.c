@@ -4,15 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-void neph_injections_finish(struct neph_injections *injections)
-{
-    free(injections->histories);
-    free(injections->rays);
-    free(injections->sizes);
-    free(injections->origins);
-    free(injections->exposures);
-}
-
 /* --- at a picture ---------------------------------------------------------------------------- */
 
 const struct neph_injected_history *

@@ -73,17 +73,14 @@ struct neph_injected_exposure {
 /* All zero: nothing. Lists by ascending frames. */
 struct neph_injections {
     int history_count, ray_count, size_count, origin_count, exposure_count;
-    struct neph_injected_history *histories;  /* owned */
-    struct neph_injected_rays *rays;          /* owned */
-    struct neph_injected_size *sizes;         /* owned */
-    struct neph_injected_origin *origins;     /* owned */
-    struct neph_injected_exposure *exposures; /* owned */
+    struct neph_injected_history *histories;
+    struct neph_injected_rays *rays;
+    struct neph_injected_size *sizes;
+    struct neph_injected_origin *origins;
+    struct neph_injected_exposure *exposures;
     struct neph_injected_view view;
     struct neph_injected_mirror mirror;
 };
-
-/* What is owned; a zeroed one is fine. */
-void neph_injections_finish(struct neph_injections *injections);
 
 /* All of it in words, such as "history nan at 16, rays 1 infinite at 20", for the caller to free;
  * "" without any, NULL when memory is short. No two that differ have the same words. */

@@ -85,8 +85,8 @@ static enum neph_status read_gate(struct neph_reader *reader, const yaml_node_t 
         return neph_refuse(reader, "reason", "control characters in the text");
     gate->line = (int)node->start_mark.line + 1;
     if (!gate->mask)
-        gate->mask = strdup(mask_words[0]);
-    return gate->mask ? NEPH_OK : neph_fail_memory(reader->diag);
+        gate->mask = mask_words[0];
+    return NEPH_OK;
 }
 
 static const struct neph_record gate_record = {sizeof(struct neph_gate), gate_fields, read_gate};
@@ -180,10 +180,9 @@ static enum neph_status find_chain(const struct neph_reader *reader, const char 
         return neph_refuse(reader, "display.chain", "control characters in the name of a file");
     if (!slash || scene->chain[0] == '/')
         return NEPH_OK;
-    char *whole = neph_format("%.*s/%s", (int)(slash - path), path, scene->chain);
-    free(scene->chain);
-    scene->chain = whole;
-    return whole ? NEPH_OK : neph_fail_memory(reader->diag);
+    scene->chain = neph_arena_format(reader->arena, "%.*s/%s", (int)(slash - path), path,
+                                     scene->chain);
+    return neph_arena_check(reader->arena, reader->diag);
 }
 
 static enum neph_status finish(struct neph_reader *reader, const char *path,
@@ -191,9 +190,9 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
 {
     struct neph_scene *scene = &written->scene;
     char *stem = neph_scene_name_of(path);
-    scene->path = strdup(path);
-    enum neph_status status = stem && scene->path ? check_names(reader, scene, stem)
-                                                  : neph_fail_memory(reader->diag);
+    scene->path = neph_arena_text(reader->arena, path);
+    enum neph_status status = stem && !reader->arena->is_short ? check_names(reader, scene, stem)
+                                                               : neph_fail_memory(reader->diag);
     free(stem);
     neph_finish_sun(written);
     if (!status)
@@ -220,15 +219,15 @@ struct swept {
 static enum neph_status load_document(struct neph_document *document, const char *path,
                                       struct neph_scene **scene, struct neph_diag *diag)
 {
-    struct neph_reader reader = {.document = document, .diag = diag};
     struct neph_written_scene *written = calloc(1, sizeof(*written));
     if (!written)
         return neph_fail_memory(diag);
+    struct neph_reader reader = {
+        .document = document, .arena = &written->scene.arena, .diag = diag};
     enum neph_status status = neph_read_fields(&reader, neph_document_root(document), scene_fields,
                                                written);
     if (!status)
         status = finish(&reader, path, written);
-    neph_written_solids_free(written);
     if (status)
         neph_scene_destroy(&written->scene);
     else
@@ -302,35 +301,9 @@ void neph_scene_destroy(struct neph_scene *scene)
 {
     if (!scene)
         return;
-    if (scene->borrows) {
-        free(scene);
-        return;
-    }
-    for (int i = 0; i < scene->gate_count; i++) {
-        free(scene->gates[i].engine);
-        free(scene->gates[i].metric);
-        free(scene->gates[i].mask);
-        free(scene->gates[i].reason);
-    }
-    free(scene->gates);
-    neph_failing_finish(&scene->failing);
-    neph_injections_finish(&scene->injections);
-    for (int i = 0; i < scene->medium_count; i++)
+    for (int i = 0; i < scene->medium_count && !scene->borrows; i++)
         neph_medium_finish(&scene->media[i]);
-    for (int i = 0; i < scene->mover_count; i++)
-        free(scene->movers[i].keys);
-    free(scene->movers);
-    free(scene->solids);
-    free(scene->wind_keys);
-    free(scene->sun_keys);
-    free(scene->frame_scales);
-    free(scene->clears);
-    free(scene->pauses);
-    free(scene->camera_keys);
-    free(scene->chain);
-    free(scene->physics);
-    free(scene->title);
-    free(scene->name);
-    free(scene->path);
+    if (!scene->borrows)
+        neph_arena_finish(&scene->arena);
     free(scene);
 }

@@ -15,7 +15,7 @@ struct neph_written_scene {
     struct neph_sun_key sun;
     struct neph_wind_key wind;
     int solid_count;
-    struct neph_written_solid *solids; /* owned; fences are one */
+    struct neph_written_solid *solids; /* fences are one */
 };
 
 /* Read in place, into a struct neph_written_scene. */
@@ -62,9 +62,6 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
 /* No light is inside a solid: it would light nothing. */
 enum neph_status neph_check_lights(const struct neph_reader *reader,
                                    const struct neph_scene *scene);
-
-/* The solids as they are written. */
-void neph_written_solids_free(struct neph_written_scene *written);
 
 /* What needs the finished scene: cameras of all frames outside solids and never degenerate, wind
  * that moves media and not too far. */

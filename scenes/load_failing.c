@@ -42,8 +42,8 @@ static enum neph_status read_limit(struct neph_reader *reader, const yaml_node_t
         return status;
     limit->line = (int)node->start_mark.line + 1;
     if (!limit->over)
-        limit->over = strdup(mask_words[0]);
-    return limit->over ? NEPH_OK : neph_fail_memory(reader->diag);
+        limit->over = mask_words[0];
+    return NEPH_OK;
 }
 
 static const struct neph_record limit_record = {sizeof(struct neph_failing_limit), limit_fields,
@@ -167,18 +167,13 @@ static enum neph_status read_failing(struct neph_reader *reader, const yaml_node
     if (!status && failing->event_frame >= failing->frame_count)
         status = neph_refuse(reader, "event_frame", "%d is not one of the %d frames",
                              failing->event_frame, failing->frame_count);
-    if (!status && !failing->presets)
-        failing->presets = strdup("");
-    return status || failing->presets ? status : neph_fail_memory(reader->diag);
+    if (!failing->presets)
+        failing->presets = "";
+    return status;
 }
 
 const struct neph_record neph_failing_record = {sizeof(struct neph_failing), failing_fields,
                                                 read_failing};
-
-void neph_failing_finish(struct neph_failing *failing)
-{
-    neph_fields_free(failing_fields, failing);
-}
 
 /* --- A point of the sweep --- */
 

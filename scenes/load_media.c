@@ -155,7 +155,7 @@ static enum neph_status read_form(struct neph_reader *reader, const yaml_node_t 
     struct neph_field fields[FIELDS_MAX];
     struct neph_medium *medium = target;
     gather_fields(choice->form->fields, fields);
-    struct neph_written_medium *written = calloc(1, record->size);
+    struct neph_written_medium *written = neph_arena_zeroed(reader->arena, 1, record->size);
     if (!written)
         return neph_fail_memory(reader->diag);
     written->medium.kind = choice->kind;
@@ -165,8 +165,6 @@ static enum neph_status read_form(struct neph_reader *reader, const yaml_node_t 
         status = finish(reader, node, choice->form, written);
     neph_medium_finish(medium); /* of another form in the same entry */
     *medium = written->medium;  /* what is half made is freed with the scene */
-    neph_fields_free(fields, written);
-    free(written);
     return status;
 }
 

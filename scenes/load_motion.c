@@ -124,12 +124,10 @@ static const struct neph_field camera_fields[] = {
 
 static enum neph_status make_camera_key(struct neph_written_scene *written, struct neph_diag *diag)
 {
-    written->scene.camera_keys = malloc(sizeof(written->camera));
-    if (!written->scene.camera_keys)
-        return neph_fail_memory(diag);
-    *written->scene.camera_keys = written->camera;
+    written->scene.camera_keys = neph_arena_copy(&written->scene.arena, &written->camera,
+                                                 sizeof(written->camera));
     written->scene.camera_key_count = 1;
-    return NEPH_OK;
+    return neph_arena_check(&written->scene.arena, diag);
 }
 
 static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_t *node,
@@ -254,7 +252,6 @@ void neph_finish_sun(struct neph_written_scene *written)
         scene->sun = neph_scene_sun(scene, 0.0);
         return;
     }
-    free(scene->sun_keys);
     scene->sun_keys = NULL;
     scene->sun_key_count = 0;
 }
@@ -292,12 +289,9 @@ static enum neph_status read_wind(struct neph_reader *reader, const yaml_node_t 
         return neph_refuse(reader, "", "give exactly one of velocity_m_per_s, keys");
     if (scene->wind_keys)
         return NEPH_OK;
-    scene->wind_keys = malloc(sizeof(written->wind));
-    if (!scene->wind_keys)
-        return neph_fail_memory(reader->diag);
-    *scene->wind_keys = written->wind;
+    scene->wind_keys = neph_arena_copy(reader->arena, &written->wind, sizeof(written->wind));
     scene->wind_key_count = 1;
-    return NEPH_OK;
+    return neph_arena_check(reader->arena, reader->diag);
 }
 
 const struct neph_record neph_wind_record = {sizeof(struct neph_written_scene), wind_fields,

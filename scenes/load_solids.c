@@ -329,12 +329,11 @@ static int count_of(const struct neph_written_solid *written)
     return fence->bars > 0 ? fence->rows * (fence->bars + fence->rail_count) : 1;
 }
 
-/* The scene takes over the keys of what moves. */
 static enum neph_status finish_movers(struct neph_reader *reader,
                                       struct neph_written_scene *written)
 {
     struct neph_scene *scene = &written->scene;
-    scene->movers = calloc(NEPH_SCENE_MOVERS_MAX, sizeof(*scene->movers));
+    scene->movers = neph_arena_zeroed(reader->arena, NEPH_SCENE_MOVERS_MAX, sizeof(*scene->movers));
     if (!scene->movers)
         return neph_fail_memory(reader->diag);
     for (int i = 0; i < written->solid_count; i++) {
@@ -344,7 +343,6 @@ static enum neph_status finish_movers(struct neph_reader *reader,
             return neph_refuse(reader, neph_at("solids[%d]", i).text,
                                "no more than %d entries may move", NEPH_SCENE_MOVERS_MAX);
         scene->movers[scene->mover_count++] = written->solids[i].mover;
-        written->solids[i].mover.keys = NULL;
     }
     return NEPH_OK;
 }
@@ -387,7 +385,7 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
     }
     if (count == 0)
         return NEPH_OK;
-    scene->solids = calloc((size_t)count, sizeof(*scene->solids));
+    scene->solids = neph_arena_zeroed(reader->arena, (size_t)count, sizeof(*scene->solids));
     if (!scene->solids)
         return neph_fail_memory(reader->diag);
     scene->solid_count = count;
@@ -401,12 +399,4 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
             *next++ = written->solids[i].solid;
     }
     return finish_movers(reader, written);
-}
-
-void neph_written_solids_free(struct neph_written_scene *written)
-{
-    for (int i = 0; i < written->solid_count; i++)
-        free(written->solids[i].mover.keys);
-    free(written->solids);
-    written->solids = NULL;
 }

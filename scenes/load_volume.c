@@ -86,29 +86,29 @@ const struct neph_field neph_volume_fields[] = {
 /* --- the file --- */
 
 /* "$NAME/rest" starts in a folder, or is a file, that the environment names; a relative path starts
- * at the scene file. For the caller to free. */
-static enum neph_status resolve_file(const char *file, const char *scene_path, char **path,
-                                     struct neph_diag *diag)
+ * at the scene file. */
+static enum neph_status resolve_file(const struct neph_reader *reader, const char *file,
+                                     const char **path)
 {
-    const char *slash = strrchr(scene_path, '/');
+    const char *scene_path = reader->document->file, *slash = strrchr(scene_path, '/');
     if (file[0] == '$') {
         const size_t length = strcspn(file + 1, "/");
-        char *name = strndup(file + 1, length);
-        const char *value = name ? getenv(name) : NULL;
-        free(name);
+        const char *value = getenv(neph_arena_format(reader->arena, "%.*s", (int)length, file + 1));
         if (!value || !*value) {
-            neph_fail(diag, NEPH_ERR_NOT_FOUND, "'%s': the environment variable %.*s is not set",
-                      file, (int)length, file + 1);
-            neph_hint(diag, "export %.*s=/path/to/the/volume", (int)length, file + 1);
+            neph_fail(reader->diag, NEPH_ERR_NOT_FOUND,
+                      "'%s': the environment variable %.*s is not set", file, (int)length,
+                      file + 1);
+            neph_hint(reader->diag, "export %.*s=/path/to/the/volume", (int)length, file + 1);
             return NEPH_ERR_NOT_FOUND;
         }
-        *path = neph_format("%s%s", value, file + 1 + length);
+        *path = neph_arena_format(reader->arena, "%s%s", value, file + 1 + length);
     } else if (file[0] == '/' || !slash) {
-        *path = strdup(file);
+        *path = file;
     } else {
-        *path = neph_format("%.*s/%s", (int)(slash - scene_path), scene_path, file);
+        *path = neph_arena_format(reader->arena, "%.*s/%s", (int)(slash - scene_path), scene_path,
+                                  file);
     }
-    return *path ? NEPH_OK : neph_fail_memory(diag);
+    return neph_arena_check(reader->arena, reader->diag);
 }
 
 /* --- which placement --- */
@@ -245,10 +245,10 @@ enum neph_status neph_finish_volume(struct neph_reader *reader, const yaml_node_
     const bool has_index_box = neph_reader_has(reader, node, "index_box");
     if (volume->file[0] != '$' && !neph_volume_has_known_extension(volume->file))
         return neph_refuse(reader, "file", "'%s' must end in .vdb or .df3", volume->file);
-    char *path = NULL;
+    const char *path = NULL;
     enum neph_status status = has_index_box ? check_index_box(reader, &volume->index_box) : NEPH_OK;
     if (!status)
-        status = resolve_file(volume->file, reader->document->file, &path, reader->diag);
+        status = resolve_file(reader, volume->file, &path);
     if (!status && neph_volume_has_known_extension(path))
         status = choose_placement(reader, node, path, volume);
     if (!status) {
@@ -263,7 +263,6 @@ enum neph_status neph_finish_volume(struct neph_reader *reader, const yaml_node_
             .is_fitted = volume->placement == PLACEMENT_FIT};
         status = neph_volume_read(&request, &medium->grid, reader->diag);
     }
-    free(path);
     if (status)
         return status;
     return volume->placement == PLACEMENT_FIT ? fit(medium->grid, volume, reader->diag)

@@ -10,7 +10,7 @@
 
 struct neph_written_volume {
     struct neph_written_medium common;
-    char *file, *grid;
+    const char *file, *grid;
     int placement, fit_to, up; /* words */
     struct neph_volume_box index_box;
     struct neph_vec3 center_m, size_m; /* placement: fit */

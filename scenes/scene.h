@@ -9,6 +9,7 @@
 #ifndef NEPH_SCENES_SCENE_H
 #define NEPH_SCENES_SCENE_H
 
+#include "base/arena.h"
 #include "base/hash.h"
 #include "base/status.h"
 #include "base/vec3.h"
@@ -219,8 +220,8 @@ struct neph_mover {
     int first, count; /* of the scene's solids */
     int axis;         /* 0 x, 1 y, 2 z, through the pivot, which moves along */
     struct neph_vec3 pivot_m;
-    int key_count;               /* >= 1 */
-    struct neph_solid_key *keys; /* owned */
+    int key_count; /* >= 1 */
+    struct neph_solid_key *keys;
 };
 
 /* The keys' frame stands still for so many more pictures. */
@@ -263,23 +264,25 @@ enum neph_gate_quantity {
 
 /* A pass/fail limit that comes from physics, written in the scene file with its reason. */
 struct neph_gate {
-    char *engine; /* owned */
+    const char *engine;
     enum neph_gate_quantity quantity;
-    char *metric;   /* owned: a name of the metrics module, such as "rel_bias" */
-    char *mask;     /* owned: "all", "sky", "medium", "depth_edge" */
-    double maximum; /* |value| <= maximum passes */
-    char *reason;   /* owned */
-    int line;       /* in the scene file */
+    const char *metric; /* a name of the metrics module, such as "rel_bias" */
+    const char *mask;   /* "all", "sky", "medium", "depth_edge" */
+    double maximum;     /* |value| <= maximum passes */
+    const char *reason;
+    int line; /* in the scene file */
 };
 
 struct neph_scene {
-    char *path;    /* owned; the file it came from */
-    char *name;    /* owned; a plain identifier [a-z0-9_]+ */
-    char *title;   /* owned; one line */
-    char *physics; /* owned; what the scene isolates and which truth applies */
+    struct neph_arena arena; /* has what follows, but for grids and horizons */
 
-    int camera_key_count;                /* >= 1 */
-    struct neph_camera_key *camera_keys; /* owned */
+    const char *path;    /* the file it came from */
+    const char *name;    /* a plain identifier [a-z0-9_]+ */
+    const char *title;   /* one line */
+    const char *physics; /* what the scene isolates and which truth applies */
+
+    int camera_key_count; /* >= 1 */
+    struct neph_camera_key *camera_keys;
     struct neph_vec3 camera_up;
     double vertical_fov_rad; /* one of the two, the other is 0; see struct neph_camera */
     double orthographic_height_m;
@@ -287,19 +290,19 @@ struct neph_scene {
     int frame_count; /* >= 1 */
     double frame_rate_hz;
     int pause_count;
-    struct neph_pause *pauses; /* owned; ascending frames */
+    struct neph_pause *pauses; /* ascending frames */
     int advance_count;         /* 0: from picture to picture the keys go on by 1 frame */
     double advances[NEPH_SCENE_ADVANCES_MAX]; /* by so many frames, by turns; >= 0 */
     int clear_count;
-    struct neph_clear *clears; /* owned; ascending frames */
+    struct neph_clear *clears; /* ascending frames */
     int frame_scale_count;
-    struct neph_frame_scale *frame_scales; /* owned; ascending frames */
+    struct neph_frame_scale *frame_scales; /* ascending frames */
 
-    struct neph_sun sun;             /* of frame 0 */
-    int sun_key_count;               /* 0: the sun stands still; else >= 2 */
-    struct neph_sun_key *sun_keys;   /* owned */
-    int wind_key_count;              /* 0: no wind */
-    struct neph_wind_key *wind_keys; /* owned */
+    struct neph_sun sun; /* of frame 0 */
+    int sun_key_count;   /* 0: the sun stands still; else >= 2 */
+    struct neph_sun_key *sun_keys;
+    int wind_key_count; /* 0: no wind */
+    struct neph_wind_key *wind_keys;
     int light_count;
     struct neph_light lights[NEPH_SCENE_LIGHTS_MAX];
     struct neph_rgb background_w_per_m2_sr; /* uniform radiance of the sky */
@@ -310,21 +313,21 @@ struct neph_scene {
                           */
 
     int solid_count;
-    struct neph_solid *solids; /* owned */
+    struct neph_solid *solids;
     int mover_count;
-    struct neph_mover *movers; /* owned; of some of the solids */
+    struct neph_mover *movers; /* of some of the solids */
     int medium_count;
     struct neph_medium media[NEPH_SCENE_MEDIA_MAX];
     struct neph_fog_look fog_look; /* of the height fog among them; physics does not look at it */
 
     double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
-    char *chain; /* owned; the file of the picture chain, which its pictures are shown by; NULL:
-                           none */
+    const char
+        *chain; /* the file of the picture chain, which its pictures are shown by; NULL: none */
     int gate_count;
-    struct neph_gate *gates;           /* owned */
-    struct neph_failing failing;       /* how methods fail in it over time; owned */
-    struct neph_injections injections; /* put into the renderer, not into the scene; owned */
-    bool borrows; /* made by neph_scene_at() or neph_scene_variant(): what is owned belongs to the
+    struct neph_gate *gates;
+    struct neph_failing failing;       /* how methods fail in it over time */
+    struct neph_injections injections; /* put into the renderer, not into the scene */
+    bool borrows;     /* made by neph_scene_at() or neph_scene_variant(): all pointers belong to the
                      scene it came from */
     bool is_as_filed; /* of one that borrows: media, solids and scattering are those of its file */
 

@@ -157,8 +157,8 @@ static struct made *create(const struct neph_scene *scene, const struct neph_var
     made->scene.is_as_filed = !scene->borrows || scene->is_as_filed;
     made->scene.name = made->texts;
     made->scene.title = made->texts + name_size;
-    snprintf(made->scene.name, (size_t)name_size, "%s_%s", scene->name, what);
-    snprintf(made->scene.title, (size_t)title_size, "%s; %s%s", scene->title, words, frame);
+    snprintf(made->texts, (size_t)name_size, "%s_%s", scene->name, what);
+    snprintf(made->texts + name_size, (size_t)title_size, "%s; %s%s", scene->title, words, frame);
     return made;
 }
 

@@ -118,7 +118,7 @@ complete -o default -F _neph neph
 
 def completion(neph, top, kinds, verbs):
     folder = pathlib.Path(__file__).parents[1] / "scenes"
-    scenes = sorted(path.stem for kind in ("catalog", "failure")
+    scenes = sorted(path.stem for kind in ("catalog", "stress")
                     for path in (folder / kind).glob("*.yaml"))
     engines = re.findall(r'"engine": "(\w+)"', ask(neph, "scenes", scenes[0], "--json"))
     parts = {

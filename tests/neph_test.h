@@ -76,26 +76,32 @@ static inline void neph_test_waits_for_the_night(void)
         skip();
 }
 
-/* Under the sanitizers tests draw every 11th path, photon or trial, and look at every 11th of
+/* Under the sanitizers tests draw an 11th of the paths, photons or trials, and take every 11th of
  * a table of cases that differ in their numbers alone (11 has no factor in common with the 2, 3, 4,
- * 5 that tests cycle through): what sanitizers look for shows in any of them, and whether the
- * numbers are right is for the release build to say, with all. Tolerances in standard errors of the
- * estimate follow by themselves; a bound on those errors is for all paths, and neph_test_noise() is
- * what it is for these. */
+ * 5 that tests cycle through): what sanitizers find shows in any of them. Whether the numbers are
+ * right is for the release build to say, by day with a third of the paths, by night with all.
+ * Tolerances in standard errors of the estimate follow by themselves; a bound on those errors is for
+ * all paths, and neph_test_noise() is what it is for these. */
 #ifdef NEPH_SANITIZED
 enum { NEPH_TEST_EVERY = 11 };
 #else
 enum { NEPH_TEST_EVERY = 1 };
 #endif
 
+/* Of how many paths one is drawn. */
+static inline int neph_test_path_step(void)
+{
+    return NEPH_TEST_EVERY > 1 ? NEPH_TEST_EVERY : neph_test_by_day(3, 1);
+}
+
 static inline int neph_test_paths(int count)
 {
-    return (count + NEPH_TEST_EVERY - 1) / NEPH_TEST_EVERY;
+    return (count + neph_test_path_step() - 1) / neph_test_path_step();
 }
 
 static inline double neph_test_noise(double standard_error)
 {
-    return standard_error * sqrt((double)NEPH_TEST_EVERY);
+    return standard_error * sqrt((double)neph_test_path_step());
 }
 
 /* Property tests: a small deterministic generator; print the seed when a property fails. */

@@ -7,7 +7,7 @@
 #include "base/threads.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
-#include "harness/engines/vulkan_device.h"
+#include "harness/experiment/experiment.h"
 #include "harness/progress.h"
 #include "harness/run/benchmark.h"
 #include "harness/run/benchmark_frames.h"
@@ -30,6 +30,8 @@ struct request {
     double rung_s, error;    /* NaN: not given */
     int frame_count, voxels; /* 0: not given */
     bool without_ceilings;
+    struct neph_scene *scene;
+    struct both *both;
 };
 
 enum { ENGINES_MAX = NEPH_BENCHMARK_ENGINES_MAX + NEPH_BENCHMARK_FRAMES_ENGINES_MAX };
@@ -44,8 +46,7 @@ struct left_out {
 struct both {
     struct neph_benchmark noise;
     struct neph_benchmark_frames frames;
-    struct neph_showing showing;      /* of the frames, where there is a chain */
-    struct neph_shared_device device; /* of all but first pictures */
+    struct neph_showing showing; /* of the frames, where there is a chain */
     struct neph_engine_info noise_infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
     struct neph_engine_info frame_infos[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
     int left_out_count;
@@ -154,14 +155,15 @@ static enum neph_status to_voxels(struct neph_scene *scene, int resolution, stru
 
 /* --- jobs --------------------------------------------------------------------------------- */
 
-static void fill_job(const struct neph_engine *engine, const struct neph_scene *scene,
-                     const struct request *request, struct neph_shared_device *device,
-                     struct neph_engine_info *info, struct neph_job *job)
+/* The device is of all but first pictures. */
+static void fill_job(const struct neph_engine *engine, const struct request *request,
+                     struct neph_shared_device *device, struct neph_engine_info *info,
+                     struct neph_job *job)
 {
     neph_engine_probe(engine, device, info);
     *job = (struct neph_job){.engine = engine,
                              .info = info,
-                             .shot = {.scene = scene,
+                             .shot = {.scene = request->scene,
                                       .settings = neph_settings_default(engine),
                                       .layers = NEPH_LAYER_RADIANCE,
                                       .width_px = request->shared.size.width_px,
@@ -171,10 +173,10 @@ static void fill_job(const struct neph_engine *engine, const struct neph_scene *
 }
 
 /* The job of an engine in the benchmark of its kind. */
-static enum neph_status add_engine(const char *name, const struct neph_scene *scene,
-                                   const struct request *request, struct both *both,
-                                   struct neph_diag *diag)
+static enum neph_status add_engine(const char *name, const struct request *request,
+                                   struct neph_shared_device *device, struct neph_diag *diag)
 {
+    struct both *both = request->both;
     const struct neph_engine *engine = neph_engine_find(name);
     char reason[256];
     if (!engine) {
@@ -192,8 +194,7 @@ static enum neph_status add_engine(const char *name, const struct neph_scene *sc
                          flies ? "whose pictures can be in flight" : "with noise");
     const int e = (*count)++;
     struct neph_job *job = flies ? &both->frames.engines[e].job : &both->noise.engines[e].job;
-    fill_job(engine, scene, request, &both->device,
-             flies ? &both->frame_infos[e] : &both->noise_infos[e], job);
+    fill_job(engine, request, device, flies ? &both->frame_infos[e] : &both->noise_infos[e], job);
     const char *preset = engine->presets ? request->preset : NULL;
     *(flies ? &both->frames.engines[e].preset
             : &both->noise.engines[e].preset) = neph_settings_origin(engine, preset);
@@ -267,16 +268,16 @@ static bool any_has_presets(const struct both *both)
 }
 
 /* Frames are as small as the chain that enlarges them wants them. */
-static enum neph_status find_chain(const struct request *request, const struct neph_scene *scene,
-                                   struct both *both, struct neph_diag *diag)
+static enum neph_status find_chain(const struct request *request, struct neph_diag *diag)
 {
-    const char *path = request->chain ? request->chain : scene->chain;
+    struct both *both = request->both;
+    const char *path = request->chain ? request->chain : request->scene->chain;
     if (!path || strcmp(path, "off") == 0 || (both->frames.engine_count == 0 && !request->chain))
         return NEPH_OK;
     if (both->frames.engine_count == 0)
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--chain=%s: none of the engines' pictures can be in flight", path);
-    both->showing.scene = scene;
+    both->showing.scene = request->scene;
     both->frames.showing = &both->showing;
     enum neph_status status = neph_showing_load(&both->showing, path, diag);
     if (!status)
@@ -293,15 +294,16 @@ static enum neph_status find_chain(const struct request *request, const struct n
     return status;
 }
 
-static enum neph_status fill_both(const struct request *request, const struct neph_scene *scene,
-                                  struct both *both, struct neph_diag *diag)
+static enum neph_status fill_both(const struct request *request, struct neph_shared_device *device,
+                                  struct neph_diag *diag)
 {
+    struct both *both = request->both;
     char names[256];
     snprintf(names, sizeof(names), "%s", request->engines);
     char *rest = names;
     enum neph_status status = NEPH_OK;
     for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ","))
-        status = add_engine(name, scene, request, both, diag);
+        status = add_engine(name, request, device, diag);
     if (!status && request->preset && !any_has_presets(both))
         status = neph_fail(diag, NEPH_ERR_USAGE, "preset '%s': none of the engines has presets",
                            request->preset);
@@ -310,9 +312,9 @@ static enum neph_status fill_both(const struct request *request, const struct ne
     if (!status)
         status = leave_out(both, diag);
     if (!status)
-        status = find_chain(request, scene, both, diag);
+        status = find_chain(request, diag);
     if (!status)
-        fill_job(neph_engine_find("tracer"), scene, request, &both->device,
+        fill_job(neph_engine_find("tracer"), request, device,
                  &both->noise_infos[NEPH_BENCHMARK_ENGINES_MAX], &both->noise.reference);
     return status;
 }
@@ -320,28 +322,29 @@ static enum neph_status fill_both(const struct request *request, const struct ne
 /* --- results ------------------------------------------------------------------------------ */
 
 /* "settings: preset ours, steps=8", "settings: defaults": what differs from these. */
-static void print_settings(const struct neph_job *job, const char *preset)
+static void print_settings(const struct neph_job *job, const char *preset, FILE *out)
 {
     char *changes = neph_settings_changes(job->engine, &job->shot.settings, preset);
-    printf("settings: %s%s%s%s\n", preset ? "preset " : "defaults", preset ? preset : "",
-           changes && changes[0] ? ", " : "", changes ? changes : "");
+    fprintf(out, "settings: %s%s%s%s\n", preset ? "preset " : "defaults", preset ? preset : "",
+            changes && changes[0] ? ", " : "", changes ? changes : "");
     free(changes);
 }
 
-static void print_engine(const struct neph_benchmark_engine *engine)
+static void print_engine(const struct neph_benchmark_engine *engine, FILE *out)
 {
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
         const struct neph_rmse_rung *rung = &engine->rungs[k];
-        printf("%-8s %8d %10.3f %10.3g %10.3f%% %10.3f%% %14.4g\n", engine->job.engine->name,
-               rung->samples, rung->render_s, 1e-6 * neph_benchmark_paths_per_s(engine, k),
-               100.0 * sqrt(rung->noise2), 100.0 * sqrt(fmax(0.0, rung->error2)),
-               rung->noise2 * rung->render_s);
+        fprintf(out, "%-8s %8d %10.3f %10.3g %10.3f%% %10.3f%% %14.4g\n", engine->job.engine->name,
+                rung->samples, rung->render_s, 1e-6 * neph_benchmark_paths_per_s(engine, k),
+                100.0 * sqrt(rung->noise2), 100.0 * sqrt(fmax(0.0, rung->error2)),
+                rung->noise2 * rung->render_s);
     }
 }
 
 /* "3 % error in 1.2 s (beyond the ladder, extrapolated)"; of an engine after the first, how many
  * times the first one's time that is. */
-static void print_rmse_time(const struct neph_rmse_time *time, const struct neph_rmse_time *first)
+static void print_rmse_time(const struct neph_rmse_time *time, const struct neph_rmse_time *first,
+                            FILE *out)
 {
     static const char *const notes[] = {
         [NEPH_RMSE_WITHIN] = "",
@@ -350,179 +353,183 @@ static void print_rmse_time(const struct neph_rmse_time *time, const struct neph
         [NEPH_RMSE_NEVER] = " never: it and the references part by more than that",
         [NEPH_RMSE_UNKNOWN] =
             " in a time that this ladder does not tell: take more --seconds, or --error"};
-    printf("  %g %% error", 100.0 * time->rmse);
+    fprintf(out, "  %g %% error", 100.0 * time->rmse);
     if (!isnan(time->render_s))
-        printf(" in %.4g s", time->render_s);
-    printf("%s", notes[time->found]);
+        fprintf(out, " in %.4g s", time->render_s);
+    fprintf(out, "%s", notes[time->found]);
     if (time != first && !isnan(time->render_s / first->render_s))
-        printf("; %.3g times the first engine's", time->render_s / first->render_s);
-    printf("\n");
+        fprintf(out, "; %.3g times the first engine's", time->render_s / first->render_s);
+    fprintf(out, "\n");
 }
 
-static void print_rmse_times(const struct neph_benchmark *benchmark, int e)
+static void print_rmse_times(const struct neph_benchmark *benchmark, int e, FILE *out)
 {
     const struct neph_benchmark_engine *engine = &benchmark->engines[e];
     for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
-        print_rmse_time(&engine->rmse_times[i], &benchmark->engines[0].rmse_times[i]);
+        print_rmse_time(&engine->rmse_times[i], &benchmark->engines[0].rmse_times[i], out);
     if (isfinite(engine->law.slope))
-        printf("  noise^2 falls as time^%.2f; ", engine->law.slope);
+        fprintf(out, "  noise^2 falls as time^%.2f; ", engine->law.slope);
     else
-        printf("  all rungs took the same time; ");
-    printf("bias^2 %.2g (%.2g..%.2g)\n", engine->law.bias2, engine->law.bias2_low,
-           engine->law.bias2_high);
+        fprintf(out, "  all rungs took the same time; ");
+    fprintf(out, "bias^2 %.2g (%.2g..%.2g)\n", engine->law.bias2, engine->law.bias2_low,
+            engine->law.bias2_high);
 }
 
-static void print_benchmark(const struct neph_benchmark *benchmark)
+static void print_benchmark(const struct neph_benchmark *benchmark, FILE *out)
 {
     const struct neph_shot *shot = &benchmark->reference.shot;
-    printf("%s, %d x %d, %d cores; reference: tracer, 2 x %d samples, noise %.2g %%\n",
-           shot->scene->name, shot->width_px, shot->height_px, neph_processor_count(),
-           benchmark->reference_samples, 100.0 * benchmark->reference_noise);
+    fprintf(out, "%s, %d x %d, %d cores; reference: tracer, 2 x %d samples, noise %.2g %%\n",
+            shot->scene->name, shot->width_px, shot->height_px, neph_processor_count(),
+            benchmark->reference_samples, 100.0 * benchmark->reference_noise);
     for (int e = 0; e < benchmark->engine_count; e++) {
         const struct neph_job *job = &benchmark->engines[e].job;
-        printf("%s: %s; %s; ", job->engine->name, job->info->device, job->info->version);
-        print_settings(job, benchmark->engines[e].preset);
+        fprintf(out, "%s: %s; %s; ", job->engine->name, job->info->device, job->info->version);
+        print_settings(job, benchmark->engines[e].preset, out);
     }
-    printf("%-8s %8s %10s %10s %11s %11s %14s\n", "engine", "samples", "seconds", "M paths/s",
-           "noise", "error", "noise^2 x time");
+    fprintf(out, "%-8s %8s %10s %10s %11s %11s %14s\n", "engine", "samples", "seconds", "M paths/s",
+            "noise", "error", "noise^2 x time");
     for (int e = 0; e < benchmark->engine_count; e++)
-        print_engine(&benchmark->engines[e]);
+        print_engine(&benchmark->engines[e], out);
     for (int e = 0; e < benchmark->engine_count; e++) {
         const struct neph_benchmark_engine *engine = &benchmark->engines[e];
-        printf("%s: start %.2f s; noise^2 x time %.4g s (%.4g..%.4g); bias of the mean %+.2f %% "
-               "(%+.2f..%+.2f)",
-               engine->job.engine->name, engine->start_s, engine->cost_s.value, engine->cost_s.low,
-               engine->cost_s.high, 100.0 * engine->bias.value, 100.0 * engine->bias.low,
-               100.0 * engine->bias.high);
+        fprintf(out,
+                "%s: start %.2f s; noise^2 x time %.4g s (%.4g..%.4g); bias of the mean %+.2f %% "
+                "(%+.2f..%+.2f)",
+                engine->job.engine->name, engine->start_s, engine->cost_s.value, engine->cost_s.low,
+                engine->cost_s.high, 100.0 * engine->bias.value, 100.0 * engine->bias.low,
+                100.0 * engine->bias.high);
         if (e > 0)
-            printf("; needs %.3g (%.3g..%.3g) times the time of %s for the same noise",
-                   engine->times.value, engine->times.low, engine->times.high,
-                   benchmark->engines[0].job.engine->name);
-        printf("\n");
-        print_rmse_times(benchmark, e);
+            fprintf(out, "; needs %.3g (%.3g..%.3g) times the time of %s for the same noise",
+                    engine->times.value, engine->times.low, engine->times.high,
+                    benchmark->engines[0].job.engine->name);
+        fprintf(out, "\n");
+        print_rmse_times(benchmark, e, out);
     }
 }
 
 /* --- results of pictures in flight --------------------------------------------------------- */
 
-static void print_times(struct neph_spread s)
+static void print_times(struct neph_spread s, FILE *out)
 {
-    printf(" %10.3f %10.3f %10.3f", 1e3 * s.median, 1e3 * s.low, 1e3 * s.high);
+    fprintf(out, " %10.3f %10.3f %10.3f", 1e3 * s.median, 1e3 * s.low, 1e3 * s.high);
 }
 
 static void print_pass(const struct neph_benchmark_frames *benchmark,
                        const struct neph_benchmark_frames_engine *engine,
-                       const struct neph_benchmark_pass *pass)
+                       const struct neph_benchmark_pass *pass, FILE *out)
 {
     const char *limit;
     const double share = neph_benchmark_share(benchmark, engine, pass, &limit);
     const struct neph_benchmark_evaluation one = neph_benchmark_evaluation(benchmark, engine, pass);
-    printf("  %-20s", pass->name);
-    print_times(pass->gpu_s);
+    fprintf(out, "  %-20s", pass->name);
+    print_times(pass->gpu_s, out);
     if (isfinite(pass->traffic_bytes))
-        printf("  %.4g MB", 1e-6 * pass->traffic_bytes);
+        fprintf(out, "  %.4g MB", 1e-6 * pass->traffic_bytes);
     if (isfinite(pass->density_evaluations))
-        printf("  %.4g M evaluations%s%s, %.4g M/s", 1e-6 * pass->density_evaluations,
-               pass->with[0] ? " with " : "", pass->with,
-               1e-6 * pass->density_evaluations / pass->evaluation_s);
+        fprintf(out, "  %.4g M evaluations%s%s, %.4g M/s", 1e-6 * pass->density_evaluations,
+                pass->with[0] ? " with " : "", pass->with,
+                1e-6 * pass->density_evaluations / pass->evaluation_s);
     if (isfinite(share))
-        printf("  %.2g %% of the ceiling of %s", 100.0 * share, limit);
+        fprintf(out, "  %.2g %% of the ceiling of %s", 100.0 * share, limit);
     if (isfinite(one.chain_share))
-        printf(", %.2g %% of those that wait for each other", 100.0 * one.chain_share);
+        fprintf(out, ", %.2g %% of those that wait for each other", 100.0 * one.chain_share);
     if (isfinite(one.multiply_adds))
-        printf("; one takes as long as %.3g multiply-adds", one.multiply_adds);
-    printf("\n");
+        fprintf(out, "; one takes as long as %.3g multiply-adds", one.multiply_adds);
+    fprintf(out, "\n");
 }
 
 static void print_chain(const struct neph_post_params *params,
-                        const struct neph_benchmark_frames_engine *engine)
+                        const struct neph_benchmark_frames_engine *engine, FILE *out)
 {
     const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
     const int count = neph_post_sequence(params->order, &params->settings, stages);
-    printf("  to the display, %d times; least %.3f ms\n  %-20s", engine->chain.count,
-           1e3 * engine->chain.all.least_s, "all stages");
-    print_times(engine->chain.all.spread_s);
+    fprintf(out, "  to the display, %d times; least %.3f ms\n  %-20s", engine->chain.count,
+            1e3 * engine->chain.all.least_s, "all stages");
+    print_times(engine->chain.all.spread_s, out);
     for (int i = 0; i < count; i++) {
-        printf("\n  %-20s", stages[i]->name);
-        print_times(engine->chain.stages[stages[i] - neph_post_stages].spread_s);
+        fprintf(out, "\n  %-20s", stages[i]->name);
+        print_times(engine->chain.stages[stages[i] - neph_post_stages].spread_s, out);
     }
-    printf("\n");
+    fprintf(out, "\n");
 }
 
 /* Where pictures of two kinds are in one median, that is said. */
-static void print_steady(const struct neph_benchmark_frames_engine *engine)
+static void print_steady(const struct neph_benchmark_frames_engine *engine, FILE *out)
 {
     if (engine->steady_from == 0)
-        printf("  the scene rests, and that was known: these are steady pictures (steady=auto)\n");
+        fprintf(out,
+                "  the scene rests, and that was known: these are steady pictures (steady=auto)\n");
     else if (engine->steady_from > 0)
-        printf("  of two kinds: steady from picture %d on, when it was known that the scene rests "
-               "(steady=auto)\n",
-               engine->steady_from + 1);
+        fprintf(out,
+                "  of two kinds: steady from picture %d on, when it was known that the scene rests "
+                "(steady=auto)\n",
+                engine->steady_from + 1);
 }
 
 static void print_flight(const struct neph_benchmark_frames *benchmark,
-                         const struct neph_benchmark_frames_engine *engine)
+                         const struct neph_benchmark_frames_engine *engine, FILE *out)
 {
-    printf("%s: %d pictures, %.4g a second with an error of %.3g %% of %s\n",
-           engine->job.engine->name, engine->frame_count, 1.0 / engine->mean_s,
-           100.0 * engine->error, engine->reference->name);
-    printf("  %-20s %10s %10s %10s\n", "[ms]", "median", "10 %", "90 %");
-    printf("  %-20s", "picture to picture");
-    print_times(engine->frame_s);
-    printf("\n  %-20s", "on the device");
-    print_times(engine->gpu_s);
-    printf("\n  %-20s", "until it is sent");
-    print_times(engine->cpu_s);
-    printf("\n");
+    fprintf(out, "%s: %d pictures, %.4g a second with an error of %.3g %% of %s\n",
+            engine->job.engine->name, engine->frame_count, 1.0 / engine->mean_s,
+            100.0 * engine->error, engine->reference->name);
+    fprintf(out, "  %-20s %10s %10s %10s\n", "[ms]", "median", "10 %", "90 %");
+    fprintf(out, "  %-20s", "picture to picture");
+    print_times(engine->frame_s, out);
+    fprintf(out, "\n  %-20s", "on the device");
+    print_times(engine->gpu_s, out);
+    fprintf(out, "\n  %-20s", "until it is sent");
+    print_times(engine->cpu_s, out);
+    fprintf(out, "\n");
     for (int p = 0; p < engine->pass_count; p++)
-        print_pass(benchmark, engine, &engine->passes[p]);
+        print_pass(benchmark, engine, &engine->passes[p], out);
     if (benchmark->showing)
-        print_chain(&benchmark->showing->params, engine);
-    print_steady(engine);
-    printf("  first picture after %.3g s; %.4g MB of the device's memory; ", engine->first_s,
-           1e-6 * (double)engine->device_bytes);
-    print_settings(&engine->job, engine->preset);
+        print_chain(&benchmark->showing->params, engine, out);
+    print_steady(engine, out);
+    fprintf(out, "  first picture after %.3g s; %.4g MB of the device's memory; ", engine->first_s,
+            1e-6 * (double)engine->device_bytes);
+    print_settings(&engine->job, engine->preset, out);
 }
 
-static void print_ceilings(const struct neph_ceilings *ceilings)
+static void print_ceilings(const struct neph_ceilings *ceilings, FILE *out)
 {
-    printf("ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s, waiting for each "
-           "other %.4g (grid of %d^3)",
-           1e-9 * ceilings->copy_bytes_per_s, ceilings->copy_bytes >> 20,
-           1e-9 * ceilings->buffer_samples_per_s, 1e-9 * ceilings->buffer_chain_per_s,
-           ceilings->grid_side);
+    fprintf(out,
+            "ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s, waiting for each "
+            "other %.4g (grid of %d^3)",
+            1e-9 * ceilings->copy_bytes_per_s, ceilings->copy_bytes >> 20,
+            1e-9 * ceilings->buffer_samples_per_s, 1e-9 * ceilings->buffer_chain_per_s,
+            ceilings->grid_side);
     for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++)
         if (isfinite(ceilings->texture_samples_per_s[f]))
-            printf(", %s texture samples %.4g G/s, waiting %.4g", neph_texel_formats[f],
-                   1e-9 * ceilings->texture_samples_per_s[f],
-                   1e-9 * ceilings->texture_chain_per_s[f]);
-    printf(", multiply-adds %.4g G/s, exponentials %.4g G/s\n",
-           1e-9 * ceilings->multiply_adds_per_s, 1e-9 * ceilings->exponentials_per_s);
+            fprintf(out, ", %s texture samples %.4g G/s, waiting %.4g", neph_texel_formats[f],
+                    1e-9 * ceilings->texture_samples_per_s[f],
+                    1e-9 * ceilings->texture_chain_per_s[f]);
+    fprintf(out, ", multiply-adds %.4g G/s, exponentials %.4g G/s\n",
+            1e-9 * ceilings->multiply_adds_per_s, 1e-9 * ceilings->exponentials_per_s);
 }
 
-static void print_frames(const struct neph_benchmark_frames *benchmark)
+static void print_frames(const struct neph_benchmark_frames *benchmark, FILE *out)
 {
     const struct neph_job *job = &benchmark->engines[0].job;
-    printf("%s, %d x %d; %s; %s; ", job->shot.scene->name, job->shot.width_px, job->shot.height_px,
-           job->info->device, job->info->version);
+    fprintf(out, "%s, %d x %d; %s; %s; ", job->shot.scene->name, job->shot.width_px,
+            job->shot.height_px, job->info->device, job->info->version);
     if (benchmark->thread_count > 0)
-        printf("%d threads; ", benchmark->thread_count);
+        fprintf(out, "%d threads; ", benchmark->thread_count);
     if (isfinite(benchmark->cpu_clock_hz))
-        printf("clock %.3g GHz\n", 1e-9 * benchmark->cpu_clock_hz);
+        fprintf(out, "clock %.3g GHz\n", 1e-9 * benchmark->cpu_clock_hz);
     else
-        printf("clock not known%s\n",
-               benchmark->without_ceilings ? "" : ", multiply-adds are its measure");
+        fprintf(out, "clock not known%s\n",
+                benchmark->without_ceilings ? "" : ", multiply-adds are its measure");
     if (!benchmark->without_ceilings)
-        print_ceilings(&benchmark->ceilings);
+        print_ceilings(&benchmark->ceilings, out);
     for (int e = 0; e < benchmark->engine_count; e++)
-        print_flight(benchmark, &benchmark->engines[e]);
+        print_flight(benchmark, &benchmark->engines[e], out);
 }
 
-static void print_left_out(const struct both *both)
+static void print_left_out(const struct both *both, FILE *out)
 {
     for (int i = 0; i < both->left_out_count; i++) {
         const struct neph_diag *why = &both->left_out[i].why;
-        printf("%s%s%s\n", why->message, why->hint[0] ? "; " : "", why->hint);
+        fprintf(out, "%s%s%s\n", why->message, why->hint[0] ? "; " : "", why->hint);
     }
 }
 
@@ -581,10 +588,10 @@ static void warn_of_idle(const struct request *request, const struct both *both)
                            "flight");
 }
 
-static enum neph_status measure(const struct request *request, struct both *both,
-                                struct neph_diag *diag)
+static enum neph_status measure(const struct request *request, struct neph_diag *diag)
 {
     static const int usual_frame_count = 200;
+    struct both *both = request->both;
     const bool quiet = request->shared.quiet || request->shared.json;
     enum neph_status status = NEPH_OK;
     warn_of_idle(request, both);
@@ -599,57 +606,67 @@ static enum neph_status measure(const struct request *request, struct both *both
     return status;
 }
 
-static enum neph_status print(const struct request *request, const struct both *both,
-                              struct neph_diag *diag)
+static void print(const struct both *both, FILE *out)
 {
-    if (request->shared.json)
-        return neph_json_print(json_of(both), diag);
     if (both->frames.engine_count > 0)
-        print_frames(&both->frames);
+        print_frames(&both->frames, out);
     if (both->noise.engine_count > 0)
-        print_benchmark(&both->noise);
-    print_left_out(both);
-    return NEPH_OK;
+        print_benchmark(&both->noise, out);
+    print_left_out(both, out);
 }
 
-static enum neph_status run(const struct request *request, struct neph_scene *scene,
-                            struct neph_diag *diag)
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
-    const struct neph_cli_shared *shared = &request->shared;
-    struct neph_scratch *scratch = NULL;
-    struct both *both = calloc(1, sizeof(*both));
-    if (!both)
+    struct request *request = request_;
+    if (!isnan(request->error) && !isnan(request->rung_s))
+        return neph_fail(diag, NEPH_ERR_USAGE, "--seconds and --error: one of them ends a ladder");
+    request->both = calloc(1, sizeof(*request->both));
+    if (!request->both)
         return neph_fail_memory(diag);
-    enum neph_status status = fill_both(request, scene, both, diag);
+    const enum neph_status status = neph_data_load_scene(request->shared.operands[0],
+                                                         &request->scene, diag);
+    return status || request->voxels < 1 ? status
+                                         : to_voxels(request->scene, request->voxels, diag);
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct request *request = request_;
+    struct neph_scratch *scratch = NULL;
+    enum neph_status status = fill_both(request, run->device, diag);
     if (!status)
-        status = neph_cli_open_folder(shared->output, diag);
+        status = neph_cli_open_folder(run->output, diag);
     if (!status)
-        status = neph_cli_begin_scratch(shared->output, &scratch, diag);
+        status = neph_cli_begin_scratch(run->output, &scratch, diag);
     if (!status)
-        set_scratch(both, neph_scratch_path(scratch));
+        set_scratch(request->both, neph_scratch_path(scratch));
     if (!status)
-        status = measure(request, both, diag);
+        status = measure(request, diag);
     neph_cli_end_scratch(scratch, status, diag);
-    if (!status)
-        status = print(request, both, diag);
-    neph_showing_finish(&both->showing);
-    neph_shared_device_close(&both->device);
-    free(both);
+    if (!status && publication->text)
+        print(request->both, publication->text);
+    if (!status && request->shared.json)
+        publication->json = json_of(request->both);
     return status;
+}
+
+static void finish(void *request_)
+{
+    struct request *request = request_;
+    if (request->both)
+        neph_showing_finish(&request->both->showing);
+    free(request->both);
+    neph_scene_destroy(request->scene);
 }
 
 enum neph_status neph_cli_benchmark(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {0};
-    neph_cli_parse(&syntax, argc, argv, &request);
-    if (!isnan(request.error) && !isnan(request.rung_s))
-        return neph_fail(diag, NEPH_ERR_USAGE, "--seconds and --error: one of them ends a ladder");
-    struct neph_scene *scene = NULL;
-    enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
-    if (!status && request.voxels > 0)
-        status = to_voxels(scene, request.voxels, diag);
-    if (!status)
-        status = run(&request, scene, diag);
-    neph_scene_destroy(scene);
-    return status;
+    static const struct neph_experiment experiment = {.syntax = &syntax,
+                                                      .request_size = sizeof(struct request),
+                                                      .opens_stores = true,
+                                                      .prepare = prepare,
+                                                      .run = run,
+                                                      .finish = finish};
+    return neph_experiment_main(&experiment, argc, argv, diag);
 }

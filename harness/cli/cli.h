@@ -27,7 +27,6 @@ neph_verb neph_cli_view;
 neph_verb neph_cli_post;
 neph_verb neph_cli_metrics;
 neph_verb neph_cli_conform;
-neph_verb neph_cli_validate;
 neph_verb neph_cli_study;
 neph_verb neph_cli_nightly;
 neph_verb neph_cli_baseline;

@@ -5,11 +5,10 @@
 #include "harness/cli/cli.h"
 
 #include "harness/data.h"
-#include "harness/engines/vulkan_device.h"
+#include "harness/experiment/experiment.h"
 #include "harness/run/conform.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct request {
@@ -22,7 +21,7 @@ static const struct neph_cli_option options[] = {
     {.name = "size", .otherwise = "1920x1080"},
     {"scene", 0, "SCENE",
      "A file, or a name of the catalogue; may be given several times (default: the catalogue and "
-     "scenes/failure)",
+     "scenes/stress)",
      NEPH_CLI_WORDS, .at = offsetof(struct request, scenes)},
     {"engine",
      .help = "One of march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "
@@ -74,38 +73,27 @@ static const struct neph_cli_syntax syntax = {
 
 /* --- render ------------------------------------------------------------------------------- */
 
-static enum neph_status append_all(enum neph_data_scenes which, char **names, int *count,
-                                   struct neph_diag *diag)
+/* The scenes that were asked for, or all that there are; of the arena. */
+static enum neph_status list_scenes(const struct neph_cli_words *asked, struct neph_arena *arena,
+                                    struct neph_conform_params *params, struct neph_diag *diag)
 {
-    char **list;
-    int found = 0;
-    const enum neph_status status = neph_data_list_scenes(which, &list, &found, diag);
-    if (status)
-        return status;
-    for (int i = 0; i < found && *count < NEPH_CLI_WORDS_MAX; i++) {
-        names[(*count)++] = list[i];
-        list[i] = NULL;
+    const char **names = neph_arena_zeroed(arena, NEPH_CLI_WORDS_MAX, sizeof(*names));
+    enum neph_status status = names ? NEPH_OK : neph_fail_memory(diag);
+    params->skip_absent = asked->count == 0;
+    params->scenes = asked->count > 0 ? asked->list : names;
+    params->scene_count = asked->count;
+    for (int which = 0; asked->count == 0 && which < NEPH_DATA_SCENES_COUNT && !status; which++) {
+        char **list = NULL;
+        int found = 0;
+        status = neph_data_list_scenes(which, &list, &found, diag);
+        for (int i = 0; i < found && params->scene_count < NEPH_CLI_WORDS_MAX; i++)
+            names[params->scene_count++] = neph_arena_text(arena, list[i]);
+        neph_data_free_names(list);
     }
-    free(list);
-    return NEPH_OK;
+    return status ? status : neph_arena_check(arena, diag);
 }
 
-static enum neph_status list_scenes(const struct neph_cli_words *asked,
-                                    char *names[NEPH_CLI_WORDS_MAX + 1], int *count,
-                                    struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < asked->count && !status; i++) {
-        names[*count] = strdup(asked->list[i]);
-        status = names[(*count)++] ? NEPH_OK : neph_fail_memory(diag);
-    }
-    if (asked->count == 0)
-        for (int which = 0; which < NEPH_DATA_SCENES_COUNT && !status; which++)
-            status = append_all(which, names, count, diag);
-    return status;
-}
-
-static void print_wrong(const json_t *report)
+static void print_wrong(const json_t *report, FILE *out)
 {
     size_t i, j;
     json_t *scene, *entry;
@@ -113,64 +101,58 @@ static void print_wrong(const json_t *report)
     {
         const char *absent = neph_json_text(scene, "absent");
         if (absent[0])
-            printf("%s: left out: %s\n", neph_json_text(scene, "scene"), absent);
+            fprintf(out, "%s: left out: %s\n", neph_json_text(scene, "scene"), absent);
         json_array_foreach(json_object_get(scene, "pictures"), j, entry)
         {
             const char *reason = neph_json_text(entry, "reason");
             const char *wrong = neph_json_text(entry, "first_wrong");
             const char *outcome = neph_json_text(entry, "outcome");
             if (strcmp(outcome, "failed") == 0 || wrong[0])
-                printf("%s: %s\n", neph_json_text(entry, "picture"), wrong[0] ? wrong : reason);
+                fprintf(out, "%s: %s\n", neph_json_text(entry, "picture"),
+                        wrong[0] ? wrong : reason);
         }
     }
 }
 
-static enum neph_status render(const struct request *request, struct neph_diag *diag)
+static enum neph_status render(const struct request *request, const struct neph_experiment_run *run,
+                               struct neph_publication *publication, struct neph_diag *diag)
 {
-    char *names[NEPH_CLI_WORDS_MAX + 1] = {NULL};
     const struct neph_cli_shared *shared = &request->shared;
-    struct neph_shared_device device = {.open = NULL};
-    struct neph_conform_params params = {.folder = shared->output,
-                                         .scenes = names,
+    struct neph_arena arena = {NULL};
+    struct neph_conform_params params = {.folder = run->output,
                                          .engine = shared->engine,
                                          .width_px = shared->size.width_px,
                                          .height_px = shared->size.height_px,
                                          .pictures = request->pictures,
                                          .samples = request->samples,
-                                         .skip_absent = request->scenes.count == 0,
-                                         .device = &device,
-                                         .quiet = shared->quiet || shared->json};
-    json_t *report = NULL;
+                                         .device = run->device,
+                                         .quiet = run->quiet || shared->json};
     int expected = 0, sound = 0;
-    enum neph_status status = list_scenes(&request->scenes, names, &params.scene_count, diag);
+    enum neph_status status = list_scenes(&request->scenes, &arena, &params, diag);
     if (!status)
-        status = neph_conform_render(&params, &report, diag);
-    neph_shared_device_close(&device);
-    for (int i = 0; i < params.scene_count; i++)
-        free(names[i]);
+        status = neph_conform_render(&params, &publication->json, diag);
+    neph_arena_finish(&arena);
     if (status)
         return status;
-    neph_conform_count(report, &expected, &sound);
-    if (shared->json) {
-        status = neph_json_print(report, diag);
-    } else {
-        print_wrong(report);
-        printf("%d of %d pictures are finite and nowhere negative\n", sound, expected);
-        json_decref(report);
+    neph_conform_count(publication->json, &expected, &sound);
+    if (publication->text) {
+        print_wrong(publication->json, publication->text);
+        fprintf(publication->text, "%d of %d pictures are finite and nowhere negative\n", sound,
+                expected);
     }
-    if (status)
-        return status;
     if (expected == 0)
-        return neph_fail(diag, NEPH_ERR_GATE, "no engine could render any of these scenes");
-    if (sound < expected)
-        return neph_fail(diag, NEPH_ERR_GATE, "%d of %d pictures are not as they should be",
-                         expected - sound, expected);
+        publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
+                                         "no engine could render any of these scenes");
+    else if (sound < expected)
+        publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
+                                         "%d of %d pictures are not as they should be",
+                                         expected - sound, expected);
     return NEPH_OK;
 }
 
 /* --- compare ------------------------------------------------------------------------------ */
 
-static void print_comparison(const json_t *report)
+static void print_comparison(const json_t *report, FILE *out)
 {
     size_t i;
     json_t *picture;
@@ -178,47 +160,53 @@ static void print_comparison(const json_t *report)
     json_array_foreach(json_object_get(report, "pictures"), i, picture)
     {
         if (!json_is_true(json_object_get(picture, "agrees")))
-            printf("%s: %s\n", neph_json_text(picture, "picture"),
-                   neph_json_text(picture, "because"));
+            fprintf(out, "%s: %s\n", neph_json_text(picture, "picture"),
+                    neph_json_text(picture, "because"));
     }
-    printf("%lld of %lld pictures agree between %s and %s\n",
-           (long long)json_integer_value(json_object_get(report, "agreeing")),
-           (long long)json_integer_value(json_object_get(report, "expected")),
-           json_string_value(json_array_get(devices, 0)),
-           json_string_value(json_array_get(devices, 1)));
+    fprintf(out, "%lld of %lld pictures agree between %s and %s\n",
+            (long long)json_integer_value(json_object_get(report, "agreeing")),
+            (long long)json_integer_value(json_object_get(report, "expected")),
+            json_string_value(json_array_get(devices, 0)),
+            json_string_value(json_array_get(devices, 1)));
 }
 
-static enum neph_status compare(const struct request *request, struct neph_diag *diag)
+static enum neph_status compare(const struct request *request, struct neph_publication *publication,
+                                struct neph_diag *diag)
 {
-    json_t *report = NULL;
     const struct neph_cli_shared *shared = &request->shared;
     const struct neph_conform_part part = {shared->engine, request->scenes.list,
                                            request->scenes.count};
-    enum neph_status status = neph_conform_compare(shared->operands[0], shared->operands[1], &part,
-                                                   &report, diag);
+    const enum neph_status status = neph_conform_compare(shared->operands[0], shared->operands[1],
+                                                         &part, &publication->json, diag);
     if (status)
         return status;
-    const long long expected = json_integer_value(json_object_get(report, "expected"));
-    const long long agreeing = json_integer_value(json_object_get(report, "agreeing"));
-    if (shared->json) {
-        status = neph_json_print(report, diag);
-    } else {
-        print_comparison(report);
-        json_decref(report);
-    }
-    if (status)
-        return status;
+    const long long expected = json_integer_value(json_object_get(publication->json, "expected"));
+    const long long agreeing = json_integer_value(json_object_get(publication->json, "agreeing"));
+    if (publication->text)
+        print_comparison(publication->json, publication->text);
     if (expected == 0)
-        return neph_fail(diag, NEPH_ERR_GATE, "there is nothing to compare in these folders");
-    if (agreeing < expected)
-        return neph_fail(diag, NEPH_ERR_GATE, "%lld of %lld pictures differ", expected - agreeing,
-                         expected);
+        publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
+                                         "there is nothing to compare in these folders");
+    else if (agreeing < expected)
+        publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
+                                         "%lld of %lld pictures differ", expected - agreeing,
+                                         expected);
     return NEPH_OK;
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct request *request = request_;
+    return request->shared.operand_count > 0 ? compare(request, publication, diag)
+                                             : render(request, run, publication, diag);
 }
 
 enum neph_status neph_cli_conform(int argc, char **argv, struct neph_diag *diag)
 {
-    struct request request = {0};
-    neph_cli_parse(&syntax, argc, argv, &request);
-    return request.shared.operand_count > 0 ? compare(&request, diag) : render(&request, diag);
+    static const struct neph_experiment experiment = {.syntax = &syntax,
+                                                      .request_size = sizeof(struct request),
+                                                      .opens_stores = true,
+                                                      .run = run};
+    return neph_experiment_main(&experiment, argc, argv, diag);
 }

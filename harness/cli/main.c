@@ -20,7 +20,7 @@ static const struct {
     const struct neph_experiment *experiment;
     const char *help;
 } verbs[] = {
-    {"validate", neph_cli_validate, NULL,
+    {"validate", NULL, &neph_experiment_validate,
      "run scenes over all engines, gate the errors, write a report"},
     {"study", neph_cli_study, NULL,
      "what takes longer: steps against their limit, flicker of presets"},

@@ -94,13 +94,18 @@ static void tell_fault(const struct neph_store_fault *fault, void *context)
 }
 
 /* A record as JSON, with one value more. */
-static enum neph_status print_record(const char *fields, const void *record, const char *key,
-                                     json_t *value, struct neph_diag *diag)
+static enum neph_status print_record(const struct neph_record_form *form, const void *record,
+                                     const char *key, json_t *value, struct neph_diag *diag)
 {
-    json_t *json = neph_record_json(fields, record);
+    json_t *json = neph_record_json(form, record);
     neph_json_set(&json, key, value);
     return neph_json_print(json, diag);
 }
+
+#define SUMS(member) NEPH_RECORD_FIELD(struct neph_store_sums, member)
+static const struct neph_record_form sums_form = {
+    sizeof(struct neph_store_sums),
+    {SUMS(frames), SUMS(bytes), SUMS(nights), SUMS(acceptances), SUMS(bad)}};
 
 static enum neph_status run_check(const struct request *request, struct neph_store *store,
                                   struct neph_diag *diag)
@@ -111,12 +116,11 @@ static enum neph_status run_check(const struct request *request, struct neph_sto
     enum neph_status status = neph_store_check(store, request->repairs, tell_fault,
                                                json ? &faults : NULL, &sums, diag);
     if (!status && json)
-        status = print_record("i:frames i:bytes i:nights i:acceptances i:bad", &sums, "faults",
-                              json_incref(faults), diag);
+        status = print_record(&sums_form, &sums, "faults", json_incref(faults), diag);
     else if (!status)
         printf("%lld frames, %.1f MB, %lld nights, %lld acceptances; %lld damaged\n",
                (long long)sums.frames, 1e-6 * (double)sums.bytes, (long long)sums.nights,
-               (long long)sums.accepted, (long long)sums.bad);
+               (long long)sums.acceptances, (long long)sums.bad);
     json_decref(faults);
     if (status || sums.bad == 0)
         return status;
@@ -142,6 +146,12 @@ static double bytes_of(const char *text)
     return number * (unit ? pow(1000.0, 1.0 + (double)(unit - units)) : 1.0);
 }
 
+#define GC(member) NEPH_RECORD_FIELD(struct neph_store_gc, member)
+static const struct neph_record_form gc_form = {
+    sizeof(struct neph_store_gc),
+    {GC(frames_before), GC(bytes_before), GC(frames_removed), GC(bytes_removed),
+     GC(bytes_of_baselines), GC(bytes_in_use), GC(frames_that_stayed)}};
+
 static enum neph_status run_gc(const struct request *request, struct neph_store *store,
                                struct neph_diag *diag)
 {
@@ -154,9 +164,7 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
     enum neph_status status = neph_store_gc(store, (int64_t)limit, 3600.0 * request->spare_hours,
                                             &gc, diag);
     if (!status && request->shared.json)
-        status = print_record("i:frames_before i:bytes_before i:frames_removed i:bytes_removed "
-                              "i:bytes_of_baselines i:bytes_in_use i:frames_that_stayed",
-                              &gc, "fits", json_boolean(gc.fits), diag);
+        status = print_record(&gc_form, &gc, "fits", json_boolean(gc.fits), diag);
     else if (!status)
         printf("removed %lld of %lld frames, %.1f of %.1f MB; of accepted nights %.1f MB, in use "
                "%.1f MB\n",

@@ -78,6 +78,7 @@ static enum neph_status print_results(struct neph_publication *publication, bool
     } else if (!has_csv) {
         fputs(publication->kept[TEXT].text, stdout);
     }
+    fflush(stdout); /* before the verdict on stderr */
     return status;
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/engines/povray_exposure.h"
 
+#include "base/sort.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -35,12 +37,6 @@ static double peak_of(const struct neph_povray_reading *readings, size_t count)
     return peak;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The median of the largest numbers that the values may be. INFINITY without memory: the peak then
  * decides. */
 static double median_of(const struct neph_povray_reading *readings, size_t count)
@@ -50,7 +46,7 @@ static double median_of(const struct neph_povray_reading *readings, size_t count
         return INFINITY;
     for (size_t i = 0; i < count; i++)
         values[i] = readings[i].value + readings[i].error;
-    qsort(values, count, sizeof(*values), by_value);
+    neph_sort_doubles(values, count);
     const double median = values[count / 2];
     free(values);
     return median;

@@ -79,6 +79,8 @@ void neph_device_release(struct neph_open_device *device)
 
 void neph_shared_device_close(struct neph_shared_device *shared)
 {
+    if (!shared)
+        return;
     neph_device_release(shared->open);
     shared->open = NULL;
 }

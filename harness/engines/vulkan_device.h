@@ -39,7 +39,7 @@ enum neph_status neph_device_acquire(struct neph_shared_device *shared,
 /* NULL is fine. */
 void neph_device_release(struct neph_open_device *device);
 
-/* The next user gets a new device. */
+/* The next user gets a new device. NULL is fine. */
 void neph_shared_device_close(struct neph_shared_device *shared);
 
 /* neph_engine.probe of an engine that needs nothing but the device. */

@@ -42,6 +42,7 @@ struct parts {
     const struct neph_experiment *experiment;
     const void *request;
     const char *store_folder;
+    struct neph_shared_device *device;
     struct neph_progress progress;
 };
 
@@ -63,11 +64,10 @@ static void *part_of(const struct parts *parts, int index)
     return NULL;
 }
 
-/* Parts of a worker share a device. One that fails fails again in the whole, where it is told. */
+/* A part that fails fails again in the whole, where it is told. */
 static enum neph_status run_parts(struct neph_worker *worker, void *context, struct neph_diag *diag)
 {
     const struct parts *parts = context;
-    struct neph_shared_device device = {.open = NULL};
     if (worker->index == 0)
         return NEPH_OK; /* the whole comes next */
     for (int index; !neph_interrupted() && (index = neph_worker_next(worker)) >= 0;) {
@@ -76,12 +76,11 @@ static enum neph_status run_parts(struct neph_worker *worker, void *context, str
         void *request = part_of(parts, index);
         if (!request)
             break;
-        run_once(parts->experiment, request, parts->store_folder, &device, NULL, true, diag);
+        run_once(parts->experiment, request, parts->store_folder, parts->device, NULL, true, diag);
         free(request);
         snprintf(message, sizeof(message), "%d %.3f", index, neph_wall_s() - start_s);
         neph_worker_tell(worker, message);
     }
-    neph_shared_device_close(&device);
     return NEPH_OK;
 }
 
@@ -100,12 +99,14 @@ static enum neph_status hear(const char *text, void *context, struct neph_diag *
 }
 
 static enum neph_status run_workers(const struct neph_experiment *experiment, const void *request,
-                                    const char *store_folder, struct neph_diag *diag)
+                                    const char *store_folder, struct neph_shared_device *device,
+                                    struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = request;
     struct parts parts = {.experiment = experiment,
                           .request = request,
                           .store_folder = store_folder,
+                          .device = device,
                           .progress = neph_progress_start(shared->quiet, 0)};
     int count = 0;
     for (void *part; (part = part_of(&parts, count)); count++)
@@ -114,8 +115,8 @@ static enum neph_status run_workers(const struct neph_experiment *experiment, co
         return NEPH_OK;
     parts.progress.workers = shared->jobs < count ? shared->jobs : count;
     neph_progress_expect(&parts.progress, 0, count, 0.0);
-    const enum neph_status status = neph_pool_run(parts.progress.workers, run_parts, hear, &parts,
-                                                  diag);
+    const enum neph_status status = neph_pool_run(parts.progress.workers, device, run_parts, hear,
+                                                  &parts, diag);
     neph_progress_end(&parts.progress);
     return status;
 }
@@ -139,7 +140,7 @@ static enum neph_status run_in(const struct neph_experiment *experiment, void *r
     struct neph_shared_device device = {.open = NULL};
     enum neph_status status = NEPH_OK;
     if (shared->jobs > 1 && experiment->part)
-        status = run_workers(experiment, request, paths->store, diag);
+        status = run_workers(experiment, request, paths->store, &device, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");
     if (!status)
@@ -174,13 +175,15 @@ enum neph_status neph_experiment_main(const struct neph_experiment *experiment, 
     if (!request)
         return neph_fail_memory(diag);
     neph_cli_parse(experiment->syntax, argc, argv, request);
+    const struct neph_experiment *chosen = experiment->choose ? experiment->choose(request)
+                                                              : experiment;
     enum neph_status status = neph_cli_split_lists(experiment->syntax, request, diag);
-    if (!status && experiment->prepare)
-        status = experiment->prepare(request, diag);
+    if (!status && chosen->prepare)
+        status = chosen->prepare(request, diag);
     if (!status)
-        status = run_with(experiment, request, diag);
-    if (experiment->finish)
-        experiment->finish(request);
+        status = run_with(chosen, request, diag);
+    if (chosen->finish)
+        chosen->finish(request);
     neph_cli_free_lists(experiment->syntax, request);
     free(request);
     return status;

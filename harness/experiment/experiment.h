@@ -24,7 +24,10 @@ struct neph_experiment_run {
 
 struct neph_experiment {
     const struct neph_cli_syntax *syntax;
-    size_t request_size;  /* of the request, which begins with a struct neph_cli_shared */
+    size_t request_size; /* of the request, which begins with a struct neph_cli_shared */
+    /* A verb may be several experiments on one request: choose one, which needs neither syntax nor
+     * size. NULL: the verb is one. */
+    const struct neph_experiment *(*choose)(const void *request);
     const char *chart;    /* the chart's name in OUTPUT; NULL: none */
     const char *document; /* the JSON's name there; NULL: it has none but on stdout */
     const char *csv;      /* the name of the CSV there, without --csv; NULL: it has none */

@@ -35,6 +35,14 @@ struct crew {
     char *text; /* NEPH_POOL_TEXT_MAX bytes */
 };
 
+/* What each worker does. */
+struct duty {
+    int workers;
+    struct neph_shared_device *device;
+    neph_pool_work *work;
+    void *context;
+};
+
 int neph_worker_next(struct neph_worker *worker)
 {
     return worker->queue ? atomic_fetch_add(&worker->queue->next, 1) : worker->next++;
@@ -86,20 +94,21 @@ static void close_crew(struct crew *crew)
 }
 
 /* In the new process: what is on the way to a file is its parent's to write. */
-static void live(struct neph_worker *worker, pid_t parent, neph_pool_work *work, void *context)
+static void live(struct neph_worker *worker, pid_t parent, const struct duty *duty)
 {
     struct neph_diag diag = {.line = 0};
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() == parent)
-        work(worker, context, &diag);
+        duty->work(worker, duty->context, &diag);
+    neph_shared_device_close(duty->device);
     _exit(EXIT_SUCCESS);
 }
 
-static enum neph_status start(struct crew *crew, int index, int jobs, neph_pool_work *work,
-                              void *context, struct neph_diag *diag)
+static enum neph_status start(struct crew *crew, int index, const struct duty *duty,
+                              struct neph_diag *diag)
 {
     struct neph_worker worker = {
-        .index = index, .count = jobs, .queue = crew->queue, .told_fd = crew->tell_fd};
+        .index = index, .count = duty->workers, .queue = crew->queue, .told_fd = crew->tell_fd};
     const pid_t parent = getpid();
     fflush(NULL);
     const pid_t pid = fork();
@@ -107,7 +116,7 @@ static enum neph_status start(struct crew *crew, int index, int jobs, neph_pool_
         return neph_fail(diag, NEPH_ERR_IO, "no process could be started: %s", strerror(errno));
     if (pid == 0) {
         close(crew->hear_fd);
-        live(&worker, parent, work, context);
+        live(&worker, parent, duty);
     }
     crew->pids[crew->count++] = pid;
     return NEPH_OK;
@@ -165,16 +174,17 @@ static enum neph_status hear_all(const struct crew *crew, neph_pool_hear *hear, 
     return status;
 }
 
-static enum neph_status run_parts(int jobs, neph_pool_work *work, neph_pool_hear *hear,
-                                  void *context, struct neph_diag *diag)
+static enum neph_status run_parts(const struct duty *duty, neph_pool_hear *hear,
+                                  struct neph_diag *diag)
 {
     struct crew crew;
-    enum neph_status status = open_crew(jobs, &crew, diag);
-    for (int i = 0; i < jobs && !status; i++)
-        status = start(&crew, i + 1, jobs, work, context, diag);
+    neph_shared_device_close(duty->device);
+    enum neph_status status = open_crew(duty->workers, &crew, diag);
+    for (int i = 0; i < duty->workers && !status; i++)
+        status = start(&crew, i + 1, duty, diag);
     if (!status) {
         close_end(&crew.tell_fd); /* that is left to those who tell */
-        status = hear_all(&crew, hear, context, diag);
+        status = hear_all(&crew, hear, duty->context, diag);
     }
     if (status)
         stop_all(&crew);
@@ -185,10 +195,11 @@ static enum neph_status run_parts(int jobs, neph_pool_work *work, neph_pool_hear
     return status;
 }
 
-enum neph_status neph_pool_run(int jobs, neph_pool_work *work, neph_pool_hear *hear, void *context,
-                               struct neph_diag *diag)
+enum neph_status neph_pool_run(int workers, struct neph_shared_device *device, neph_pool_work *work,
+                               neph_pool_hear *hear, void *context, struct neph_diag *diag)
 {
-    struct neph_worker whole = {.count = jobs};
-    const enum neph_status status = jobs > 1 ? run_parts(jobs, work, hear, context, diag) : NEPH_OK;
+    struct neph_worker whole = {.count = workers};
+    const struct duty duty = {workers, device, work, context};
+    const enum neph_status status = workers > 1 ? run_parts(&duty, hear, diag) : NEPH_OK;
     return status ? status : work(&whole, context, diag);
 }

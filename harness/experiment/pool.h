@@ -8,7 +8,7 @@
 #ifndef NEPH_HARNESS_EXPERIMENT_POOL_H
 #define NEPH_HARNESS_EXPERIMENT_POOL_H
 
-#include "base/status.h"
+#include "harness/engines/vulkan_device.h"
 
 struct neph_pool_queue;
 
@@ -37,8 +37,9 @@ typedef enum neph_status neph_pool_hear(const char *text, void *context, struct 
 /* With one worker, `work` in this process. With more, that many processes, whose messages are heard
  * here, and then `work` in this process, for what they have not done: its status is returned, and
  * an error of a worker is met again there. `hear` NULL: messages are dropped. NEPH_ERR_INTERRUPTED.
- * No device may be open and no thread run before. Workers end with this process. */
-enum neph_status neph_pool_run(int workers, neph_pool_work *work, neph_pool_hear *hear,
-                               void *context, struct neph_diag *diag);
+ * Each process opens the device for itself: workers start with `device` closed. No thread may run
+ * before. Workers end with this process. */
+enum neph_status neph_pool_run(int workers, struct neph_shared_device *device, neph_pool_work *work,
+                               neph_pool_hear *hear, void *context, struct neph_diag *diag);
 
 #endif

@@ -9,6 +9,7 @@
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/study/take.h"
+#include "renderer/realtime/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +27,7 @@ struct request {
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"presets", 0, "A,B", "Presets to compare; PRESET+KEY=VALUE changes one", NEPH_CLI_LIST,
-     AT(presets), "seed,ue,ours", .maximum = 16},
+     AT(presets), .maximum = 16, .presets = neph_rt_presets, .uses = NEPH_RT_CONVERGENCE},
     {"frames", 0, "N", "Frames from the cold start", NEPH_CLI_INTEGER, AT(frames), "64", 16,
      FRAMES_MAX},
     {.name = "size", .otherwise = "96x54"},

@@ -19,5 +19,6 @@ extern const struct neph_experiment neph_experiment_screen;
 extern const struct neph_experiment neph_experiment_sky;
 extern const struct neph_experiment neph_experiment_steps;
 extern const struct neph_experiment neph_experiment_sweep;
+extern const struct neph_experiment neph_experiment_validate;
 
 #endif

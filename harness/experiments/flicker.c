@@ -10,6 +10,7 @@
 #include "harness/study/flicker_pairs.h"
 #include "harness/study/flicker_plot.h"
 #include "harness/study/suites.h"
+#include "renderer/realtime/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,7 +24,7 @@ struct request {
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"presets", 0, "A,B", "Presets to hold against each other; PRESET+KEY=VALUE changes one",
-     NEPH_CLI_LIST, AT(presets), "seed,fixed,ue,c52e,unity,ours",
+     NEPH_CLI_LIST, AT(presets), .presets = neph_rt_presets, .uses = NEPH_RT_FLICKER,
      .maximum = NEPH_STUDY_PRESETS_MAX},
     {"suite", 0, "NAME",
      "tuning: the scenes that presets were chosen by; test, test2: others; air: near fog, lamps, "

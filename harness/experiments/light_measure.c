@@ -2,6 +2,7 @@
 #include "harness/experiments/light.h"
 
 #include "base/clock.h"
+#include "base/sort.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/run/noise.h"
@@ -112,12 +113,6 @@ static enum neph_status run_model(struct neph_light_study *study, struct neph_li
 
 /* ---- a cell ---------------------------------------------------------------------------------- */
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double first = *(const double *)a, second = *(const double *)b;
-    return (first > second) - (first < second);
-}
-
 /* What a tenth of the pixels with media have more of; NaN where none has. */
 static enum neph_status find_depth(struct neph_light_cell *cell, struct neph_diag *diag)
 {
@@ -128,7 +123,7 @@ static enum neph_status find_depth(struct neph_light_cell *cell, struct neph_dia
     for (int p = 0; p < cell->pixel_count; p++)
         if (neph_light_bin(NEPH_LIGHT_EYE, cell->pixels[p].view.eye_depth) >= 0)
             depths[count++] = cell->pixels[p].view.eye_depth;
-    qsort(depths, (size_t)count, sizeof(*depths), compare_doubles);
+    neph_sort_doubles(depths, (size_t)count);
     cell->optical_depth = count > 0 ? depths[(count - 1) * 9 / 10] : NAN;
     free(depths);
     return NEPH_OK;

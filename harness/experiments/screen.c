@@ -9,6 +9,7 @@
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/experiments/experiments.h"
+#include "renderer/screen/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,8 +18,8 @@
 #define AT(member) .at = offsetof(struct neph_screen_request, member)
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B", "Screens to hold against the truth; screen+KEY=VALUE+... changes one",
-     NEPH_CLI_LIST, AT(models), "screen,screen+preset=ours,screen+preset=fast,screen+preset=slices",
-     .maximum = NEPH_LIGHT_MODELS_MAX},
+     NEPH_CLI_LIST, AT(models), "screen", .between = ",screen+preset=",
+     .presets = neph_screen_presets, .uses = NEPH_SCREEN_STUDY, .maximum = NEPH_LIGHT_MODELS_MAX},
     {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
      AT(radius_m), "1", 1e-3, 1e6},
     {.name = "size", .otherwise = "96x54"},

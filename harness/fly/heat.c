@@ -54,8 +54,8 @@ struct neph_heat_flicker {
     int columns, rows;       /* of that grid */
     int padded;              /* columns as flicker_sums.h pads them */
     int frame_count;         /* since it was forgotten, without end */
-    double *lumas;           /* by frame of the ring, row, column; owned */
-    float *gathered[3];      /* a row of the grid in linear colours; of the arena */
+    double *lumas;           /* by frame of the ring, row, column */
+    float *gathered[3];      /* a row of the grid in linear colours */
     struct neph_arena arena;
 };
 
@@ -63,7 +63,6 @@ void neph_heat_flicker_destroy(struct neph_heat_flicker *flicker)
 {
     if (!flicker)
         return;
-    free(flicker->lumas);
     neph_arena_finish(&flicker->arena);
     free(flicker);
 }
@@ -88,10 +87,11 @@ enum neph_status neph_heat_flicker_create(int width_px, int height_px,
     made->columns = (width_px + made->step - 1) / made->step;
     made->rows = (height_px + made->step - 1) / made->step;
     made->padded = neph_flicker_padded(made->columns);
-    made->lumas = neph_flicker_zeros(NEPH_HEAT_FRAMES * frame_size(made));
+    made->lumas = neph_arena_zeroed(&made->arena, NEPH_HEAT_FRAMES * frame_size(made),
+                                    sizeof(*made->lumas));
     for (int c = 0; c < 3; c++)
         made->gathered[c] = neph_arena_zeroed(&made->arena, (size_t)made->columns, sizeof(float));
-    if (!made->lumas || made->arena.is_short) {
+    if (made->arena.is_short) {
         neph_heat_flicker_destroy(made);
         return neph_fail_memory(diag);
     }
@@ -155,20 +155,16 @@ static void add_up_row(const struct neph_heat_flicker *flicker, int row, int fra
 
 /* The sums of all pixels that are looked at; false when memory is short. */
 static bool add_up(const struct neph_heat_flicker *flicker, int frame_count,
-                   struct neph_flicker_sums *sums)
+                   struct neph_arena *arena, struct neph_flicker_sums *sums)
 {
     double *rows[NEPH_HEAT_FRAMES];
-    double *buffer = neph_flicker_zeros((size_t)NEPH_HEAT_FRAMES * (size_t)flicker->padded);
-    if (!buffer || neph_flicker_sums_begin(sums, flicker->columns, flicker->rows,
-                                           NEPH_FLICKER_VARIANCE_COUNT, NULL) != NEPH_OK) {
-        free(buffer);
-        return false;
-    }
     for (int frame = 0; frame < NEPH_HEAT_FRAMES; frame++)
-        rows[frame] = buffer + (size_t)frame * (size_t)flicker->padded;
+        rows[frame] = neph_arena_zeroed(arena, (size_t)flicker->padded, sizeof(**rows));
+    if (neph_flicker_sums_begin(sums, flicker->columns, flicker->rows, NEPH_FLICKER_VARIANCE_COUNT,
+                                arena, NULL) != NEPH_OK)
+        return false;
     for (int row = 0; row < flicker->rows; row++)
         add_up_row(flicker, row, frame_count, rows, sums);
-    free(buffer);
     return true;
 }
 
@@ -201,13 +197,12 @@ static void spread(const struct neph_heat_flicker *flicker, const uint8_t *small
 }
 
 static bool draw(const struct neph_heat_flicker *flicker, const struct neph_flicker_sums *sums,
-                 struct neph_heat_a4 *a4, uint8_t *rgb)
+                 struct neph_arena *arena, struct neph_heat_a4 *a4, uint8_t *rgb)
 {
     static const double scale = 16.0 / 255.0; /* that of the metric's own map */
     const size_t count = (size_t)flicker->rows * (size_t)flicker->columns;
-    struct neph_arena arena = {0};
-    float *map = neph_arena_zeroed(&arena, count, sizeof(*map));
-    uint8_t *small = neph_arena_zeroed(&arena, count, 3);
+    float *map = neph_arena_zeroed(arena, count, sizeof(*map));
+    uint8_t *small = neph_arena_zeroed(arena, count, 3);
     if (map && small)
         find_a4(flicker, sums, a4, map);
     const bool drawn = map && small &&
@@ -215,7 +210,6 @@ static bool draw(const struct neph_heat_flicker *flicker, const struct neph_flic
                                         NULL) == NEPH_OK;
     if (drawn)
         spread(flicker, small, rgb);
-    neph_arena_finish(&arena);
     return drawn;
 }
 
@@ -225,11 +219,13 @@ bool neph_heat_flicker_show(const struct neph_heat_flicker *flicker, struct neph
     const int there = flicker->frame_count < NEPH_HEAT_FRAMES ? flicker->frame_count
                                                               : NEPH_HEAT_FRAMES;
     struct neph_heat_a4 found = {.frame_count = there / NEPH_FLICKER_CYCLE * NEPH_FLICKER_CYCLE};
-    struct neph_flicker_sums sums = {.values = NULL};
-    if (found.frame_count < NEPH_HEAT_FRAMES_MIN || !add_up(flicker, found.frame_count, &sums))
+    if (found.frame_count < NEPH_HEAT_FRAMES_MIN)
         return false;
-    const bool drawn = draw(flicker, &sums, &found, rgb);
-    neph_flicker_sums_end(&sums);
+    struct neph_arena arena = {0};
+    struct neph_flicker_sums sums = {.values = NULL};
+    const bool drawn = add_up(flicker, found.frame_count, &arena, &sums) &&
+                       draw(flicker, &sums, &arena, &found, rgb);
+    neph_arena_finish(&arena);
     if (drawn)
         *a4 = found;
     return drawn;

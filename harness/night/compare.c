@@ -78,52 +78,54 @@ static enum neph_status accepted_night(struct work *work, const char *series, in
                                diag);
 }
 
-/* Engines of one version and device are one program. */
-static const char *family_of(struct neph_arena *arena, const char *environment)
+/* A number as it is in the database. */
+struct row {
+    const char *name, *step, *kind, *environment;
+    double value, standard_error;
+};
+#define ROW(member) NEPH_RECORD_FIELD(struct row, member)
+static const struct neph_record_form row_form = {
+    sizeof(struct row),
+    {ROW(name), ROW(step), ROW(kind), ROW(value), ROW(standard_error), ROW(environment)}};
+
+static void take_row(struct neph_arena *arena, const struct row *row, struct candidate *c)
 {
-    return neph_arena_format(arena, "%.*s", (int)strcspn(environment, ";"), environment);
+    const struct neph_night_name parts = neph_night_split(arena, row->name);
+    const struct neph_night_metric *metric = neph_night_metric(parts.metric);
+    *c = (struct candidate){
+        .name = row->name,
+        .step = row->step,
+        .environment = row->environment,
+        .is_picture = strcmp(row->kind, NEPH_NIGHT_PICTURE) == 0,
+        .series = {.name = row->name,
+                   .engine = parts.engine,
+                   .metric = parts.metric,
+                   .truth = parts.truth[0] ? parts.truth : NULL,
+                   /* Engines of one version and device are one program. */
+                   .family = neph_arena_format(arena, "%.*s", (int)strcspn(row->environment, ";"),
+                                               row->environment),
+                   .kind = neph_series_kind_of(row->kind),
+                   .is_signed = metric->is_signed,
+                   .unit = metric->unit,
+                   .tonight = row->value,
+                   .standard_error = row->standard_error}};
 }
 
 static enum neph_status read_candidates(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
-    int64_t total = 0;
-    const int64_t night = work->comparison->night;
-    const enum neph_status status = neph_database_count(
-        work->index, &total, diag, "SELECT count(*) FROM measurements WHERE night = ?", "i", night);
-    if (status)
-        return status;
-    work->candidates = neph_arena_zeroed(arena, (size_t)total + 1, sizeof(*work->candidates));
-    if (!work->candidates)
-        return neph_fail_memory(diag);
-    struct neph_query *query = neph_query(
-        work->index, diag,
+    struct neph_records rows;
+    const enum neph_status status = neph_record_select(
+        work->index, arena, &row_form, &rows, diag,
         "SELECT name, step, kind, value, standard_error, environment FROM "
         "measurements JOIN series ON series.id = series WHERE night = ? "
         "ORDER BY name",
-        "i", night);
-    while (work->count < total && neph_query_next(query)) {
-        struct candidate *c = &work->candidates[work->count++];
-        const char *name = neph_arena_text(arena, neph_query_text(query, 0));
-        const struct neph_night_name parts = neph_night_split(arena, name);
-        const struct neph_night_metric *metric = neph_night_metric(parts.metric);
-        *c = (struct candidate){
-            .name = name,
-            .step = neph_arena_text(arena, neph_query_text(query, 1)),
-            .environment = neph_arena_text(arena, neph_query_text(query, 5)),
-            .is_picture = strcmp(neph_query_text(query, 2), NEPH_NIGHT_PICTURE) == 0,
-            .series = {.name = name,
-                       .engine = parts.engine,
-                       .metric = parts.metric,
-                       .truth = parts.truth[0] ? parts.truth : NULL,
-                       .family = family_of(arena, neph_query_text(query, 5)),
-                       .kind = neph_series_kind_of(neph_query_text(query, 2)),
-                       .is_signed = metric->is_signed,
-                       .unit = metric->unit,
-                       .tonight = neph_query_real(query, 3),
-                       .standard_error = neph_query_real(query, 4)}};
-    }
-    return neph_query_end(query, NEPH_OK);
+        "i", work->comparison->night);
+    const struct row *list = rows.list;
+    work->candidates = neph_arena_zeroed(arena, (size_t)rows.count + 1, sizeof(*work->candidates));
+    for (; work->candidates && work->count < rows.count; work->count++)
+        take_row(arena, &list[work->count], &work->candidates[work->count]);
+    return status ? status : neph_arena_check(arena, diag);
 }
 
 /* A program that calls a fixed number a drawn one is held to the rule of the accepted night. */
@@ -203,13 +205,11 @@ static enum neph_status compare_sizes(struct work *work, struct candidate *c,
 
 static enum neph_status check_against(struct work *work, struct neph_diag *diag)
 {
-    int64_t known = 1;
+    bool has = true;
     enum neph_status status = NEPH_OK;
     if (work->against > 0)
-        status = neph_database_count(work->index, &known, diag,
-                                     "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
-                                     "i", work->against);
-    return status || known > 0
+        status = neph_history_has(work->index, work->against, &has, diag);
+    return status || has
                ? status
                : neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
                            (long long)work->against);
@@ -236,18 +236,17 @@ static enum neph_status read_all(struct work *work, struct neph_diag *diag)
 static enum neph_status find_failed_steps(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
-    struct neph_query *query = neph_query(
-        work->index, diag,
-        "SELECT name, outcome, reason FROM steps WHERE night = ? AND outcome NOT IN ('done', 'not "
-        "run')",
+    struct neph_records rows;
+    const enum neph_status status = neph_record_select(
+        work->index, arena, &neph_history_step_form, &rows, diag,
+        "SELECT name, outcome, reason, size, wall_s, calibration_s FROM steps WHERE night = ? AND "
+        "outcome NOT IN ('done', 'not run')",
         "i", work->comparison->night);
-    while (neph_query_next(query)) {
-        const char *name = neph_arena_text(arena, neph_query_text(query, 0));
-        find(work, NEPH_FOUND_STEP, name, name,
-             neph_arena_format(arena, "%s: %s", neph_query_text(query, 1),
-                               neph_query_text(query, 2)));
-    }
-    return neph_query_end(query, NEPH_OK);
+    const struct neph_history_step *steps = rows.list;
+    for (int i = 0; i < rows.count; i++)
+        find(work, NEPH_FOUND_STEP, steps[i].name, steps[i].name,
+             neph_arena_format(arena, "%s: %s", steps[i].outcome, steps[i].reason));
+    return status;
 }
 
 static const char *words_of_loss(struct neph_arena *arena, const struct neph_lost_series *lost)
@@ -346,27 +345,25 @@ static enum neph_status are_terms_accepted(struct work *work, const char *step, 
 static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
-    enum neph_status status = NEPH_OK;
-    struct neph_query *query = neph_query(
-        work->index, diag,
+    struct neph_records rows;
+    enum neph_status status = neph_record_select(
+        work->index, arena, &neph_history_scene_form, &rows, diag,
         "SELECT t.step, t.scene, t.hash, t.terms FROM night_scenes AS t JOIN night_scenes AS b ON "
         "b.step = t.step WHERE t.night = ? AND b.night = ? AND b.hash = t.hash AND b.terms != "
         "t.terms ORDER BY t.step",
         "ii", work->comparison->night, work->comparison->baseline);
-    while (!status && neph_query_next(query)) {
-        const char *step = neph_arena_text(arena, neph_query_text(query, 0));
-        const char *version = neph_arena_format(arena, "%.*s/%s@%.8s", (int)strcspn(step, " "),
-                                                step, neph_query_text(query, 1),
-                                                neph_query_text(query, 2));
+    for (int i = 0; i < rows.count && !status; i++) {
+        const struct neph_history_scene *s = (const struct neph_history_scene *)rows.list + i;
+        const char *version = neph_arena_format(arena, "%.*s/%s@%.8s", (int)strcspn(s->step, " "),
+                                                s->step, s->scene, s->hash);
         bool accepted = false;
-        status = are_terms_accepted(work, step, version, neph_query_text(query, 3), &accepted,
-                                    diag);
+        status = are_terms_accepted(work, s->step, version, s->terms, &accepted, diag);
         if (!status && !accepted)
-            find_by(work, NEPH_FOUND_EDITED, version, step,
+            find_by(work, NEPH_FOUND_EDITED, version, s->step,
                     "its gates, its exposure or what is measured of it over time were edited", "",
                     work->comparison->baseline);
     }
-    return neph_query_end(query, status);
+    return status;
 }
 
 /* Each step is named once. */

@@ -11,7 +11,6 @@
 #include "harness/data.h"
 #include "harness/night/scene_copy.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,30 +30,33 @@ static const char *words_of(struct neph_night_work *work, const char *copy)
 
 /* A folder of links to all that is in `from`, but for the entry `but`. */
 static enum neph_status link_entries(const char *from, const char *to, const char *but,
-                                     struct neph_diag *diag)
+                                     struct neph_arena *arena, struct neph_diag *diag)
 {
+    struct neph_names names = {NULL, 0};
     enum neph_status status = neph_dir_create(to, diag);
-    DIR *directory = status ? NULL : opendir(from);
-    if (!status && !directory)
-        return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", from, strerror(errno));
-    for (const struct dirent *entry; !status && directory && (entry = readdir(directory));) {
-        if (entry->d_name[0] == '.' || strcmp(entry->d_name, but) == 0)
-            continue;
-        const struct neph_path link = neph_path_in(to, entry->d_name);
-        if (symlink(neph_path_in(from, entry->d_name).text, link.text) != 0)
+    if (!status)
+        status = neph_dir_list(from, arena, &names, diag);
+    for (int i = 0; i < names.count && !status; i++) {
+        const char *name = names.list[i];
+        const struct neph_path link = neph_path_in(to, name);
+        if (name[0] != '.' && strcmp(name, but) != 0 &&
+            symlink(neph_path_in(from, name).text, link.text) != 0)
             status = neph_fail(diag, NEPH_ERR_IO, "cannot make '%s': %s", link.text,
                                strerror(errno));
     }
-    if (directory)
-        closedir(directory);
     return status;
 }
 
 /* The folder of the catalogue, below scenes/, that a scene is in. */
 static const char *folder_of(const char *data, const char *scene, struct neph_arena *arena)
 {
-    const char *path = neph_arena_format(arena, "%s/scenes/failure/%s.yaml", data, scene);
-    return path && neph_path_exists(path) ? "failure" : "catalog";
+    static const char *const names[] = {"stress", "failure"}; /* now, and one release ago */
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+        const char *path = neph_arena_format(arena, "%s/scenes/%s/%s.yaml", data, names[i], scene);
+        if (path && neph_path_exists(path))
+            return names[i];
+    }
+    return "catalog";
 }
 
 /* Make `folder` what NEPH_DATA_DIR may name. */
@@ -75,10 +77,11 @@ static enum neph_status make_data(const char *folder, const struct neph_history_
     for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]) && !status; i++)
         status = link_entries(neph_arena_format(arena, "%s%s", data, parts[i][0]),
                               neph_arena_format(arena, "%s%s", folder, parts[i][0]), parts[i][1],
-                              diag);
+                              arena, diag);
     if (!status)
         status = link_entries(neph_arena_format(arena, "%s/scenes/%s", data, within),
-                              neph_arena_format(arena, "%s/scenes/%s", folder, within), file, diag);
+                              neph_arena_format(arena, "%s/scenes/%s", folder, within), file, arena,
+                              diag);
     *path = neph_arena_format(arena, "%s/scenes/%s/%s", folder, within, file);
     if (!status)
         status = neph_file_copy(copy, *path, diag);
@@ -104,29 +107,30 @@ static enum neph_status check_version(const char *path, const struct neph_histor
 
 /* ---- one scene ------------------------------------------------------------------------------- */
 
-/* The scene that the accepted night has measured in a step. NEPH_ERR_NOT_FOUND: it is not known. */
-static enum neph_status find_version(struct neph_night_work *work,
-                                     const struct neph_night_edit *edit,
-                                     struct neph_history_scene *scene, struct neph_diag *diag)
+/* What the store has of an edit: whether its accepted version was rendered tonight, and the scene
+ * that the accepted night has measured; without a name when that is not known. */
+static enum neph_status look_up(struct neph_night_work *work, const struct neph_night_edit *edit,
+                                bool *done, struct neph_history_scene *scene,
+                                struct neph_diag *diag)
 {
-    struct neph_arena *arena = &work->night->arena;
+    int64_t count = 0;
     struct neph_database *index = NULL;
-    *scene = (struct neph_history_scene){.step = edit->step};
+    struct neph_records scenes = {NULL, 0};
+    const char *name = neph_arena_format(&work->night->arena, "%s%s", edit->step, neph_as_accepted);
     enum neph_status status = neph_store_index(work->store, &index, diag);
-    if (!status) {
-        struct neph_query *query = neph_query(
-            index, diag, "SELECT scene, hash, terms FROM night_scenes WHERE night = ? AND step = ?",
-            "is", edit->accepted, edit->step);
-        if (neph_query_next(query)) {
-            scene->scene = neph_arena_text(arena, neph_query_text(query, 0));
-            scene->hash = neph_arena_text(arena, neph_query_text(query, 1));
-            scene->terms = neph_arena_text(arena, neph_query_text(query, 2));
-        }
-        status = neph_query_end(query, NEPH_OK);
-    }
+    if (!status)
+        status = neph_database_count(index, &count, diag,
+                                     "SELECT count(*) FROM steps WHERE night = ? AND name = ?",
+                                     "is", work->night->id, name);
+    if (!status)
+        status = neph_record_select(
+            index, &work->night->arena, &neph_history_scene_form, &scenes, diag,
+            "SELECT step, scene, hash, terms FROM night_scenes WHERE night = ? AND step = ?", "is",
+            edit->accepted, edit->step);
     neph_database_close(index);
-    if (!status && !scene->scene)
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "the store has no copy of it");
+    *done = count > 0;
+    *scene = scenes.count > 0 ? *(const struct neph_history_scene *)scenes.list
+                              : (struct neph_history_scene){.step = edit->step};
     return status;
 }
 
@@ -162,7 +166,7 @@ static enum neph_status measure(struct neph_night_work *work, int index, const c
     return status;
 }
 
-/* Numbers of the failure suite are named by the hash that the scene has in the project, as its
+/* Numbers of the stress tests are named by the hash that the scene has in the project, as its
  * results have none. What is of another version than the accepted one is left out. */
 static void name_accepted(const struct neph_night_edit *edit,
                           const struct neph_history_scene *scene, struct neph_arena *arena,
@@ -226,22 +230,6 @@ static enum neph_status render(struct neph_night_work *work, const struct neph_h
 
 /* ---- all of them ----------------------------------------------------------------------------- */
 
-static enum neph_status was_done(struct neph_night_work *work, const struct neph_night_edit *edit,
-                                 bool *done, struct neph_diag *diag)
-{
-    int64_t count = 0;
-    struct neph_database *index = NULL;
-    const char *name = neph_arena_format(&work->night->arena, "%s%s", edit->step, neph_as_accepted);
-    enum neph_status status = neph_store_index(work->store, &index, diag);
-    if (!status)
-        status = neph_database_count(index, &count, diag,
-                                     "SELECT count(*) FROM steps WHERE night = ? AND name = ?",
-                                     "is", work->night->id, name);
-    neph_database_close(index);
-    *done = count > 0;
-    return status;
-}
-
 static enum neph_status render_edit(struct neph_night_work *work, struct neph_night_edit *edit,
                                     struct neph_diag *diag)
 {
@@ -254,11 +242,12 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
     const int index = step ? (int)(step - work->night->plan.steps) : -1;
     const double start_s = neph_wall_s(),
                  left_s = work->params->budget_s - (start_s - work->start_s);
-    enum neph_status status = was_done(work, edit, &done, diag);
+    enum neph_status status = look_up(work, edit, &done, &scene, diag);
     if (status || index < 0)
         return status;
-    status = find_version(work, edit, &scene, &why);
-    if (!status)
+    if (!scene.scene)
+        status = neph_fail(&why, NEPH_ERR_NOT_FOUND, "the store has no copy of it");
+    else
         copy = neph_scene_copy_path(neph_store_folder(work->store), &scene, &work->night->arena);
     if (!done && neph_night_step_cost(step, &work->history[index]) > left_s) {
         edit->words = "no time was left to render the accepted version once more";

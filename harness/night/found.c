@@ -10,8 +10,6 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FOUND_COUNT == 14, "a new kind");
 
-enum { FINDINGS_FIRST = 64 };
-
 static const char *const found_words[] = {
     [NEPH_FOUND_STEP] = "step failed",
     [NEPH_FOUND_HISTORY] = "history damaged",
@@ -49,23 +47,6 @@ static int by_weight(const struct neph_finding *a, const struct neph_finding *b)
     return of_a != of_b ? (of_a > of_b ? -1 : 1) : strcmp(a->series, b->series);
 }
 
-/* Room for one more finding; false when memory is short. */
-static bool make_room(struct neph_night_comparison *comparison)
-{
-    if (comparison->finding_count < comparison->finding_room)
-        return true;
-    const int room = comparison->finding_room ? 2 * comparison->finding_room : FINDINGS_FIRST;
-    struct neph_finding *grown = neph_arena_zeroed(&comparison->arena, (size_t)room,
-                                                   sizeof(*grown));
-    if (!grown)
-        return false;
-    for (int i = 0; i < comparison->finding_count; i++)
-        grown[i] = comparison->findings[i];
-    comparison->findings = grown;
-    comparison->finding_room = room;
-    return true;
-}
-
 void neph_night_settle(struct neph_night_comparison *comparison)
 {
     comparison->passes = comparison->compared > 0 &&
@@ -76,8 +57,12 @@ void neph_night_settle(struct neph_night_comparison *comparison)
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding)
 {
-    if (!make_room(comparison))
+    struct neph_finding *grown = neph_arena_grown(&comparison->arena, comparison->findings,
+                                                  comparison->finding_count,
+                                                  &comparison->finding_room, sizeof(*grown));
+    if (!grown)
         return;
+    comparison->findings = grown;
     int at = comparison->finding_count++;
     for (; at > 0 && by_weight(&comparison->findings[at - 1], finding) > 0; at--)
         comparison->findings[at] = comparison->findings[at - 1];

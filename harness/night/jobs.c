@@ -17,10 +17,33 @@ static const char night_format[] = "neph-night-jobs-1", step_format[] = "neph-st
 const char neph_night_job_not_run[] = "not run";
 static const size_t limit_bytes = 64 << 20;
 
-/* The fields of a night from its format on, and those of a step's record after its name. */
-static const char night_fields[] =
-    "s:format s:name i:night s:started_utc s:plan s:revision s:program s:host";
-static const char outcome_fields[] = "s:outcome s:reason s:size d:wall_s n:calibration_s";
+#define JOBS(member) NEPH_RECORD_FIELD(struct neph_night_jobs, member)
+#define WHO(member)                                                                                \
+    {                                                                                              \
+        .name = #member, NEPH_RECORD_MEMBER(struct neph_night_jobs, who.member)                    \
+    }
+static const struct neph_record_form night_form = {sizeof(struct neph_night_jobs),
+                                                   {JOBS(format), JOBS(name), JOBS(night),
+                                                    JOBS(started_utc), WHO(plan), WHO(revision),
+                                                    WHO(program), WHO(host)}};
+
+/* What a job leaves of its step. */
+#define STEP(member) NEPH_RECORD_FIELD(struct neph_history_step, member)
+static const struct neph_record_form step_form = {
+    sizeof(struct neph_history_step),
+    {{.name = "step", NEPH_RECORD_MEMBER(struct neph_history_step, name)},
+     STEP(outcome),
+     STEP(reason),
+     STEP(size),
+     STEP(wall_s),
+     NEPH_RECORD_OPTIONAL(struct neph_history_step, calibration_s)}};
+
+#define MEASURED(member) NEPH_RECORD_FIELD(struct neph_measurement, member)
+#define MAYBE_MEASURED(member) NEPH_RECORD_OPTIONAL(struct neph_measurement, member)
+static const struct neph_record_form measurement_form = {
+    sizeof(struct neph_measurement),
+    {MEASURED(series), MEASURED(kind), MAYBE_MEASURED(value), MAYBE_MEASURED(standard_error),
+     MEASURED(environment), MEASURED(frame)}};
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
@@ -63,7 +86,7 @@ enum neph_status neph_night_jobs_read(const char *output, struct neph_arena *are
     *found = d != NULL;
     *jobs = (struct neph_night_jobs){
         .arena = arena, .folder = folder, .steps = json_incref(json_object_get(d, "steps"))};
-    neph_record_read(night_fields, d, arena, &jobs->format);
+    neph_record_read(&night_form, d, arena, jobs);
     json_decref(d);
     return neph_arena_check(arena, diag);
 }
@@ -117,7 +140,7 @@ enum neph_status neph_night_jobs_add(struct neph_night_jobs *jobs, const char *s
 
 enum neph_status neph_night_jobs_write(const struct neph_night_jobs *jobs, struct neph_diag *diag)
 {
-    json_t *document = neph_record_json(night_fields, &jobs->format);
+    json_t *document = neph_record_json(&night_form, jobs);
     neph_json_set(&document, "steps", json_incref(jobs->steps));
     return write_json(neph_path_in(jobs->folder, "night.json").text, document, diag);
 }
@@ -181,13 +204,10 @@ enum neph_status neph_night_jobs_keep(const struct neph_night_jobs *jobs,
 {
     json_t *list = json_array();
     for (int i = 0; i < numbers->count; i++)
-        neph_json_add(&list, neph_record_json(neph_measurement_fields, &numbers->list[i]));
-    json_t *document = json_pack("{s:s, s:s, s:s}", "format", step_format, "jobs", jobs->name,
-                                 "step", record->name);
-    json_t *outcome = neph_record_json(outcome_fields, &record->outcome);
-    if (!outcome || json_object_update(document, outcome))
-        neph_json_set(&document, "", NULL);
-    json_decref(outcome);
+        neph_json_add(&list, neph_record_json(&measurement_form, &numbers->list[i]));
+    json_t *document = neph_record_json(&step_form, record);
+    neph_json_set(&document, "format", json_string(step_format));
+    neph_json_set(&document, "jobs", json_string(jobs->name));
     neph_json_set(&document, "measurements", list);
     return write_json(record_path(jobs, step), document, diag);
 }
@@ -198,7 +218,7 @@ static void read_measurements(struct neph_arena *arena, const json_t *list,
     const size_t count = json_array_size(list);
     struct neph_measurement *read = neph_arena_zeroed(arena, count + 1, sizeof(*read));
     for (size_t i = 0; read && i < count; i++)
-        neph_record_read(neph_measurement_fields, json_array_get(list, i), arena, &read[i]);
+        neph_record_read(&measurement_form, json_array_get(list, i), arena, &read[i]);
     *numbers = (struct neph_night_numbers){.list = read, .count = (int)count};
 }
 
@@ -212,8 +232,7 @@ enum neph_status neph_night_jobs_look(const struct neph_night_jobs *jobs,
     const enum neph_status status = read_json(record_path(jobs, step), step_format, &d, diag);
     *found = !status && strcmp(neph_json_text(d, "jobs"), jobs->name) == 0;
     if (*found) {
-        record->name = step->name;
-        neph_record_read(outcome_fields, d, arena, &record->outcome);
+        neph_record_read(&step_form, d, arena, record);
         read_measurements(arena, json_object_get(d, "measurements"), numbers);
         numbers->size = record->size;
     }

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/night/judge.h"
 
+#include "base/sort.h"
 #include "metrics/significance.h"
+#include "metrics/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -60,12 +62,6 @@ struct centre {
     double mean, deviation, correlation, dof;
 };
 
-static int by_value(const void *a_, const void *b_)
-{
-    const double a = *(const double *)a_, b = *(const double *)b_;
-    return (a > b) - (a < b);
-}
-
 /* The deviation of a normal variable whose outer shares g are pulled in to where they begin, z:
  * its square is 1 - 2 g - 2 z phi(z) + 2 g z^2. */
 static double winsorized_deviation(double g)
@@ -104,7 +100,7 @@ static struct centre centre_of(const double *values, int count)
     double sorted[NEPH_JUDGE_WINDOW];
     struct centre centre = {.count = count};
     memcpy(sorted, values, (size_t)count * sizeof(*sorted));
-    qsort(sorted, (size_t)count, sizeof(*sorted), by_value);
+    neph_sort_doubles(sorted, (size_t)count);
     const int cut = (int)(trimmed_share * count);
     const double low = sorted[cut], high = sorted[count - 1 - cut];
     double sum = 0.0, winsorized = 0.0, squares = 0.0;
@@ -198,12 +194,11 @@ static struct look look_at_nights(const struct centre *centre, const double *rec
 /* The median of the last seven nights, whose variance is pi / 2 times that of a mean. */
 static struct look look_at_week(const struct centre *centre, const double *recent)
 {
-    double sorted[NEPH_JUDGE_WEEK];
-    memcpy(sorted, recent, sizeof(sorted));
-    qsort(sorted, NEPH_JUDGE_WEEK, sizeof(*sorted), by_value);
+    double nights[NEPH_JUDGE_WEEK];
+    memcpy(nights, recent, sizeof(nights));
     const double worth = worth_of(centre->count, centre->correlation),
                  week = worth_of(NEPH_JUDGE_WEEK, centre->correlation) / M_PI_2;
-    return (struct look){sorted[NEPH_JUDGE_WEEK / 2] - centre->mean,
+    return (struct look){neph_percentile(nights, NEPH_JUDGE_WEEK, 0.5) - centre->mean,
                          centre->deviation * sqrt(1.0 / fmax(week, 1.0) + 1.0 / worth),
                          centre->dof};
 }
@@ -272,19 +267,15 @@ static bool has_errors(const struct neph_series *series)
            series->standard_error + series->past_errors[0] > 0.0;
 }
 
-/* A series whose noise is not known, and which gave the same bits as the accepted night. */
-static bool is_unchanged(const struct neph_series *series)
-{
-    return series->kind == NEPH_SERIES_DRAWN && series->tonight == series->past[0];
-}
-
 static struct trial try_series(const struct neph_series *series)
 {
     double values[NEPH_JUDGE_WINDOW], recent[NEPH_JUDGE_WEEK];
     if (series->past_count < 1 || !isfinite(level(series, series->tonight)) ||
         !isfinite(level(series, series->past[0])))
         return (struct trial){.judged = false};
-    if (series->kind == NEPH_SERIES_FIXED || is_unchanged(series))
+    /* What is drawn and gave the same bits as the accepted night has no noise that is known. */
+    if (series->kind == NEPH_SERIES_FIXED ||
+        (series->kind == NEPH_SERIES_DRAWN && series->tonight == series->past[0]))
         return try_fixed(series);
     const int count = baseline_values(series, values), of_late = recent_values(series, recent);
     struct trial by_errors = {.judged = false, .nights = count};

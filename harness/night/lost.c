@@ -2,6 +2,8 @@
 #include "harness/night/lost.h"
 
 #include "harness/night/judge.h"
+#include "harness/night/plan.h"
+#include "harness/run/record.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -48,29 +50,21 @@ static int by_name(const void *a, const void *b)
 
 static enum neph_status read_tonight(struct search *search, struct neph_diag *diag)
 {
-    int64_t total = 0;
-    const enum neph_status status = neph_database_count(
-        search->index, &total, diag, "SELECT count(*) FROM measurements WHERE night = ?", "i",
-        search->night);
-    if (status)
-        return status;
-    search->tonight = neph_arena_zeroed(search->arena, (size_t)total + 1, sizeof(*search->tonight));
-    if (!search->tonight)
-        return neph_fail_memory(diag);
-    struct neph_query *query = neph_query(
-        search->index, diag,
+    struct neph_records names;
+    const enum neph_status status = neph_record_select(
+        search->index, search->arena, &neph_record_text_form, &names, diag,
         "SELECT name FROM measurements JOIN series ON series.id = series "
         "WHERE night = ? AND NOT (? AND instr(step, ?)) ORDER BY name",
         "iis", search->night, (int64_t)search->of_plan, neph_as_accepted);
-    while (search->tonight_count < total && neph_query_next(query))
-        search->tonight[search->tonight_count++] = neph_arena_text(search->arena,
-                                                                   neph_query_text(query, 0));
-    return neph_query_end(query, neph_arena_check(search->arena, diag));
+    search->tonight = names.list;
+    search->tonight_count = names.count;
+    return status;
 }
 
 static bool is_of_tonight(const struct search *search, const char *name)
 {
-    return bsearch(&name, search->tonight, (size_t)search->tonight_count, sizeof(name), by_name);
+    return search->tonight_count > 0 &&
+           bsearch(&name, search->tonight, (size_t)search->tonight_count, sizeof(name), by_name);
 }
 
 /* "catalog/fog@15da7c6d/march/..." in parts: what is before the hash, and what is after it. */
@@ -83,29 +77,20 @@ static bool split(const char *name, size_t *head, const char **hash, const char 
     return *rest != NULL;
 }
 
-/* The same series of another version of the scene; NULL: there is none. */
-static const char *find_successor(const struct search *search, const char *name)
+/* The same series of another version of the scene; else, with `of_version`, a number of the same
+ * version under another name or in another suite. NULL: there is none. */
+static const char *find_other(const struct search *search, const char *name, bool of_version)
 {
     size_t head, other_head;
     const char *hash, *rest, *other_hash, *other_rest;
-    for (int i = 0; split(name, &head, &hash, &rest) && i < search->tonight_count; i++)
-        if (strncmp(search->tonight[i], name, head + 1) == 0 &&
-            split(search->tonight[i], &other_head, &other_hash, &other_rest) &&
-            other_head == head && strcmp(rest, other_rest) == 0)
-            return search->tonight[i];
-    return NULL;
-}
-
-/* The same number of the same scene, under another name or in another suite; NULL: there is none.
- */
-static const char *find_renamed(const struct search *search, const char *name)
-{
-    size_t head, other_head;
-    const char *hash, *rest, *other_hash, *other_rest;
-    for (int i = 0; split(name, &head, &hash, &rest) && i < search->tonight_count; i++)
-        if (split(search->tonight[i], &other_head, &other_hash, &other_rest) &&
-            strcmp(hash, other_hash) == 0)
-            return search->tonight[i];
+    for (int i = 0; split(name, &head, &hash, &rest) && i < search->tonight_count; i++) {
+        const char *other = search->tonight[i];
+        if (split(other, &other_head, &other_hash, &other_rest) &&
+            (of_version ? strcmp(hash, other_hash) == 0
+                        : strncmp(other, name, head + 1) == 0 && other_head == head &&
+                              strcmp(rest, other_rest) == 0))
+            return other;
+    }
     return NULL;
 }
 
@@ -179,7 +164,7 @@ static bool was_asked_for(const struct neph_night_scope *scope, const char *step
 {
     bool asked = !scope || scope->only_count == 0;
     for (int i = 0; !asked && i < scope->only_count; i++)
-        asked = strstr(step, scope->only[i]) != NULL;
+        asked = neph_night_is_named(step, scope->only[i]);
     return asked;
 }
 
@@ -187,16 +172,11 @@ static enum neph_status add(struct search *search, const struct absent *absent, 
                             const char *other, struct neph_diag *diag)
 {
     struct neph_lost_list *lost = search->lost;
-    if (lost->count == search->room) {
-        search->room = search->room ? 2 * search->room : 64;
-        struct neph_lost_series *grown = neph_arena_zeroed(search->arena, (size_t)search->room,
-                                                           sizeof(*grown));
-        if (!grown)
-            return neph_fail_memory(diag);
-        if (lost->count > 0)
-            memcpy(grown, lost->list, (size_t)lost->count * sizeof(*grown));
-        lost->list = grown;
-    }
+    struct neph_lost_series *grown = neph_arena_grown(search->arena, lost->list, lost->count,
+                                                      &search->room, sizeof(*grown));
+    if (!grown)
+        return neph_fail_memory(diag);
+    lost->list = grown;
     lost->list[lost->count++] = (struct neph_lost_series){
         absent->name, absent->step, loss, absent->accepted, search->night - absent->last, other};
     lost->left_out += loss == NEPH_LOSS_STEP && absent->accepted == search->baseline;
@@ -241,7 +221,7 @@ static enum neph_status classify(struct search *search, const struct absent *abs
                                  struct neph_diag *diag)
 {
     struct step_state step;
-    const char *successor = find_successor(search, absent->name);
+    const char *successor = find_other(search, absent->name, false);
     const enum neph_status status = read_step(search, absent->step, &step, diag);
     if (status || (step.is_there && !step.is_done))
         return status; /* that the step failed is said once */
@@ -252,7 +232,7 @@ static enum neph_status classify(struct search *search, const struct absent *abs
     if (!step.is_there && !was_asked_for(search->scope, absent->step))
         return NEPH_OK;
     if (!step.is_there && !is_planned(search->scope, absent->step))
-        return add(search, absent, NEPH_LOSS_STEP, find_renamed(search, absent->name), diag);
+        return add(search, absent, NEPH_LOSS_STEP, find_other(search, absent->name, true), diag);
     return search->night - absent->last > neph_lost_after_nights
                ? add(search, absent, NEPH_LOSS_OVERDUE, NULL, diag)
                : NEPH_OK;
@@ -270,9 +250,9 @@ static enum neph_status look_for(struct search *search, const char *name, struct
  * of steps that were not done in the accepted night, for which an earlier one counts. */
 static enum neph_status list_expected(struct search *search, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
-    struct neph_query *query = neph_query(
-        search->index, diag,
+    struct neph_records names;
+    enum neph_status status = neph_record_select(
+        search->index, search->arena, &neph_record_text_form, &names, diag,
         "SELECT name FROM measurements AS m JOIN series ON series.id = m.series WHERE m.night = ? "
         "UNION SELECT series FROM acceptances WHERE ? = 0 AND night < ? AND series != '*' AND id > "
         "(SELECT coalesce(max(id), 0) FROM acceptances WHERE series = '*' AND night < ? AND night "
@@ -282,12 +262,10 @@ static enum neph_status list_expected(struct search *search, struct neph_diag *d
         "outcome != 'done') ORDER BY 1",
         "iiiiiii", search->baseline, search->against, search->night, search->night, search->against,
         search->night, search->baseline);
-    while (!status && neph_query_next(query)) {
-        const char *name = neph_query_text(query, 0);
-        if (!is_of_tonight(search, name))
-            status = look_for(search, neph_arena_text(search->arena, name), diag);
-    }
-    status = neph_query_end(query, status);
+    const char *const *list = names.list;
+    for (int i = 0; i < names.count && !status; i++)
+        if (!is_of_tonight(search, list[i]))
+            status = look_for(search, list[i], diag);
     return status ? status : neph_arena_check(search->arena, diag);
 }
 

@@ -194,20 +194,20 @@ static enum neph_status find_lost(struct neph_night_work *work, struct neph_data
                                   const struct neph_night_step *step,
                                   const struct neph_night_numbers *numbers, struct neph_diag *diag)
 {
-    struct neph_query *query = neph_query(
-        index, diag,
+    struct neph_records names;
+    const enum neph_status status = neph_record_select(
+        index, &work->night->comparison.arena, &neph_record_text_form, &names, diag,
         "SELECT name FROM measurements JOIN series ON series.id = series WHERE night = ? AND step "
         "= ?",
         "is", work->night->id, step->name);
-    while (neph_query_next(query))
-        if (!has_series(numbers, neph_query_text(query, 0)))
-            find_otherwise(
-                work, neph_arena_text(&work->night->comparison.arena, neph_query_text(query, 0)),
-                step,
-                "run once more in an empty folder, the same program did not give this "
-                "number",
-                NAN);
-    return neph_query_end(query, NEPH_OK);
+    const char *const *list = names.list;
+    for (int i = 0; i < names.count; i++)
+        if (!has_series(numbers, list[i]))
+            find_otherwise(work, list[i], step,
+                           "run once more in an empty folder, the same program did not give this "
+                           "number",
+                           NAN);
+    return status;
 }
 
 static enum neph_status compare_bits(struct neph_night_work *work,
@@ -261,11 +261,6 @@ static enum neph_status run_again(struct neph_night_work *work, int index, struc
     return NEPH_OK;
 }
 
-static bool is_done(const struct neph_night_work *work, int index)
-{
-    return work->ran[index] && strcmp(work->outcomes[index].outcome, neph_step_done) == 0;
-}
-
 /* In turn: another part of the plan each night. Durations are measured anew in any case. */
 static enum neph_status run_some_again(struct neph_night_work *work, struct neph_diag *diag)
 {
@@ -275,7 +270,9 @@ static enum neph_status run_some_again(struct neph_night_work *work, struct neph
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < plan->count && tried < wanted && !status; i++) {
         const int index = (int)((work->night->id * wanted + i) % plan->count);
-        if (!is_done(work, index) || plan->steps[index].suite == NEPH_NIGHT_SPEED)
+        const bool is_done = work->ran[index] &&
+                             strcmp(work->outcomes[index].outcome, neph_step_done) == 0;
+        if (!is_done || plan->steps[index].suite == NEPH_NIGHT_SPEED)
             continue;
         tried++;
         status = run_again(work, index, diag);
@@ -288,8 +285,7 @@ static enum neph_status list_frames(struct neph_night_work *work, struct neph_da
                                     json_t **frames, struct neph_diag *diag)
 {
     struct tm began = {0};
-    if (!work->night->started_utc ||
-        !strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
+    if (!strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
         return neph_fail(diag, NEPH_ERR_INTERNAL, "a night without a beginning");
     const int64_t start_s = timegm(&began);
     json_t *list = json_array();

@@ -42,44 +42,28 @@ struct work {
 
 /* ---- a series over the nights ---------------------------------------------------------------- */
 
-static json_t *point_json(int64_t night, double value, double standard_error,
-                          const char *environment, const char *judgement)
-{
-    return json_pack("{s:I, s:o, s:o, s:s, s:s}", "night", (json_int_t)night, "value",
-                     neph_json_number(value), "standard_error", neph_json_number(standard_error),
-                     "environment", environment, "judgement", judgement);
-}
-
-/* A list is of use when its question was answered and it could be made; else it is destroyed. */
-static enum neph_status end_list(struct neph_query *query, json_t *list, json_t **made,
-                                 struct neph_diag *diag)
-{
-    enum neph_status status = neph_query_end(query, NEPH_OK);
-    if (!status)
-        status = neph_json_check(list, diag);
-    if (status)
-        json_decref(list);
-    else
-        *made = list;
-    return status;
-}
+struct point {
+    int64_t night;
+    double value, standard_error;
+    const char *environment, *judgement;
+};
+#define POINT(member) NEPH_RECORD_FIELD(struct point, member)
+static const struct neph_record_form point_form = {
+    sizeof(struct point),
+    {POINT(night), NEPH_RECORD_OPTIONAL(struct point, value),
+     NEPH_RECORD_OPTIONAL(struct point, standard_error), POINT(environment), POINT(judgement)}};
 
 /* The last nights, oldest first. */
 static enum neph_status trend_of_series(struct work *work, const char *series, json_t **trend,
                                         struct neph_diag *diag)
 {
-    json_t *points = json_array();
-    struct neph_query *q = neph_query(
-        work->index, diag,
+    const enum neph_status status = neph_record_list(
+        work->index, &point_form, trend, diag,
         "SELECT * FROM (SELECT night, value, standard_error, environment, judgement FROM "
         "measurements JOIN series ON series.id = series WHERE name = ? AND night <= ? ORDER BY "
         "night DESC LIMIT ?) ORDER BY night",
         "sii", series, work->night->id, (int64_t)TREND_NIGHTS);
-    while (neph_query_next(q))
-        neph_json_add(&points, point_json(neph_query_integer(q, 0), neph_query_real(q, 1),
-                                          neph_query_real(q, 2), neph_query_text(q, 3),
-                                          neph_query_text(q, 4)));
-    return end_list(q, points, trend, diag);
+    return status ? status : neph_json_check(*trend, diag);
 }
 
 static enum neph_status trend_of_mean(struct work *work, const struct neph_finding *f,
@@ -87,14 +71,21 @@ static enum neph_status trend_of_mean(struct work *work, const struct neph_findi
 {
     json_t *points = json_array();
     int at = 0;
-    struct neph_query *q = neph_query(
+    struct neph_query *query = neph_query(
         work->index, diag,
         "SELECT id FROM nights WHERE id >= ? AND (ended_utc != '' OR id = ?) AND id <= ? ORDER BY "
         "id",
         "iii", f->accepted, work->night->id, work->night->id);
-    while (at < f->trend_count && neph_query_next(q))
-        neph_json_add(&points, point_json(neph_query_integer(q, 0), f->trend[at++], NAN, "", ""));
-    return end_list(q, points, trend, diag);
+    while (at < f->trend_count && neph_query_next(query)) {
+        const struct point point = {neph_query_integer(query, 0), f->trend[at++], NAN, "", ""};
+        neph_json_add(&points, neph_record_json(&point_form, &point));
+    }
+    const enum neph_status status = neph_query_end(query, neph_json_check(points, diag));
+    if (status)
+        json_decref(points);
+    else
+        *trend = points;
+    return status;
 }
 
 /* Where 95 of 100 nights without a change would lie: from the logarithms of the nights from the
@@ -135,21 +126,13 @@ static json_t *interval_json(const struct neph_finding *f)
 
 /* ---- findings -------------------------------------------------------------------------------- */
 
-static enum neph_status read_text(struct work *work, const char **text, struct neph_diag *diag,
-                                  const char *question, const char *series, int64_t night)
-{
-    struct neph_query *query = neph_query(work->index, diag, question, "si", series, night);
-    *text = neph_query_next(query) ? neph_arena_text(&work->arena, neph_query_text(query, 0)) : "";
-    return neph_query_end(query, NEPH_OK);
-}
-
 static enum neph_status frame_of(struct work *work, const char *series, int64_t night,
                                  const char **key, struct neph_diag *diag)
 {
-    return read_text(work, key, diag,
-                     "SELECT frame FROM measurements JOIN series ON series.id = series WHERE name "
-                     "= ? AND night = ?",
-                     series, night);
+    return neph_record_text(work->index, &work->arena, key, diag,
+                            "SELECT frame FROM measurements JOIN series ON series.id = series "
+                            "WHERE name = ? AND night = ?",
+                            "si", series, night);
 }
 
 /* A text, or null where there is none. */
@@ -166,17 +149,6 @@ static enum neph_status take_all(json_t *object, json_t *more, struct neph_diag 
         status = neph_fail_memory(diag);
     json_decref(more);
     return status;
-}
-
-static enum neph_status set_names(struct work *work, const struct neph_finding *f, json_t *json,
-                                  struct neph_diag *diag)
-{
-    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
-    return take_all(json,
-                    json_pack("{s:o, s:o, s:o, s:o, s:o}", "suite", word_json(name.suite), "scene",
-                              word_json(name.scene), "engine", word_json(name.engine), "metric",
-                              word_json(name.metric), "truth", word_json(name.truth)),
-                    diag);
 }
 
 /* A mean has the step of the scene that it is shown by. */
@@ -197,10 +169,10 @@ static enum neph_status set_trend(struct work *work, const struct neph_finding *
     enum neph_status status = f->trend ? trend_of_mean(work, f, &trend, diag)
                                        : trend_of_series(work, f->example, &trend, diag);
     if (!status)
-        status = read_text(work, &kind, diag,
-                           "SELECT kind FROM measurements JOIN series ON series.id = series WHERE "
-                           "name = ? AND night <= ? ORDER BY night DESC LIMIT 1",
-                           f->example, work->night->id);
+        status = neph_record_text(work->index, &work->arena, &kind, diag,
+                                  "SELECT kind FROM measurements JOIN series ON series.id = series "
+                                  "WHERE name = ? AND night <= ? ORDER BY night DESC LIMIT 1",
+                                  "si", f->example, work->night->id);
     if (!status && (f->trend || strcmp(kind, "timed") == 0))
         status = neph_json_put(json, "range", range_json(trend, f->accepted, work->night->id),
                                diag);
@@ -211,18 +183,16 @@ static enum neph_status set_trend(struct work *work, const struct neph_finding *
     return status ? status : neph_json_put(json, "trend", trend, diag);
 }
 
-static enum neph_status set_pictures(struct work *work, const struct neph_finding *f, json_t *json,
-                                     struct neph_diag *diag)
+static enum neph_status set_pictures(struct work *work, const struct neph_finding *f,
+                                     const char *scene, json_t *json, struct neph_diag *diag)
 {
     const char *accepted = "", *tonight = "";
     json_t *shown = NULL;
     enum neph_status status = frame_of(work, f->example, work->night->id, &tonight, diag);
     if (!status && f->accepted > 0)
         status = frame_of(work, f->example, f->accepted, &accepted, diag);
-    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
     if (!status)
-        status = neph_night_pictures_pair(&work->pictures, name.scene, accepted, tonight, &shown,
-                                          diag);
+        status = neph_night_pictures_pair(&work->pictures, scene, accepted, tonight, &shown, diag);
     return status ? status : neph_json_put(json, "shown", shown, diag);
 }
 
@@ -231,17 +201,20 @@ static enum neph_status explain(struct work *work, const struct neph_finding *f,
                                 struct neph_diag *diag)
 {
     char *command = NULL;
+    const struct neph_night_name name = neph_night_split(&work->arena, f->example);
     enum neph_status status = neph_night_command(work->night, step_of(work, f), &command, diag);
     if (!status)
-        status = neph_json_put(json, "command", word_json(command), diag);
+        status = take_all(json,
+                          json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "command",
+                                    word_json(command), "suite", word_json(name.suite), "scene",
+                                    word_json(name.scene), "engine", word_json(name.engine),
+                                    "metric", word_json(name.metric), "truth",
+                                    word_json(name.truth), "interval", interval_json(f)),
+                          diag);
     free(command);
     if (!status)
-        status = set_names(work, f, json, diag);
-    if (!status)
-        status = neph_json_put(json, "interval", interval_json(f), diag);
-    if (!status)
         status = set_trend(work, f, json, diag);
-    return status ? status : set_pictures(work, f, json, diag);
+    return status ? status : set_pictures(work, f, name.scene, json, diag);
 }
 
 static enum neph_status explain_all(struct work *work, json_t *document, struct neph_diag *diag)
@@ -303,23 +276,21 @@ static enum neph_status draw_scenes(struct work *work, json_t *document, struct 
 
 /* ---- the document ---------------------------------------------------------------------------- */
 
-static const char *state_of(const struct neph_night *night)
-{
-    return night->is_over ? "finished" : night->is_interrupted ? "interrupted" : "running";
-}
-
 static enum neph_status set_head(const struct work *work, json_t *document, struct neph_diag *diag)
 {
-    char created[32];
+    const struct neph_night *night = work->night;
+    char created[32], *summary = NULL;
     neph_utc_now(created);
-    char *summary = NULL;
-    enum neph_status status = neph_night_summary(work->night, work->page->tier, &summary, diag);
+    enum neph_status status = neph_night_summary(night, work->page->tier, &summary, diag);
     if (!status)
         status = take_all(document,
                           json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1",
-                                    "state", state_of(work->night), "created_utc", created,
-                                    "neph_version", NEPH_VERSION, "summary", summary,
-                                    "difference_colours", neph_page_difference_colours()),
+                                    "state",
+                                    night->is_over          ? "finished"
+                                    : night->is_interrupted ? "interrupted"
+                                                            : "running",
+                                    "created_utc", created, "neph_version", NEPH_VERSION, "summary",
+                                    summary, "difference_colours", neph_page_difference_colours()),
                           diag);
     free(summary);
     return status;

@@ -3,6 +3,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/sort.h"
 #include "harness/data.h"
 #include "harness/document/display_png.h"
 #include "harness/report/page.h"
@@ -185,12 +186,6 @@ enum neph_status neph_night_pictures_one(struct neph_night_pictures *pictures, c
 
 /* ---- differences ----------------------------------------------------------------------------- */
 
-static int by_size(const void *a_, const void *b_)
-{
-    const double a = *(const double *)a_, b = *(const double *)b_;
-    return (a > b) - (a < b);
-}
-
 /* 1, 2 or 5 times a power of ten, not below `least`. */
 static double even_above(double least)
 {
@@ -224,7 +219,7 @@ static struct difference compare(const struct frame *accepted, const struct fram
         sum += size;
         sum_before += luminance(accepted, i);
     }
-    qsort(sizes, finite, sizeof(*sizes), by_size);
+    neph_sort_doubles(sizes, finite);
     const size_t at = (size_t)((1.0 - beyond_share) * (double)finite);
     const double high = finite ? sizes[at < finite ? at : finite - 1] : 0.0,
                  most = finite ? sizes[finite - 1] : 0.0, least = high > 0.0 ? high : most;

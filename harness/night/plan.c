@@ -3,6 +3,7 @@
 
 #include "harness/data.h"
 #include "harness/physics/checks.h"
+#include "renderer/realtime/options.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -13,9 +14,11 @@ _Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
 
 enum { STEPS_MAX = 512 };
 
+/* Words of series and steps in documents of nights, which are never changed: the stress tests keep
+ * the word that they had in the first of them. */
 static const char *const suite_names[] = {
     [NEPH_NIGHT_CATALOG] = "catalog", [NEPH_NIGHT_PHYSICS] = "physics",
-    [NEPH_NIGHT_FAILURE] = "failure", [NEPH_NIGHT_SWEEP] = "sweep",
+    [NEPH_NIGHT_STRESS] = "failure",  [NEPH_NIGHT_SWEEP] = "sweep",
     [NEPH_NIGHT_SPEED] = "speed",
 };
 
@@ -35,52 +38,61 @@ static const struct {
     [NEPH_NIGHT_PHYSICS] = {"validate --suite physics --check",
                             "-e exact -e oracle -e tracer -e march -e povray --samples 64", NULL,
                             30.0, 5},
-    [NEPH_NIGHT_FAILURE] = {"validate --suite failure --only", "", NULL, 20.0, 9},
+    [NEPH_NIGHT_STRESS] = {"validate --suite stress --only", "", NULL, 20.0, 9},
     [NEPH_NIGHT_SWEEP] = {"sweep", "--untimed --only march,ours", "96x54", 60.0, 16},
     [NEPH_NIGHT_SPEED] = {"benchmark", "-e march,realtime", "192x108", 30.0, 2},
 };
 
-/* A step, and the words after its name where they are not those of its suite. */
+/* A step, and the words after its name where they are not those of its suite; of a stress test the
+ * variant of a preset that is beside the presets of the quick tier. */
 struct listed {
     enum neph_night_suite suite;
-    const char *name, *words;
+    const char *name, *words, *variant;
 };
 
 /* What the quick tier has; the full one has the whole catalogue and all checks and scenarios. */
 static const struct listed quick_steps[] = {
-    {NEPH_NIGHT_CATALOG, "height_fog_down", NULL},
-    {NEPH_NIGHT_CATALOG, "scattering_slab_above", NULL},
-    {NEPH_NIGHT_CATALOG, "grid_cloud_single", NULL},
-    {NEPH_NIGHT_CATALOG, "voxel_grid", NULL},
-    {NEPH_NIGHT_CATALOG, "fog_look_physical", NULL},
-    {NEPH_NIGHT_CATALOG, "sky_earth", NULL},
-    {NEPH_NIGHT_PHYSICS, "single_slab_thin", NULL},
-    {NEPH_NIGHT_FAILURE, "ridge_far", NULL},
-    {NEPH_NIGHT_FAILURE, "blob_sky", NULL},
-    {NEPH_NIGHT_FAILURE, "fog_none", NULL},
-    {NEPH_NIGHT_FAILURE, "edge_halo", NULL},
-    {NEPH_NIGHT_FAILURE, "froxel_leak",
-     "--preset seed --preset fixed --preset ours --preset fixed+froxels=on"},
-    {NEPH_NIGHT_SWEEP, "voxel_grid", NULL},
-    {NEPH_NIGHT_SWEEP, "spot_fence", "--untimed --only march,tracer"},
-    {NEPH_NIGHT_SWEEP, "cirrus", "--untimed --only march"},
-    {NEPH_NIGHT_SWEEP, "cloud_gaps", "--untimed --plan shadows --only map"},
-    {NEPH_NIGHT_SPEED, "voxel_grid", NULL},
+    {NEPH_NIGHT_CATALOG, "height_fog_down", NULL, NULL},
+    {NEPH_NIGHT_CATALOG, "scattering_slab_above", NULL, NULL},
+    {NEPH_NIGHT_CATALOG, "grid_cloud_single", NULL, NULL},
+    {NEPH_NIGHT_CATALOG, "voxel_grid", NULL, NULL},
+    {NEPH_NIGHT_CATALOG, "fog_look_physical", NULL, NULL},
+    {NEPH_NIGHT_CATALOG, "sky_earth", NULL, NULL},
+    {NEPH_NIGHT_PHYSICS, "single_slab_thin", NULL, NULL},
+    {NEPH_NIGHT_STRESS, "ridge_far", NULL, NULL},
+    {NEPH_NIGHT_STRESS, "blob_sky", NULL, NULL},
+    {NEPH_NIGHT_STRESS, "fog_none", NULL, NULL},
+    {NEPH_NIGHT_STRESS, "edge_halo", NULL, NULL},
+    {NEPH_NIGHT_STRESS, "froxel_leak", .variant = "fixed+froxels=on"},
+    {NEPH_NIGHT_SWEEP, "voxel_grid", NULL, NULL},
+    {NEPH_NIGHT_SWEEP, "spot_fence", "--untimed --only march,tracer", NULL},
+    {NEPH_NIGHT_SWEEP, "cirrus", "--untimed --only march", NULL},
+    {NEPH_NIGHT_SWEEP, "cloud_gaps", "--untimed --plan shadows --only map", NULL},
+    {NEPH_NIGHT_SPEED, "voxel_grid", NULL, NULL},
 };
 static const struct listed full_steps[] = {
-    {NEPH_NIGHT_FAILURE, "froxel_seam",
-     "--preset seed --preset fixed --preset ours --preset fixed+froxels=on"},
-    {NEPH_NIGHT_FAILURE, "shadow_crawl",
-     "--preset off --preset fixed --preset off+cloud_shadow=map"},
-    {NEPH_NIGHT_SWEEP, "cloud_below", NULL},
-    {NEPH_NIGHT_SWEEP, "fence_backlit", NULL},
-    {NEPH_NIGHT_SPEED, "grid_cloud_single", NULL},
-    {NEPH_NIGHT_SPEED, "fence_backlit", NULL},
+    {NEPH_NIGHT_STRESS, "froxel_seam", .variant = "fixed+froxels=on"},
+    {NEPH_NIGHT_STRESS, "shadow_crawl", "--preset off --preset fixed --preset off+cloud_shadow=map",
+     NULL},
+    {NEPH_NIGHT_SWEEP, "cloud_below", NULL, NULL},
+    {NEPH_NIGHT_SWEEP, "fence_backlit", NULL, NULL},
+    {NEPH_NIGHT_SPEED, "grid_cloud_single", NULL, NULL},
+    {NEPH_NIGHT_SPEED, "fence_backlit", NULL, NULL},
 };
 
 const char *neph_night_suite_name(enum neph_night_suite suite)
 {
     return suite_names[suite];
+}
+
+bool neph_night_is_named(const char *step, const char *text)
+{
+    static const char now[] = "stress";
+    const size_t length = strlen(now);
+    const char *stored = suite_names[NEPH_NIGHT_STRESS];
+    if (strncmp(text, now, length) != 0 || (text[length] && text[length] != ' '))
+        return strstr(step, text) != NULL;
+    return strncmp(step, stored, strlen(stored)) == 0 && strstr(step, &text[length]);
 }
 
 void neph_night_step_log(const struct neph_night_step *step, char name[NEPH_STEP_LOG_SIZE])
@@ -106,7 +118,7 @@ static bool is_wanted(const struct making *making, const char *name)
     if (neph_night_plan_find(making->plan, name))
         return false;
     for (int i = 0; i < making->params->only_count; i++)
-        if (strstr(name, making->params->only[i]))
+        if (neph_night_is_named(name, making->params->only[i]))
             return true;
     return making->params->only_count == 0;
 }
@@ -201,10 +213,21 @@ static void add_checks(struct making *making)
     }
 }
 
+static const char *words_of(const struct making *making, const struct listed *step)
+{
+    const struct neph_preset *preset;
+    const char *words = "";
+    if (!step->variant)
+        return step->words;
+    for (int i = 0; (preset = neph_preset_of_use(neph_rt_presets, NEPH_RT_STRESS_QUICK, i)); i++)
+        words = neph_arena_format(making->arena, "%s--preset %s ", words, preset->name);
+    return neph_arena_format(making->arena, "%s--preset %s", words, step->variant);
+}
+
 static void add_listed(struct making *making, const struct listed *steps, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        add_step(making, steps[i].suite, steps[i].name, steps[i].words);
+        add_step(making, steps[i].suite, steps[i].name, words_of(making, &steps[i]));
 }
 
 static enum neph_status add_steps(struct making *making, struct neph_diag *diag)
@@ -215,7 +238,7 @@ static enum neph_status add_steps(struct making *making, struct neph_diag *diag)
     add_listed(making, full_steps, sizeof(full_steps) / sizeof(full_steps[0]));
     enum neph_status status = add_scenes(making, NEPH_DATA_CATALOG, NEPH_NIGHT_CATALOG, diag);
     if (!status)
-        status = add_scenes(making, NEPH_DATA_FAILURES, NEPH_NIGHT_FAILURE, diag);
+        status = add_scenes(making, NEPH_DATA_STRESS, NEPH_NIGHT_STRESS, diag);
     if (!status)
         add_checks(making);
     return status;

@@ -16,13 +16,17 @@ enum { NEPH_STEP_WORDS = 48 };
 enum neph_night_suite {
     NEPH_NIGHT_CATALOG,
     NEPH_NIGHT_PHYSICS,
-    NEPH_NIGHT_FAILURE,
+    NEPH_NIGHT_STRESS,
     NEPH_NIGHT_SWEEP,
     NEPH_NIGHT_SPEED,
     NEPH_NIGHT_SUITES,
 };
 
+/* The first word of its steps and series. */
 const char *neph_night_suite_name(enum neph_night_suite suite);
+
+/* Whether a step has the text of an --only in its name. "stress NAME" is step "failure NAME". */
+bool neph_night_is_named(const char *step, const char *text);
 
 struct neph_night_step {
     enum neph_night_suite suite;

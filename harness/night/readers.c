@@ -210,8 +210,8 @@ static double error_at(const struct reading *reading, const char *path)
                                 : number_of(error);
 }
 
-/* The failure suite does not tell which version of a scene it has measured. */
-static const char *failure_scene(const struct reading *reading)
+/* The stress tests do not tell which version of a scene it has measured. */
+static const char *stress_scene(const struct reading *reading)
 {
     struct neph_scene *scene = NULL;
     const char *name = fill(reading, "{1.scene}");
@@ -236,7 +236,7 @@ static const struct results {
     enum neph_night_suite suite;
     const char *lists;                /* keys of lists within lists */
     const char *const *only;          /* of items for which `which` is one of these; NULL: all */
-    const char *which, *scene;        /* scene NULL: failure_scene() */
+    const char *which, *scene;        /* scene NULL: stress_scene() */
     const char *engine, *environment; /* durations get the host beside it */
     const char *frame;                /* a key, or a path in the store */
     struct number {
@@ -283,7 +283,7 @@ static const struct results {
      "{1.engine:version}",
      NULL,
      {{"deviation", NULL, "1.deviation", "1.standard_error", "theory", NULL}}},
-    {NEPH_NIGHT_FAILURE,
+    {NEPH_NIGHT_STRESS,
      "results",
      NULL,
      NULL,
@@ -354,11 +354,10 @@ static void add(struct reading *reading, const struct results *of, const struct 
         return;
     struct neph_measurement *m = &numbers->list[numbers->count++];
     *m = (struct neph_measurement){
-        .series = neph_arena_format(reading->arena, "%s/%s/%s/%s%s%s",
-                                    neph_night_suite_name(reading->suite),
-                                    of->scene ? fill(reading, of->scene) : failure_scene(reading),
-                                    fill(reading, of->engine), fill(reading, number->metric),
-                                    number->truth ? "/" : "", fill(reading, number->truth)),
+        .series = neph_arena_format(
+            reading->arena, "%s/%s/%s/%s%s%s", neph_night_suite_name(reading->suite),
+            of->scene ? fill(reading, of->scene) : stress_scene(reading), fill(reading, of->engine),
+            fill(reading, number->metric), number->truth ? "/" : "", fill(reading, number->truth)),
         .kind = kind_of(reading, number, error),
         .value = value,
         .standard_error = error,
@@ -406,7 +405,7 @@ static const char *size_of(const struct reading *reading)
 {
     const json_t *document = reading->levels[0], *size = json_object_get(document, "size_px");
     const bool is_sweep = reading->suite == NEPH_NIGHT_SWEEP;
-    if (reading->suite == NEPH_NIGHT_PHYSICS || reading->suite == NEPH_NIGHT_FAILURE)
+    if (reading->suite == NEPH_NIGHT_PHYSICS || reading->suite == NEPH_NIGHT_STRESS)
         return "";
     const json_t *width = is_sweep ? json_object_get(document, "width_px")
                                    : json_array_get(size, 0),

@@ -2,6 +2,7 @@
 #include "harness/night/send.h"
 
 #include "base/clock.h"
+#include "base/files.h"
 #include "base/interrupt.h"
 #include "base/path.h"
 #include "harness/run/index.h"
@@ -108,14 +109,13 @@ static enum neph_status find_night(struct sending *sending, struct neph_diag *di
 }
 
 /* What Slurm said of earlier nights. */
-static void remove_old_logs(const char *logs)
+static void remove_old_logs(const char *logs, struct neph_arena *arena)
 {
-    DIR *folder = opendir(logs);
-    for (const struct dirent *entry; folder && (entry = readdir(folder));)
-        if (strncmp(entry->d_name, "slurm-", 6) == 0)
-            unlinkat(dirfd(folder), entry->d_name, 0);
-    if (folder)
-        closedir(folder);
+    struct neph_names names;
+    neph_dir_list(logs, arena, &names, NULL);
+    for (int i = 0; i < names.count; i++)
+        if (strncmp(names.list[i], "slurm-", 6) == 0)
+            unlink(neph_path_in(logs, names.list[i]).text);
 }
 
 /* A new one has its number from this host's database, and tells its jobs. What this database knows
@@ -129,7 +129,7 @@ static enum neph_status begin(struct sending *sending, struct neph_diag *diag)
     memset(work->ran, 0, (size_t)work->night->plan.count * sizeof(*work->ran));
     if (status || !is_new)
         return status;
-    remove_old_logs(work->logs);
+    remove_old_logs(work->logs, &work->night->arena);
     return neph_night_jobs_begin(sending->output, &work->night->arena, work->night->id,
                                  work->night->started_utc, &who, &work->jobs, diag);
 }

@@ -51,7 +51,7 @@ const char *neph_step_file(struct neph_arena *arena, const char *folder,
 static const char *const result_files[] = {
     [NEPH_NIGHT_CATALOG] = "report/data.json",
     [NEPH_NIGHT_PHYSICS] = "report/data.json",
-    [NEPH_NIGHT_FAILURE] = "failure.json",
+    [NEPH_NIGHT_STRESS] = "stress.json",
     [NEPH_NIGHT_SWEEP] = "sweep.json",
     [NEPH_NIGHT_SPEED] = NULL,
 };

@@ -138,13 +138,9 @@ enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag
         if (!status)
             status = read_outcome(work, index, i, diag);
     }
-    if (!status) {
-        struct neph_query *query = neph_query(
-            index, diag, "SELECT started_utc FROM nights WHERE id = ?", "i", night->id);
-        if (neph_query_next(query))
-            night->started_utc = neph_arena_text(&night->arena, neph_query_text(query, 0));
-        status = neph_query_end(query, NEPH_OK);
-    }
+    if (!status)
+        status = neph_record_text(index, &night->arena, &night->started_utc, diag,
+                                  "SELECT started_utc FROM nights WHERE id = ?", "i", night->id);
     neph_database_close(index);
     return status;
 }

@@ -133,12 +133,6 @@ static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
 static enum neph_status choose(struct run *run, struct neph_diag *diag)
 {
     const struct neph_physics_params *params = run->params;
-    for (int i = 0; i < params->engine_count; i++)
-        if (!neph_engine_find(params->engines[i])) {
-            neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", params->engines[i]);
-            neph_hint(diag, "`neph engines` lists them");
-            return NEPH_ERR_USAGE;
-        }
     run->checks = neph_arena_zeroed(&run->made->arena, (size_t)neph_check_count(), sizeof(int));
     if (!run->checks)
         return neph_fail_memory(diag);
@@ -262,8 +256,6 @@ static enum neph_status run_checks(struct neph_worker *worker, void *context,
             neph_worker_tell(worker, message);
     }
     neph_progress_end(&run->progress);
-    if (is_worker)
-        neph_shared_device_close(run->params->device);
     return status;
 }
 
@@ -293,9 +285,7 @@ enum neph_status neph_physics_run(const struct neph_physics_params *params,
     const int jobs = params->jobs < run.check_count ? params->jobs : run.check_count;
     run.progress = neph_progress_start(params->quiet, run.check_count);
     run.progress.workers = jobs;
-    if (jobs > 1)
-        neph_shared_device_close(params->device); /* other processes open their own */
-    status = neph_pool_run(jobs, run_checks, hear, &run, diag);
+    status = neph_pool_run(jobs, params->device, run_checks, hear, &run, diag);
     if (status)
         return status;
     judge_all(physics);

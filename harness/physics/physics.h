@@ -12,7 +12,7 @@
 #include "harness/run/store.h"
 
 struct neph_physics_params {
-    const char *const *engines; /* names; engine_count 0: all */
+    const char *const *engines; /* names of engines; engine_count 0: all */
     int engine_count;
     const char *only;                  /* checks whose name or rung contains this; NULL: all */
     int jobs;                          /* processes that render at the same time, 1 .. */

@@ -134,22 +134,23 @@ static void fill_rows(const struct neph_physics *physics, struct neph_table *tab
     }
 }
 
-void neph_physics_print(const struct neph_physics *physics)
+void neph_physics_print(const struct neph_physics *physics, FILE *out)
 {
     struct neph_table table = {.cells = NULL};
-    printf("%-22s %8s %14s %14s %14s  %s\n", "phase function", "g", "integral - 1", "cosine - g",
-           "sampled - g", "verdict");
+    fprintf(out, "%-22s %8s %14s %14s %14s  %s\n", "phase function", "g", "integral - 1",
+            "cosine - g", "sampled - g", "verdict");
     for (int i = 0; i < NEPH_PHASES; i++) {
         const struct neph_phase_finding *found = &physics->phases[i];
         const double g = found->phase.g;
-        printf("%-22s %8.3f %+14.1e %+14.1e %+14.1e  %s\n", neph_phase_name(found->phase.kind), g,
-               found->integral - 1.0, found->mean_cosine - g, found->sampled_mean_cosine - g,
-               found->agrees ? "agrees" : "off");
+        fprintf(out, "%-22s %8.3f %+14.1e %+14.1e %+14.1e  %s\n",
+                neph_phase_name(found->phase.kind), g, found->integral - 1.0,
+                found->mean_cosine - g, found->sampled_mean_cosine - g,
+                found->agrees ? "agrees" : "off");
     }
     fill_rows(physics, &table);
-    neph_table_print_aligned(&table, stdout);
+    neph_table_print_aligned(&table, out);
     neph_table_finish(&table);
     for (int i = 0; i < physics->row_count; i++)
         if (physics->rows[i].verdict == NEPH_PHYSICS_OFF)
-            printf("%s: %s\n", physics->rows[i].check->name, physics->rows[i].sentence);
+            fprintf(out, "%s: %s\n", physics->rows[i].check->name, physics->rows[i].sentence);
 }

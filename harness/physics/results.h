@@ -13,6 +13,8 @@
 #include "harness/run/job.h"
 #include "harness/study/study.h"
 
+#include <stdio.h>
+
 /* The probability that a run in which every engine is right still calls one of them off. */
 #define NEPH_PHYSICS_FAMILY_ALPHA 0.01
 
@@ -82,7 +84,7 @@ void neph_physics_finish(struct neph_physics *physics);
 /* The "physics" of scripts/report/README.md; NULL when memory is short. */
 json_t *neph_physics_json(const struct neph_physics *physics);
 
-/* A table and sentences for a terminal, on stdout. */
-void neph_physics_print(const struct neph_physics *physics);
+/* A table and sentences for a terminal. */
+void neph_physics_print(const struct neph_physics *physics, FILE *out);
 
 #endif

@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/sort.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
@@ -18,7 +19,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { POINTS_MAX = 6 };
@@ -65,12 +65,6 @@ struct point {
     double seconds[NEPH_CHARTS_REPEATS_MAX], error[NEPH_CHARTS_REPEATS_MAX]; /* ascending */
     char label[64];
 };
-
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 struct sweep {
     const struct neph_scene *scene;
@@ -153,8 +147,8 @@ static enum neph_status measure_point(const struct sweep *sweep, const struct ne
     }
     neph_progress_step(sweep->progress, what, *rendered ? "measured" : "not measured",
                        neph_wall_s() - start_s);
-    qsort(point->seconds, (size_t)point->repeats, sizeof(double), compare);
-    qsort(point->error, (size_t)point->repeats, sizeof(double), compare);
+    neph_sort_doubles(point->seconds, (size_t)point->repeats);
+    neph_sort_doubles(point->error, (size_t)point->repeats);
     return status;
 }
 

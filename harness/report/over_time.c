@@ -4,9 +4,11 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
 #include "harness/report/page.h"
+#include "renderer/realtime/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,7 +25,6 @@ static const double pixels_per_degree = 60.0; /* as `neph flicker` */
 /* March and its shortcut share it: the flicker is that of the rebuilding, and an eighth of
  * the default steps leaves time for the frames and for the rays of the reference. */
 static const char shared_setting[] = "steps=8";
-static const char *const presets[PRESETS] = {"seed", "ours"};
 
 /* What a person sees, over the threshold. */
 static const char map_file[] = "seen_contrast_radiance.png";
@@ -37,7 +38,10 @@ const char *const *neph_over_time_metrics(void)
 
 int neph_over_time_step_count(void)
 {
-    return 1 + PRESETS;
+    int count = 0;
+    while (count < PRESETS && neph_preset_of_use(neph_rt_presets, NEPH_RT_REPORT, count))
+        count++;
+    return 1 + count;
 }
 
 struct work {
@@ -218,14 +222,17 @@ static enum neph_status add_preset(const struct work *work, const char *preset,
 static enum neph_status run_presets(struct work *work, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < PRESETS && !status; i++) {
+    const struct neph_preset *preset;
+    for (int i = 0; i < PRESETS && !status &&
+                    (preset = neph_preset_of_use(neph_rt_presets, NEPH_RT_REPORT, i));
+         i++) {
         struct neph_over_time_row *row = &work->made->rows[i];
         char what[128];
         snprintf(what, sizeof(what), "%d frames of %s with realtime, preset %s", FRAMES, scene_name,
-                 presets[i]);
+                 preset->name);
         neph_progress_begin(work->progress, what);
         const double start_s = neph_wall_s();
-        status = add_preset(work, presets[i], row, diag);
+        status = add_preset(work, preset->name, row, diag);
         neph_progress_step(work->progress, what, status ? "" : neph_outcome_name(row->outcome),
                            neph_wall_s() - start_s);
     }
@@ -342,11 +349,10 @@ enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
 {
     if (!over_time)
         return NEPH_OK;
-    char *folder = neph_path_join(report_folder, "images/over_time");
-    enum neph_status status = folder ? neph_dir_create(folder, diag) : neph_fail_memory(diag);
+    enum neph_status status = neph_dir_create(neph_path_in(report_folder, "images/over_time").text,
+                                              diag);
     for (int i = 0; i < over_time->row_count && !status; i++)
         status = copy_row(&over_time->rows[i], over_time->scene, report_folder, arena, diag);
-    free(folder);
     return status ? status : neph_arena_check(arena, diag);
 }
 

@@ -26,7 +26,7 @@ struct neph_over_time_row {
     const char *pictures[NEPH_TAKE_PICTURES], *map; /* inside the report; NULL: not there (yet) */
 };
 
-enum { NEPH_OVER_TIME_PRESETS = 2 };
+enum { NEPH_OVER_TIME_PRESETS = 8 }; /* at most */
 
 struct neph_over_time {
     const char *scene, *title, *physics;

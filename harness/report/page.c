@@ -149,40 +149,37 @@ json_t *neph_page_difference_colours(void)
     return colours;
 }
 
+struct script {
+    const char *variable, *json;
+};
+
 /* "</script>" and friends cannot end the script early: '<' is written as an escape. */
-static char *escape_for_script(const char *json)
+static void write_script(const void *script_, FILE *out)
 {
-    size_t extra = 0;
-    for (const char *c = json; *c; c++)
-        extra += *c == '<' ? 5 : 0;
-    char *escaped = malloc(strlen(json) + extra + 1), *out = escaped;
-    if (!escaped)
-        return NULL;
-    for (const char *c = json; *c; c++) {
-        if (*c == '<')
-            out = stpcpy(out, "\\u003c");
-        else
-            *out++ = *c;
+    const struct script *script = script_;
+    const char *json = script->json;
+    fprintf(out, "window.%s = ", script->variable);
+    for (size_t plain; *json; json += plain + (json[plain] == '<')) {
+        plain = strcspn(json, "<");
+        fprintf(out, "%.*s%s", (int)plain, json, json[plain] ? "\\u003c" : "");
     }
-    *out = '\0';
-    return escaped;
+    fputs(";\n", out);
 }
 
 enum neph_status neph_page_write_data(const char *folder, const char *variable,
                                       const json_t *document, struct neph_diag *diag)
 {
-    char *json = json_dumps(document, JSON_INDENT(1));
-    char *escaped = json ? escape_for_script(json) : NULL;
-    char *script = escaped ? neph_format("window.%s = %s;\n", variable, escaped) : NULL;
-    enum neph_status status = script ? NEPH_OK : neph_fail_memory(diag);
+    const struct script script = {variable, json_dumps(document, JSON_INDENT(1))};
+    char *text = NULL;
+    enum neph_status status = script.json ? neph_written(write_script, &script, &text, diag)
+                                          : neph_fail_memory(diag);
     if (!status)
-        status = neph_file_write(neph_path_in(folder, "data.json").text, json, strlen(json), diag);
+        status = neph_file_write(neph_path_in(folder, "data.json").text, script.json,
+                                 strlen(script.json), diag);
     if (!status)
-        status = neph_file_write(neph_path_in(folder, "data.js").text, script, strlen(script),
-                                 diag);
-    free(json);
-    free(escaped);
-    free(script);
+        status = neph_file_write(neph_path_in(folder, "data.js").text, text, strlen(text), diag);
+    free((char *)script.json);
+    free(text);
     return status;
 }
 

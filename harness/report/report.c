@@ -3,6 +3,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/document/display_png.h"
 #include "harness/engines/engines.h"
 #include "harness/physics/pictures.h"
@@ -197,11 +198,11 @@ static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
 {
     if (chart->svg || chart->missing)
         return NEPH_OK;
-    char *stem = neph_format("%s/charts/%s", folder, chart->id);
+    struct neph_path path = neph_path_format("%s/charts/%s", folder, chart->id);
+    char *const stem = path.text;
     struct neph_diag why = {.line = 0};
     bool drawn = false;
-    enum neph_status status = stem ? neph_vega_write(chart->spec, stem, diag)
-                                   : neph_fail_memory(diag);
+    enum neph_status status = neph_vega_write(chart->spec, stem, diag);
     if (!status)
         status = neph_vega_draw(&stem, 1, &drawn, &why, diag);
     if (!status && drawn)
@@ -212,7 +213,6 @@ static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
             "static chart not drawn: %s (apt-get install nodejs npm; npm ci --omit=dev in "
             "scripts/report)",
             why.message);
-    free(stem);
     return status;
 }
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/report_folder.h"
 
-#include "base/arena.h"
 #include "base/files.h"
 #include "base/owned.h"
+#include "base/path.h"
 #include "harness/json.h"
 
 #include <dirent.h>
@@ -56,12 +56,9 @@ static bool holds_parts_alone(const char *folder)
 
 static bool has_data(const char *folder)
 {
-    char *path = neph_path_join(folder, "data.json");
-    json_t *data = path ? json_load_file(path, 0, NULL) : NULL;
-    const char *format = json_string_value(json_object_get(data, "format"));
-    const bool ours = format && strcmp(format, "neph-report-1") == 0;
+    json_t *data = json_load_file(neph_path_in(folder, "data.json").text, 0, NULL);
+    const bool ours = strcmp(neph_json_text(data, "format"), "neph-report-1") == 0;
     json_decref(data);
-    free(path);
     return ours;
 }
 
@@ -156,11 +153,8 @@ static enum neph_status link_tree(const char *from, const char *to, struct neph_
     for (const struct dirent *entry; !status && (entry = readdir(directory));) {
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;
-        char *source = neph_path_join(from, entry->d_name);
-        char *target = neph_path_join(to, entry->d_name);
-        status = source && target ? link_entry(source, target, diag) : neph_fail_memory(diag);
-        free(source);
-        free(target);
+        status = link_entry(neph_path_in(from, entry->d_name).text,
+                            neph_path_in(to, entry->d_name).text, diag);
     }
     closedir(directory);
     return status;
@@ -169,20 +163,17 @@ static enum neph_status link_tree(const char *from, const char *to, struct neph_
 enum neph_status neph_report_folder_take(const struct neph_report_folder *folder, const char *name,
                                          bool *is_there, struct neph_diag *diag)
 {
-    struct neph_arena arena = {.last = NULL};
-    const char *from = neph_arena_format(&arena, "%s/%s", folder->parent, name);
-    const char *to = neph_arena_format(&arena, "%s/%s", neph_report_folder_work(folder), name);
-    const char *page = neph_arena_format(&arena, "%s/index.html", from);
-    const char *marker = neph_arena_format(&arena, "%s/.neph-owned", from);
-    enum neph_status status = neph_arena_check(&arena, diag);
-    const bool found = !status && neph_path_exists(page) && neph_path_exists(marker);
+    const struct neph_path from = neph_path_in(folder->parent, name);
+    const struct neph_path to = neph_path_in(neph_report_folder_work(folder), name);
+    enum neph_status status = NEPH_OK;
+    const bool found = neph_path_exists(neph_path_in(from.text, "index.html").text) &&
+                       neph_path_exists(neph_path_in(from.text, ".neph-owned").text);
     if (found)
-        status = neph_dir_create(to, diag);
+        status = neph_dir_create(to.text, diag);
     if (!status && found)
-        status = link_tree(from, to, diag);
+        status = link_tree(from.text, to.text, diag);
     if (!status)
         *is_there = found;
-    neph_arena_finish(&arena);
     return status;
 }
 

@@ -47,7 +47,7 @@ _Static_assert((int)NEPH_SCENE_RUN_KINDS <= 64, "a bit for each kind");
 /* What all scenes of a run have in common; borrowed. */
 struct neph_scene_run {
     const struct neph_validate_params *params;
-    const struct neph_field *field;
+    const struct neph_run_engines *field;
     struct neph_store *store;
     struct neph_progress *progress; /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
     struct neph_arena *arena;       /* of the results */

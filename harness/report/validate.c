@@ -36,7 +36,7 @@ struct told {
 };
 
 static enum neph_status choose_engines(const struct neph_validate_params *params,
-                                       struct neph_field *field, struct neph_diag *diag)
+                                       struct neph_run_engines *field, struct neph_diag *diag)
 {
     int known;
     const struct neph_engine *const *engines = neph_engines_and_guests(&known);
@@ -62,7 +62,7 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
     return NEPH_OK;
 }
 
-static enum neph_status apply_setting(const char *text, struct neph_field *field,
+static enum neph_status apply_setting(const char *text, struct neph_run_engines *field,
                                       struct neph_diag *diag)
 {
     for (int i = 0; i < field->count; i++) {
@@ -76,7 +76,7 @@ static enum neph_status apply_setting(const char *text, struct neph_field *field
 }
 
 static enum neph_status choose_settings(const struct neph_validate_params *params,
-                                        struct neph_field *field, struct neph_diag *diag)
+                                        struct neph_run_engines *field, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < params->setting_count && !status; i++)
@@ -268,7 +268,6 @@ static enum neph_status work(struct neph_worker *worker, void *context, struct n
     run->scenes.worker = worker;
     for (int i; !neph_interrupted() && (i = neph_worker_next(worker)) < run->params->scene_count;)
         render_scene(run, i);
-    neph_shared_device_close(run->params->device);
     return NEPH_OK;
 }
 
@@ -276,9 +275,7 @@ static enum neph_status run_with_workers(struct run *run, struct neph_diag *diag
 {
     const int most = run->params->scene_count, jobs = run->params->jobs;
     run->progress.workers = jobs < most ? jobs : most;
-    if (run->progress.workers > 1)
-        neph_shared_device_close(run->params->device); /* each process opens its own */
-    return neph_pool_run(run->progress.workers, work, hear, run, diag);
+    return neph_pool_run(run->progress.workers, run->params->device, work, hear, run, diag);
 }
 
 enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,

@@ -17,10 +17,12 @@
 #include "harness/run/job.h"
 #include "harness/study/study.h"
 
+#include <stdio.h>
+
 enum { NEPH_FIELD_MAX = NEPH_ENGINE_COUNT };
 
 /* The engines of a run, probed once. */
-struct neph_field {
+struct neph_run_engines {
     int count;
     const struct neph_engine *engines[NEPH_FIELD_MAX];
     struct neph_engine_info infos[NEPH_FIELD_MAX];
@@ -110,7 +112,7 @@ struct neph_validation {
     const char *title;
     char created_utc[32];
     int width_px, height_px; /* of the scenes' pictures */
-    struct neph_field field;
+    struct neph_run_engines field;
     int scene_count, absent_count, chart_count;
     struct neph_scene_result *scenes;
     struct neph_absent_scene *absent;
@@ -145,8 +147,8 @@ void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
  * or a text is not UTF-8. */
 json_t *neph_validation_json(const struct neph_validation *validation);
 
-/* For people, on stdout: a line for each frame, and what is to be said of it below. */
-void neph_validation_print(const struct neph_validation *validation);
+/* For people: a line for each frame, and what is to be said of it below. */
+void neph_validation_print(const struct neph_validation *validation, FILE *out);
 
 const char *neph_verdict_name(enum neph_verdict verdict);
 const char *neph_gate_verdict_name(enum neph_gate_verdict verdict);

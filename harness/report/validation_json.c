@@ -77,7 +77,7 @@ static json_t *engine_json(const struct neph_engine *engine, const struct neph_e
 /* The lists of a document, each item by its own function. */
 static json_t *head_json(const struct neph_validation *validation)
 {
-    const struct neph_field *field = &validation->field;
+    const struct neph_run_engines *field = &validation->field;
     json_t *engines = json_array(), *scenes = json_array(), *absent = json_array();
     json_t *sequences = json_array(), *charts = json_array();
     for (int i = 0; i < field->count; i++)

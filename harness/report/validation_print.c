@@ -8,74 +8,77 @@
 _Static_assert(NEPH_GATE_VERDICT_COUNT == 3, "a new kind");
 
 static void print_number(const struct neph_frame_result *frame, const char *quantity,
-                         const char *metric)
+                         const char *metric, FILE *out)
 {
     const struct neph_measurement *number = neph_measurement_find(&frame->measurements, quantity,
                                                                   metric, "all");
     if (number && number->defined)
-        printf(" %11.3e", number->value);
+        fprintf(out, " %11.3e", number->value);
     else
-        printf(" %11s", "-");
+        fprintf(out, " %11s", "-");
 }
 
-static void print_gates(const struct neph_scene_result *scene, const struct neph_engine *engine)
+static void print_gates(const struct neph_scene_result *scene, const struct neph_engine *engine,
+                        FILE *out)
 {
     int counts[] = {[NEPH_GATE_PASS] = 0, [NEPH_GATE_FAIL] = 0, [NEPH_GATE_NOT_MEASURED] = 0};
     for (int g = 0; g < scene->gate_count; g++)
         counts[scene->gates[g].verdict] += strcmp(scene->gates[g].engine, engine->name) == 0;
     const int passed = counts[NEPH_GATE_PASS], failed = counts[NEPH_GATE_FAIL];
     if (failed > 0)
-        printf("FAIL %d of %d\n", failed, passed + failed);
+        fprintf(out, "FAIL %d of %d\n", failed, passed + failed);
     else if (passed > 0)
-        printf("pass %d\n", passed);
+        fprintf(out, "pass %d\n", passed);
     else
-        printf("-\n");
+        fprintf(out, "-\n");
 }
 
 /* Below the numbers of a frame that was rendered from voxels: what the voxels alone cost. */
-static void print_bakes(const struct neph_bakes_summary *bakes)
+static void print_bakes(const struct neph_bakes_summary *bakes, FILE *out)
 {
-    printf("%38s of %s: ", "", bakes->grid);
+    fprintf(out, "%38s of %s: ", "", bakes->grid);
     if (bakes->worst.transmittance_max > 0.0)
-        printf("off by up to %.1e of transmittance, extinction by %.1e rms\n",
-               bakes->worst.transmittance_max, bakes->worst.extinction_rms_relative);
+        fprintf(out, "off by up to %.1e of transmittance, extinction by %.1e rms\n",
+                bakes->worst.transmittance_max, bakes->worst.extinction_rms_relative);
     else
-        printf("nothing is lost\n");
+        fprintf(out, "nothing is lost\n");
 }
 
 /* The step that a study chose, and what it leaves. */
-static void print_study(const struct neph_study *study)
+static void print_study(const struct neph_study *study, FILE *out)
 {
     const struct neph_study_level *level = &study->levels[study->chosen];
-    printf("%38s %s = %g by a study: step bias %+.3f %% +- %.3f %% (%s)\n", "", study->option,
-           level->setting, 100.0 * level->bias, 100.0 * level->bias_noise,
-           neph_study_verdict_name(study->verdict));
+    fprintf(out, "%38s %s = %g by a study: step bias %+.3f %% +- %.3f %% (%s)\n", "", study->option,
+            level->setting, 100.0 * level->bias, 100.0 * level->bias_noise,
+            neph_study_verdict_name(study->verdict));
 }
 
 static void print_frame(const struct neph_scene_result *scene,
-                        const struct neph_frame_result *frame)
+                        const struct neph_frame_result *frame, FILE *out)
 {
-    printf("%-24s %-13s %-9s", scene->name, frame->engine->name, neph_outcome_name(frame->outcome));
-    print_number(frame, "radiance", "rel_bias");
-    print_number(frame, "radiance", "rel_rmse");
-    print_number(frame, "transmittance", "max_abs");
-    printf(" %8.2f  ", frame->cost.wall_s);
-    print_gates(scene, frame->engine);
+    fprintf(out, "%-24s %-13s %-9s", scene->name, frame->engine->name,
+            neph_outcome_name(frame->outcome));
+    print_number(frame, "radiance", "rel_bias", out);
+    print_number(frame, "radiance", "rel_rmse", out);
+    print_number(frame, "transmittance", "max_abs", out);
+    fprintf(out, " %8.2f  ", frame->cost.wall_s);
+    print_gates(scene, frame->engine, out);
     if (frame->bakes)
-        print_bakes(frame->bakes);
+        print_bakes(frame->bakes, out);
     if (frame->study)
-        print_study(frame->study);
+        print_study(frame->study, out);
     if (frame->is_look && frame->note[0])
-        printf("%38s %s\n", "", frame->note);
+        fprintf(out, "%38s %s\n", "", frame->note);
 }
 
-void neph_validation_print(const struct neph_validation *validation)
+void neph_validation_print(const struct neph_validation *validation, FILE *out)
 {
-    printf("%-24s %-13s %-9s %11s %11s %11s %8s  %s\n", "scene", "engine", "outcome", "L rel_bias",
-           "L rel_rmse", "T max_abs", "seconds", "gates");
+    fprintf(out, "%-24s %-13s %-9s %11s %11s %11s %8s  %s\n", "scene", "engine", "outcome",
+            "L rel_bias", "L rel_rmse", "T max_abs", "seconds", "gates");
     for (int s = 0; s < validation->scene_count; s++)
         for (int f = 0; f < validation->scenes[s].frame_count; f++)
-            print_frame(&validation->scenes[s], &validation->scenes[s].frames[f]);
+            print_frame(&validation->scenes[s], &validation->scenes[s].frames[f], out);
     for (int a = 0; a < validation->absent_count; a++)
-        printf("%-24s not here: %s\n", validation->absent[a].scene, validation->absent[a].reason);
+        fprintf(out, "%-24s not here: %s\n", validation->absent[a].scene,
+                validation->absent[a].reason);
 }

@@ -3,8 +3,9 @@
 
 #include "base/arena.h"
 #include "base/child.h"
-#include "base/files.h"
+#include "base/path.h"
 #include "harness/data.h"
+#include "harness/json_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,8 +16,7 @@ static const double time_limit_s = 120.0;
 
 enum neph_status neph_vega_template(const char *name, json_t **spec, struct neph_diag *diag)
 {
-    char *relative = neph_path_join("scripts/report", name);
-    char *path = relative ? neph_data_path(relative) : NULL;
+    char *path = neph_data_path(neph_path_in("scripts/report", name).text);
     enum neph_status status = NEPH_OK;
     *spec = path ? json_load_file(path, 0, NULL) : NULL;
     if (!*spec) {
@@ -25,18 +25,12 @@ enum neph_status neph_vega_template(const char *name, json_t **spec, struct neph
         neph_hint(diag, "set NEPH_DATA_DIR to the folder that holds scenes/ and scripts/");
     }
     free(path);
-    free(relative);
     return status;
 }
 
 enum neph_status neph_vega_write(const json_t *spec, const char *stem, struct neph_diag *diag)
 {
-    char *path = neph_format("%s.vl.json", stem), *text = json_dumps(spec, JSON_INDENT(1));
-    const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
-                                                 : neph_fail_memory(diag);
-    free(text);
-    free(path);
-    return status;
+    return neph_json_write(spec, JSON_INDENT(1), neph_path_format("%s.vl.json", stem).text, diag);
 }
 
 static enum neph_status run_node(const char *const *argv, const char *log_path, bool *drawn,

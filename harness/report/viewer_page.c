@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "base/packed.h"
+#include "base/path.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
 #include "harness/progress.h"
@@ -134,10 +135,9 @@ static enum neph_status check_frame(struct shop *shop, const char *path,
 static enum neph_status write_text(struct shop *shop, const char *key, const char *text,
                                    struct neph_diag *diag)
 {
-    char *path = neph_format("%s/frames/%s.js", shop->folder, key);
     char *script = neph_format("NEPH_VIEW_PLANES(\"%s\", \"%s\");\n", key, text);
     const size_t length = script ? strlen(script) : 0;
-    enum neph_status status = path && script ? NEPH_OK : neph_fail_memory(diag);
+    enum neph_status status = script ? NEPH_OK : neph_fail_memory(diag);
     shop->made.bytes += length;
     if (!status && (double)shop->made.bytes > shop->view->limit_bytes) {
         status = neph_fail(diag, NEPH_ERR_INPUT, "the page would be larger than %.3g MB",
@@ -146,8 +146,8 @@ static enum neph_status write_text(struct shop *shop, const char *key, const cha
                         "--overlay none, or a higher --limit");
     }
     if (!status)
-        status = neph_file_write_unsynced(path, script, length, diag);
-    free(path);
+        status = neph_file_write_unsynced(
+            neph_path_format("%s/frames/%s.js", shop->folder, key).text, script, length, diag);
     free(script);
     return status;
 }

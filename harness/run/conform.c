@@ -245,13 +245,6 @@ static json_t *entry_json(const char *name, const struct neph_job *job, int pict
     return entry;
 }
 
-/* Engines may fail: that is news, in the report. */
-static bool ends_run(enum neph_status status)
-{
-    return status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY ||
-           status == NEPH_ERR_UNAVAILABLE;
-}
-
 static enum neph_status conform_picture(const struct neph_conform_params *params,
                                         const struct neph_scene *scene,
                                         const struct picture *picture, const char *name,
@@ -267,7 +260,9 @@ static enum neph_status conform_picture(const struct neph_conform_params *params
     if (status)
         return status;
     const enum neph_status rendered = render_pictures(&job, count, &tally, &frame, &words);
-    if (ends_run(rendered)) {
+    /* Engines may fail: that is news, in the report. */
+    if (rendered == NEPH_ERR_INTERRUPTED || rendered == NEPH_ERR_MEMORY ||
+        rendered == NEPH_ERR_UNAVAILABLE) {
         *diag = words;
         return rendered;
     }
@@ -326,15 +321,6 @@ static enum neph_status conform_scene(const struct neph_conform_params *params, 
     return status;
 }
 
-static enum neph_status leave_out(const char *scene, const char *why, int picture_count,
-                                  struct neph_progress *progress, json_t *report,
-                                  struct neph_diag *diag)
-{
-    neph_progress_expect(progress, progress->kind, -picture_count, 0.0);
-    return neph_json_append(
-        report, json_pack("{s:s, s:s, s:[]}", "scene", scene, "absent", why, "pictures"), diag);
-}
-
 /* --- all of them -------------------------------------------------------------------------- */
 
 enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
@@ -363,10 +349,13 @@ enum neph_status neph_conform_render(const struct neph_conform_params *params, j
         struct neph_diag why = {.line = 0};
         status = conform_scene(params, params->scenes[i], pictures, picture_count, &progress, made,
                                &why);
-        if (status == NEPH_ERR_NOT_FOUND && params->skip_absent)
-            status = leave_out(params->scenes[i], why.message, picture_count, &progress, made,
-                               diag);
-        else if (status && diag)
+        if (status == NEPH_ERR_NOT_FOUND && params->skip_absent) {
+            neph_progress_expect(&progress, progress.kind, -picture_count, 0.0);
+            status = neph_json_append(made,
+                                      json_pack("{s:s, s:s, s:[]}", "scene", params->scenes[i],
+                                                "absent", why.message, "pictures"),
+                                      diag);
+        } else if (status && diag)
             *diag = why;
     }
     neph_progress_end(&progress);

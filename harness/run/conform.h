@@ -23,7 +23,7 @@ enum { NEPH_CONFORM_LATTICE_WIDTH_PX = 48, NEPH_CONFORM_LATTICE_HEIGHT_PX = 27 }
 
 struct neph_conform_params {
     const char *folder;
-    char **scenes; /* names or files; scene_count of them */
+    const char *const *scenes; /* names or files */
     int scene_count;
     const char *engine; /* this one alone; NULL: all of ours that run on a Vulkan device */
     int width_px, height_px;

@@ -2,10 +2,10 @@
 #include "harness/run/conform.h"
 
 #include "base/exr.h"
+#include "base/files.h"
 #include "base/path.h"
 #include "metrics/validity.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -88,11 +88,10 @@ static const struct bound *find_bound(const char *engine, const char *channel)
 
 /* --- folders ------------------------------------------------------------------------------ */
 
-static int keep_json(const struct dirent *entry)
+static bool is_json(const char *name)
 {
-    const size_t length = strlen(entry->d_name);
-    return entry->d_name[0] != '.' && length > 5 &&
-           strcmp(entry->d_name + length - 5, ".json") == 0;
+    const size_t length = strlen(name);
+    return name[0] != '.' && length > 5 && strcmp(name + length - 5, ".json") == 0;
 }
 
 static enum neph_status check_scene(const char *path, const json_t *scene, struct neph_diag *diag)
@@ -123,18 +122,16 @@ static enum neph_status read_scene(const char *folder, const char *file, json_t 
 /* The scenes of a folder, by the names of their files. */
 static enum neph_status read_folder(const char *folder, json_t **scenes, struct neph_diag *diag)
 {
-    struct dirent **entries = NULL;
-    const int count = scandir(folder, &entries, keep_json, alphasort);
-    if (count < 0)
-        return neph_fail(diag, NEPH_ERR_NOT_FOUND, "'%s': %s", folder, strerror(errno));
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
     json_t *read = json_object();
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count; i++) {
-        if (!status)
-            status = read_scene(folder, entries[i]->d_name, read, diag);
-        free(entries[i]);
-    }
-    free(entries);
+    if (neph_dir_list(folder, &arena, &names, NULL))
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "'%s': %s", folder, strerror(errno));
+    for (int i = 0; i < names.count && !status; i++)
+        if (is_json(names.list[i]))
+            status = read_scene(folder, names.list[i], read, diag);
+    neph_arena_finish(&arena);
     if (!status && json_object_size(read) == 0)
         status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds nothing of `neph conform`", folder);
     if (status)

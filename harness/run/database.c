@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <sqlite3.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,39 +54,9 @@ static enum neph_status fail(const struct neph_database *database, struct neph_d
 
 /* ---- statements ------------------------------------------------------------------------------ */
 
-enum { VALUES_MAX = 24 };
-
-static void list_values(const char *types, va_list arguments, union neph_database_value *values)
-{
-    for (; *types; types++, values++) {
-        if (*types == 's')
-            values->text = va_arg(arguments, const char *);
-        else if (*types == 'i')
-            values->integer = va_arg(arguments, int64_t);
-        else
-            values->real = va_arg(arguments, double);
-    }
-}
-
-static bool bind(sqlite3_stmt *statement, const char *types,
-                 const union neph_database_value *values)
-{
-    int code = SQLITE_OK;
-    for (int i = 1; *types && !code; i++, types++, values++) {
-        if (*types == 's')
-            code = sqlite3_bind_text(statement, i, values->text, -1, SQLITE_TRANSIENT);
-        else if (*types == 'i')
-            code = sqlite3_bind_int64(statement, i, values->integer);
-        else
-            code = isfinite(values->real) ? sqlite3_bind_double(statement, i, values->real)
-                                          : sqlite3_bind_null(statement, i);
-    }
-    return code == SQLITE_OK;
-}
-
+/* Without its values. NULL: memory is short. */
 static struct neph_query *prepare(struct neph_database *database, struct neph_diag *diag,
-                                  const char *text, const char *types,
-                                  const union neph_database_value *values)
+                                  const char *text)
 {
     struct neph_query *query = calloc(1, sizeof(*query));
     if (!query) {
@@ -96,21 +65,53 @@ static struct neph_query *prepare(struct neph_database *database, struct neph_di
     }
     query->database = database;
     query->diag = diag;
-    if (sqlite3_prepare_v2(database->handle, text, -1, &query->statement, NULL) != SQLITE_OK ||
-        !bind(query->statement, types, values))
+    if (sqlite3_prepare_v2(database->handle, text, -1, &query->statement, NULL) != SQLITE_OK)
         query->status = fail(database, diag);
+    return query;
+}
+
+/* The value of a ?, from 1 on. */
+static void bind(struct neph_query *query, int at, char type, union neph_database_value value)
+{
+    int code;
+    if (!query || query->status)
+        return;
+    if (type == 's')
+        code = sqlite3_bind_text(query->statement, at, value.text, -1, SQLITE_TRANSIENT);
+    else if (type == 'i')
+        code = sqlite3_bind_int64(query->statement, at, value.integer);
+    else
+        code = isfinite(value.real) ? sqlite3_bind_double(query->statement, at, value.real)
+                                    : sqlite3_bind_null(query->statement, at);
+    if (code != SQLITE_OK)
+        query->status = fail(query->database, query->diag);
+}
+
+struct neph_query *neph_query_list(struct neph_database *database, struct neph_diag *diag,
+                                   const char *statement, const char *types, va_list values)
+{
+    struct neph_query *query = prepare(database, diag, statement);
+    for (int i = 0; types[i]; i++) {
+        union neph_database_value value;
+        if (types[i] == 's')
+            value.text = va_arg(values, const char *);
+        else if (types[i] == 'i')
+            value.integer = va_arg(values, int64_t);
+        else
+            value.real = va_arg(values, double);
+        bind(query, i + 1, types[i], value);
+    }
     return query;
 }
 
 struct neph_query *neph_query(struct neph_database *database, struct neph_diag *diag,
                               const char *statement, const char *types, ...)
 {
-    union neph_database_value values[VALUES_MAX];
-    va_list arguments;
-    va_start(arguments, types);
-    list_values(types, arguments, values);
-    va_end(arguments);
-    return prepare(database, diag, statement, types, values);
+    va_list values;
+    va_start(values, types);
+    struct neph_query *query = neph_query_list(database, diag, statement, types, values);
+    va_end(values);
+    return query;
 }
 
 bool neph_query_next(struct neph_query *query)
@@ -150,37 +151,41 @@ enum neph_status neph_query_end(struct neph_query *query, enum neph_status statu
     return status ? status : of_query;
 }
 
-enum neph_status neph_database_put(struct neph_database *database, struct neph_diag *diag,
-                                   const char *statement, const char *types,
-                                   const union neph_database_value *values)
+static enum neph_status carry_out(struct neph_query *query)
 {
-    struct neph_query *query = prepare(database, diag, statement, types, values);
     while (neph_query_next(query))
         ;
     return neph_query_end(query, NEPH_OK);
 }
 
+enum neph_status neph_database_put(struct neph_database *database, struct neph_diag *diag,
+                                   const char *statement, const char *types,
+                                   const union neph_database_value *values)
+{
+    struct neph_query *query = prepare(database, diag, statement);
+    for (int i = 0; types[i]; i++)
+        bind(query, i + 1, types[i], values[i]);
+    return carry_out(query);
+}
+
 enum neph_status neph_database_do(struct neph_database *database, struct neph_diag *diag,
                                   const char *statement, const char *types, ...)
 {
-    union neph_database_value values[VALUES_MAX];
-    va_list arguments;
-    va_start(arguments, types);
-    list_values(types, arguments, values);
-    va_end(arguments);
-    return neph_database_put(database, diag, statement, types, values);
+    va_list values;
+    va_start(values, types);
+    struct neph_query *query = neph_query_list(database, diag, statement, types, values);
+    va_end(values);
+    return carry_out(query);
 }
 
 enum neph_status neph_database_count(struct neph_database *database, int64_t *count,
                                      struct neph_diag *diag, const char *statement,
                                      const char *types, ...)
 {
-    union neph_database_value values[VALUES_MAX];
-    va_list arguments;
-    va_start(arguments, types);
-    list_values(types, arguments, values);
-    va_end(arguments);
-    struct neph_query *query = prepare(database, diag, statement, types, values);
+    va_list values;
+    va_start(values, types);
+    struct neph_query *query = neph_query_list(database, diag, statement, types, values);
+    va_end(values);
     const int64_t found = neph_query_next(query) ? neph_query_integer(query, 0) : 0;
     const enum neph_status status = neph_query_end(query, NEPH_OK);
     if (!status)

@@ -15,6 +15,7 @@
 
 #include "base/status.h"
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -57,6 +58,8 @@ enum neph_status neph_database_end(struct neph_database *database, enum neph_sta
  * neph_query_end(). */
 struct neph_query *neph_query(struct neph_database *database, struct neph_diag *diag,
                               const char *statement, const char *types, ...);
+struct neph_query *neph_query_list(struct neph_database *database, struct neph_diag *diag,
+                                   const char *statement, const char *types, va_list values);
 
 /* The next row: false when there is none, or after an error. */
 bool neph_query_next(struct neph_query *query);

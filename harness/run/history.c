@@ -10,8 +10,6 @@
 #include "harness/run/history_documents.h"
 
 #include <ctype.h>
-#include <dirent.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,6 +39,16 @@ struct neph_path neph_document_path(const char *store_folder, enum neph_document
 {
     return neph_path_format("%s/history/%s%06lld.json", store_folder, documents[kind].prefix,
                             (long long)number);
+}
+
+enum neph_status neph_history_has(struct neph_database *index, int64_t night, bool *has,
+                                  struct neph_diag *diag)
+{
+    int64_t count = 0;
+    const enum neph_status status = neph_database_count(
+        index, &count, diag, documents[NEPH_DOCUMENT_NIGHT].known, "i", night);
+    *has = count > 0;
+    return status;
 }
 
 bool neph_history_is_over(const char *store_folder, int64_t night)
@@ -138,9 +146,11 @@ enum neph_status neph_document_digest_night(const char *store_folder, int64_t ni
 
 /* ---- rows of documents ----------------------------------------------------------------------- */
 
-const char neph_history_step_fields[] = "s:name s:outcome s:reason s:size d:wall_s n:calibration_s";
-const char neph_measurement_fields[] =
-    "s:series s:kind n:value n:standard_error s:environment s:frame";
+#define STEP(member) NEPH_RECORD_FIELD(struct neph_history_step, member)
+const struct neph_record_form neph_history_step_form = {
+    sizeof(struct neph_history_step),
+    {STEP(name), STEP(outcome), STEP(reason), STEP(size), STEP(wall_s),
+     NEPH_RECORD_OPTIONAL(struct neph_history_step, calibration_s)}};
 
 /* A measurement as a row. Documents of before numbers knew their pictures have no "frame". */
 struct measured {
@@ -148,23 +158,42 @@ struct measured {
     double value, standard_error;
     const char *environment, *judgement, *frame;
 };
-static const char measured_fields[] =
-    "s:series s:step s:kind n:value n:standard_error s:environment s:judgement o:frame";
+#define MEASURED(member) NEPH_RECORD_FIELD(struct measured, member)
+#define MAYBE_MEASURED(member) NEPH_RECORD_OPTIONAL(struct measured, member)
+static const struct neph_record_form measured_form = {
+    sizeof(struct measured),
+    {MEASURED(series), MEASURED(step), MEASURED(kind), MAYBE_MEASURED(value),
+     MAYBE_MEASURED(standard_error), MEASURED(environment), MEASURED(judgement),
+     MAYBE_MEASURED(frame)}};
 
-static const char scene_fields[] = "s:step s:scene s:hash s:terms", frame_fields[] = "s:";
+#define SCENE(member) NEPH_RECORD_FIELD(struct neph_history_scene, member)
+const struct neph_record_form neph_history_scene_form = {
+    sizeof(struct neph_history_scene), {SCENE(step), SCENE(scene), SCENE(hash), SCENE(terms)}};
 
-/* What a night and an acceptance are, and what of it are columns beside their numbers. */
+/* The heads of documents; their rows have no format. */
 struct head {
+    const char *format;
+    int64_t night;
     const char *started_utc, *ended_utc, *plan, *revision, *program, *host, *verdict;
 };
-#define HEAD_FIELDS "s:started_utc s:ended_utc s:plan s:revision s:program s:host s:verdict"
+#define HEAD(member) NEPH_RECORD_FIELD(struct head, member)
+static const struct neph_record_form head_form = {sizeof(struct head),
+                                                  {HEAD(format), HEAD(night), HEAD(started_utc),
+                                                   HEAD(ended_utc), HEAD(plan), HEAD(revision),
+                                                   HEAD(program), HEAD(host), HEAD(verdict)}};
 
 struct acceptance {
+    const char *format;
+    int64_t acceptance;
     const char *series;
     int64_t night;
     const char *who, *when_utc, *why;
 };
-#define ACCEPTANCE_FIELDS "s:series i:night s:who s:when_utc s:why"
+#define ACCEPTANCE(member) NEPH_RECORD_FIELD(struct acceptance, member)
+static const struct neph_record_form acceptance_form = {
+    sizeof(struct acceptance),
+    {ACCEPTANCE(format), ACCEPTANCE(acceptance), ACCEPTANCE(series), ACCEPTANCE(night),
+     ACCEPTANCE(who), ACCEPTANCE(when_utc), ACCEPTANCE(why)}};
 
 union row {
     struct neph_history_step step;
@@ -175,13 +204,14 @@ union row {
 
 /* The lists of a night's document. */
 static const struct list {
-    const char *name, *question, *insert, *fields;
+    const char *name, *question, *insert;
+    const struct neph_record_form *form;
     bool may_lack; /* nights of before it was kept have none */
-} step_list =
-    {"steps",
-     "SELECT name, outcome, reason, size, wall_s, calibration_s FROM steps WHERE night = ? "
-     "ORDER BY name",
-     "INSERT OR REPLACE INTO steps VALUES (?, ?, ?, ?, ?, ?, ?)", neph_history_step_fields, false},
+} step_list = {"steps",
+               "SELECT name, outcome, reason, size, wall_s, calibration_s FROM steps WHERE night = "
+               "? ORDER BY name",
+               "INSERT OR REPLACE INTO steps VALUES (?, ?, ?, ?, ?, ?, ?)", &neph_history_step_form,
+               false},
   measurement_list =
       {"measurements",
        "SELECT name, step, kind, value, standard_error, environment, judgement, frame FROM "
@@ -189,12 +219,13 @@ static const struct list {
        "name",
        "INSERT OR REPLACE INTO measurements VALUES (?, (SELECT id FROM series WHERE name = ?), ?, "
        "?, ?, ?, ?, ?, ?)",
-       measured_fields, false},
+       &measured_form, false},
   scene_list = {"scenes",
                 "SELECT step, scene, hash, terms FROM night_scenes WHERE night = ? ORDER BY step",
-                "INSERT OR REPLACE INTO night_scenes VALUES (?, ?, ?, ?, ?)", scene_fields, true},
+                "INSERT OR REPLACE INTO night_scenes VALUES (?, ?, ?, ?, ?)",
+                &neph_history_scene_form, true},
   frame_list = {"frames", "SELECT key FROM night_frames WHERE night = ? ORDER BY key",
-                "INSERT OR IGNORE INTO night_frames VALUES (?, ?)", frame_fields, false};
+                "INSERT OR IGNORE INTO night_frames VALUES (?, ?)", &neph_record_text_form, false};
 static const struct list *const lists[] = {&step_list, &measurement_list, &scene_list, &frame_list};
 enum { LISTS = sizeof(lists) / sizeof(lists[0]) };
 
@@ -206,7 +237,7 @@ static enum neph_status insert(struct neph_database *index, const struct list *l
     if (list == &measurement_list)
         status = neph_database_do(index, diag, "INSERT OR IGNORE INTO series (name) VALUES (?)",
                                   "s", ((const struct measured *)row)->series);
-    return status ? status : neph_record_put(index, diag, list->insert, night, list->fields, row);
+    return status ? status : neph_record_put(index, diag, list->insert, night, list->form, row);
 }
 
 enum neph_status neph_history_add_scene(struct neph_database *index, int64_t night,
@@ -223,22 +254,20 @@ static enum neph_status insert_lists(struct neph_database *index, int64_t night,
     for (int i = 0; i < LISTS; i++) {
         const json_t *of_document = json_object_get(document, lists[i]->name);
         for (size_t k = 0; !status && k < json_array_size(of_document); k++) {
-            const json_t *item = json_array_get(of_document, k);
-            union row row = {.frame = json_string_value(item)};
-            if (lists[i] != &frame_list)
-                neph_record_read(lists[i]->fields, item, NULL, &row);
+            union row row;
+            neph_record_read(lists[i]->form, json_array_get(of_document, k), NULL, &row);
             status = insert(index, lists[i], night, &row, diag);
         }
     }
     return status;
 }
 
-/* The columns after the night's number. */
 static enum neph_status insert_head(struct neph_database *index, int64_t night,
                                     const struct head *head, struct neph_diag *diag)
 {
-    return neph_record_put(index, diag, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)", night,
-                           HEAD_FIELDS, head);
+    return neph_record_put(index, diag,
+                           "INSERT INTO nights VALUES (?1, ?4, ?5, ?6, ?7, ?8, ?9, ?10)", night,
+                           &head_form, head);
 }
 
 static enum neph_status forget_night(struct neph_database *index, int64_t night,
@@ -258,7 +287,7 @@ static enum neph_status insert_night(struct neph_database *index, int64_t night,
                                      const json_t *document, struct neph_diag *diag)
 {
     struct head head;
-    neph_record_read(HEAD_FIELDS, document, NULL, &head);
+    neph_record_read(&head_form, document, NULL, &head);
     enum neph_status status = forget_night(index, night, diag);
     if (!status)
         status = insert_head(index, night, &head, diag);
@@ -270,10 +299,10 @@ static enum neph_status insert_acceptance(struct neph_database *index, int64_t n
                                           const json_t *document, struct neph_diag *diag)
 {
     struct acceptance acceptance;
-    neph_record_read(ACCEPTANCE_FIELDS, document, NULL, &acceptance);
+    neph_record_read(&acceptance_form, document, NULL, &acceptance);
     return neph_record_put(index, diag,
-                           "INSERT OR IGNORE INTO acceptances VALUES (?, ?, ?, ?, ?, ?)", number,
-                           ACCEPTANCE_FIELDS, &acceptance);
+                           "INSERT OR IGNORE INTO acceptances VALUES (?1, ?4, ?5, ?6, ?7, ?8)",
+                           number, &acceptance_form, &acceptance);
 }
 
 /* All of a document's rows or none. */
@@ -314,47 +343,37 @@ static enum neph_status take_document(struct neph_database *index, const char *s
 }
 
 static enum neph_status take_documents(struct neph_database *index, const char *store_folder,
-                                       enum neph_document kind, struct dirent **names, int count,
+                                       enum neph_document kind, const struct neph_names *names,
                                        struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count && !status; i++) {
-        const int64_t number = neph_document_number(names[i]->d_name, kind);
+    for (int i = 0; i < names->count && !status; i++) {
+        const int64_t number = neph_document_number(names->list[i], kind);
         if (number > 0)
             status = take_document(index, store_folder, kind, number, diag);
     }
     return status;
 }
 
-enum neph_status neph_history_list(const char *store_folder, struct dirent ***names, int *count,
-                                   struct neph_diag *diag)
+enum neph_status neph_history_list(const char *store_folder, struct neph_arena *arena,
+                                   struct neph_names *names, struct neph_diag *diag)
 {
     const struct neph_path folder = neph_path_in(store_folder, "history");
-    *names = NULL;
-    *count = scandir(folder.text, names, NULL, alphasort);
-    return *count >= 0 || errno == ENOENT
-               ? NEPH_OK
-               : neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder.text, strerror(errno));
-}
-
-void neph_history_free_list(struct dirent **names, int count)
-{
-    for (int i = 0; i < count; i++)
-        free(names[i]);
-    free(names);
+    *names = (struct neph_names){NULL, 0};
+    return neph_path_exists(folder.text) ? neph_dir_list(folder.text, arena, names, diag) : NEPH_OK;
 }
 
 enum neph_status neph_history_refresh(struct neph_database *index, const char *store_folder,
                                       struct neph_diag *diag)
 {
-    struct dirent **names;
-    int count;
-    enum neph_status status = neph_history_list(store_folder, &names, &count, diag);
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_history_list(store_folder, &arena, &names, diag);
     if (!status) /* acceptances are of nights */
-        status = take_documents(index, store_folder, NEPH_DOCUMENT_NIGHT, names, count, diag);
+        status = take_documents(index, store_folder, NEPH_DOCUMENT_NIGHT, &names, diag);
     if (!status)
-        status = take_documents(index, store_folder, NEPH_DOCUMENT_ACCEPTANCE, names, count, diag);
-    neph_history_free_list(names, count);
+        status = take_documents(index, store_folder, NEPH_DOCUMENT_ACCEPTANCE, &names, diag);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -380,7 +399,8 @@ static enum neph_status insert_beginning(struct neph_database *index,
                                          const struct neph_history_night *night, int64_t id,
                                          const char *started_utc, struct neph_diag *diag)
 {
-    const struct head head = {.started_utc = started_utc,
+    const struct head head = {.format = "",
+                              .started_utc = started_utc,
                               .ended_utc = "",
                               .plan = night->plan,
                               .revision = night->revision,
@@ -488,9 +508,10 @@ enum neph_status neph_history_judge(struct neph_database *index, int64_t night, 
 
 /* The rows of a question about a night as a list. */
 static enum neph_status list_rows(struct neph_database *index, const char *question, int64_t night,
-                                  const char *fields, json_t **list, struct neph_diag *diag)
+                                  const struct neph_record_form *form, json_t **list,
+                                  struct neph_diag *diag)
 {
-    enum neph_status status = neph_record_list(index, diag, question, night, fields, list);
+    enum neph_status status = neph_record_list(index, form, list, diag, question, "i", night);
     if (!status && !*list) {
         status = neph_fail(diag, NEPH_ERR_INPUT,
                            "a row of night %lld in the store's database is damaged",
@@ -508,14 +529,14 @@ enum neph_status neph_history_document(struct neph_database *index, int64_t nigh
         index,
         "SELECT 'neph-night-1', id, started_utc, ended_utc, plan, revision, "
         "program, host, verdict FROM nights WHERE id = ?",
-        night, "s:format i:night " HEAD_FIELDS, &heads, diag);
+        night, &head_form, &heads, diag);
     if (!status && json_array_size(heads) == 0)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld", (long long)night);
     json_t *made = status ? NULL : json_incref(json_array_get(heads, 0));
     json_decref(heads);
     for (int i = 0; !status && i < LISTS; i++) {
         json_t *list = NULL;
-        status = list_rows(index, lists[i]->question, night, lists[i]->fields, &list, diag);
+        status = list_rows(index, lists[i]->question, night, lists[i]->form, &list, diag);
         if (!status && lists[i]->may_lack && json_array_size(list) == 0)
             json_decref(list);
         else if (!status)
@@ -535,7 +556,7 @@ enum neph_status neph_history_acceptances(struct neph_database *index, json_t **
                      "SELECT 'neph-accept-1', id, series, night, who, when_utc, why FROM "
                      "acceptances WHERE id > ? "
                      "ORDER BY id",
-                     0, "s:format i:acceptance " ACCEPTANCE_FIELDS, list, diag);
+                     0, &acceptance_form, list, diag);
 }
 
 /* ---- for good -------------------------------------------------------------------------------- */
@@ -565,10 +586,10 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
 static enum neph_status check_acceptable(struct neph_database *index, const char *series,
                                          int64_t night, struct neph_diag *diag)
 {
-    int64_t count = 0;
-    enum neph_status status = neph_database_count(index, &count, diag,
-                                                  documents[NEPH_DOCUMENT_NIGHT].known, "i", night);
-    if (!status && count == 0)
+    int64_t count = 1;
+    bool has = false;
+    enum neph_status status = neph_history_has(index, night, &has, diag);
+    if (!status && !has)
         return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
                          (long long)night);
     if (!status && strcmp(series, "*") != 0)

@@ -36,14 +36,13 @@ struct neph_history_step {
     double calibration_s; /* NaN: nothing was timed */
 };
 
-/* As of record.h. */
-extern const char neph_measurement_fields[], neph_history_step_fields[];
-
 /* The scene that a step has measured. `terms` is a digest of what decides about its numbers and
  * changes none: gates, exposure, what is measured over time (night/scene_copy.h). */
 struct neph_history_scene {
     const char *step, *scene, *hash, *terms;
 };
+
+extern const struct neph_record_form neph_history_step_form, neph_history_scene_form;
 
 /* Who a night is. */
 struct neph_history_night {
@@ -100,6 +99,10 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
 enum neph_status neph_history_accept(struct neph_database *index, const char *store_folder,
                                      const char *series, int64_t night, const char *who,
                                      const char *why, struct neph_diag *diag);
+
+/* Whether the database has a night that is over. */
+enum neph_status neph_history_has(struct neph_database *index, int64_t night, bool *has,
+                                  struct neph_diag *diag);
 
 /* Whether the night has its document, which is written last. */
 bool neph_history_is_over(const char *store_folder, int64_t night);

@@ -204,18 +204,18 @@ static enum neph_status check_acceptance(const struct check *check, const json_t
 static enum neph_status find_last_acceptance(const struct check *check, int64_t *last,
                                              struct neph_diag *diag)
 {
-    struct dirent **names;
-    int count;
-    enum neph_status status = neph_history_list(check->store_folder, &names, &count, diag);
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_history_list(check->store_folder, &arena, &names, diag);
     if (!status)
         status = neph_database_count(check->index, last, diag,
                                      "SELECT coalesce(max(id), 0) FROM acceptances", "");
-    for (int i = 0; i < count && !status; i++) {
-        const int64_t a = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_ACCEPTANCE),
-                      b = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_COPY);
+    for (int i = 0; i < names.count && !status; i++) {
+        const int64_t a = neph_document_number(names.list[i], NEPH_DOCUMENT_ACCEPTANCE),
+                      b = neph_document_number(names.list[i], NEPH_DOCUMENT_COPY);
         *last = a > *last ? a : b > *last ? b : *last;
     }
-    neph_history_free_list(names, count);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -240,13 +240,10 @@ enum neph_status neph_history_check_acceptances(struct neph_database *index,
 
 static enum neph_status check_torn(const struct check *check, int64_t night, struct neph_diag *diag)
 {
-    int64_t known = 0;
     json_t *document = NULL;
-    bool torn = false;
-    enum neph_status status = neph_database_count(
-        check->index, &known, diag, "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
-        "i", night);
-    if (!status && known == 0)
+    bool has = false, torn = false;
+    enum neph_status status = neph_history_has(check->index, night, &has, diag);
+    if (!status && !has)
         status = read_version(check->store_folder, NEPH_DOCUMENT_NIGHT, night, &document, &torn,
                               diag);
     json_decref(document);
@@ -263,15 +260,15 @@ enum neph_status neph_history_check_torn(struct neph_database *index, const char
                                          struct neph_diag *diag)
 {
     const struct check check = {index, store_folder, false, tell, context};
-    struct dirent **names;
-    int count;
-    enum neph_status status = neph_history_list(store_folder, &names, &count, diag);
-    for (int i = 0; i < count && !status; i++) {
-        const int64_t night = neph_document_number(names[i]->d_name, NEPH_DOCUMENT_NIGHT);
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_history_list(store_folder, &arena, &names, diag);
+    for (int i = 0; i < names.count && !status; i++) {
+        const int64_t night = neph_document_number(names.list[i], NEPH_DOCUMENT_NIGHT);
         if (night > 0)
             status = check_torn(&check, night, diag);
     }
-    neph_history_free_list(names, count);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -279,16 +276,14 @@ enum neph_status neph_history_check_torn(struct neph_database *index, const char
 static enum neph_status check_accepted_night(const struct check *check, int64_t night,
                                              struct neph_diag *diag)
 {
-    int64_t known = 0;
+    bool has = false;
     struct neph_diag why = {.line = 0};
-    enum neph_status status = neph_database_count(
-        check->index, &known, diag, "SELECT count(*) FROM nights WHERE id = ? AND ended_utc != ''",
-        "i", night);
+    enum neph_status status = neph_history_has(check->index, night, &has, diag);
     if (status)
         return status;
     const char *fault = "the night was accepted, and the history does not have it: bring its "
                         "document back from a copy of the store, or accept another night";
-    if (known > 0) {
+    if (has) {
         status = check_night(check->index, check->store_folder, night, false, &why);
         if (status == NEPH_OK)
             return NEPH_OK;

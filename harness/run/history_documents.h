@@ -12,8 +12,6 @@
 #include "harness/json.h"
 #include "harness/run/database.h"
 
-#include <dirent.h>
-
 enum neph_document {
     NEPH_DOCUMENT_NIGHT,
     NEPH_DOCUMENT_ACCEPTANCE,
@@ -24,11 +22,9 @@ enum neph_document {
 struct neph_path neph_document_path(const char *store_folder, enum neph_document kind,
                                     int64_t number);
 
-/* The names in STORE/history/, sorted, to neph_history_free_list() in any case; none, and a count
- * below 0, where there is no such folder. */
-enum neph_status neph_history_list(const char *store_folder, struct dirent ***names, int *count,
-                                   struct neph_diag *diag);
-void neph_history_free_list(struct dirent **names, int count);
+/* The names in STORE/history/, sorted; none where there is no such folder. */
+enum neph_status neph_history_list(const char *store_folder, struct neph_arena *arena,
+                                   struct neph_names *names, struct neph_diag *diag);
 
 /* The number of a file of this kind; -1: the name is of another kind. */
 int64_t neph_document_number(const char *name, enum neph_document kind);

@@ -71,7 +71,11 @@ struct environment {
     const char *engine, *version, *build, *device, *host;
 };
 enum { ENVIRONMENT_COLUMNS = 6 };
-const char neph_index_environment_fields[] = "i:id s:engine s:version s:build s:device s:host";
+#define ENVIRONMENT(member) NEPH_RECORD_FIELD(struct environment, member)
+const struct neph_record_form neph_index_environment_form = {
+    sizeof(struct environment),
+    {ENVIRONMENT(id), ENVIRONMENT(engine), ENVIRONMENT(version), ENVIRONMENT(build),
+     ENVIRONMENT(device), ENVIRONMENT(host)}};
 
 struct job {
     const char *key, *format, *scene, *scene_hash;
@@ -84,16 +88,19 @@ struct job {
     int64_t bytes;
     const char *made_utc;
 };
-const char neph_index_job_fields[] =
-    "s:key s:format s:scene s:scene_hash i:environment s:settings p:size_px i:frame i:seed "
-    "d:render_s d:wall_s d:cpu_s i:peak_memory_bytes s:frame_blake2b i:bytes s:made_utc";
+#define JOB(member) NEPH_RECORD_FIELD(struct job, member)
+const struct neph_record_form neph_index_job_form = {
+    sizeof(struct job),
+    {JOB(key), JOB(format), JOB(scene), JOB(scene_hash), JOB(environment), JOB(settings),
+     JOB(size_px), JOB(frame), JOB(seed), JOB(render_s), JOB(wall_s), JOB(cpu_s),
+     JOB(peak_memory_bytes), JOB(frame_blake2b), JOB(bytes), JOB(made_utc)}};
 
 /* What the record of a frame says: all but the number of its environment and its bytes. */
 static void read_record(const char *key, const json_t *record, struct job *job,
                         struct environment *environment)
 {
-    neph_record_read(neph_index_environment_fields, record, NULL, environment);
-    neph_record_read(neph_index_job_fields, record, NULL, job);
+    neph_record_read(&neph_index_environment_form, record, NULL, environment);
+    neph_record_read(&neph_index_job_form, record, NULL, job);
     job->key = key;
     job->made_utc = neph_json_text(record, "created_utc");
     job->environment = job->bytes = environment->id = 0;
@@ -141,7 +148,7 @@ static enum neph_status insert_job(struct neph_database *index, const char *fold
                   : neph_record_put(index, diag,
                                     "INSERT OR REPLACE INTO jobs VALUES (?2, ?3, ?4, ?5, ?1, ?7, "
                                     "?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18)",
-                                    environment.id, neph_index_job_fields, &job);
+                                    environment.id, &neph_index_job_form, &job);
 }
 
 /* An entry whose record is bad is none; whoever asks for its key removes it. */
@@ -160,71 +167,72 @@ static enum neph_status take_frame(struct neph_database *index, const char *fram
 
 /* ---- rows and frames side by side ------------------------------------------------------------ */
 
-static int is_key(const struct dirent *entry)
+static enum neph_status forget_frame(struct neph_database *index, const char *key,
+                                     struct neph_diag *diag)
 {
-    return strlen(entry->d_name) == NEPH_HASH_HEX_SIZE - 1 &&
-           strspn(entry->d_name, "0123456789abcdef") == NEPH_HASH_HEX_SIZE - 1;
+    if (!neph_entry_is_key(key))
+        return neph_fail(diag, NEPH_ERR_INPUT, "a key in its rows is no key");
+    return neph_database_do(index, diag, "DELETE FROM jobs WHERE key = ?", "s", key);
 }
 
-static int by_bytes(const struct dirent **a, const struct dirent **b)
+static bool are_equal(const struct neph_names *a, const struct neph_names *b)
 {
-    return strcmp((*a)->d_name, (*b)->d_name);
+    bool equal = a->count == b->count;
+    for (int i = 0; equal && i < a->count; i++)
+        equal = strcmp(a->list[i], b->list[i]) == 0;
+    return equal;
 }
 
-/* Names and rows, both sorted: what is on one side alone is taken, or forgotten. The rows are read
- * to the end before any is changed. */
-static enum neph_status compare_sides(struct neph_database *index, struct dirent **names, int count,
-                                      json_t *taken, json_t *gone, struct neph_diag *diag)
+/* Names and rows, both sorted: what is on one side alone is taken, or forgotten. */
+static enum neph_status take_over(struct neph_database *index, const char *frames,
+                                  const struct neph_names *names, const struct neph_names *rows,
+                                  struct neph_diag *diag)
 {
-    struct neph_query *query = neph_query(index, diag, "SELECT key FROM jobs ORDER BY key", "");
-    enum neph_status status = NEPH_OK;
-    int at = 0;
-    while (!status && neph_query_next(query)) {
-        const char *row = neph_query_text(query, 0);
-        for (; !status && at < count && strcmp(names[at]->d_name, row) < 0; at++)
-            status = neph_json_append(taken, json_string(names[at]->d_name), diag);
-        if (at < count && strcmp(names[at]->d_name, row) == 0)
-            at++;
-        else if (!status && neph_json_append(gone, json_string(row), NULL))
-            status = neph_fail(diag, NEPH_ERR_INPUT, "a key in its rows is no text");
-    }
-    status = neph_query_end(query, status);
-    for (; !status && at < count; at++)
-        status = neph_json_append(taken, json_string(names[at]->d_name), diag);
-    return status;
-}
-
-static enum neph_status apply(struct neph_database *index, const char *frames, const json_t *taken,
-                              const json_t *gone, struct neph_diag *diag)
-{
-    if (json_array_size(taken) + json_array_size(gone) == 0)
-        return NEPH_OK;
     enum neph_status status = neph_database_begin(index, diag);
-    for (size_t i = 0; !status && i < json_array_size(gone); i++)
-        status = neph_database_do(index, diag, "DELETE FROM jobs WHERE key = ?", "s",
-                                  json_string_value(json_array_get(gone, i)));
-    for (size_t i = 0; !status && i < json_array_size(taken); i++)
-        status = take_frame(index, frames, json_string_value(json_array_get(taken, i)), diag);
+    for (int n = 0, r = 0; !status && (n < names->count || r < rows->count);) {
+        const int order = n == names->count  ? 1
+                          : r == rows->count ? -1
+                                             : strcmp(names->list[n], rows->list[r]);
+        if (order < 0)
+            status = take_frame(index, frames, names->list[n], diag);
+        else if (order > 0)
+            status = forget_frame(index, rows->list[r], diag);
+        n += order <= 0;
+        r += order >= 0;
+    }
     return neph_database_end(index, status, diag);
+}
+
+/* The keys of frames, and of rows. */
+static enum neph_status list_keys(struct neph_database *index, const char *frames,
+                                  struct neph_arena *arena, struct neph_names *names,
+                                  struct neph_names *rows, struct neph_diag *diag)
+{
+    struct neph_records records;
+    enum neph_status status = neph_dir_list(frames, arena, names, diag);
+    if (!status)
+        status = neph_record_select(index, arena, &neph_record_text_form, &records, diag,
+                                    "SELECT key FROM jobs ORDER BY key", "");
+    if (status)
+        return status;
+    const int count = names->count;
+    names->count = 0;
+    for (int i = 0; i < count; i++)
+        if (neph_entry_is_key(names->list[i]))
+            names->list[names->count++] = names->list[i];
+    *rows = (struct neph_names){records.list, records.count};
+    return NEPH_OK;
 }
 
 static enum neph_status refresh(struct neph_database *index, const char *frames,
                                 struct neph_diag *diag)
 {
-    struct dirent **names = NULL;
-    const int count = scandir(frames, &names, is_key, by_bytes);
-    if (count < 0)
-        return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", frames, strerror(errno));
-    json_t *taken = json_array(), *gone = json_array();
-    enum neph_status status = taken && gone ? compare_sides(index, names, count, taken, gone, diag)
-                                            : neph_fail_memory(diag);
-    if (!status)
-        status = apply(index, frames, taken, gone, diag);
-    json_decref(taken);
-    json_decref(gone);
-    for (int i = 0; i < count; i++)
-        free(names[i]);
-    free(names);
+    struct neph_arena arena = {NULL};
+    struct neph_names names, rows;
+    enum neph_status status = list_keys(index, frames, &arena, &names, &rows, diag);
+    if (!status && !are_equal(&names, &rows))
+        status = take_over(index, frames, &names, &rows, diag);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -330,12 +338,6 @@ static void tell_new_database(struct neph_database *index, const char *store_fol
                            store_folder, (long long)frames);
 }
 
-/* Rows that were damaged where SQLite cannot tell show when what belongs to them is refused. */
-static bool is_damage(enum neph_status status)
-{
-    return status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL;
-}
-
 enum neph_status neph_index_open(const char *store_folder, bool reads, struct neph_database **index,
                                  struct neph_diag *diag)
 {
@@ -354,7 +356,8 @@ enum neph_status neph_index_open(const char *store_folder, bool reads, struct ne
         status = open_whole(path.text, store_folder, reads, index, &why);
     if (!status && is_new && neph_index_place() == NEPH_INDEX_IN_STORE)
         tell_new_database(*index, store_folder);
-    if (is_damage(status)) {
+    /* Rows that were damaged where SQLite cannot tell show when what belongs to them is refused. */
+    if (status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL) {
         status = set_aside(folder.text, why.message, &why);
         if (!status)
             status = open_whole(path.text, store_folder, reads, index, &why);
@@ -390,11 +393,11 @@ enum neph_status neph_index_agrees(struct neph_database *index, const char *key,
         "s", key);
     bool same = false;
     if (neph_query_next(query)) {
-        neph_record_row(neph_index_environment_fields, query, 0, &environment);
-        neph_record_row(neph_index_job_fields, query, ENVIRONMENT_COLUMNS, &job);
+        neph_record_row(&neph_index_environment_form, query, 0, NULL, &environment);
+        neph_record_row(&neph_index_job_form, query, ENVIRONMENT_COLUMNS, NULL, &job);
         job.environment = job.bytes = environment.id = 0;
-        same = neph_record_is_equal(neph_index_job_fields, &said, &job) &&
-               neph_record_is_equal(neph_index_environment_fields, &said_of, &environment);
+        same = neph_record_is_equal(&neph_index_job_form, &said, &job) &&
+               neph_record_is_equal(&neph_index_environment_form, &said_of, &environment);
     }
     const enum neph_status status = neph_query_end(query, NEPH_OK);
     if (!status)

@@ -45,7 +45,7 @@ enum neph_status neph_index_agrees(struct neph_database *index, const char *key,
                                    const json_t *record, bool *agrees, struct neph_diag *diag);
 
 /* The columns of environments and jobs. */
-extern const char neph_index_environment_fields[], neph_index_job_fields[];
+extern const struct neph_record_form neph_index_environment_form, neph_index_job_form;
 
 /* Set a database that is not whole aside, to be made again when it is opened next. Nobody may have
  * it open, and the caller holds the store's lock. */

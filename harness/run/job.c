@@ -60,44 +60,34 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
     return status;
 }
 
-/* Where +inf is an answer: the sky, a medium that shows nothing. */
-static bool may_be_infinite(const char *channel)
+/* Every other value an engine hands over is finite, and none is negative. Returns how many values
+ * are bad: -inf is both not finite and negative, and one value. */
+static size_t count_bad(const struct neph_image *frame, const struct neph_channel *channel,
+                        size_t *non_finite, size_t *negative)
 {
-    return strcmp(channel, "Z") == 0 || strcmp(channel, "volume.distance") == 0;
-}
-
-static bool may_be_negative(const char *channel)
-{
-    return strncmp(channel, "normal.", strlen("normal.")) == 0;
-}
-
-/* Every other value an engine hands over is finite, and none is negative. */
-static void count_bad(const struct neph_image *frame, const struct neph_channel *channel,
-                      size_t *non_finite, size_t *negative)
-{
-    const bool is_distance = may_be_infinite(channel->name);
-    const bool is_signed = may_be_negative(channel->name);
+    /* Where +inf is an answer: the sky, a medium that shows nothing. */
+    const bool is_distance = strcmp(channel->name, "Z") == 0 ||
+                             strcmp(channel->name, "volume.distance") == 0;
+    const bool is_signed = strncmp(channel->name, "normal.", strlen("normal.")) == 0;
     const size_t count = neph_image_pixel_count(frame);
+    size_t bad = 0;
     *non_finite = *negative = 0;
     for (size_t p = 0; p < count; p++) {
         const float value = channel->samples[p];
-        *non_finite += !(isfinite(value) || (is_distance && value == INFINITY));
-        *negative += value < 0.0f && !is_signed;
+        const bool is_endless = !(isfinite(value) || (is_distance && value == INFINITY));
+        const bool is_negative = value < 0.0f && !is_signed;
+        *non_finite += is_endless;
+        *negative += is_negative;
+        bad += is_endless || is_negative;
     }
+    return bad;
 }
 
-/* -inf is both not finite and negative, and one value. */
 size_t neph_job_count_bad(const struct neph_image *frame)
 {
-    size_t sum = 0;
-    for (int i = 0; i < frame->channel_count; i++) {
-        const struct neph_channel *channel = &frame->channels[i];
-        size_t non_finite, negative;
-        count_bad(frame, channel, &non_finite, &negative);
-        for (size_t p = 0; p < neph_image_pixel_count(frame) && negative > 0; p++)
-            negative -= channel->samples[p] == -INFINITY;
-        sum += non_finite + negative;
-    }
+    size_t sum = 0, non_finite, negative;
+    for (int i = 0; i < frame->channel_count; i++)
+        sum += count_bad(frame, &frame->channels[i], &non_finite, &negative);
     return sum;
 }
 
@@ -126,9 +116,8 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
                                     struct neph_image *frame, struct neph_diag *diag)
 {
     const struct neph_shot *shot = &job->shot;
+    struct neph_arena arena = {NULL};
     char *settings = neph_settings_text(job->engine, &shot->settings);
-    if (!settings)
-        return neph_fail_memory(diag);
     const struct {
         const char *name, *text;
     } texts[] = {
@@ -140,28 +129,19 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
         {"neph.device", job->info->device},
         {"neph.settings", settings},
         {"neph.rung", neph_rung_name(job->engine->rung)},
+        {"neph.driver_revision", neph_arena_format(&arena, "%u", (unsigned)job->engine->version)},
+        {"neph.frame", neph_arena_format(&arena, "%d", shot->frame)},
+        {NEPH_FRAME_RATE_ATTRIBUTE, neph_arena_format(&arena, "%.15g", shot->scene->frame_rate_hz)},
+        {"neph.seed", neph_arena_format(&arena, "%llu", (unsigned long long)shot->seed)},
+        {"neph.render_s", neph_arena_format(&arena, "%.6f", cost->render_s)},
+        {"neph.wall_s", neph_arena_format(&arena, "%.6f", cost->wall_s)},
+        {"neph.cpu_s", neph_arena_format(&arena, "%.6f", cost->cpu_s)},
     };
-    enum neph_status status = NEPH_OK;
+    enum neph_status status = settings ? neph_arena_check(&arena, diag) : neph_fail_memory(diag);
     for (size_t i = 0; i < sizeof(texts) / sizeof(texts[0]) && !status; i++)
         status = neph_image_set_attribute(frame, texts[i].name, diag, "%s", texts[i].text);
     free(settings);
-    if (!status)
-        status = neph_image_set_attribute(frame, "neph.driver_revision", diag, "%u",
-                                          (unsigned)job->engine->version);
-    if (!status)
-        status = neph_image_set_attribute(frame, "neph.frame", diag, "%d", shot->frame);
-    if (!status)
-        status = neph_image_set_attribute(frame, NEPH_FRAME_RATE_ATTRIBUTE, diag, "%.15g",
-                                          shot->scene->frame_rate_hz);
-    if (!status)
-        status = neph_image_set_attribute(frame, "neph.seed", diag, "%llu",
-                                          (unsigned long long)shot->seed);
-    if (!status)
-        status = neph_image_set_attribute(frame, "neph.render_s", diag, "%.6f", cost->render_s);
-    if (!status)
-        status = neph_image_set_attribute(frame, "neph.wall_s", diag, "%.6f", cost->wall_s);
-    if (!status)
-        status = neph_image_set_attribute(frame, "neph.cpu_s", diag, "%.6f", cost->cpu_s);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -228,13 +208,6 @@ static enum neph_status hold_scene(const struct neph_engine *engine, struct neph
     return status;
 }
 
-static enum neph_status render_shot(const struct neph_job *job, struct neph_image **frame,
-                                    struct neph_cost *cost, struct neph_diag *diag)
-{
-    return job->sequence ? job->engine->sequence->next(job->sequence, &job->shot, frame, cost, diag)
-                         : neph_engine_render(job->engine, &job->shot, frame, cost, diag);
-}
-
 /* Programs that run out of disk say so in their own words, or die, or leave half a picture. */
 static enum neph_status name_full_disk(enum neph_status status, const struct neph_shot *shot,
                                        struct neph_diag *diag)
@@ -277,8 +250,12 @@ enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct ne
     enum neph_status status = hold_scene(job->engine, &held.shot, &still, diag);
     if (!status)
         status = check_possible(&held, diag);
-    if (!status)
-        status = name_full_disk(render_shot(&held, &rendered, cost, diag), &held.shot, diag);
+    if (!status) {
+        status = held.sequence
+                     ? held.engine->sequence->next(held.sequence, &held.shot, &rendered, cost, diag)
+                     : neph_engine_render(held.engine, &held.shot, &rendered, cost, diag);
+        status = name_full_disk(status, &held.shot, diag);
+    }
     if (!status)
         status = label_frame(&held, cost, rendered, diag);
     neph_scene_destroy(still);
@@ -420,7 +397,8 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
                                            struct neph_diag *diag)
 {
     struct neph_scratch *scratch = NULL;
-    char *path = NULL, *kept = NULL, *resting = NULL;
+    char *kept = NULL;
+    const struct neph_path resting = neph_store_resting_place(store, key);
     struct neph_image *frame = NULL;
     json_t *record = NULL;
     enum neph_status status = neph_store_begin(store, &scratch, diag);
@@ -428,17 +406,13 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
         return status;
     struct neph_job placed = *job;
     placed.shot.scratch_directory = neph_scratch_path(scratch);
-    if (job->engine->rests && !(resting = neph_store_resting_place(store, key))) {
-        status = neph_fail_memory(diag);
-        goto done;
-    }
-    placed.shot.checkpoint = resting;
+    placed.shot.checkpoint = job->engine->rests ? resting.text : NULL;
     struct neph_diag engine_diag = {.line = 0};
     status = neph_job_render(&placed, &frame, &result->cost, &engine_diag);
     bool ends_run;
     result->outcome = outcome_of(status, &ends_run);
-    if (resting && status != NEPH_ERR_INTERRUPTED)
-        unlink(resting); /* done, or good for nothing */
+    if (placed.shot.checkpoint && status != NEPH_ERR_INTERRUPTED)
+        unlink(resting.text); /* done, or good for nothing */
     if (status) {
         neph_store_abandon(store, key, scratch, &kept);
         neph_move_paths(&engine_diag, neph_scratch_path(scratch), kept);
@@ -448,21 +422,19 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
         status = ends_run ? status : NEPH_OK;
         goto done;
     }
-    path = neph_path_join(neph_scratch_path(scratch), "frame.exr");
     record = make_record(job, result);
-    status = path ? neph_json_check(record, diag) : neph_fail_memory(diag);
+    status = neph_json_check(record, diag);
     if (!status)
         status = neph_store_clean(scratch, diag);
     if (!status)
-        status = neph_exr_write(path, frame, diag);
+        status = neph_exr_write(neph_path_in(neph_scratch_path(scratch), "frame.exr").text, frame,
+                                diag);
     if (!status)
         status = neph_store_publish(store, key, scratch, record, diag);
 done:
     json_decref(record);
     neph_image_destroy(frame);
-    free(resting);
     free(kept);
-    free(path);
     neph_scratch_destroy(scratch);
     return status;
 }

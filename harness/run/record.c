@@ -1,132 +1,192 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/record.h"
 
-#include <stdio.h>
+#include <math.h>
+#include <stdarg.h>
 #include <string.h>
 
-/* All members have the size of a value of the database. */
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_RECORD_KIND_COUNT == 4, "a new kind");
+
+/* A member has the bytes of its columns. */
 enum { SIZE = sizeof(union neph_database_value) };
 _Static_assert(SIZE == sizeof(const char *) && SIZE == sizeof(int64_t) && SIZE == sizeof(double),
-               "members have one size");
+               "a member of one column has the size of its value");
 
-struct field {
-    char type, column_type; /* the latter in terms of database.h */
-    char name[32];
-    int columns;
-};
+static const char column_types[] = {[NEPH_RECORD_TEXT] = 's',
+                                    [NEPH_RECORD_INTEGER] = 'i',
+                                    [NEPH_RECORD_PAIR] = 'i',
+                                    [NEPH_RECORD_REAL] = 'd'};
 
-/* Take the next field from a text of them; false: there is none. */
-static bool next(const char **fields, struct field *field)
+const struct neph_record_form neph_record_text_form = {sizeof(const char *),
+                                                       {{"", 0, NEPH_RECORD_TEXT, false}}};
+
+static int count_fields(const struct neph_record_form *form)
 {
-    const char *at = *fields + strspn(*fields, " ");
-    if (!*at)
-        return false;
-    const size_t length = strcspn(at, " ");
-    field->type = *at;
-    field->column_type = strchr("ip", *at) ? 'i' : strchr("dn", *at) ? 'd' : 's';
-    field->columns = *at == 'p' ? 2 : 1;
-    snprintf(field->name, sizeof(field->name), "%.*s", (int)length - 2, at + 2);
-    *fields = at + length;
-    return true;
-}
-
-/* Copy a record to values, and back; returns how many they are. */
-static int get(const char *fields, const void *record, union neph_database_value *values)
-{
-    struct field field;
     int count = 0;
-    while (next(&fields, &field))
-        count += field.columns;
-    memcpy(values, record, (size_t)count * SIZE);
+    while (count < NEPH_RECORD_FIELDS && form->fields[count].name)
+        count++;
     return count;
 }
 
-static void set(void *record, const union neph_database_value *values, int count)
+static int count_columns(const struct neph_record_field *field)
 {
-    memcpy(record, values, (size_t)count * SIZE);
+    return field->kind == NEPH_RECORD_PAIR ? 2 : 1;
 }
 
-static json_t *field_json(const struct field *field, const union neph_database_value *values)
+/* Copy a member to the values of its columns, and back. */
+static void get(const struct neph_record_field *field, const void *record,
+                union neph_database_value *values)
 {
-    switch (field->type) {
-    case 'i':
+    memcpy(values, (const char *)record + field->at, (size_t)count_columns(field) * SIZE);
+}
+
+static void set(const struct neph_record_field *field, void *record,
+                const union neph_database_value *values)
+{
+    memcpy((char *)record + field->at, values, (size_t)count_columns(field) * SIZE);
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+static json_t *field_json(const struct neph_record_field *field,
+                          const union neph_database_value *values)
+{
+    switch (field->kind) {
+    case NEPH_RECORD_INTEGER:
         return json_integer(values[0].integer);
-    case 'p':
+    case NEPH_RECORD_PAIR:
         return json_pack("[I, I]", (json_int_t)values[0].integer, (json_int_t)values[1].integer);
-    case 'd':
-        return json_real(values[0].real);
-    case 'n':
-        return neph_json_number(values[0].real);
-    default:
+    case NEPH_RECORD_REAL:
+        return field->may_lack ? neph_json_number(values[0].real) : json_real(values[0].real);
+    case NEPH_RECORD_TEXT:
         return json_string(values[0].text);
+    case NEPH_RECORD_KIND_COUNT:
+        break;
     }
+    return NULL;
 }
 
-json_t *neph_record_json(const char *fields, const void *record)
+json_t *neph_record_json(const struct neph_record_form *form, const void *record)
 {
-    union neph_database_value values[NEPH_RECORD_COLUMNS], *at = values;
-    struct field field;
-    json_t *json = json_object();
-    get(fields, record, values);
-    for (; next(&fields, &field); at += field.columns)
-        if (field.type != 'o' || at->text[0])
-            neph_json_set(&json, field.name, field_json(&field, at));
+    json_t *json = form->fields[0].name[0] ? json_object() : NULL;
+    for (int i = 0, count = count_fields(form); i < count; i++) {
+        const struct neph_record_field *field = &form->fields[i];
+        union neph_database_value values[2];
+        get(field, record, values);
+        if (!field->name[0])
+            return field_json(field, values);
+        if (field->kind != NEPH_RECORD_TEXT || !field->may_lack || values[0].text[0])
+            neph_json_set(&json, field->name, field_json(field, values));
+    }
     return json;
 }
 
-void neph_record_read(const char *fields, const json_t *json, struct neph_arena *arena,
-                      void *record)
+static void read_field(const struct neph_record_field *field, const json_t *value,
+                       struct neph_arena *arena, union neph_database_value *values)
 {
-    union neph_database_value values[NEPH_RECORD_COLUMNS];
-    struct field field;
-    int count = 0;
-    while (next(&fields, &field)) {
-        const json_t *found = json_object_get(json, field.name);
-        const char *text = neph_json_text(json, field.name);
-        for (size_t i = 0; field.type == 'p' && i < 2; i++)
-            values[count++].integer = json_integer_value(json_array_get(found, i));
-        if (field.type == 'i')
-            values[count++].integer = json_integer_value(found);
-        else if (field.type == 'd')
-            values[count++].real = json_number_value(found);
-        else if (field.type == 'n')
-            values[count++].real = neph_json_real(json, field.name);
-        else if (field.type != 'p')
-            values[count++].text = arena ? neph_arena_text(arena, text) : text;
+    const char *text = json_string_value(value);
+    const double nothing = field->may_lack ? NAN : 0.0;
+    switch (field->kind) {
+    case NEPH_RECORD_INTEGER:
+        values[0].integer = json_integer_value(value);
+        break;
+    case NEPH_RECORD_PAIR:
+        for (size_t i = 0; i < 2; i++)
+            values[i].integer = json_integer_value(json_array_get(value, i));
+        break;
+    case NEPH_RECORD_REAL:
+        values[0].real = json_is_number(value) ? json_number_value(value) : nothing;
+        break;
+    case NEPH_RECORD_TEXT:
+        text = text ? text : "";
+        values[0].text = arena ? neph_arena_text(arena, text) : text;
+        break;
+    case NEPH_RECORD_KIND_COUNT:
+        break;
     }
-    set(record, values, count);
 }
 
-void neph_record_row(const char *fields, struct neph_query *row, int column, void *record)
+void neph_record_read(const struct neph_record_form *form, const json_t *json,
+                      struct neph_arena *arena, void *record)
 {
-    union neph_database_value values[NEPH_RECORD_COLUMNS];
-    struct field field;
-    int count = 0;
-    while (next(&fields, &field))
-        for (int i = 0; i < field.columns; i++, column++, count++) {
-            if (field.column_type == 'i')
-                values[count].integer = neph_query_integer(row, column);
-            else if (field.column_type == 'd')
-                values[count].real = neph_query_real(row, column);
+    for (int i = 0, count = count_fields(form); i < count; i++) {
+        const struct neph_record_field *field = &form->fields[i];
+        union neph_database_value values[2];
+        read_field(field, field->name[0] ? json_object_get(json, field->name) : json, arena,
+                   values);
+        set(field, record, values);
+    }
+}
+
+/* ---- rows ------------------------------------------------------------------------------------ */
+
+void neph_record_row(const struct neph_record_form *form, struct neph_query *row, int column,
+                     struct neph_arena *arena, void *record)
+{
+    for (int i = 0, count = count_fields(form); i < count; i++) {
+        const struct neph_record_field *field = &form->fields[i];
+        union neph_database_value values[2];
+        for (int k = 0; k < count_columns(field); k++, column++) {
+            if (column_types[field->kind] == 'i')
+                values[k].integer = neph_query_integer(row, column);
+            else if (column_types[field->kind] == 'd')
+                values[k].real = neph_query_real(row, column);
             else
-                values[count].text = neph_query_text(row, column);
+                values[k].text = neph_query_text(row, column);
         }
-    set(record, values, count);
+        if (arena && field->kind == NEPH_RECORD_TEXT)
+            values[0].text = neph_arena_text(arena, values[0].text);
+        set(field, record, values);
+    }
 }
 
-enum neph_status neph_record_list(struct neph_database *database, struct neph_diag *diag,
-                                  const char *question, int64_t first, const char *fields,
-                                  json_t **list)
+/* All rows, and the end of the question. */
+static enum neph_status read_rows(struct neph_query *query, struct neph_arena *arena,
+                                  const struct neph_record_form *form, struct neph_records *records,
+                                  struct neph_diag *diag)
 {
-    json_t *rows = json_array();
-    struct neph_query *query = neph_query(database, diag, question, "i", first);
+    char *list = NULL;
+    int count = 0, room = 0;
     while (neph_query_next(query)) {
-        union neph_database_value record[NEPH_RECORD_COLUMNS];
-        neph_record_row(fields, query, 0, record);
-        neph_json_add(&rows, strcmp(fields, "s:") == 0 ? json_string(record[0].text)
-                                                       : neph_record_json(fields, record));
+        list = neph_arena_grown(arena, list, count, &room, form->size);
+        if (!list)
+            break;
+        neph_record_row(form, query, 0, arena, list + (size_t)count++ * form->size);
     }
-    const enum neph_status status = neph_query_end(query, NEPH_OK);
+    *records = (struct neph_records){list, list ? count : 0};
+    return neph_query_end(query, neph_arena_check(arena, diag));
+}
+
+enum neph_status neph_record_select(struct neph_database *database, struct neph_arena *arena,
+                                    const struct neph_record_form *form,
+                                    struct neph_records *records, struct neph_diag *diag,
+                                    const char *question, const char *types, ...)
+{
+    va_list values;
+    va_start(values, types);
+    struct neph_query *query = neph_query_list(database, diag, question, types, values);
+    va_end(values);
+    return read_rows(query, arena, form, records, diag);
+}
+
+enum neph_status neph_record_list(struct neph_database *database,
+                                  const struct neph_record_form *form, json_t **list,
+                                  struct neph_diag *diag, const char *question, const char *types,
+                                  ...)
+{
+    struct neph_arena arena = {NULL};
+    struct neph_records records;
+    json_t *rows = json_array();
+    va_list values;
+    va_start(values, types);
+    struct neph_query *query = neph_query_list(database, diag, question, types, values);
+    va_end(values);
+    const enum neph_status status = read_rows(query, &arena, form, &records, diag);
+    for (int i = 0; i < records.count; i++)
+        neph_json_add(&rows,
+                      neph_record_json(form, (const char *)records.list + (size_t)i * form->size));
+    neph_arena_finish(&arena);
     if (status)
         json_decref(rows);
     else
@@ -134,31 +194,47 @@ enum neph_status neph_record_list(struct neph_database *database, struct neph_di
     return status;
 }
 
-bool neph_record_is_equal(const char *fields, const void *a, const void *b)
+enum neph_status neph_record_text(struct neph_database *database, struct neph_arena *arena,
+                                  const char **text, struct neph_diag *diag, const char *question,
+                                  const char *types, ...)
 {
-    union neph_database_value of_a[NEPH_RECORD_COLUMNS], of_b[NEPH_RECORD_COLUMNS];
-    struct field field;
+    va_list values;
+    va_start(values, types);
+    struct neph_query *query = neph_query_list(database, diag, question, types, values);
+    va_end(values);
+    *text = neph_query_next(query) ? neph_arena_text(arena, neph_query_text(query, 0)) : "";
+    return neph_query_end(query, neph_arena_check(arena, diag));
+}
+
+bool neph_record_is_equal(const struct neph_record_form *form, const void *a, const void *b)
+{
     bool same = true;
-    get(fields, a, of_a);
-    get(fields, b, of_b);
-    for (int at = 0; next(&fields, &field);)
-        for (int i = 0; i < field.columns; i++, at++)
-            same = same && (field.column_type == 's'   ? strcmp(of_a[at].text, of_b[at].text) == 0
-                            : field.column_type == 'i' ? of_a[at].integer == of_b[at].integer
-                                                       : of_a[at].real == of_b[at].real);
+    for (int i = 0, count = count_fields(form); i < count; i++) {
+        const struct neph_record_field *field = &form->fields[i];
+        union neph_database_value of_a[2], of_b[2];
+        get(field, a, of_a);
+        get(field, b, of_b);
+        for (int k = 0; k < count_columns(field); k++)
+            same = same &&
+                   (column_types[field->kind] == 's'   ? strcmp(of_a[k].text, of_b[k].text) == 0
+                    : column_types[field->kind] == 'i' ? of_a[k].integer == of_b[k].integer
+                                                       : of_a[k].real == of_b[k].real);
+    }
     return same;
 }
 
 enum neph_status neph_record_put(struct neph_database *database, struct neph_diag *diag,
-                                 const char *statement, int64_t first, const char *fields,
-                                 const void *record)
+                                 const char *statement, int64_t first,
+                                 const struct neph_record_form *form, const void *record)
 {
     union neph_database_value values[NEPH_RECORD_COLUMNS + 1] = {{.integer = first}};
     char types[NEPH_RECORD_COLUMNS + 2] = "i";
-    struct field field;
-    get(fields, record, &values[1]);
-    for (int at = 1; next(&fields, &field);)
-        for (int i = 0; i < field.columns; i++)
-            types[at++] = field.column_type;
+    int at = 1;
+    for (int i = 0, count = count_fields(form); i < count; i++) {
+        const struct neph_record_field *field = &form->fields[i];
+        get(field, record, &values[at]);
+        for (int k = 0; k < count_columns(field); k++)
+            types[at++] = column_types[field->kind];
+    }
     return neph_database_put(database, diag, statement, types, values);
 }

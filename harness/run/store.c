@@ -12,7 +12,6 @@
 #include "harness/run/index.h"
 #include "harness/run/store_entry.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -35,12 +34,6 @@ struct neph_store {
 
 /* ---- whose folder it is ---------------------------------------------------------------------- */
 
-static bool is_key(const char *name)
-{
-    return strlen(name) == NEPH_HASH_HEX_SIZE - 1 &&
-           strspn(name, "0123456789abcdef") == NEPH_HASH_HEX_SIZE - 1;
-}
-
 /* <key>.<pid>: work in progress of stores without a marker. */
 static bool is_old_work(const char *name)
 {
@@ -52,7 +45,7 @@ static bool is_old_work(const char *name)
 
 static bool is_old_entry(const char *name)
 {
-    return is_key(name) || is_old_work(name) || neph_file_is_temporary(name);
+    return neph_entry_is_key(name) || is_old_work(name) || neph_file_is_temporary(name);
 }
 
 static bool is_index_file(const char *name)
@@ -71,9 +64,9 @@ static const struct {
     bool (*fits)(const char *); /* what may lie in it */
     bool was_always;            /* else of later stores */
 } parts_of_old[] = {
-    {"frames", is_key, true},        {"failed", is_key, true},
-    {"tmp", is_old_entry, true},     {"resting", is_old_entry, true},
-    {"index", is_index_file, false}, {"history", is_history, false},
+    {"frames", neph_entry_is_key, true}, {"failed", neph_entry_is_key, true},
+    {"tmp", is_old_entry, true},         {"resting", is_old_entry, true},
+    {"index", is_index_file, false},     {"history", is_history, false},
 };
 enum { PARTS_OF_OLD = sizeof(parts_of_old) / sizeof(parts_of_old[0]) };
 
@@ -88,13 +81,12 @@ static bool is_store_part(const char *name)
 /* Whether a folder has such names alone. */
 static bool holds_alone(const char *path, bool (*fits)(const char *))
 {
-    DIR *directory = opendir(path);
-    bool alone = directory != NULL;
-    for (const struct dirent *entry; alone && (entry = readdir(directory));)
-        alone = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
-                fits(entry->d_name);
-    if (directory)
-        closedir(directory);
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    bool alone = neph_dir_list(path, &arena, &names, NULL) == NEPH_OK;
+    for (int i = 0; i < names.count; i++)
+        alone = alone && fits(names.list[i]);
+    neph_arena_finish(&arena);
     return alone;
 }
 
@@ -120,14 +112,13 @@ static void
 visit_entries(const struct neph_store *store, const char *folder, bool (*fits)(const char *),
               void (*visit)(const struct neph_store *, const char *path, const char *name))
 {
-    DIR *directory = opendir(folder);
-    if (!directory)
-        return;
-    for (const struct dirent *entry; (entry = readdir(directory));) {
-        if (fits(entry->d_name))
-            visit(store, neph_path_in(folder, entry->d_name).text, entry->d_name);
-    }
-    closedir(directory);
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    neph_dir_list(folder, &arena, &names, NULL);
+    for (int i = 0; i < names.count; i++)
+        if (fits(names.list[i]))
+            visit(store, neph_path_in(folder, names.list[i]).text, names.list[i]);
+    neph_arena_finish(&arena);
 }
 
 static bool is_finished(const struct neph_store *store, const char *key)
@@ -161,8 +152,8 @@ static void sweep(const struct neph_store *store)
     neph_file_sweep(store->folder.text);
     neph_file_sweep(store->resting.text);
     visit_entries(store, store->tmp.text, is_old_work, remove_entry);
-    visit_entries(store, store->failed.text, is_key, remove_if_finished);
-    visit_entries(store, store->resting.text, is_key, remove_rest_if_old);
+    visit_entries(store, store->failed.text, neph_entry_is_key, remove_if_finished);
+    visit_entries(store, store->resting.text, neph_entry_is_key, remove_rest_if_old);
 }
 
 /* ---- opening --------------------------------------------------------------------------------- */
@@ -352,9 +343,9 @@ bool neph_store_find(struct neph_store *store, const char *key, char **frame_pat
     return true;
 }
 
-char *neph_store_resting_place(const struct neph_store *store, const char *key)
+struct neph_path neph_store_resting_place(const struct neph_store *store, const char *key)
 {
-    return neph_path_join(store->resting.text, key);
+    return neph_path_in(store->resting.text, key);
 }
 
 /* ---- working --------------------------------------------------------------------------------- */
@@ -365,17 +356,12 @@ enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch 
     return neph_scratch_create(store->tmp.text, work_prefix, scratch, diag);
 }
 
-static bool has_ending(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), ending_length = strlen(ending);
-    return length >= ending_length && strcmp(name + length - ending_length, ending) == 0;
-}
-
 static bool worth_keeping(const char *name)
 {
     static const char *const endings[] = {".log", ".json", ".pov"};
-    for (size_t i = 0; i < sizeof(endings) / sizeof(endings[0]); i++)
-        if (has_ending(name, endings[i]))
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot && i < sizeof(endings) / sizeof(endings[0]); i++)
+        if (strcmp(dot, endings[i]) == 0)
             return true;
     return strcmp(name, "frame.exr") == 0;
 }
@@ -408,20 +394,17 @@ static bool is_to_stay(const char *path, const char *name, const json_t *record,
 static enum neph_status tidy(const char *scratch, const json_t *record, struct neph_usage *kept,
                              struct neph_diag *diag)
 {
-    DIR *directory = opendir(scratch);
-    if (!directory)
-        return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", scratch, strerror(errno));
-    enum neph_status status = NEPH_OK;
-    for (const struct dirent *entry; !status && (entry = readdir(directory));) {
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
-            continue;
-        const struct neph_path path = neph_path_in(scratch, entry->d_name);
-        if (!is_to_stay(path.text, entry->d_name, record, kept))
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_dir_list(scratch, &arena, &names, diag);
+    for (int i = 0; i < names.count && !status; i++) {
+        const struct neph_path path = neph_path_in(scratch, names.list[i]);
+        if (!is_to_stay(path.text, names.list[i], record, kept))
             status = neph_dir_remove(path.text, diag);
         else if (!kept)
             status = neph_file_sync(path.text, diag);
     }
-    closedir(directory);
+    neph_arena_finish(&arena);
     return status || kept ? status : neph_file_sync(scratch, diag);
 }
 

@@ -25,6 +25,7 @@
 #define NEPH_HARNESS_RUN_STORE_H
 
 #include "base/hash.h"
+#include "base/path.h"
 #include "base/scratch.h"
 #include "base/status.h"
 #include "harness/json.h"
@@ -60,9 +61,9 @@ bool neph_store_find(struct neph_store *store, const char *key, char **frame_pat
 /* The key of a frame in the store, from its path; "" when the path is none of those. */
 void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE]);
 
-/* The file where unfinished work on a key may rest from one run to the next; to free. NULL: no
- * memory. Whoever finishes the work removes it. */
-char *neph_store_resting_place(const struct neph_store *store, const char *key);
+/* The file where unfinished work on a key may rest from one run to the next. Whoever finishes the
+ * work removes it. */
+struct neph_path neph_store_resting_place(const struct neph_store *store, const char *key);
 
 /* Start work: `*scratch` is a fresh, empty folder, for the caller to end with
  * neph_scratch_destroy() in any case. */

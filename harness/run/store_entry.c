@@ -6,8 +6,6 @@
 #include "base/text.h"
 #include "harness/json_file.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +30,12 @@ static enum neph_status hash_file(const char *folder, const char *name,
     return neph_hash_file(neph_path_in(folder, name).text, hex, diag);
 }
 
+bool neph_entry_is_key(const char *name)
+{
+    return strlen(name) == NEPH_HASH_HEX_SIZE - 1 &&
+           strspn(name, "0123456789abcdef") == NEPH_HASH_HEX_SIZE - 1;
+}
+
 bool neph_entry_has_picture(const json_t *record, const char *name)
 {
     const json_t *pictures = json_object_get(record, "pictures");
@@ -54,20 +58,19 @@ static bool is_result(const json_t *record, const char *name)
 static enum neph_status hash_results(const char *folder, const json_t *record, json_t **results,
                                      struct neph_diag *diag)
 {
-    DIR *directory = opendir(folder);
-    if (!directory)
-        return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder, strerror(errno));
     json_t *hashes = json_object();
     char hex[NEPH_HASH_HEX_SIZE];
-    enum neph_status status = NEPH_OK;
-    for (const struct dirent *entry; !status && (entry = readdir(directory));) {
-        if (!is_result(record, entry->d_name))
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_dir_list(folder, &arena, &names, diag);
+    for (int i = 0; i < names.count && !status; i++) {
+        if (!is_result(record, names.list[i]))
             continue;
-        status = hash_file(folder, entry->d_name, hex, diag);
+        status = hash_file(folder, names.list[i], hex, diag);
         if (!status)
-            neph_json_set(&hashes, entry->d_name, json_string(hex));
+            neph_json_set(&hashes, names.list[i], json_string(hex));
     }
-    closedir(directory);
+    neph_arena_finish(&arena);
     if (!status)
         status = neph_json_check(hashes, diag);
     if (status)

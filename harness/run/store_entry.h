@@ -22,6 +22,9 @@ enum neph_entry_state {
 
 enum { NEPH_ENTRY_WHY_BYTES = 1200 };
 
+/* Whether a name is a key: the name of an entry in frames/. */
+bool neph_entry_is_key(const char *name);
+
 /* Look whether `folder` is the whole entry of `key`. `*record` is the caller's when it is; `why`
  * receives the reason, in words that follow the entry's name, when it is bad or unreadable. */
 enum neph_entry_state neph_entry_check(const char *folder, const char *key, json_t **record,

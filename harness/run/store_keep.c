@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/run/store_keep.h"
 
+#include "base/files.h"
 #include "base/interrupt.h"
 #include "base/path.h"
 #include "harness/run/history.h"
@@ -8,7 +9,6 @@
 #include "harness/run/index.h"
 #include "harness/run/store_entry.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -75,19 +75,16 @@ static enum neph_status check_frame(struct check *check, const char *key, struct
 
 static enum neph_status check_frames(struct check *check, struct neph_diag *diag)
 {
-    struct dirent **names = NULL;
-    const int count = scandir(neph_path_in(neph_store_folder(check->store), "frames").text, &names,
-                              NULL, alphasort);
-    enum neph_status status = count < 0 ? neph_fail(diag, NEPH_ERR_IO, "the store has no frames/")
-                                        : NEPH_OK;
-    for (int i = 0; i < count; i++) {
-        if (!status && neph_interrupted())
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    enum neph_status status = neph_dir_list(
+        neph_path_in(neph_store_folder(check->store), "frames").text, &arena, &names, diag);
+    for (int i = 0; i < names.count && !status; i++)
+        if (neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
-        if (!status && names[i]->d_name[0] != '.')
-            status = check_frame(check, names[i]->d_name, diag);
-        free(names[i]);
-    }
-    free(names);
+        else if (names.list[i][0] != '.')
+            status = check_frame(check, names.list[i], diag);
+    neph_arena_finish(&arena);
     return status;
 }
 
@@ -100,7 +97,7 @@ static enum neph_status count_rows(struct neph_database *index, struct neph_stor
     } sums_of[] = {
         {&sums->bytes, "SELECT coalesce(sum(bytes), 0) FROM jobs"},
         {&sums->nights, "SELECT count(*) FROM nights WHERE ended_utc != ''"},
-        {&sums->accepted, "SELECT count(*) FROM acceptances"},
+        {&sums->acceptances, "SELECT count(*) FROM acceptances"},
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; !status && i < sizeof(sums_of) / sizeof(sums_of[0]); i++)
@@ -181,9 +178,12 @@ enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_s
 /* ---- room ------------------------------------------------------------------------------------ */
 
 struct candidate {
-    char key[NEPH_HASH_HEX_SIZE];
-    int64_t bytes, used_s;
+    const char *key;
+    int64_t bytes, is_of_baseline, used_s;
 };
+#define CANDIDATE(member) NEPH_RECORD_FIELD(struct candidate, member)
+static const struct neph_record_form candidate_form = {
+    sizeof(struct candidate), {CANDIDATE(key), CANDIDATE(bytes), CANDIDATE(is_of_baseline)}};
 
 /* The longest unused first; in the same second, the lesser key. */
 static int by_use(const void *a_, const void *b_)
@@ -192,39 +192,34 @@ static int by_use(const void *a_, const void *b_)
     return a->used_s != b->used_s ? (a->used_s < b->used_s ? -1 : 1) : strcmp(a->key, b->key);
 }
 
-/* `*list` is to be freed in any case. */
-static enum neph_status list_candidates(struct neph_store *store, struct neph_database *index,
+/* Those that are of no baseline; of the arena. */
+static enum neph_status list_candidates(struct neph_store *store, struct neph_arena *arena,
                                         struct candidate **list, int *count,
                                         struct neph_store_gc *result, struct neph_diag *diag)
 {
-    int64_t total = 0;
-    const enum neph_status status = neph_database_count(index, &total, diag,
-                                                        "SELECT count(*) FROM jobs", "");
-    if (status)
-        return status;
-    *list = calloc((size_t)total + 1, sizeof(**list));
-    if (!*list)
-        return neph_fail_memory(diag);
-    struct neph_query *query = neph_query(
-        index, diag,
-        "SELECT key, bytes, key IN (SELECT key FROM night_frames WHERE "
-        "night IN (SELECT night FROM acceptances)) FROM jobs",
-        "");
-    while (*count < total && neph_query_next(query)) {
-        struct candidate *c = &(*list)[*count];
-        c->bytes = neph_query_integer(query, 1);
+    struct neph_database *index = NULL;
+    struct neph_records rows = {NULL, 0};
+    enum neph_status status = neph_store_index(store, &index, diag);
+    if (!status)
+        status = neph_record_select(index, arena, &candidate_form, &rows, diag,
+                                    "SELECT key, bytes, key IN (SELECT key FROM night_frames WHERE "
+                                    "night IN (SELECT night FROM acceptances)) FROM jobs",
+                                    "");
+    neph_database_close(index);
+    *list = rows.list;
+    *count = 0;
+    for (int i = 0; i < rows.count; i++) {
+        struct candidate *c = &(*list)[i];
         result->frames_before++;
         result->bytes_before += c->bytes;
-        if (neph_query_integer(query, 2)) {
-            result->bytes_of_baselines += c->bytes;
-            continue;
-        }
-        memcpy(c->key, neph_query_text(query, 0), sizeof(c->key));
+        result->bytes_of_baselines += c->is_of_baseline ? c->bytes : 0;
         c->used_s = neph_store_used_s(store, c->key);
-        ++*count;
+        if (!c->is_of_baseline)
+            (*list)[(*count)++] = *c;
     }
-    qsort(*list, (size_t)*count, sizeof(**list), by_use);
-    return neph_query_end(query, NEPH_OK);
+    if (*count > 0)
+        qsort(*list, (size_t)*count, sizeof(**list), by_use);
+    return status;
 }
 
 /* Somebody may have used it since it was listed. */
@@ -244,15 +239,12 @@ static void collect(struct neph_store *store, const struct candidate *c, int64_t
 enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, double spare_s,
                                struct neph_store_gc *result, struct neph_diag *diag)
 {
-    struct neph_database *index = NULL;
+    struct neph_arena arena = {NULL};
     struct candidate *list = NULL;
     int count = 0;
     const int64_t before_s = (int64_t)time(NULL) - (int64_t)spare_s;
     *result = (struct neph_store_gc){0};
-    enum neph_status status = neph_store_index(store, &index, diag);
-    if (!status)
-        status = list_candidates(store, index, &list, &count, result, diag);
-    neph_database_close(index);
+    const enum neph_status status = list_candidates(store, &arena, &list, &count, result, diag);
     for (int i = 0; !status && i < count; i++) {
         if (list[i].used_s > before_s)
             result->bytes_in_use += list[i].bytes;
@@ -260,18 +252,18 @@ enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, do
             collect(store, &list[i], before_s, result);
     }
     result->fits = result->bytes_before - result->bytes_removed <= limit_bytes;
-    free(list);
+    neph_arena_finish(&arena);
     return status;
 }
 
 /* ---- export ---------------------------------------------------------------------------------- */
 
 static enum neph_status list_all(struct neph_database *index, const char *question,
-                                 const char *fields, json_t *document, const char *name,
-                                 struct neph_diag *diag)
+                                 const struct neph_record_form *form, json_t *document,
+                                 const char *name, struct neph_diag *diag)
 {
     json_t *list = NULL;
-    const enum neph_status status = neph_record_list(index, diag, question, 0, fields, &list);
+    const enum neph_status status = neph_record_list(index, form, &list, diag, question, "");
     if (!status && !list) {
         neph_fail(diag, NEPH_ERR_INPUT, "a row of '%s' in the store's database is damaged", name);
         neph_hint(diag, "`neph store check --repair` makes it again");
@@ -306,11 +298,11 @@ enum neph_status neph_store_export(struct neph_store *store, json_t **document,
     json_t *made = json_pack("{s:s}", "format", "neph-store-1"), *acceptances = NULL;
     enum neph_status status = made ? neph_store_index(store, &index, diag) : neph_fail_memory(diag);
     if (!status)
-        status = list_all(index, "SELECT * FROM environments WHERE ? = 0 ORDER BY id",
-                          neph_index_environment_fields, made, "environments", diag);
+        status = list_all(index, "SELECT * FROM environments ORDER BY id",
+                          &neph_index_environment_form, made, "environments", diag);
     if (!status)
-        status = list_all(index, "SELECT * FROM jobs WHERE ? = 0 ORDER BY key",
-                          neph_index_job_fields, made, "jobs", diag);
+        status = list_all(index, "SELECT * FROM jobs ORDER BY key", &neph_index_job_form, made,
+                          "jobs", diag);
     if (!status)
         status = list_nights(index, made, diag);
     if (!status)

@@ -21,7 +21,7 @@ typedef void neph_store_tell(const struct neph_store_fault *fault, void *context
 
 struct neph_store_sums {
     int64_t frames, bytes; /* entries of frames/, and what is in them */
-    int64_t nights, accepted;
+    int64_t nights, acceptances;
     int64_t bad;
 };
 

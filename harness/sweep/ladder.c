@@ -9,7 +9,6 @@
 #include "scenes/motion.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -27,12 +26,15 @@ const struct neph_ladder_light neph_ladder_lights[] = {
     {.name = NULL},
 };
 
-const struct neph_ladder_pipeline neph_ladder_pipelines[] = {
-    {"ours", "ours"},
-    {"fixed", "fixed"},
-    {"march", NULL},
-    {.name = NULL},
-};
+const char *neph_ladder_preset(int pipeline)
+{
+    int count = 0;
+    while (neph_preset_of_use(neph_rt_presets, NEPH_RT_PICK, count))
+        count++;
+    const struct neph_preset *preset = neph_preset_of_use(neph_rt_presets, NEPH_RT_PICK,
+                                                          count - 1 - pipeline);
+    return preset ? preset->name : NULL;
+}
 
 const char *const neph_ladder_narrow[] = {"fog_look", "sky", NULL};
 
@@ -152,34 +154,29 @@ void neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_l
         append(neph_ladder_takes(part, scene, light) ? part->on : NULL, held);
 }
 
-static const char *copy(const char *text, bool *is_short)
-{
-    char *made = text ? strdup(text) : NULL;
-    *is_short |= text && !made;
-    return made;
-}
-
 enum neph_status neph_ladder_add(struct neph_sweep_plan *plan,
                                  const struct neph_sweep_series *series, const char *steps,
                                  struct neph_diag *diag)
 {
-    struct neph_sweep_series *longer = realloc(plan->series,
-                                               (size_t)(plan->series_count + 1) * sizeof(*longer));
+    struct neph_arena *arena = &plan->arena;
+    struct neph_sweep_series *longer = neph_arena_zeroed(arena, (size_t)plan->series_count + 1,
+                                                         sizeof(*longer));
     const bool is_told = series->held && series->held[0];
-    bool is_short = false;
     if (!longer)
         return neph_fail_memory(diag);
+    for (int i = 0; i < plan->series_count; i++)
+        longer[i] = plan->series[i];
     plan->series = longer;
     longer[plan->series_count++] = (struct neph_sweep_series){
-        .name = copy(series->name, &is_short),
-        .engine = copy(series->engine, &is_short),
-        .preset = copy(series->preset, &is_short),
-        .held = copy(is_told ? series->held : NULL, &is_short),
-        .varied = copy(steps ? "steps" : NULL, &is_short),
-        .values = copy(steps, &is_short),
+        .name = neph_arena_text(arena, series->name),
+        .engine = neph_arena_text(arena, series->engine),
+        .preset = neph_arena_text(arena, series->preset),
+        .held = neph_arena_text(arena, is_told ? series->held : NULL),
+        .varied = steps ? "steps" : NULL,
+        .values = neph_arena_text(arena, steps),
         .flicker = series->flicker,
         .scattering = series->scattering};
-    return is_short ? neph_fail_memory(diag) : NEPH_OK;
+    return neph_arena_check(arena, diag);
 }
 
 /* A light of a pipeline: "ours+air, octaves". */
@@ -202,25 +199,36 @@ static bool takes_any(const struct neph_scene *scene, const struct neph_ladder_l
     return any;
 }
 
-/* A light of one pipeline; of realtime also with the parts of the air, where there are any. */
-static enum neph_status add_rung(struct neph_sweep_plan *plan,
-                                 const struct neph_ladder_pipeline *pipeline,
+/* A light of one pipeline, a preset or NULL; of realtime also with the parts of the air, where there are any. */
+static enum neph_status add_rung(struct neph_sweep_plan *plan, const char *preset,
                                  const struct neph_ladder_light *light,
                                  const struct neph_scene *scene, struct neph_diag *diag)
 {
     const struct neph_sweep_series march = {.engine = light->march,
                                             .flicker = !neph_scene_is_static(scene)};
     enum neph_status status = NEPH_OK;
-    if (!pipeline->preset)
-        return add(plan, pipeline->name, "", light, march, all_steps, diag);
+    if (!preset)
+        return add(plan, "march", "", light, march, all_steps, diag);
     for (int air = 0; air <= takes_any(scene, light) && !status; air++) {
         char held[NEPH_LADDER_HELD_SIZE];
         neph_ladder_held(scene, light, true, air, held);
         const struct neph_sweep_series series = {
-            .engine = "realtime", .preset = pipeline->preset, .held = held, .flicker = true};
-        status = add(plan, pipeline->name, air ? "+air" : "", light, series, all_steps, diag);
+            .engine = "realtime", .preset = preset, .held = held, .flicker = true};
+        status = add(plan, preset, air ? "+air" : "", light, series, all_steps, diag);
     }
     return status;
+}
+
+/* A late light has no march by itself. */
+static enum neph_status add_pipelines(struct neph_sweep_plan *plan,
+                                      const struct neph_ladder_light *light,
+                                      const struct neph_scene *scene, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    const char *preset;
+    for (int i = 0; (preset = neph_ladder_preset(i)) && !status; i++)
+        status = add_rung(plan, preset, light, scene, diag);
+    return status || light->is_late ? status : add_rung(plan, NULL, light, scene, diag);
 }
 
 /* The user's own renderer, where there is one. */
@@ -257,8 +265,8 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
                                   struct neph_diag *diag)
 {
     const bool closed = neph_ladder_has_closed_form(scene);
-    *plan = (struct neph_sweep_plan){.title = strdup("pick"),
-                                     .light = strdup("octaves"),
+    *plan = (struct neph_sweep_plan){.title = "pick",
+                                     .light = "octaves",
                                      .width_px = width_px,
                                      .height_px = height_px,
                                      .frame_count = FRAMES,
@@ -266,19 +274,16 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
                                      .truth_samples = TRUTH_SAMPLES,
                                      .round_count = ROUNDS,
                                      .seed_count = 1};
-    enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
     const struct neph_ladder_light *light = neph_ladder_lights;
     for (; light->name && closed && !late && !status; light++)
         if (light->scattering <= (int)scene->scattering &&
             light->scattering != NEPH_SCATTERING_MULTIPLE)
             status = add(plan, "closed form", "", light,
                          (struct neph_sweep_series){.engine = "exact"}, NULL, diag);
-    for (light = neph_ladder_lights; light->name; light++)
-        for (const struct neph_ladder_pipeline *pipeline = neph_ladder_pipelines;
-             pipeline->name && !status; pipeline++)
-            if (light->scattering <= (int)scene->scattering && light->is_late == late &&
-                !(late && !pipeline->preset))
-                status = add_rung(plan, pipeline, light, scene, diag);
+    for (light = neph_ladder_lights; light->name && !status; light++)
+        if (light->scattering <= (int)scene->scattering && light->is_late == late)
+            status = add_pipelines(plan, light, scene, diag);
     if (!status && !late)
         status = add_narrow(plan, scene, diag);
     return status || late ? status : add_guest(plan, diag);

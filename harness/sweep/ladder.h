@@ -18,11 +18,9 @@ struct neph_ladder_light {
 extern const struct neph_ladder_light
     neph_ladder_lights[]; /* by what they have; a NULL name ends */
 
-/* A pipeline: realtime with a preset, or the engine of the light alone. */
-struct neph_ladder_pipeline {
-    const char *name, *preset; /* NULL: the march itself */
-};
-extern const struct neph_ladder_pipeline neph_ladder_pipelines[]; /* the cheapest first */
+/* The presets of realtime that are pipelines, the cheapest, 0, first; NULL: there are no more, and
+ * the engine of the light itself is the last pipeline. */
+const char *neph_ladder_preset(int pipeline);
 
 /* Engines for one kind of scene each: a series of their name where a scene is of it. */
 extern const char *const neph_ladder_narrow[];

@@ -298,7 +298,7 @@ static enum neph_status add_kept(struct work *work, const struct chosen *chosen,
     neph_ladder_held(work->scene, chosen->light, true, false, held);
     const struct neph_sweep_series series = {.name = "every pixel's ray in every frame",
                                              .engine = "realtime",
-                                             .preset = neph_ladder_pipelines[0].preset,
+                                             .preset = neph_ladder_preset(0),
                                              .held = held,
                                              .scattering = chosen->series.scattering};
     return add_variant(work, NULL, true, series, chosen->steps, diag);

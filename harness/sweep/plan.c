@@ -266,7 +266,7 @@ static enum neph_status read_text(const char *path, const char *text, size_t siz
     enum neph_status status = neph_document_init(&document, path, text, size, DEPTH_MAX, diag);
     if (status)
         return status;
-    struct neph_reader reader = {.document = &document, .diag = diag};
+    struct neph_reader reader = {.document = &document, .arena = &plan->arena, .diag = diag};
     plan->seed_count = 1;
     status = neph_read_fields(&reader, neph_document_root(&document), plan_fields, plan);
     if (!status)
@@ -306,7 +306,7 @@ enum neph_status neph_sweep_plan_load(const char *path_or_name, struct neph_swee
 
 void neph_sweep_plan_finish(struct neph_sweep_plan *plan)
 {
-    neph_fields_free(plan_fields, plan);
+    neph_arena_finish(&plan->arena);
     *plan = (struct neph_sweep_plan){.title = NULL};
 }
 

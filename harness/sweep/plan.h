@@ -21,7 +21,7 @@ enum {
     NEPH_SWEEP_SEEDS_MAX = 16,  /* of a sequence */
 };
 
-/* Texts are owned. */
+/* Texts are of the arena of the plan. */
 struct neph_sweep_series {
     const char *name;   /* in tables and legends, unique */
     const char *engine; /* one of neph_engines */
@@ -39,16 +39,16 @@ struct neph_sweep_series {
 };
 
 struct neph_sweep_plan {
-    char *title; /* owned */
-    char
-        *light; /* the lighting of series that name none, in scenes of multiple scattering; owned */
+    struct neph_arena arena; /* of texts and series */
+    const char *title;
+    const char *light; /* the lighting of series that name none, in scenes of multiple scattering */
     int width_px, height_px;
     int frame_count;   /* of sequences; a multiple of 4 */
     int warm_up;       /* the first of them, which are not measured; a multiple of 4 */
     int truth_samples; /* paths per pixel of the reference, where that is the tracer */
     int round_count;   /* in which every point is timed once */
     int seed_count;    /* of sequences that are measured; rounds are seeds of other pictures */
-    struct neph_sweep_series *series; /* owned */
+    struct neph_sweep_series *series;
     int series_count;
 };
 

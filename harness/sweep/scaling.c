@@ -286,8 +286,6 @@ static enum neph_status count_points(struct neph_worker *worker, void *context,
         if (worker->index == 0)
             neph_progress_tick(&work->progress, "evaluations");
     }
-    if (worker->index > 0)
-        neph_shared_device_close(work->params->device);
     return status;
 }
 
@@ -295,9 +293,8 @@ static enum neph_status count_all(struct work *work, struct neph_diag *diag)
 {
     struct neph_scaling *scaling = work->scaling;
     work->progress.kind = KIND_POINT;
-    if (work->params->jobs > 1)
-        neph_shared_device_close(work->params->device); /* workers open their own */
-    enum neph_status status = neph_pool_run(work->params->jobs, count_points, NULL, work, diag);
+    enum neph_status status = neph_pool_run(work->params->jobs, work->params->device, count_points,
+                                            NULL, work, diag);
     for (int i = 0; i < scaling->line_count && !status; i++)
         if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
             work->progress.kind = KIND_PICTURES;
@@ -363,13 +360,9 @@ static enum neph_status make_plan(struct work *work, struct neph_diag *diag)
                                                .preset = params->preset,
                                                .flicker = true,
                                                .scattering = -1};
-    *plan = (struct neph_sweep_plan){.title = strdup("scaling"),
-                                     .light = strdup("octaves"),
-                                     .round_count = ROUNDS,
-                                     .seed_count = 1};
-    enum neph_status status = plan->title && plan->light ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = neph_ladder_add(plan, &march, NULL, diag);
+    *plan = (struct neph_sweep_plan){
+        .title = "scaling", .light = "octaves", .round_count = ROUNDS, .seed_count = 1};
+    enum neph_status status = neph_ladder_add(plan, &march, NULL, diag);
     if (!status)
         status = neph_ladder_add(plan, &realtime, NULL, diag);
     for (int i = 0; i < plan->series_count && !status; i++) {

@@ -389,7 +389,6 @@ static enum neph_status run_groups(const struct whole *whole, struct neph_worker
     free(order);
     neph_sweep_bench_finish(&bench);
     neph_sweep_finish(&sweep);
-    neph_shared_device_close(whole->params->device);
     return status;
 }
 
@@ -412,9 +411,8 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
 {
     struct whole whole = {params, store, sweep, neph_progress_start(params->quiet, 0)};
     *sweep = (struct neph_sweep){.plan = params->plan};
-    if (params->jobs > 1)
-        neph_shared_device_close(params->device); /* workers open their own */
-    const enum neph_status status = neph_pool_run(params->jobs, run_part, hear, &whole, diag);
+    const enum neph_status status = neph_pool_run(params->jobs, params->device, run_part, hear,
+                                                  &whole, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "what is finished is in the store: the same command goes on from there");
     return status;

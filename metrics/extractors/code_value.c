@@ -10,7 +10,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_CODE_COUNT == 2, "a new kind");
@@ -100,9 +99,10 @@ static void fit(struct neph_code *code, const struct curve *curve)
 }
 
 enum neph_status neph_code_create(enum neph_code_kind kind, const struct neph_viewing *viewing,
-                                  struct neph_code **code, struct neph_diag *diag)
+                                  struct neph_arena *memory, struct neph_code **code,
+                                  struct neph_diag *diag)
 {
-    struct neph_code *created = malloc(sizeof(*created));
+    struct neph_code *created = neph_arena_zeroed(memory, 1, sizeof(*created));
     if (!created)
         return neph_fail_memory(diag);
     created->kind = kind;
@@ -114,11 +114,6 @@ enum neph_status neph_code_create(enum neph_code_kind kind, const struct neph_vi
     fit(created, &curves[kind]);
     *code = created;
     return NEPH_OK;
-}
-
-void neph_code_destroy(struct neph_code *code)
-{
-    free(code);
 }
 
 /* ---- pixels ---------------------------------------------------------------------------------- */

@@ -23,12 +23,10 @@ enum neph_code_kind {
 
 struct neph_code;
 
-/* Free with _destroy. */
+/* It lives in the arena. NEPH_ERR_MEMORY. */
 enum neph_status neph_code_create(enum neph_code_kind kind, const struct neph_viewing *viewing,
-                                  struct neph_code **code, struct neph_diag *diag);
-
-/* NULL is fine. */
-void neph_code_destroy(struct neph_code *code);
+                                  struct neph_arena *memory, struct neph_code **code,
+                                  struct neph_diag *diag);
 
 /* 256 or 255. */
 double neph_code_peak(enum neph_code_kind kind);

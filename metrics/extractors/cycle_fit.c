@@ -167,23 +167,21 @@ static void scatter_noise(struct neph_cycle_model *model)
 
 enum neph_status neph_cycle_model_begin(struct neph_cycle_model *model, int frame_count,
                                         const struct neph_cycle_findings *findings,
-                                        struct neph_diag *diag)
+                                        struct neph_arena *memory, struct neph_diag *diag)
 {
     *model = (struct neph_cycle_model){.frame_count = frame_count};
     const size_t n = (size_t)frame_count, room = 2 * (size_t)findings->count + 1;
     double *columns = malloc(room * n * sizeof(*columns));
     double *unit = malloc(room * room * sizeof(*unit));
-    model->orthonormal = malloc(room * n * sizeof(*model->orthonormal));
-    model->triangle = calloc(room * room, sizeof(*model->triangle));
-    model->shared = malloc(room * room * sizeof(*model->shared));
-    model->squares = malloc(room * sizeof(*model->squares));
-    model->noise_share = malloc(room * sizeof(*model->noise_share));
-    model->part = malloc(room * sizeof(*model->part));
-    model->periods = malloc(room * sizeof(*model->periods));
-    model->period_scatter = calloc(room, sizeof(*model->period_scatter));
-    const bool made = columns && unit && model->orthonormal && model->triangle && model->shared &&
-                      model->squares && model->noise_share && model->part && model->periods &&
-                      model->period_scatter;
+    model->orthonormal = neph_arena_zeroed(memory, room * n, sizeof(*model->orthonormal));
+    model->triangle = neph_arena_zeroed(memory, room * room, sizeof(*model->triangle));
+    model->shared = neph_arena_zeroed(memory, room * room, sizeof(*model->shared));
+    model->squares = neph_arena_zeroed(memory, room, sizeof(*model->squares));
+    model->noise_share = neph_arena_zeroed(memory, room, sizeof(*model->noise_share));
+    model->part = neph_arena_zeroed(memory, room, sizeof(*model->part));
+    model->periods = neph_arena_zeroed(memory, room, sizeof(*model->periods));
+    model->period_scatter = neph_arena_zeroed(memory, room, sizeof(*model->period_scatter));
+    const bool made = columns && unit && !memory->is_short;
     if (made) {
         list_periods(model, findings);
         fill_columns(model, findings, columns);
@@ -195,19 +193,6 @@ enum neph_status neph_cycle_model_begin(struct neph_cycle_model *model, int fram
     free(unit);
     free(columns);
     return made ? NEPH_OK : neph_fail_memory(diag);
-}
-
-void neph_cycle_model_end(struct neph_cycle_model *model)
-{
-    free(model->orthonormal);
-    free(model->triangle);
-    free(model->shared);
-    free(model->squares);
-    free(model->noise_share);
-    free(model->part);
-    free(model->periods);
-    free(model->period_scatter);
-    *model = (struct neph_cycle_model){0};
 }
 
 /* ---- pixels ---------------------------------------------------------------------------------- */

@@ -34,12 +34,10 @@ struct neph_cycle_model {
     int period_count;
 };
 
-/* End with neph_cycle_model_end(), also after a failure. NEPH_ERR_MEMORY. */
+/* The arena has its arrays. NEPH_ERR_MEMORY. */
 enum neph_status neph_cycle_model_begin(struct neph_cycle_model *model, int frame_count,
                                         const struct neph_cycle_findings *findings,
-                                        struct neph_diag *diag);
-
-void neph_cycle_model_end(struct neph_cycle_model *model); /* a zeroed one is fine */
+                                        struct neph_arena *memory, struct neph_diag *diag);
 
 /* All parts of the pixels of a row: parts[i] receives width_px values, i as in enum
  * neph_cycle_part. `scratch` has neph_cycle_scratch_count() doubles. */

@@ -2,7 +2,6 @@
 #include "metrics/extractors/cycle_frames.h"
 
 #include "base/threads.h"
-#include "metrics/extractors/flicker_sums.h"
 #include "metrics/vector_math.h"
 
 #include <stdatomic.h>
@@ -18,10 +17,11 @@ static const double sample_limit = 0x1p25;
 static const double least_std = 0.25 / 255.0;
 
 enum neph_status neph_cycle_frames_begin(struct neph_cycle_frames *frames, int width_px,
-                                         int height_px, int frame_count, struct neph_diag *diag)
+                                         int height_px, int frame_count, struct neph_arena *memory,
+                                         struct neph_diag *diag)
 {
     const size_t count = (size_t)width_px * (size_t)height_px * (size_t)frame_count;
-    float *values = (float *)neph_flicker_zeros(count / 2 + 1);
+    float *values = neph_arena_zeroed(memory, count, sizeof(*values));
     if (!values) {
         const enum neph_status status = neph_fail_memory(diag);
         neph_hint(diag,
@@ -139,7 +139,8 @@ static void add_up(const struct work *work, double *moments)
             moments[j * n + i] = moments[i * n + j];
 }
 
-enum neph_status neph_cycle_moments(const struct neph_cycle_frames *frames, double **moments,
+enum neph_status neph_cycle_moments(const struct neph_cycle_frames *frames,
+                                    struct neph_arena *memory, double **moments,
                                     struct neph_diag *diag)
 {
     const double samples = (double)frames->width_px * frames->height_px * frames->frame_count;
@@ -148,7 +149,7 @@ enum neph_status neph_cycle_moments(const struct neph_cycle_frames *frames, doub
     work.columns = (frames->width_px + work.side_px - 1) / work.side_px;
     work.rows = (frames->height_px + work.side_px - 1) / work.side_px;
     const size_t n = (size_t)frames->frame_count;
-    double *sum = calloc(n * n, sizeof(*sum));
+    double *sum = neph_arena_zeroed(memory, n * n, sizeof(*sum));
     enum neph_status status = sum ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_parallel_rows(PARTS, add_part, &work, diag);
@@ -158,9 +159,7 @@ enum neph_status neph_cycle_moments(const struct neph_cycle_frames *frames, doub
         add_up(&work, sum);
     for (int part = 0; part < PARTS; part++)
         free(work.parts[part]);
-    if (status)
-        free(sum);
-    else
+    if (!status)
         *moments = sum;
     return status;
 }

@@ -112,11 +112,12 @@ static void want_declared(int limit, const struct neph_cycle_declared *declared,
 }
 
 enum neph_status neph_cycle_candidates(int frame_count, const struct neph_cycle_declared *declared,
+                                       struct neph_arena *memory,
                                        struct neph_cycle_frequencies *frequencies,
                                        struct neph_diag *diag)
 {
     const int limit = frame_count / DECLARED_CYCLES_NEEDED;
-    bool *wanted = calloc((size_t)limit + 1, sizeof(*wanted));
+    bool *wanted = neph_arena_zeroed(memory, (size_t)limit + 1, sizeof(*wanted));
     if (!wanted)
         return neph_fail_memory(diag);
     for (int period = NEPH_CYCLE_PERIOD_MIN; period <= neph_cycle_longest(frame_count); period++)
@@ -125,15 +126,14 @@ enum neph_status neph_cycle_candidates(int frame_count, const struct neph_cycle_
     size_t room = 0;
     for (int period = NEPH_CYCLE_PERIOD_MIN; period <= limit; period++)
         room += wanted[period] ? (size_t)period / 2 : 0;
-    struct neph_cycle_frequency *items = calloc(room + 1, sizeof(*items));
+    struct neph_cycle_frequency *items = neph_arena_zeroed(memory, room + 1, sizeof(*items));
+    if (!items)
+        return neph_fail_memory(diag);
     int count = 0;
-    for (int period = NEPH_CYCLE_PERIOD_MIN; items && period <= limit; period++)
+    for (int period = NEPH_CYCLE_PERIOD_MIN; period <= limit; period++)
         for (int m = 1; wanted[period] && 2 * m <= period; m++)
             if (common_divisor(period, m) == 1)
                 items[count++] = (struct neph_cycle_frequency){m, period};
-    free(wanted);
-    if (!items)
-        return neph_fail_memory(diag);
     qsort(items, (size_t)count, sizeof(*items), by_frequency);
     *frequencies = (struct neph_cycle_frequencies){items, count};
     return NEPH_OK;

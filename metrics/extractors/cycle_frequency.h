@@ -7,7 +7,7 @@
 #ifndef NEPH_METRICS_EXTRACTORS_CYCLE_FREQUENCY_H
 #define NEPH_METRICS_EXTRACTORS_CYCLE_FREQUENCY_H
 
-#include "base/status.h"
+#include "base/arena.h"
 
 #include <stddef.h>
 
@@ -28,7 +28,6 @@ struct neph_cycle_frequency {
     int period; /* frames; m and it have no common divisor, and 2 m <= period */
 };
 
-/* Owned by who asked for it, by free(). */
 struct neph_cycle_frequencies {
     struct neph_cycle_frequency *items;
     int count;
@@ -66,8 +65,9 @@ void neph_cycle_explain(const struct neph_cycle_declared *declared, int period, 
 
 /* The frequencies to look for, ascending: of all periods up to neph_cycle_longest(), of those that
  * are declared, and of the beats of pairs of these (least common multiples), as far as they are in
- * the frames four times. */
+ * the frames four times. The arena has them. */
 enum neph_status neph_cycle_candidates(int frame_count, const struct neph_cycle_declared *declared,
+                                       struct neph_arena *memory,
                                        struct neph_cycle_frequencies *frequencies,
                                        struct neph_diag *diag);
 

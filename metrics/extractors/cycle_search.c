@@ -12,7 +12,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
 /* A wave is taken on trial above this, and from this share of the movement on. */
 static const double trial_z = 3.0, trial_share = 1e-9;
@@ -98,23 +97,25 @@ static void share_out_bins(struct search *search)
     }
 }
 
-static enum neph_status begin(struct search *search, const double *moments, struct neph_diag *diag)
+static enum neph_status begin(struct search *search, const double *moments,
+                              struct neph_arena *memory, struct neph_diag *diag)
 {
     const int candidate_count = search->candidates->count, n = search->frame_count;
     const size_t room = (size_t)candidate_count + (size_t)n + 1;
-    search->per_frame = calloc(room, sizeof(*search->per_frame));
-    search->bins = calloc(room, sizeof(*search->bins));
-    search->probes = calloc(room, sizeof(*search->probes));
-    if (!search->per_frame || !search->bins || !search->probes)
-        return neph_fail_memory(diag);
+    search->per_frame = neph_arena_zeroed(memory, room, sizeof(*search->per_frame));
+    search->bins = neph_arena_zeroed(memory, room, sizeof(*search->bins));
+    search->probes = neph_arena_zeroed(memory, room, sizeof(*search->probes));
+    enum neph_status status = neph_arena_check(memory, diag);
+    if (status)
+        return status;
     for (int i = 0; i < candidate_count; i++)
         search->per_frame[i] = neph_cycle_per_frame(search->candidates->items[i]);
     search->count = add_bins(search, search->per_frame, candidate_count);
     share_out_bins(search);
     search->window_count = add_windowed(search, search->per_frame + search->count);
-    const enum neph_status status = neph_cycle_tableau_begin(
-        &search->tableau, n, moments, search->per_frame, search->count + search->window_count,
-        search->window_count, diag);
+    status = neph_cycle_tableau_begin(&search->tableau, n, moments, search->per_frame,
+                                      search->count + search->window_count, search->window_count,
+                                      memory, diag);
     if (status)
         return status;
     for (int t = 0; t < n; t++)
@@ -122,14 +123,6 @@ static enum neph_status begin(struct search *search, const double *moments, stru
     search->total -= neph_cycle_gain(&search->tableau, 0);
     search->residual = search->total;
     return NEPH_OK;
-}
-
-static void end(struct search *search)
-{
-    neph_cycle_tableau_end(&search->tableau);
-    free(search->per_frame);
-    free(search->bins);
-    free(search->probes);
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
@@ -381,10 +374,11 @@ static int also_period(struct search *search, int wave)
     return also;
 }
 
-static enum neph_status report(struct search *search, struct neph_cycle_findings *findings,
-                               struct neph_diag *diag)
+static enum neph_status report(struct search *search, struct neph_arena *memory,
+                               struct neph_cycle_findings *findings, struct neph_diag *diag)
 {
-    struct neph_cycle_found *items = calloc((size_t)search->inside_count + 1, sizeof(*items));
+    struct neph_cycle_found *items = neph_arena_zeroed(memory, (size_t)search->inside_count + 1,
+                                                       sizeof(*items));
     if (!items)
         return neph_fail_memory(diag);
     const double n = (double)search->frame_count;
@@ -411,10 +405,12 @@ static enum neph_status report(struct search *search, struct neph_cycle_findings
 
 enum neph_status neph_cycle_search(int frame_count, const double *moments,
                                    const struct neph_cycle_frequencies *candidates,
-                                   struct neph_cycle_findings *findings, struct neph_diag *diag)
+                                   struct neph_arena *memory, struct neph_cycle_findings *findings,
+                                   struct neph_diag *diag)
 {
+    struct neph_arena at_work = {0};
     struct search search = {.frame_count = frame_count, .candidates = candidates};
-    enum neph_status status = begin(&search, moments, diag);
+    enum neph_status status = begin(&search, moments, &at_work, diag);
     for (int round = 0; round < ROUNDS && !status && search.total > 0.0; round++) {
         take(&search);
         exchange(&search, 0);
@@ -423,7 +419,7 @@ enum neph_status neph_cycle_search(int frame_count, const double *moments,
             exchange_pairs(&search);
     }
     if (!status)
-        status = report(&search, findings, diag);
-    end(&search);
+        status = report(&search, memory, findings, diag);
+    neph_arena_finish(&at_work);
     return status;
 }

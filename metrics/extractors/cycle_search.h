@@ -22,15 +22,17 @@ struct neph_cycle_found {
 };
 
 struct neph_cycle_findings {
-    struct neph_cycle_found *items; /* ascending by frequency; owned, by free() */
+    struct neph_cycle_found *items; /* ascending by frequency */
     int count;
     double scatter;   /* relative, of the mean noise power of all series at one frequency */
     double ratio_min; /* the power at one frequency over that of the noise that is found */
 };
 
-/* `moments`: frame_count^2, the sum over the series of d_s d_t. NEPH_ERR_MEMORY. */
+/* `moments`: frame_count^2, the sum over the series of d_s d_t. The arena has the findings.
+ * NEPH_ERR_MEMORY. */
 enum neph_status neph_cycle_search(int frame_count, const double *moments,
                                    const struct neph_cycle_frequencies *candidates,
-                                   struct neph_cycle_findings *findings, struct neph_diag *diag);
+                                   struct neph_arena *memory, struct neph_cycle_findings *findings,
+                                   struct neph_diag *diag);
 
 #endif

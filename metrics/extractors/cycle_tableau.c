@@ -83,20 +83,20 @@ static void multiply(const double *left, const double *right, size_t n, size_t l
 
 enum neph_status neph_cycle_tableau_begin(struct neph_cycle_tableau *tableau, int frame_count,
                                           const double *moments, const double *per_frame, int count,
-                                          int window_count, struct neph_diag *diag)
+                                          int window_count, struct neph_arena *memory,
+                                          struct neph_diag *diag)
 {
     *tableau = (struct neph_cycle_tableau){.wave_count = count + 1, .frame_count = frame_count};
     const size_t n = column_count(tableau), length = (size_t)frame_count;
     double *waves = malloc(n * length * sizeof(*waves));
     double *moved = malloc(n * length * sizeof(*moved));
-    tableau->inside = calloc(2 * (size_t)tableau->wave_count, sizeof(*tableau->inside));
-    tableau->wanted = tableau->inside ? tableau->inside + tableau->wave_count : NULL;
-    tableau->products = malloc(n * n * sizeof(*tableau->products));
-    tableau->moments = malloc(n * n * sizeof(*tableau->moments));
-    tableau->origin = malloc(2 * n * n * sizeof(*tableau->origin));
-    tableau->scratch = malloc(8 * n * sizeof(*tableau->scratch));
-    const bool made = waves && moved && tableau->inside && tableau->products && tableau->moments &&
-                      tableau->origin && tableau->scratch;
+    tableau->inside = neph_arena_zeroed(memory, (size_t)tableau->wave_count, sizeof(bool));
+    tableau->wanted = neph_arena_zeroed(memory, (size_t)tableau->wave_count, sizeof(bool));
+    tableau->products = neph_arena_zeroed(memory, n * n, sizeof(*tableau->products));
+    tableau->moments = neph_arena_zeroed(memory, n * n, sizeof(*tableau->moments));
+    tableau->origin = neph_arena_zeroed(memory, 2 * n * n, sizeof(*tableau->origin));
+    tableau->scratch = neph_arena_zeroed(memory, 8 * n, sizeof(*tableau->scratch));
+    const bool made = waves && moved && !memory->is_short;
     if (made) {
         fill_waves(per_frame, count, window_count, frame_count, waves);
         for (size_t i = 0; i < n; i++)
@@ -110,16 +110,6 @@ enum neph_status neph_cycle_tableau_begin(struct neph_cycle_tableau *tableau, in
     free(moved);
     free(waves);
     return made ? NEPH_OK : neph_fail_memory(diag);
-}
-
-void neph_cycle_tableau_end(struct neph_cycle_tableau *tableau)
-{
-    free(tableau->inside);
-    free(tableau->products);
-    free(tableau->moments);
-    free(tableau->origin);
-    free(tableau->scratch);
-    *tableau = (struct neph_cycle_tableau){0};
 }
 
 /* ---- turning --------------------------------------------------------------------------------- */

@@ -8,7 +8,7 @@
 #ifndef NEPH_METRICS_EXTRACTORS_CYCLE_TABLEAU_H
 #define NEPH_METRICS_EXTRACTORS_CYCLE_TABLEAU_H
 
-#include "base/status.h"
+#include "base/arena.h"
 
 #include <stdbool.h>
 
@@ -28,13 +28,12 @@ struct neph_cycle_tableau {
 
 /* The waves 1, 2 ... have the frequencies [cycles per frame], each in (0, 1/2], of which the last
  * `window_count` are windowed. `moments` is the
- * frame_count^2 matrix sum over the series of d_s d_t, symmetric. End with
- * neph_cycle_tableau_end(), also after a failure. NEPH_ERR_MEMORY. */
+ * frame_count^2 matrix sum over the series of d_s d_t, symmetric. The arena has the arrays of the
+ * tableau. NEPH_ERR_MEMORY. */
 enum neph_status neph_cycle_tableau_begin(struct neph_cycle_tableau *tableau, int frame_count,
                                           const double *moments, const double *per_frame, int count,
-                                          int window_count, struct neph_diag *diag);
-
-void neph_cycle_tableau_end(struct neph_cycle_tableau *tableau); /* a zeroed one is fine */
+                                          int window_count, struct neph_arena *memory,
+                                          struct neph_diag *diag);
 
 /* Take a wave into the set, or out of it. */
 void neph_cycle_tableau_turn(struct neph_cycle_tableau *tableau, int wave);

@@ -150,13 +150,16 @@ struct cycles {
     int warm_up;
     struct neph_cycle_frames frames; /* d */
     int frames_seen;
-    float *reference[3];    /* as last seen, and its luma; owned */
-    double *reference_luma; /* owned */
+    float *reference[3]; /* as last seen, and its luma */
+    double *reference_luma;
+    struct neph_arena seen; /* of the frames and the reference, until the parts are known */
+
+    struct neph_arena *memory; /* of the rest */
 
     bool complete; /* what follows is known */
     struct neph_cycle_findings findings;
     struct neph_cycle_model model;
-    double **parts; /* by enum neph_cycle_part; owned, and each of them */
+    double **parts; /* by enum neph_cycle_part */
 };
 
 /* The second moments grow with the square of the frames. */
@@ -192,42 +195,22 @@ static enum neph_status cycles_init(void *state, const struct neph_frame_pair *f
     struct cycles *cycles = state;
     const size_t pixels = (size_t)first->width_px * (size_t)first->height_px;
     *cycles = (struct cycles){.gain = exp2(first->viewing->exposure_ev),
-                              .warm_up = (int)settings->values[WARM_UP]};
+                              .warm_up = (int)settings->values[WARM_UP],
+                              .memory = first->memory};
     read_declared(first, &cycles->declared);
-    cycles->reference_luma = malloc(pixels * sizeof(*cycles->reference_luma));
-    bool made = cycles->reference_luma;
-    for (int c = 0; c < 3; c++) {
-        cycles->reference[c] = malloc(pixels * sizeof(float));
-        made = made && cycles->reference[c];
-    }
-    if (!made)
-        return neph_fail_memory(diag);
-    return neph_cycle_frames_begin(&cycles->frames, first->width_px, first->height_px,
-                                   frames_used(first, settings), diag);
-}
-
-static void forget_frames(struct cycles *cycles)
-{
-    for (int c = 0; c < 3; c++) {
-        free(cycles->reference[c]);
-        cycles->reference[c] = NULL;
-    }
-    free(cycles->reference_luma);
-    free(cycles->frames.values);
-    cycles->reference_luma = NULL;
-    cycles->frames.values = NULL;
+    cycles->reference_luma = neph_arena_zeroed(&cycles->seen, pixels, sizeof(double));
+    for (int c = 0; c < 3; c++)
+        cycles->reference[c] = neph_arena_zeroed(&cycles->seen, pixels, sizeof(float));
+    const enum neph_status status = neph_arena_check(&cycles->seen, diag);
+    return status ? status
+                  : neph_cycle_frames_begin(&cycles->frames, first->width_px, first->height_px,
+                                            frames_used(first, settings), &cycles->seen, diag);
 }
 
 static void cycles_close(void *state)
 {
     struct cycles *cycles = state;
-    forget_frames(cycles);
-    for (int i = 0; cycles->parts && i < NEPH_CYCLE_SQUARES + cycles->model.period_count; i++)
-        free(cycles->parts[i]);
-    free(cycles->parts);
-    neph_cycle_model_end(&cycles->model);
-    free(cycles->findings.items);
-    *cycles = (struct cycles){0};
+    neph_arena_finish(&cycles->seen);
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -292,18 +275,20 @@ static enum neph_status cycles_extract(void *state, const struct neph_frame_pair
 static enum neph_status find_periods(struct cycles *cycles, struct neph_diag *diag)
 {
     const int frame_count = cycles->frames.frame_count;
+    struct neph_arena search = {0};
     struct neph_cycle_frequencies candidates = {.items = NULL};
     double *moments = NULL;
-    enum neph_status status = neph_cycle_candidates(frame_count, &cycles->declared, &candidates,
-                                                    diag);
+    enum neph_status status = neph_cycle_candidates(frame_count, &cycles->declared, &search,
+                                                    &candidates, diag);
     if (!status)
-        status = neph_cycle_moments(&cycles->frames, &moments, diag);
+        status = neph_cycle_moments(&cycles->frames, &search, &moments, diag);
     if (!status)
-        status = neph_cycle_search(frame_count, moments, &candidates, &cycles->findings, diag);
+        status = neph_cycle_search(frame_count, moments, &candidates, cycles->memory,
+                                   &cycles->findings, diag);
     if (!status)
-        status = neph_cycle_model_begin(&cycles->model, frame_count, &cycles->findings, diag);
-    free(moments);
-    free(candidates.items);
+        status = neph_cycle_model_begin(&cycles->model, frame_count, &cycles->findings,
+                                        cycles->memory, diag);
+    neph_arena_finish(&search);
     return status;
 }
 
@@ -311,13 +296,10 @@ static enum neph_status allocate_parts(struct cycles *cycles, struct neph_diag *
 {
     const size_t pixels = (size_t)cycles->frames.width_px * (size_t)cycles->frames.height_px;
     const int count = NEPH_CYCLE_SQUARES + cycles->model.period_count;
-    cycles->parts = calloc((size_t)count, sizeof(*cycles->parts));
-    bool made = cycles->parts;
-    for (int i = 0; made && i < count; i++) {
-        cycles->parts[i] = malloc(pixels * sizeof(**cycles->parts));
-        made = cycles->parts[i];
-    }
-    return made ? NEPH_OK : neph_fail_memory(diag);
+    cycles->parts = neph_arena_zeroed(cycles->memory, (size_t)count, sizeof(*cycles->parts));
+    for (int i = 0; cycles->parts && i < count; i++)
+        cycles->parts[i] = neph_arena_zeroed(cycles->memory, pixels, sizeof(**cycles->parts));
+    return neph_arena_check(cycles->memory, diag);
 }
 
 struct fit_work {
@@ -358,7 +340,7 @@ static enum neph_status cycles_flush(void *state, struct neph_diag *diag)
         status = neph_fail_memory(diag);
     if (status)
         return status;
-    forget_frames(cycles);
+    neph_arena_finish(&cycles->seen);
     cycles->complete = true;
     return NEPH_OK;
 }

@@ -12,7 +12,6 @@
 #include "metrics/statistics.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CYCLE = NEPH_FLICKER_CYCLE, FRAME_COUNT_MIN = 16 };
@@ -187,8 +186,9 @@ struct flicker {
     int width_px, height_px;
     struct neph_flicker_watch watch; /* ends with the last frame */
 
+    struct neph_arena *memory; /* of the maps */
     bool complete;             /* what follows is known */
-    double *values[MAP_COUNT]; /* owned */
+    double *values[MAP_COUNT];
     double phase_age[NEPH_PHASE_COUNT * NEPH_AGE_COUNT];
     double phase_pixel_count[NEPH_PHASE_COUNT];
 };
@@ -222,6 +222,7 @@ static enum neph_status flicker_init(void *state, const struct neph_frame_pair *
         .warm_up = (int)settings->values[WARM_UP],
         .width_px = first->width_px,
         .height_px = first->height_px,
+        .memory = first->memory,
     };
     return neph_flicker_watch_begin(&flicker->watch, first, flicker->window.frame_count, diag);
 }
@@ -240,9 +241,6 @@ static void flicker_close(void *state)
 {
     struct flicker *flicker = state;
     neph_flicker_watch_end(&flicker->watch);
-    for (int map = 0; map < MAP_COUNT; map++)
-        free(flicker->values[map]);
-    *flicker = (struct flicker){0};
 }
 
 /* ---- after the last frame -------------------------------------------------------------------- */
@@ -368,12 +366,9 @@ static void find_phase_age(struct flicker *flicker)
 static enum neph_status allocate_maps(struct flicker *flicker, struct neph_diag *diag)
 {
     const size_t pixel_count = (size_t)flicker->width_px * (size_t)flicker->height_px;
-    for (int map = 0; map < MAP_COUNT; map++) {
-        flicker->values[map] = neph_flicker_zeros(pixel_count);
-        if (!flicker->values[map])
-            return neph_fail_memory(diag);
-    }
-    return NEPH_OK;
+    for (int map = 0; map < MAP_COUNT; map++)
+        flicker->values[map] = neph_arena_zeroed(flicker->memory, pixel_count, sizeof(double));
+    return neph_arena_check(flicker->memory, diag);
 }
 
 static enum neph_status flicker_flush(void *state, struct neph_diag *diag)

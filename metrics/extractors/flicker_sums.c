@@ -5,11 +5,9 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
-enum { LANES = NEPH_FLICKER_LANES, CYCLE = NEPH_FLICKER_CYCLE, HUGE_PAGE = 1 << 21 };
+enum { LANES = NEPH_FLICKER_LANES, CYCLE = NEPH_FLICKER_CYCLE };
 
 struct neph_flicker_weights neph_flicker_weights_of(int first_frame, int frame_count)
 {
@@ -38,22 +36,9 @@ int neph_flicker_padded(int width_px)
     return (width_px + LANES - 1) / LANES * LANES;
 }
 
-/* In huge pages where the system has them: hundreds of megabytes are touched for the first time in
- * the first few frames, which in small pages takes longer than the frames. calloc() itself does not
- * touch what is fresh from the system. */
-double *neph_flicker_zeros(size_t count)
-{
-    double *zeros = calloc(count, sizeof(*zeros));
-    const uintptr_t begin = ((uintptr_t)zeros + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
-    const uintptr_t end = ((uintptr_t)zeros + count * sizeof(*zeros)) / HUGE_PAGE * HUGE_PAGE;
-    if (zeros && begin < end)
-        madvise((void *)begin, end - begin,
-                MADV_HUGEPAGE); /* a wish; without it all is well, too */
-    return zeros;
-}
-
 enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int width_px,
-                                         int height_px, int sum_count, struct neph_diag *diag)
+                                         int height_px, int sum_count, struct neph_arena *memory,
+                                         struct neph_diag *diag)
 {
     struct neph_flicker_sums begun = {
         .width_px = width_px,
@@ -62,17 +47,11 @@ enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int wid
         .sum_count = sum_count,
     };
     const size_t pixel_count = (size_t)begun.padded_width_px * (size_t)height_px;
-    begun.values = neph_flicker_zeros(pixel_count * (size_t)begun.sum_count);
-    if (!begun.values)
-        return neph_fail_memory(diag);
-    *sums = begun;
-    return NEPH_OK;
-}
-
-void neph_flicker_sums_end(struct neph_flicker_sums *sums)
-{
-    free(sums->values);
-    *sums = (struct neph_flicker_sums){0};
+    begun.values = neph_arena_zeroed(memory, pixel_count * (size_t)begun.sum_count,
+                                     sizeof(*begun.values));
+    if (begun.values)
+        *sums = begun;
+    return neph_arena_check(memory, diag);
 }
 
 /* The sums of LANES neighbouring pixels. */

@@ -12,7 +12,7 @@
 #ifndef NEPH_METRICS_EXTRACTORS_FLICKER_SUMS_H
 #define NEPH_METRICS_EXTRACTORS_FLICKER_SUMS_H
 
-#include "base/status.h"
+#include "base/arena.h"
 
 #include <stddef.h>
 
@@ -61,19 +61,16 @@ struct neph_flicker_sums {
     int width_px, height_px;
     int padded_width_px; /* a multiple of NEPH_FLICKER_LANES */
     int sum_count;       /* of a pixel: the first of enum neph_flicker_sum */
-    double *values; /* by row, by NEPH_FLICKER_LANES of a row, by sum; owned; NULL: not begun */
+    double *values;      /* by row, by NEPH_FLICKER_LANES of a row, by sum; NULL: not begun */
 };
 
-/* Begin, all zero. `sum_count`: which are kept, NEPH_FLICKER_BRIEF_COUNT (mean, cycle and trend),
+/* Begin, all zero, in the arena. `sum_count`: which are kept, NEPH_FLICKER_BRIEF_COUNT (mean, cycle and trend),
  * _VARIANCE_COUNT (the noise and the variance, too) or _SUM_COUNT. NEPH_ERR_MEMORY. */
 enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int width_px,
-                                         int height_px, int sum_count, struct neph_diag *diag);
-void neph_flicker_sums_end(struct neph_flicker_sums *sums);
+                                         int height_px, int sum_count, struct neph_arena *memory,
+                                         struct neph_diag *diag);
 
 int neph_flicker_padded(int width_px);
-
-/* Zeros for every pixel, for free(); NULL when memory is short. */
-double *neph_flicker_zeros(size_t count);
 
 /* Add cycles of four frames, which follow each other, to a row: `weights` for each cycle, `frames`
  * for each frame, rows of padded_width_px values. Rows are independent. */

@@ -10,7 +10,6 @@
 #include "metrics/vector_math.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CYCLE = NEPH_FLICKER_CYCLE, BLOCK = 2 * CYCLE };
@@ -24,9 +23,9 @@ struct frame_work {
     struct neph_flicker_weights weights[BLOCK / CYCLE];
 };
 
-static double *allocate(int row_width, int row_count)
+static double *allocate(struct neph_arena *memory, int row_width, int row_count)
 {
-    return neph_flicker_zeros((size_t)row_width * (size_t)row_count);
+    return neph_arena_zeroed(memory, (size_t)row_width * (size_t)row_count, sizeof(double));
 }
 
 static double *row_of(const struct neph_flicker_watch *watch, double *rows, int row)
@@ -40,36 +39,15 @@ static double *recent_of(const struct neph_flicker_watch *watch,
     return row_of(watch, signal->recent, BLOCK * row + t % BLOCK);
 }
 
-static enum neph_status let_move(const struct neph_flicker_watch *watch,
+static enum neph_status let_move(struct neph_flicker_watch *watch,
                                  struct neph_flicker_signal *signal, int sum_count,
                                  struct neph_diag *diag)
 {
-    signal->recent = allocate(BLOCK * watch->padded_width_px, watch->height_px);
-    if (!signal->recent)
-        return neph_fail_memory(diag);
-    return neph_flicker_sums_begin(&signal->sums, watch->width_px, watch->height_px, sum_count,
-                                   diag);
-}
-
-static void forget_recent(struct neph_flicker_signal *signal)
-{
-    free(signal->recent);
-    signal->recent = NULL;
-}
-
-static void signal_end(struct neph_flicker_signal *signal)
-{
-    forget_recent(signal);
-    free(signal->first);
-    neph_flicker_sums_end(&signal->sums);
-}
-
-static void forget_planes(struct neph_flicker_watch *watch)
-{
-    for (int c = 0; c < 3; c++) {
-        free(watch->reference_planes[c]);
-        watch->reference_planes[c] = NULL;
-    }
+    signal->recent = allocate(&watch->recent, BLOCK * watch->padded_width_px, watch->height_px);
+    const enum neph_status status = neph_arena_check(&watch->recent, diag);
+    return status ? status
+                  : neph_flicker_sums_begin(&signal->sums, watch->width_px, watch->height_px,
+                                            sum_count, &watch->sums, diag);
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -174,7 +152,7 @@ static enum neph_status watch_reference(struct frame_work *work, struct neph_dia
         moved = moved || watch->reference_row_moved[row];
     if (status || !moved)
         return status;
-    forget_planes(watch);
+    neph_arena_finish(&watch->planes);
     watch->reference_moves = true;
     return let_move(watch, &watch->reference, NEPH_FLICKER_VARIANCE_COUNT, diag);
 }
@@ -220,32 +198,25 @@ enum neph_status neph_flicker_watch_begin(struct neph_flicker_watch *watch,
         .padded_width_px = neph_flicker_padded(first->width_px),
         .gain = exp2(first->viewing->exposure_ev),
         .frame_count = frame_count,
-        .reference_row_moved = calloc((size_t)first->height_px, sizeof(bool)),
     };
-    bool complete = watch->reference_row_moved;
-    for (int c = 0; c < 3; c++) {
-        watch->reference_planes[c] = calloc(pixel_count, sizeof(float));
-        complete = complete && watch->reference_planes[c];
-    }
-    watch->reference.first = allocate(watch->padded_width_px, watch->height_px);
-    watch->test.first = allocate(watch->padded_width_px, watch->height_px);
-    complete = complete && watch->reference.first && watch->test.first;
-    return complete ? let_move(watch, &watch->test, NEPH_FLICKER_SUM_COUNT, diag)
-                    : neph_fail_memory(diag);
+    watch->reference_row_moved = neph_arena_zeroed(&watch->sums, (size_t)first->height_px,
+                                                   sizeof(bool));
+    for (int c = 0; c < 3; c++)
+        watch->reference_planes[c] = neph_arena_zeroed(&watch->planes, pixel_count, sizeof(float));
+    watch->reference.first = allocate(&watch->sums, watch->padded_width_px, watch->height_px);
+    watch->test.first = allocate(&watch->sums, watch->padded_width_px, watch->height_px);
+    const enum neph_status status = neph_arena_check(&watch->planes, diag);
+    return status ? status : let_move(watch, &watch->test, NEPH_FLICKER_SUM_COUNT, diag);
 }
 
 void neph_flicker_watch_stop(struct neph_flicker_watch *watch)
 {
-    forget_recent(&watch->test);
-    forget_recent(&watch->reference);
-    forget_planes(watch);
+    neph_arena_finish(&watch->recent);
+    neph_arena_finish(&watch->planes);
 }
 
 void neph_flicker_watch_end(struct neph_flicker_watch *watch)
 {
     neph_flicker_watch_stop(watch);
-    signal_end(&watch->test);
-    signal_end(&watch->reference);
-    free(watch->reference_row_moved);
-    *watch = (struct neph_flicker_watch){0};
+    neph_arena_finish(&watch->sums);
 }

@@ -21,7 +21,7 @@ struct neph_flicker_signal {
     struct neph_flicker_sums sums;
 };
 
-/* All owned. Start from {0}. */
+/* Start from {0}. */
 struct neph_flicker_watch {
     int width_px, height_px, padded_width_px;
     double gain; /* display value = gain * radiance */
@@ -32,6 +32,8 @@ struct neph_flicker_watch {
     bool reference_moves;
     float *reference_planes[3]; /* frame 0; NULL when the reference moves */
     bool *reference_row_moved;
+    /* Of the first frames and the sums; of what neph_flicker_watch_stop() frees; of the planes. */
+    struct neph_arena sums, recent, planes;
 };
 
 /* `frame_count` is a multiple of 4. After a failure neph_flicker_watch_end(), too.

@@ -15,7 +15,6 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -83,7 +82,6 @@ struct kernel {
 /* The memory of one thread. */
 struct workspace {
     atomic_flag taken;
-    double *memory;
     double *input[INPUT_COUNT];      /* input_stride each */
     double *ring[2][RING_COUNT];     /* of reference and test: ring_rows * STRIDE */
     double *output[2][OUTPUT_COUNT]; /* BATCH_ROWS * STRIDE each */
@@ -94,7 +92,6 @@ struct neph_flip {
     int radius_px; /* largest of all kernels */
     int ring_rows, margin_px, input_stride;
     struct kernel kernels[RING_COUNT];
-    double *weights; /* of all kernels */
     int workspace_count;
     struct workspace *workspaces;
 };
@@ -235,7 +232,7 @@ static void make_feature_kernels(struct kernel *kernels, double sigma_px)
 
 /* Radii by the published rule, three standard deviations, and where each kernel lies in memory. */
 static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_degree,
-                                     struct neph_diag *diag)
+                                     struct neph_arena *memory, struct neph_diag *diag)
 {
     const double feature_sigma_px = 0.5 * feature_width_deg * pixels_per_degree;
     const int feature_radius = (int)ceil(3.0 * feature_sigma_px);
@@ -243,36 +240,37 @@ static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_d
     flip->radius_px = color_radius > feature_radius ? color_radius : feature_radius;
     const size_t stride = (size_t)flip->radius_px + 2; /* pairs of weights: a 0 at the end */
 
-    flip->weights = calloc(RING_COUNT * stride, sizeof(*flip->weights));
-    if (!flip->weights)
-        return neph_fail_memory(diag);
     for (int k = 0; k < RING_COUNT; k++)
         flip->kernels[k] = (struct kernel){
             .radius_px = k < RING_SMOOTH ? color_radius : feature_radius,
             .is_odd = k == RING_EDGE,
-            .weights = flip->weights + (size_t)k * stride,
+            .weights = neph_arena_zeroed(memory, stride, sizeof(double)),
         };
+    const enum neph_status status = neph_arena_check(memory, diag);
+    if (status)
+        return status;
     make_contrast_kernels(flip->kernels, pixels_per_degree);
     make_feature_kernels(flip->kernels, feature_sigma_px);
     return NEPH_OK;
 }
 
-static bool make_workspace(const struct neph_flip *flip, struct workspace *space)
+static enum neph_status make_workspace(const struct neph_flip *flip, struct workspace *space,
+                                       struct neph_arena *memory, struct neph_diag *diag)
 {
     const size_t input_size = (size_t)flip->input_stride;
     const size_t ring_size = (size_t)flip->ring_rows * STRIDE;
     const size_t output_size = (size_t)BATCH_ROWS * STRIDE;
-    space->memory = calloc(LANES + INPUT_COUNT * input_size + 2 * RING_COUNT * ring_size +
-                               2 * OUTPUT_COUNT * output_size,
-                           sizeof(*space->memory));
-    space->lines = calloc((size_t)flip->ring_rows, sizeof(*space->lines));
-    if (!space->memory || !space->lines)
-        return false;
+    double *rows = neph_arena_zeroed(memory,
+                                     LANES + INPUT_COUNT * input_size + 2 * RING_COUNT * ring_size +
+                                         2 * OUTPUT_COUNT * output_size,
+                                     sizeof(*rows));
+    space->lines = neph_arena_zeroed(memory, (size_t)flip->ring_rows, sizeof(*space->lines));
+    if (!rows || !space->lines)
+        return neph_fail_memory(diag);
 
     /* Rows start where vectors do, so that no vector lies on two lines of the cache. */
-    const size_t vector_size = LANES * sizeof(*space->memory);
-    double *next = space->memory +
-                   (vector_size - (uintptr_t)space->memory % vector_size) / sizeof(*space->memory);
+    const size_t vector_size = LANES * sizeof(*rows);
+    double *next = rows + (vector_size - (uintptr_t)rows % vector_size) / sizeof(*rows);
     for (int i = 0; i < 2 * RING_COUNT; i++, next += ring_size)
         space->ring[i / RING_COUNT][i % RING_COUNT] = next;
     for (int i = 0; i < 2 * OUTPUT_COUNT; i++, next += output_size)
@@ -280,28 +278,26 @@ static bool make_workspace(const struct neph_flip *flip, struct workspace *space
     for (int i = 0; i < INPUT_COUNT; i++, next += input_size)
         space->input[i] = next;
     atomic_flag_clear(&space->taken);
-    return true;
+    return NEPH_OK;
 }
 
-static enum neph_status make_workspaces(struct neph_flip *flip, struct neph_diag *diag)
+static enum neph_status make_workspaces(struct neph_flip *flip, struct neph_arena *memory,
+                                        struct neph_diag *diag)
 {
     flip->ring_rows = 2 * flip->radius_px + BATCH_ROWS;
     flip->margin_px = flip->radius_px + 1; /* of that 0 */
     flip->input_stride = STRIDE + 2 * flip->margin_px;
-    const int count = neph_processor_count();
-    flip->workspaces = calloc((size_t)count, sizeof(*flip->workspaces));
-    if (!flip->workspaces)
-        return neph_fail_memory(diag);
-    for (; flip->workspace_count < count; flip->workspace_count++)
-        if (!make_workspace(flip, &flip->workspaces[flip->workspace_count])) {
-            flip->workspace_count++; /* half made: to be freed as well */
-            return neph_fail_memory(diag);
-        }
-    return NEPH_OK;
+    flip->workspace_count = neph_processor_count();
+    flip->workspaces = neph_arena_zeroed(memory, (size_t)flip->workspace_count,
+                                         sizeof(*flip->workspaces));
+    enum neph_status status = flip->workspaces ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0; i < flip->workspace_count && !status; i++)
+        status = make_workspace(flip, &flip->workspaces[i], memory, diag);
+    return status;
 }
 
-enum neph_status neph_flip_create(double pixels_per_degree, struct neph_flip **flip,
-                                  struct neph_diag *diag)
+enum neph_status neph_flip_create(double pixels_per_degree, struct neph_arena *memory,
+                                  struct neph_flip **flip, struct neph_diag *diag)
 {
     if (!(pixels_per_degree >= 1.0 && pixels_per_degree <= 1000.0)) {
         neph_fail(diag, NEPH_ERR_INPUT, "FLIP: %g pixels per degree are outside 1..1000",
@@ -310,30 +306,15 @@ enum neph_status neph_flip_create(double pixels_per_degree, struct neph_flip **f
                         "has 40, the publication 67.02");
         return NEPH_ERR_INPUT;
     }
-    struct neph_flip *made = calloc(1, sizeof(*made));
-    if (!made)
-        return neph_fail_memory(diag);
-    enum neph_status status = make_kernels(made, pixels_per_degree, diag);
-    if (status == NEPH_OK)
-        status = make_workspaces(made, diag);
-    if (status == NEPH_OK)
+    struct neph_flip *made = neph_arena_zeroed(memory, 1, sizeof(*made));
+    enum neph_status status = neph_arena_check(memory, diag);
+    if (!status)
+        status = make_kernels(made, pixels_per_degree, memory, diag);
+    if (!status)
+        status = make_workspaces(made, memory, diag);
+    if (!status)
         *flip = made;
-    else
-        neph_flip_destroy(made);
     return status;
-}
-
-void neph_flip_destroy(struct neph_flip *flip)
-{
-    if (!flip)
-        return;
-    for (int i = 0; i < flip->workspace_count; i++) {
-        free(flip->workspaces[i].memory);
-        free(flip->workspaces[i].lines);
-    }
-    free(flip->workspaces);
-    free(flip->weights);
-    free(flip);
 }
 
 /* ---- rows in --------------------------------------------------------------------------------- */

@@ -8,7 +8,7 @@
 #ifndef NEPH_METRICS_EXTRACTORS_FLIP_H
 #define NEPH_METRICS_EXTRACTORS_FLIP_H
 
-#include "base/status.h"
+#include "base/arena.h"
 
 /* The curves of NVlabs/flip. ACES and Hable are quotients of quadratics by channel, Reinhard
  * divides a colour by 1 + its luminance. Index of the choices in neph_flip_tones. */
@@ -32,12 +32,9 @@ struct neph_flip_display {
 /* The filters for a viewing distance and the memory to work in, for one caller at a time. */
 struct neph_flip;
 
-/* Errors: NEPH_ERR_INPUT for pixels per degree outside 1..1000. */
-enum neph_status neph_flip_create(double pixels_per_degree, struct neph_flip **flip,
-                                  struct neph_diag *diag);
-
-/* NULL is fine. */
-void neph_flip_destroy(struct neph_flip *flip);
+/* It lives in the arena. Errors: NEPH_ERR_INPUT for pixels per degree outside 1..1000. */
+enum neph_status neph_flip_create(double pixels_per_degree, struct neph_arena *memory,
+                                  struct neph_flip **flip, struct neph_diag *diag);
 
 /* Planes of width * height finite samples; the borders are repeated outwards. Writes width * height
  * values to `map`: of each pixel the largest over the displays, of which there is at least one. The

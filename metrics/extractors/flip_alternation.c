@@ -9,7 +9,6 @@
 #include "metrics/extractors/flip.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -60,20 +59,16 @@ static size_t pixel_count(const struct state *state)
     return (size_t)state->width_px * (size_t)state->height_px;
 }
 
-static bool allocate(struct state *state)
+static void allocate(struct state *state, struct neph_arena *memory)
 {
     const size_t count = pixel_count(state);
-    bool made = (state->map = calloc(count, sizeof(*state->map))) != NULL;
+    state->map = neph_arena_zeroed(memory, count, sizeof(*state->map));
     for (int side = 0; side < SIDE_COUNT; side++)
         for (int d = 0; d < DISTANCE_COUNT; d++) {
-            state->sums[side][d] = calloc(count, sizeof(double));
-            made = made && state->sums[side][d];
-            for (int c = 0; c < 3; c++) {
-                state->kept[side][d][c] = malloc(count * sizeof(float));
-                made = made && state->kept[side][d][c];
-            }
+            state->sums[side][d] = neph_arena_zeroed(memory, count, sizeof(double));
+            for (int c = 0; c < 3; c++)
+                state->kept[side][d][c] = neph_arena_zeroed(memory, count, sizeof(float));
         }
-    return made;
 }
 
 static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
@@ -87,9 +82,8 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
         .tone = (enum neph_flip_tone)settings->values[OPTION_TONE],
     };
     state->wanted_pairs = pairs_wanted(settings);
-    if (!allocate(state))
-        return neph_fail_memory(diag);
-    return neph_flip_create(first->viewing->pixels_per_degree, &state->flip, diag);
+    allocate(state, first->memory);
+    return neph_flip_create(first->viewing->pixels_per_degree, first->memory, &state->flip, diag);
 }
 
 static bool same_planes(const struct state *state, float *const a[3], const float *const b[3])
@@ -165,19 +159,6 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
                        (map_terms[map].test * test[i] + map_terms[map].reference * reference[i]);
 }
 
-static void stop(void *opaque)
-{
-    struct state *state = opaque;
-    neph_flip_destroy(state->flip);
-    free(state->map);
-    for (int side = 0; side < SIDE_COUNT; side++)
-        for (int d = 0; d < DISTANCE_COUNT; d++) {
-            free(state->sums[side][d]);
-            for (int c = 0; c < 3; c++)
-                free(state->kept[side][d][c]);
-        }
-}
-
 #define METRIC(name, low, pool, share, map, help)                                                  \
     {                                                                                              \
         "flip_alternation_" name, "1", low, 1.0, pool, share, map, 0, help                         \
@@ -226,5 +207,4 @@ const struct neph_extractor neph_extractor_flip_alternation = {
     .init = init,
     .extract = extract,
     .rows = rows,
-    .close = stop,
 };

@@ -5,7 +5,6 @@
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/flip.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 struct state {
@@ -33,10 +32,9 @@ static enum neph_status start(struct state *state, const struct neph_frame_pair 
         .exposure_ev = first->viewing->exposure_ev,
         .tone = (enum neph_flip_tone)settings->values[OPTION_TONE],
     };
-    state->map = calloc((size_t)first->width_px * (size_t)first->height_px, sizeof(*state->map));
-    if (!state->map)
-        return neph_fail_memory(diag);
-    return neph_flip_create(pixels_per_degree, &state->flip, diag);
+    state->map = neph_arena_zeroed(
+        first->memory, (size_t)first->width_px * (size_t)first->height_px, sizeof(*state->map));
+    return neph_flip_create(pixels_per_degree, first->memory, &state->flip, diag);
 }
 
 static enum neph_status init(void *state, const struct neph_frame_pair *first,
@@ -68,68 +66,27 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
            (size_t)row_count * width * sizeof(*state->map));
 }
 
-static void stop(void *opaque)
-{
-    struct state *state = opaque;
-    neph_flip_destroy(state->flip);
-    free(state->map);
-}
-
 #define SOURCE                                                                                     \
     "Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images (HPG); "           \
     "constants of NVlabs/flip 1.6"
 
 /* The metrics of both, which differ in the names alone. */
-#define METRICS(prefix, at)                                                                        \
-    {                                                                                              \
-        {prefix "_mean", "1", 0.0, 1.0, NEPH_POOL_MEAN, 0.0, 0, 0, "mean of LDR-FLIP" at},         \
-            {prefix "_wmedian",                                                                    \
-             "1",                                                                                  \
-             0.0,                                                                                  \
-             1.0,                                                                                  \
-             NEPH_POOL_WEIGHTED_PERCENTILE,                                                        \
-             0.5,                                                                                  \
-             0,                                                                                    \
-             0,                                                                                    \
-             "median of LDR-FLIP weighted by itself" at},                                          \
-            {prefix "_wq1",                                                                        \
-             "1",                                                                                  \
-             0.0,                                                                                  \
-             1.0,                                                                                  \
-             NEPH_POOL_WEIGHTED_PERCENTILE,                                                        \
-             0.25,                                                                                 \
-             0,                                                                                    \
-             0,                                                                                    \
-             "first quartile of LDR-FLIP weighted by itself" at},                                  \
-            {prefix "_wq3",                                                                        \
-             "1",                                                                                  \
-             0.0,                                                                                  \
-             1.0,                                                                                  \
-             NEPH_POOL_WEIGHTED_PERCENTILE,                                                        \
-             0.75,                                                                                 \
-             0,                                                                                    \
-             0,                                                                                    \
-             "third quartile of LDR-FLIP weighted by itself" at},                                  \
-            {prefix "_p95",                                                                        \
-             "1",                                                                                  \
-             0.0,                                                                                  \
-             1.0,                                                                                  \
-             NEPH_POOL_PERCENTILE,                                                                 \
-             0.95,                                                                                 \
-             0,                                                                                    \
-             0,                                                                                    \
-             "95th percentile of LDR-FLIP" at},                                                    \
-            {prefix "_p99",                                                                        \
-             "1",                                                                                  \
-             0.0,                                                                                  \
-             1.0,                                                                                  \
-             NEPH_POOL_PERCENTILE,                                                                 \
-             0.99,                                                                                 \
-             0,                                                                                    \
-             0,                                                                                    \
-             "99th percentile of LDR-FLIP" at},                                                    \
-            {prefix "_max", "1", 0.0, 1.0, NEPH_POOL_MAX, 0.0, 0, 0, "largest LDR-FLIP" at}, {0},  \
-    }
+/* clang-format off */
+#define METRIC(prefix, name, pool, share, help, at) \
+    {prefix name, "1", 0.0, 1.0, pool, share, 0, 0, help at}
+#define METRICS(prefix, at) { \
+    METRIC(prefix, "_mean", NEPH_POOL_MEAN, 0.0, "mean of LDR-FLIP", at), \
+    METRIC(prefix, "_wmedian", NEPH_POOL_WEIGHTED_PERCENTILE, 0.5, \
+           "median of LDR-FLIP weighted by itself", at), \
+    METRIC(prefix, "_wq1", NEPH_POOL_WEIGHTED_PERCENTILE, 0.25, \
+           "first quartile of LDR-FLIP weighted by itself", at), \
+    METRIC(prefix, "_wq3", NEPH_POOL_WEIGHTED_PERCENTILE, 0.75, \
+           "third quartile of LDR-FLIP weighted by itself", at), \
+    METRIC(prefix, "_p95", NEPH_POOL_PERCENTILE, 0.95, "95th percentile of LDR-FLIP", at), \
+    METRIC(prefix, "_p99", NEPH_POOL_PERCENTILE, 0.99, "99th percentile of LDR-FLIP", at), \
+    METRIC(prefix, "_max", NEPH_POOL_MAX, 0.0, "largest LDR-FLIP", at), \
+    {0}}
+/* clang-format on */
 
 static const struct neph_metric metrics[] = METRICS("flip", ", pixels per degree as viewed");
 static const struct neph_metric desk_metrics[] = METRICS("flip40", ", 40 pixels per degree");
@@ -153,7 +110,6 @@ const struct neph_extractor neph_extractor_flip = {
     .init = init,
     .extract = extract,
     .rows = rows,
-    .close = stop,
 };
 
 const struct neph_extractor neph_extractor_flip40 = {
@@ -171,5 +127,4 @@ const struct neph_extractor neph_extractor_flip40 = {
     .init = init_desk,
     .extract = extract,
     .rows = rows,
-    .close = stop,
 };

@@ -17,8 +17,6 @@
 #include "metrics/vector_math.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { PERIODS_MAX = 3, BASIS_MAX = 2 + 2 * PERIODS_MAX };
 
@@ -159,8 +157,8 @@ struct state {
     double gain; /* display value of the radiance 1 */
     struct basis basis;
     double gram[BASIS_MAX][BASIS_MAX]; /* sums of products of the functions; then its inverse */
-    double *sums[PICTURE_COUNT][BASIS_MAX], *squares[PICTURE_COUNT]; /* in one block */
-    double *block;                                                   /* owned */
+    double *sums[PICTURE_COUNT][BASIS_MAX], *squares[PICTURE_COUNT]; /* in one block: */
+    double *block;
 };
 
 static enum neph_status init(void *state_, const struct neph_frame_pair *first,
@@ -173,7 +171,7 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .gain = exp2(first->viewing->exposure_ev),
                             .basis = basis_of(settings)};
     const size_t plane_count = (size_t)(PICTURE_COUNT * (state->basis.count + 1));
-    double *next = calloc(pixel_count, plane_count * sizeof(*next));
+    double *next = neph_arena_zeroed(first->memory, pixel_count, plane_count * sizeof(*next));
     state->block = next;
     if (!next)
         return neph_fail_memory(diag);
@@ -387,12 +385,6 @@ static const char *scalar(const void *state_, int which, double *value)
     return NULL;
 }
 
-static void finish(void *state_)
-{
-    struct state *state = state_;
-    free(state->block);
-}
-
 const struct neph_extractor neph_extractor_follow = {
     .name = "follow",
     .help = "how much of a sine of the light the test follows, and how many frames late",
@@ -419,5 +411,4 @@ const struct neph_extractor neph_extractor_follow = {
     .flush = flush,
     .rows = rows,
     .scalar = scalar,
-    .close = finish,
 };

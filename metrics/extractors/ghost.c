@@ -21,7 +21,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 enum { AGE_COUNT = 4, AGE_LAST = 32 }; /* ages of their own numbers; how long ghosts are counted */
 
@@ -99,7 +98,7 @@ struct state {
     double gain; /* display value of the radiance 1 */
     double depth_tolerance;
     struct neph_kept frames[2];
-    struct pixel *pixels; /* owned */
+    struct pixel *pixels;
 };
 
 static enum neph_status init(void *state_, const struct neph_frame_pair *first,
@@ -111,9 +110,8 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .height_px = first->height_px,
                             .gain = exp2(first->viewing->exposure_ev),
                             .depth_tolerance = settings->values[DEPTH_TOLERANCE]};
-    state->pixels = calloc(pixel_count, sizeof(*state->pixels));
-    return state->pixels ? neph_kept_init(state->frames, pixel_count, diag)
-                         : neph_fail_memory(diag);
+    state->pixels = neph_arena_zeroed(first->memory, pixel_count, sizeof(*state->pixels));
+    return neph_kept_init(state->frames, pixel_count, first->memory, diag);
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -245,13 +243,6 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
         values[0][i] = value_of(state, map, &state->pixels[first + i]);
 }
 
-static void finish(void *state_)
-{
-    struct state *state = state_;
-    neph_kept_finish(state->frames);
-    free(state->pixels);
-}
-
 const struct neph_extractor neph_extractor_ghost = {
     .name = "ghost",
     .help = "what is left behind moving edges of what had been in front, by frames since",
@@ -275,5 +266,4 @@ const struct neph_extractor neph_extractor_ghost = {
     .init = init,
     .extract = extract,
     .rows = rows,
-    .close = finish,
 };

@@ -200,13 +200,12 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
     enum neph_status status = choose_exposures(first, tone, settings, &state->exposures, diag);
     if (status)
         return status;
-    state->displays = calloc((size_t)state->exposures.count, sizeof(*state->displays));
-    state->map = calloc(pixel_count(first), sizeof(*state->map));
-    if (!state->displays || !state->map)
-        return neph_fail_memory(diag);
-    for (int i = 0; i < state->exposures.count; i++)
+    state->displays = neph_arena_zeroed(first->memory, (size_t)state->exposures.count,
+                                        sizeof(*state->displays));
+    state->map = neph_arena_zeroed(first->memory, pixel_count(first), sizeof(*state->map));
+    for (int i = 0; state->displays && i < state->exposures.count; i++)
         state->displays[i] = (struct neph_flip_display){exposure_at(&state->exposures, i), tone};
-    return neph_flip_create(first->viewing->pixels_per_degree, &state->flip, diag);
+    return neph_flip_create(first->viewing->pixels_per_degree, first->memory, &state->flip, diag);
 }
 
 static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
@@ -238,14 +237,6 @@ static const char *scalar(const void *opaque, int which, double *value)
     };
     *value = values[which];
     return NULL;
-}
-
-static void stop(void *opaque)
-{
-    struct state *state = opaque;
-    neph_flip_destroy(state->flip);
-    free(state->displays);
-    free(state->map);
 }
 
 static const struct neph_metric metrics[] = {
@@ -291,5 +282,4 @@ const struct neph_extractor neph_extractor_hdr_flip = {
     .extract = extract,
     .rows = rows,
     .scalar = scalar,
-    .close = stop,
 };

@@ -29,7 +29,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 enum { RESIDUAL_FRAME = 16, PHASE_COUNT = 4, LIMIT_COUNT = 3 };
 enum { GHOST_LIMIT = 1, GHOST_FRAMES = 32 }; /* which of the limits; how long ghosts are summed */
@@ -160,10 +159,10 @@ enum plane {
 struct state {
     int width_px, height_px;
     int step_frame, slot_px;
-    bool old_is_second;          /* else it is the frame before the step */
-    int frame_count;             /* from the step on */
-    double gain;                 /* display value of the radiance 1 */
-    double *planes[PLANE_COUNT]; /* in one block, owned through the first */
+    bool old_is_second; /* else it is the frame before the step */
+    int frame_count;    /* from the step on */
+    double gain;        /* display value of the radiance 1 */
+    double *planes[PLANE_COUNT];
     bool any_step;
     double phase_means[PHASE_COUNT];
     bool phase_defined[PHASE_COUNT];
@@ -192,12 +191,9 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .slot_px = (int)settings->values[SLOT_PX],
                             .old_is_second = settings->values[OLD] > 0.0,
                             .gain = exp2(first->viewing->exposure_ev)};
-    double *block = calloc(pixel_count, PLANE_COUNT * sizeof(*block));
-    if (!block)
-        return neph_fail_memory(diag);
     for (int p = 0; p < PLANE_COUNT; p++)
-        state->planes[p] = block + (size_t)p * pixel_count;
-    return NEPH_OK;
+        state->planes[p] = neph_arena_zeroed(first->memory, pixel_count, sizeof(double));
+    return neph_arena_check(first->memory, diag);
 }
 
 static double luminance_at(const float *const planes[3], size_t i)
@@ -429,12 +425,6 @@ static const char *scalar(const void *state_, int which, double *value)
     return NULL;
 }
 
-static void finish(void *state_)
-{
-    struct state *state = state_;
-    free(state->planes[0]);
-}
-
 const struct neph_extractor neph_extractor_lag = {
     .name = "lag",
     .help =
@@ -463,5 +453,4 @@ const struct neph_extractor neph_extractor_lag = {
     .flush = flush,
     .rows = rows,
     .scalar = scalar,
-    .close = finish,
 };

@@ -25,7 +25,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const char never_valid[] =
@@ -121,9 +120,9 @@ struct state {
     bool luminance;
     double depth_tolerance, edge_ratio;
     struct neph_kept frames[2];
-    struct pixel *pixels; /* owned */
-    struct ages *rows;    /* owned */
-    struct ages totals;   /* after the last frame */
+    struct pixel *pixels;
+    struct ages *rows;
+    struct ages totals; /* after the last frame */
 };
 
 /* ---- beginning ------------------------------------------------------------------------------- */
@@ -139,11 +138,9 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .luminance = settings->values[SIGNAL] > 0.0,
                             .depth_tolerance = settings->values[DEPTH_TOLERANCE],
                             .edge_ratio = settings->values[EDGE_RATIO]};
-    state->pixels = calloc(pixel_count, sizeof(*state->pixels));
-    state->rows = calloc((size_t)first->height_px, sizeof(*state->rows));
-    if (!state->pixels || !state->rows)
-        return neph_fail_memory(diag);
-    const enum neph_status status = neph_kept_init(state->frames, pixel_count, diag);
+    state->pixels = neph_arena_zeroed(first->memory, pixel_count, sizeof(*state->pixels));
+    state->rows = neph_arena_zeroed(first->memory, (size_t)first->height_px, sizeof(*state->rows));
+    const enum neph_status status = neph_kept_init(state->frames, pixel_count, first->memory, diag);
     for (int k = 0; k < 2 && !status; k++)
         memset(state->frames[k].age, AGE_UNKNOWN, pixel_count);
     return status;
@@ -379,14 +376,6 @@ static const char *scalar(const void *state_, int which, double *value)
     return NULL;
 }
 
-static void finish(void *state_)
-{
-    struct state *state = state_;
-    neph_kept_finish(state->frames);
-    free(state->pixels);
-    free(state->rows);
-}
-
 const struct neph_extractor neph_extractor_motion = {
     .name = "motion",
     .help = "frames against the frame before, moved by exact motion vectors; disocclusions",
@@ -411,5 +400,4 @@ const struct neph_extractor neph_extractor_motion = {
     .flush = flush,
     .rows = rows,
     .scalar = scalar,
-    .close = finish,
 };

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/extractors/moved.h"
 
-#include <stdlib.h>
-
 static const double opaque_transmittance = 0.5;
 
 static bool find_in(const struct neph_image *image, const char *of, struct neph_moved *moved)
@@ -104,25 +102,14 @@ double neph_moved_nearness_before_per_m(const struct neph_moved *moved, size_t p
 }
 
 enum neph_status neph_kept_init(struct neph_kept frames[2], size_t pixel_count,
-                                struct neph_diag *diag)
+                                struct neph_arena *memory, struct neph_diag *diag)
 {
     for (int k = 0; k < 2; k++) {
-        double *values = calloc(pixel_count, 3 * sizeof(*values));
-        uint8_t *bytes = calloc(pixel_count, 2);
-        frames[k] = (struct neph_kept){.nearness_per_m = values, .age = bytes};
-        if (!values || !bytes)
-            return neph_fail_memory(diag);
-        frames[k].planes[0] = values + pixel_count;
-        frames[k].planes[1] = values + 2 * pixel_count;
-        frames[k].flags = bytes + pixel_count;
+        frames[k].nearness_per_m = neph_arena_zeroed(memory, pixel_count, sizeof(double));
+        frames[k].planes[0] = neph_arena_zeroed(memory, pixel_count, sizeof(double));
+        frames[k].planes[1] = neph_arena_zeroed(memory, pixel_count, sizeof(double));
+        frames[k].age = neph_arena_zeroed(memory, pixel_count, sizeof(uint8_t));
+        frames[k].flags = neph_arena_zeroed(memory, pixel_count, sizeof(uint8_t));
     }
-    return NEPH_OK;
-}
-
-void neph_kept_finish(struct neph_kept frames[2])
-{
-    for (int k = 0; k < 2; k++) {
-        free(frames[k].nearness_per_m);
-        free(frames[k].age);
-    }
+    return neph_arena_check(memory, diag);
 }

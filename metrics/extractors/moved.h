@@ -50,11 +50,10 @@ struct neph_kept {
     uint8_t *flags;
 };
 
-/* Two frames, for the one at hand and the one before, which change places by parity. Free with
- * neph_kept_finish(), after an error too. */
+/* Two frames, for the one at hand and the one before, which change places by parity. The arena has
+ * their memory. NEPH_ERR_MEMORY, also when the arena was short before. */
 enum neph_status neph_kept_init(struct neph_kept frames[2], size_t pixel_count,
-                                struct neph_diag *diag);
-void neph_kept_finish(struct neph_kept frames[2]);
+                                struct neph_arena *memory, struct neph_diag *diag);
 
 /* Four pixels of the frame before and their weights. */
 struct neph_place {

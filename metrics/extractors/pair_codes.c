@@ -3,19 +3,7 @@
 
 #include "base/threads.h"
 
-#include <stdlib.h>
-
 enum { ROW_GROUP = 8 }; /* rows that one thread encodes at a time */
-
-void neph_pair_codes_finish(struct neph_pair_codes *codes)
-{
-    for (int k = 0; k < NEPH_CODE_COUNT; k++) {
-        neph_code_destroy(codes->kinds[k].code);
-        free(codes->kinds[k].reference);
-        free(codes->kinds[k].test);
-    }
-    *codes = (struct neph_pair_codes){0};
-}
 
 void neph_pair_codes_forget(struct neph_pair_codes *codes)
 {
@@ -45,14 +33,16 @@ static void encode_group(int group, void *context)
 static enum neph_status prepare(const struct neph_frame_pair *pair, enum neph_code_kind kind,
                                 struct neph_code_planes *planes, struct neph_diag *diag)
 {
-    const size_t size = (size_t)pair->width_px * (size_t)pair->height_px * sizeof(double);
+    const size_t count = (size_t)pair->width_px * (size_t)pair->height_px;
+    struct neph_arena *memory = pair->codes->memory;
     if (!planes->reference)
-        planes->reference = malloc(size);
+        planes->reference = neph_arena_zeroed(memory, count, sizeof(double));
     if (!planes->test)
-        planes->test = malloc(size);
+        planes->test = neph_arena_zeroed(memory, count, sizeof(double));
     if (!planes->reference || !planes->test)
         return neph_fail_memory(diag);
-    return planes->code ? NEPH_OK : neph_code_create(kind, pair->viewing, &planes->code, diag);
+    return planes->code ? NEPH_OK
+                        : neph_code_create(kind, pair->viewing, memory, &planes->code, diag);
 }
 
 enum neph_status neph_pair_codes_of(const struct neph_frame_pair *pair, enum neph_code_kind kind,

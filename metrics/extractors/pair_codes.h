@@ -11,17 +11,17 @@
 #include <stdbool.h>
 
 struct neph_code_planes {
-    struct neph_code *code;   /* owned */
-    double *reference, *test; /* of all pixels; owned */
+    struct neph_code *code;
+    double *reference, *test; /* of all pixels */
     bool is_made;             /* of this pair */
 };
 
-/* Codes of pairs of one size and one way of viewing. Start from {0}. */
+/* Codes of pairs of one size and one way of viewing. Start from zeros and the arena that they are to
+ * live in. */
 struct neph_pair_codes {
+    struct neph_arena *memory;
     struct neph_code_planes kinds[NEPH_CODE_COUNT];
 };
-
-void neph_pair_codes_finish(struct neph_pair_codes *codes);
 
 /* Before another pair. */
 void neph_pair_codes_forget(struct neph_pair_codes *codes);

@@ -12,7 +12,6 @@
 #include "metrics/vector_math.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const char one_frame[] = "there is only one frame";
 
@@ -46,7 +45,7 @@ struct state {
     int frame_count;
     bool has_luma;
     double gain;                   /* display value of the radiance 1 */
-    double *residual[PLANE_COUNT]; /* of the last frame; in one block, owned through the first */
+    double *residual[PLANE_COUNT]; /* of the last frame */
     double *squares[PLANE_COUNT];  /* sums of the squared change */
 };
 
@@ -61,14 +60,11 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .plane_count = first->plane_count,
                             .has_luma = (first->quantity->bit & SHOWABLE) != 0,
                             .gain = exp2(first->viewing->exposure_ev)};
-    double *block = calloc(pixel_count, 2 * PLANE_COUNT * sizeof(*block));
-    if (!block)
-        return neph_fail_memory(diag);
     for (int p = 0; p < PLANE_COUNT; p++) {
-        state->residual[p] = block + (size_t)(2 * p) * pixel_count;
-        state->squares[p] = block + (size_t)(2 * p + 1) * pixel_count;
+        state->residual[p] = neph_arena_zeroed(first->memory, pixel_count, sizeof(double));
+        state->squares[p] = neph_arena_zeroed(first->memory, pixel_count, sizeof(double));
     }
-    return NEPH_OK;
+    return neph_arena_check(first->memory, diag);
 }
 
 /* `weight` is 0 in the first frame, which has none before it. */
@@ -158,12 +154,6 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
     }
 }
 
-static void finish(void *state_)
-{
-    struct state *state = state_;
-    free(state->residual[0]);
-}
-
 const struct neph_extractor neph_extractor_residual_change = {
     .name = "residual_change",
     .help = "changes of the error from frame to frame; true motion cancels",
@@ -181,5 +171,4 @@ const struct neph_extractor neph_extractor_residual_change = {
     .init = init,
     .extract = extract,
     .rows = rows,
-    .close = finish,
 };

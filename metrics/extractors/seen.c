@@ -16,7 +16,6 @@
  */
 #include "base/threads.h"
 #include "metrics/extractors/extractors.h"
-#include "metrics/extractors/flicker_sums.h"
 #include "metrics/extractors/seen_contrast.h"
 #include "metrics/extractors/seen_disks.h"
 #include "metrics/extractors/seen_spatial.h"
@@ -133,14 +132,16 @@ struct seen {
     int padded_disk_count;
     struct neph_seen_gains gains;
 
-    /* All owned. */
-    float *series;      /* by row, frame and pixel: test - reference, filtered [cd/m2] */
-    float *disk_series; /* by frame and disk: the mean of the same, not filtered */
-    float *plane;       /* the frame that is worked on */
-    double *sums;       /* of what is before a pixel in its row: width + 1 a row */
-    float *luminance;   /* of the test, summed over the frames; in the end the eye's */
+    struct neph_arena frames; /* of what only frames, or only the way to the maps, need: */
+    float *series;            /* by row, frame and pixel: test - reference, filtered [cd/m2] */
+    float *disk_series;       /* by frame and disk: the mean of the same, not filtered */
+    float *plane;             /* the frame that is worked on */
+    double *sums;             /* of what is before a pixel in its row: width + 1 a row */
+    float *luminance;         /* of the test, summed over the frames; in the end the eye's */
     float *disk_luminance, *disk_contrast, *disk_hertz;
     float *row_energies; /* by row and bin: what is seen of it */
+
+    struct neph_arena *memory; /* of the maps */
     float *values[MAP_COUNT];
     atomic_bool out_of_memory;
 
@@ -166,12 +167,6 @@ static int padded(int count)
     return (count + LANES - 1) / LANES * LANES;
 }
 
-/* Zeros, in huge pages where the system has them. */
-static float *zeros(size_t count)
-{
-    return (float *)neph_flicker_zeros(count / 2 + 1);
-}
-
 static size_t pixel_count(const struct seen *seen)
 {
     return (size_t)seen->width_px * (size_t)seen->height_px;
@@ -181,20 +176,24 @@ static enum neph_status allocate(struct seen *seen, struct neph_diag *diag)
 {
     const size_t rows = (size_t)seen->height_px, frames = (size_t)seen->frame_count;
     const size_t disks = (size_t)seen->padded_disk_count;
-    seen->series = zeros(rows * frames * (size_t)seen->padded_width_px);
-    seen->disk_series = zeros(frames * disks);
-    seen->plane = zeros(pixel_count(seen));
-    seen->luminance = zeros(pixel_count(seen));
-    seen->sums = calloc(rows * ((size_t)seen->width_px + 1), sizeof(*seen->sums));
-    seen->disk_luminance = zeros(disks);
-    seen->disk_contrast = zeros(disks);
-    seen->disk_hertz = zeros(disks);
-    seen->row_energies = calloc(rows * (size_t)seen->window.bin_count, sizeof(*seen->row_energies));
-    return seen->series && seen->disk_series && seen->plane && seen->luminance && seen->sums &&
-                   seen->disk_luminance && seen->disk_contrast && seen->disk_hertz &&
-                   seen->row_energies
-               ? NEPH_OK
-               : neph_fail_memory(diag);
+    const struct {
+        float **plane;
+        size_t count;
+    } planes[] = {
+        {&seen->series, rows * frames * (size_t)seen->padded_width_px},
+        {&seen->disk_series, frames * disks},
+        {&seen->plane, pixel_count(seen)},
+        {&seen->luminance, pixel_count(seen)},
+        {&seen->disk_luminance, disks},
+        {&seen->disk_contrast, disks},
+        {&seen->disk_hertz, disks},
+        {&seen->row_energies, rows * (size_t)seen->window.bin_count},
+    };
+    for (size_t i = 0; i < sizeof(planes) / sizeof(planes[0]); i++)
+        *planes[i].plane = neph_arena_zeroed(&seen->frames, planes[i].count, sizeof(float));
+    seen->sums = neph_arena_zeroed(&seen->frames, rows * ((size_t)seen->width_px + 1),
+                                   sizeof(*seen->sums));
+    return neph_arena_check(&seen->frames, diag);
 }
 
 static enum neph_status seen_init(void *state, const struct neph_frame_pair *first,
@@ -204,6 +203,7 @@ static enum neph_status seen_init(void *state, const struct neph_frame_pair *fir
     const double ppd = first->viewing->pixels_per_degree;
     *seen = (struct seen){
         .viewing = *first->viewing,
+        .memory = first->memory,
         .warm_up = (int)settings->values[0],
         .frame_count = frames_used(first, settings),
         .width_px = first->width_px,
@@ -213,35 +213,15 @@ static enum neph_status seen_init(void *state, const struct neph_frame_pair *fir
         .disks = neph_seen_disks_of(first->width_px, first->height_px, ppd),
     };
     seen->padded_disk_count = padded(seen->disks.disk_count);
-    const enum neph_status status = neph_seen_window_create(seen->frame_count, &seen->window, diag);
+    const enum neph_status status = neph_seen_window_create(seen->frame_count, &seen->frames,
+                                                            &seen->window, diag);
     return status ? status : allocate(seen, diag);
-}
-
-/* What only frames, or only the way to the maps, need. */
-static void forget_frames(struct seen *seen)
-{
-    neph_seen_window_finish(&seen->window);
-    free(seen->series);
-    free(seen->disk_series);
-    free(seen->plane);
-    free(seen->sums);
-    free(seen->luminance);
-    free(seen->disk_luminance);
-    free(seen->disk_contrast);
-    free(seen->disk_hertz);
-    free(seen->row_energies);
-    free(seen->gains.values);
-    seen->series = seen->disk_series = seen->plane = seen->luminance = seen->row_energies = NULL;
-    seen->disk_luminance = seen->disk_contrast = seen->disk_hertz = seen->gains.values = NULL;
-    seen->sums = NULL;
 }
 
 static void seen_close(void *state)
 {
     struct seen *seen = state;
-    forget_frames(seen);
-    for (int map = 0; map < MAP_COUNT; map++)
-        free(seen->values[map]);
+    neph_arena_finish(&seen->frames);
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -515,7 +495,8 @@ static enum neph_status find_contrast(struct seen *seen, struct neph_diag *diag)
 {
     enum neph_status status = neph_seen_gains_create(
         seen->window.bin_count, bin_hz(seen), seen->viewing.frame_rate_hz,
-        black * seen->viewing.white_cd_per_m2, seen->viewing.white_cd_per_m2, &seen->gains, diag);
+        black * seen->viewing.white_cd_per_m2, seen->viewing.white_cd_per_m2, &seen->frames,
+        &seen->gains, diag);
     if (!status)
         status = over_rows(seen, find_row, seen, diag);
     if (!status)
@@ -607,14 +588,10 @@ static void find_most_seen(struct seen *seen)
 
 static enum neph_status allocate_maps(struct seen *seen, struct neph_diag *diag)
 {
-    for (int map = 0; map < MAP_COUNT; map++) {
-        if (map == FOURTH_POWER)
-            continue; /* of another */
-        seen->values[map] = zeros(pixel_count(seen));
-        if (!seen->values[map])
-            return neph_fail_memory(diag);
-    }
-    return NEPH_OK;
+    for (int map = 0; map < MAP_COUNT; map++)
+        if (map != FOURTH_POWER) /* of another */
+            seen->values[map] = neph_arena_zeroed(seen->memory, pixel_count(seen), sizeof(float));
+    return neph_arena_check(seen->memory, diag);
 }
 
 static enum neph_status seen_flush(void *state, struct neph_diag *diag)
@@ -635,7 +612,7 @@ static enum neph_status seen_flush(void *state, struct neph_diag *diag)
     find_most_coherent(seen);
     find_most_seen(seen);
     seen->scalars[FRAMES] = seen->frame_count;
-    forget_frames(seen);
+    neph_arena_finish(&seen->frames);
     seen->complete = true;
     return NEPH_OK;
 }

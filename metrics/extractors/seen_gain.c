@@ -5,7 +5,6 @@
 #include "metrics/eye.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* The radius of the disk that De Lange's level is of, and that a pixel is taken for the centre of.
  */
@@ -47,17 +46,18 @@ static void fill_bin(int bin, void *context)
 
 enum neph_status neph_seen_gains_create(int bin_count, double bin_hz, double frame_rate_hz,
                                         double black_cd_per_m2, double white_cd_per_m2,
-                                        struct neph_seen_gains *gains, struct neph_diag *diag)
+                                        struct neph_arena *memory, struct neph_seen_gains *gains,
+                                        struct neph_diag *diag)
 {
     *gains = (struct neph_seen_gains){
         .bin_count = bin_count,
         .black_cd_per_m2 = black_cd_per_m2,
         .levels_per_octave = (NEPH_SEEN_LEVELS - 1) / log2(white_cd_per_m2 / black_cd_per_m2),
-        .values = malloc((size_t)bin_count * NEPH_SEEN_LEVELS * sizeof(*gains->values))};
-    if (!gains->values)
-        return neph_fail_memory(diag);
+        .values = neph_arena_zeroed(memory, (size_t)bin_count * NEPH_SEEN_LEVELS,
+                                    sizeof(*gains->values))};
     struct work work = {gains, bin_hz, frame_rate_hz};
-    return neph_parallel_rows(bin_count, fill_bin, &work, diag);
+    return gains->values ? neph_parallel_rows(bin_count, fill_bin, &work, diag)
+                         : neph_fail_memory(diag);
 }
 
 float neph_seen_level(const struct neph_seen_gains *gains, double luminance_cd_per_m2)

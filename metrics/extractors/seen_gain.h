@@ -11,7 +11,7 @@
 #ifndef NEPH_METRICS_EXTRACTORS_SEEN_GAIN_H
 #define NEPH_METRICS_EXTRACTORS_SEEN_GAIN_H
 
-#include "base/status.h"
+#include "base/arena.h"
 
 /* For a disk of `radius_deg`; 0 below NEPH_EYE_FLICKER_HZ. */
 double neph_seen_gain(double frequency_hz, double frame_rate_hz, double luminance_cd_per_m2,
@@ -23,14 +23,15 @@ enum { NEPH_SEEN_LEVELS = 96 }; /* of luminance, equal steps of its logarithm */
 struct neph_seen_gains {
     int bin_count;
     double black_cd_per_m2, levels_per_octave;
-    float *values; /* by bin and level; owned */
+    float *values; /* by bin and level */
 };
 
-/* Bins 0 .. bin_count - 1 lie `bin_hz` apart. Free with free(values).
+/* Bins 0 .. bin_count - 1 lie `bin_hz` apart. The arena has the values.
  * NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
 enum neph_status neph_seen_gains_create(int bin_count, double bin_hz, double frame_rate_hz,
                                         double black_cd_per_m2, double white_cd_per_m2,
-                                        struct neph_seen_gains *gains, struct neph_diag *diag);
+                                        struct neph_arena *memory, struct neph_seen_gains *gains,
+                                        struct neph_diag *diag);
 
 /* Where a luminance lies among the levels, 0 .. NEPH_SEEN_LEVELS - 1. */
 float neph_seen_level(const struct neph_seen_gains *gains, double luminance_cd_per_m2);

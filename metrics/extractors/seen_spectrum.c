@@ -8,7 +8,6 @@
 #include "metrics/vector_math.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { LANES = NEPH_SEEN_LANES, PAIRS = LANES / 2 };
@@ -44,38 +43,28 @@ static void fill_frames(struct neph_seen_window *window)
         }
 }
 
-enum neph_status neph_seen_window_create(int frame_count, struct neph_seen_window *window,
-                                         struct neph_diag *diag)
+enum neph_status neph_seen_window_create(int frame_count, struct neph_arena *memory,
+                                         struct neph_seen_window *window, struct neph_diag *diag)
 {
     const size_t n = (size_t)frame_count;
     *window = (struct neph_seen_window){.frame_count = frame_count, .padded_count = 4};
     while (window->padded_count < frame_count)
         window->padded_count *= 2;
     window->bin_count = window->padded_count / 2 + 1;
-    window->taper = malloc(n * sizeof(*window->taper));
-    window->mean_weights = malloc(n * sizeof(*window->mean_weights));
-    window->slope_weights = malloc(n * sizeof(*window->slope_weights));
-    window->turns = malloc((size_t)window->padded_count * sizeof(*window->turns));
-    window->places = malloc(n * sizeof(*window->places));
-    if (!window->taper || !window->mean_weights || !window->slope_weights || !window->turns ||
-        !window->places)
-        return neph_fail_memory(diag);
+    window->taper = neph_arena_zeroed(memory, n, sizeof(*window->taper));
+    window->mean_weights = neph_arena_zeroed(memory, n, sizeof(*window->mean_weights));
+    window->slope_weights = neph_arena_zeroed(memory, n, sizeof(*window->slope_weights));
+    window->turns = neph_arena_zeroed(memory, (size_t)window->padded_count, sizeof(*window->turns));
+    window->places = neph_arena_zeroed(memory, n, sizeof(*window->places));
+    const enum neph_status status = neph_arena_check(memory, diag);
+    if (status)
+        return status;
     fill_frames(window);
     for (int j = 0; j < window->padded_count / 2; j++) {
         window->turns[2 * j] = (float)cos(2.0 * M_PI * j / window->padded_count);
         window->turns[2 * j + 1] = (float)-sin(2.0 * M_PI * j / window->padded_count);
     }
     return NEPH_OK;
-}
-
-void neph_seen_window_finish(struct neph_seen_window *window)
-{
-    free(window->taper);
-    free(window->mean_weights);
-    free(window->slope_weights);
-    free(window->turns);
-    free(window->places);
-    *window = (struct neph_seen_window){0};
 }
 
 size_t neph_seen_room(const struct neph_seen_window *window)

@@ -11,14 +11,13 @@
 #ifndef NEPH_METRICS_EXTRACTORS_SEEN_SPECTRUM_H
 #define NEPH_METRICS_EXTRACTORS_SEEN_SPECTRUM_H
 
-#include "base/status.h"
+#include "base/arena.h"
 
 #include <stddef.h>
 
 enum { NEPH_SEEN_LANES = 32 };      /* series that are worked on side by side */
 enum { NEPH_SEEN_FRAMES_MIN = 16 }; /* fewer tell next to no frequencies apart */
 
-/* All owned. */
 struct neph_seen_window {
     int frame_count;
     int padded_count;                            /* M */
@@ -28,10 +27,9 @@ struct neph_seen_window {
     int *places;                                 /* of each frame in the order of the transform */
 };
 
-/* For `frame_count` frames, at least 3. After a failure _finish, too. NEPH_ERR_MEMORY. */
-enum neph_status neph_seen_window_create(int frame_count, struct neph_seen_window *window,
-                                         struct neph_diag *diag);
-void neph_seen_window_finish(struct neph_seen_window *window); /* a zeroed one is fine */
+/* For `frame_count` frames, at least 3; the arena has its arrays. NEPH_ERR_MEMORY. */
+enum neph_status neph_seen_window_create(int frame_count, struct neph_arena *memory,
+                                         struct neph_seen_window *window, struct neph_diag *diag);
 
 /* How many floats of room neph_seen_spectrum() needs. */
 size_t neph_seen_room(const struct neph_seen_window *window);

@@ -13,7 +13,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 enum {
     BLOCK = 8,
@@ -34,7 +33,7 @@ static const struct move moves[MOVE_COUNT] = {{0, 0},   {-1, 0}, {1, 0},  {0, -1
 struct state {
     struct neph_frame_pair pair;
     int columns;   /* of blocks */
-    uint8_t *best; /* for each block, an index of moves; owned */
+    uint8_t *best; /* for each block, an index of moves */
 };
 
 static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
@@ -44,8 +43,9 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
     struct state *state = opaque;
     state->columns = (first->width_px + BLOCK - 1) / BLOCK;
     int rows = (first->height_px + BLOCK - 1) / BLOCK;
-    state->best = calloc((size_t)state->columns * (size_t)rows, sizeof(*state->best));
-    return state->best ? NEPH_OK : neph_fail_memory(diag);
+    state->best = neph_arena_zeroed(first->memory, (size_t)state->columns * (size_t)rows,
+                                    sizeof(*state->best));
+    return neph_arena_check(first->memory, diag);
 }
 
 /* ---- the vote -------------------------------------------------------------------------------- */
@@ -261,12 +261,6 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
     }
 }
 
-static void close(void *opaque)
-{
-    struct state *state = opaque;
-    free(state->best);
-}
-
 static const struct neph_option options[] = {{.name = NULL}};
 
 static const struct neph_metric metrics[] = {
@@ -295,5 +289,4 @@ const struct neph_extractor neph_extractor_shift = {
     .init = init,
     .extract = extract,
     .rows = rows,
-    .close = close,
 };

@@ -9,7 +9,6 @@
 
 #include <math.h>
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -42,8 +41,8 @@ struct state {
     int width_px, height_px;
     int factor; /* by which ssim is decimated */
     int small_width_px, small_height_px;
-    double *small_reference, *small_test; /* decimated, when the factor is not 1; owned */
-    double *map;                          /* of the decimated size, NaN in the margin; owned */
+    double *small_reference, *small_test; /* decimated, when the factor is not 1 */
+    double *map;                          /* of the decimated size, NaN in the margin */
     double ms_ssim;
     const char *ms_ssim_undefined;
 };
@@ -77,11 +76,6 @@ static const char *obstacle(const struct neph_frame_pair *first,
                : NULL;
 }
 
-static double *allocate(int width_px, int height_px)
-{
-    return malloc((size_t)width_px * (size_t)height_px * sizeof(double));
-}
-
 static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag)
 {
@@ -93,16 +87,15 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
     state->factor = factor_of(first, settings);
     state->small_width_px = decimated_px(first->width_px, state->factor);
     state->small_height_px = decimated_px(first->height_px, state->factor);
-    state->map = allocate(state->small_width_px, state->small_height_px);
+    const size_t count = (size_t)state->small_width_px * (size_t)state->small_height_px;
+    state->map = neph_arena_zeroed(first->memory, count, sizeof(double));
     if (state->factor > 1) {
-        state->small_reference = allocate(state->small_width_px, state->small_height_px);
-        state->small_test = allocate(state->small_width_px, state->small_height_px);
+        state->small_reference = neph_arena_zeroed(first->memory, count, sizeof(double));
+        state->small_test = neph_arena_zeroed(first->memory, count, sizeof(double));
     }
-    if (!state->map || (state->factor > 1 && (!state->small_reference || !state->small_test)))
-        return neph_fail_memory(diag);
-    for (size_t i = 0; i < (size_t)state->small_width_px * (size_t)state->small_height_px; i++)
+    for (size_t i = 0; state->map && i < count; i++)
         state->map[i] = NAN;
-    return NEPH_OK;
+    return neph_arena_check(first->memory, diag);
 }
 
 /* ---- a frame --------------------------------------------------------------------------------- */
@@ -184,14 +177,6 @@ static const char *scalar(const void *opaque, int which, double *value)
     return state->ms_ssim_undefined;
 }
 
-static void close(void *opaque)
-{
-    struct state *state = opaque;
-    free(state->small_reference);
-    free(state->small_test);
-    free(state->map);
-}
-
 static const struct neph_metric metrics[] = {
     {"ssim_mean", "1", -1.0, 1.0, NEPH_POOL_MEAN, 0.0, 0, 0,
      "mean SSIM of code values, 11x11 Gaussian window, where the window lies inside"},
@@ -227,5 +212,4 @@ const struct neph_extractor neph_extractor_ssim = {
     .extract = extract,
     .rows = rows,
     .scalar = scalar,
-    .close = close,
 };

@@ -25,16 +25,6 @@ static const char *obstacle(const struct neph_frame_pair *first,
     return first->scene_mean > 0.0 ? NULL : black_frame;
 }
 
-static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
-                             const struct neph_settings *settings, struct neph_diag *diag)
-{
-    (void)opaque;
-    (void)first;
-    (void)settings;
-    (void)diag;
-    return NEPH_OK;
-}
-
 static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
                                 struct neph_diag *diag)
 {
@@ -109,7 +99,6 @@ const struct neph_extractor neph_extractor_stops = {
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct neph_frame_pair),
     .obstacle = obstacle,
-    .init = init,
     .extract = extract,
     .rows = rows,
 };

@@ -19,7 +19,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 enum { AGE_MAX = 16 };
 
@@ -65,8 +64,8 @@ struct energies {
 
 struct state {
     int width_px, height_px;
-    struct pixel *pixels;   /* owned */
-    struct energies *rows;  /* owned */
+    struct pixel *pixels;
+    struct energies *rows;
     struct energies totals; /* after the last frame */
 };
 
@@ -87,9 +86,9 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     const size_t pixel_count = (size_t)first->width_px * (size_t)first->height_px;
     state->width_px = first->width_px;
     state->height_px = first->height_px;
-    state->pixels = calloc(pixel_count, sizeof(*state->pixels));
-    state->rows = calloc((size_t)first->height_px, sizeof(*state->rows));
-    return state->pixels && state->rows ? NEPH_OK : neph_fail_memory(diag);
+    state->pixels = neph_arena_zeroed(first->memory, pixel_count, sizeof(*state->pixels));
+    state->rows = neph_arena_zeroed(first->memory, (size_t)first->height_px, sizeof(*state->rows));
+    return neph_arena_check(first->memory, diag);
 }
 
 static double luminance_at(const float *const planes[3], size_t i)
@@ -181,13 +180,6 @@ static const char *scalar(const void *state_, int which, double *value)
     return NULL;
 }
 
-static void finish(void *state_)
-{
-    struct state *state = state_;
-    free(state->pixels);
-    free(state->rows);
-}
-
 const struct neph_extractor neph_extractor_trail = {
     .name = "trail",
     .help = "what is left of a moving card where it has been, by frames since",
@@ -209,5 +201,4 @@ const struct neph_extractor neph_extractor_trail = {
     .flush = flush,
     .rows = rows,
     .scalar = scalar,
-    .close = finish,
 };

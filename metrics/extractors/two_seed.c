@@ -18,16 +18,6 @@ static const char *obstacle(const struct neph_frame_pair *first,
     return first->reference_second[0] ? NULL : "there is no second reference, of another seed";
 }
 
-static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
-                             const struct neph_settings *settings, struct neph_diag *diag)
-{
-    (void)opaque;
-    (void)first;
-    (void)settings;
-    (void)diag;
-    return NEPH_OK;
-}
-
 NEPH_VECTOR static uint32_t count_not_finite(const float *values, size_t count)
 {
     uint32_t bad_count = 0;
@@ -131,7 +121,6 @@ const struct neph_extractor neph_extractor_two_seed = {
     .map_count = MAP_COUNT,
     .state_size = sizeof(struct neph_frame_pair),
     .obstacle = obstacle,
-    .init = init,
     .extract = extract,
     .rows = rows,
 };

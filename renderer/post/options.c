@@ -133,24 +133,28 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
 };
 
 const struct neph_preset neph_post_presets[] = {
-    {"off", "nothing", ""},
+    {"off", "nothing", "", 0},
     {"unreal", "Unreal Engine 4.26 by default: film curve by table, vignette, grain",
-     "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1"},
+     "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1", 0},
     {"uncharted", "the same with the film curve that it calls Uncharted",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.63 film_toe=0.55 "
-     "film_shoulder=0.47 film_black_clip=0 film_white_clip=0.01"},
+     "film_shoulder=0.47 film_black_clip=0 film_white_clip=0.01",
+     0},
     {"hp", "the same with the film curve that the article calls HP",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.65 film_toe=0.63 "
-     "film_shoulder=0.45 film_black_clip=0 film_white_clip=0"},
+     "film_shoulder=0.45 film_black_clip=0 film_white_clip=0",
+     0},
     {"legacy", "the same with the film curve that it calls Legacy",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.98 film_toe=0.3 "
-     "film_shoulder=0.22 film_black_clip=0 film_white_clip=0.025"},
+     "film_shoulder=0.22 film_black_clip=0 film_white_clip=0.025",
+     0},
     {"aces", "the same with the film curve that it calls ACES",
      "tone=on tone_map=unreal lut=on vignette=0.5657 grain=1 film_slope=0.91 film_toe=0.53 "
-     "film_shoulder=0.23 film_black_clip=0 film_white_clip=0.035"},
-    {"agx", "T. Sobotka's AgX, by formula", "tone=on tone_map=agx"},
+     "film_shoulder=0.23 film_black_clip=0 film_white_clip=0.035",
+     0},
+    {"agx", "T. Sobotka's AgX, by formula", "tone=on tone_map=agx", 0},
     {"hdr", "an HDR display of 1000 cd/m^2: PQ, BT.2020, highlights rolled off by BT.2390",
-     "tone=on tone_map=bt2390 encode=pq"},
-    {"plain", "held to 1 and encoded for an sRGB display, by formula", "tone=on tone_map=none"},
+     "tone=on tone_map=bt2390 encode=pq", 0},
+    {"plain", "held to 1 and encoded for an sRGB display, by formula", "tone=on tone_map=none", 0},
     {.name = NULL},
 };

@@ -18,13 +18,13 @@ struct neph_post_entry {
 };
 
 struct neph_post_plan {
-    char *title;                      /* owned; NULL: none */
-    char *preset;                     /* of neph_post_presets, what the settings begin with; owned;
-                                         NULL: none */
+    struct neph_arena arena; /* of texts and volumes */
+    const char *title;       /* NULL: none */
+    const char *preset;      /* of neph_post_presets, what the settings begin with; NULL: none */
     struct neph_post_changes changes; /* after those of the preset */
     struct neph_post_entry entries[NEPH_POST_PASS_COUNT];
-    int entry_count;                  /* 0: the usual order */
-    struct neph_post_volume *volumes; /* owned */
+    int entry_count; /* 0: the usual order */
+    struct neph_post_volume *volumes;
     int volume_count;
     struct neph_post_order order; /* of the entries that are on */
 };

@@ -15,4 +15,15 @@ extern const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1];
 /* Whole pipelines: presets.c says where each comes from. */
 extern const struct neph_preset neph_rt_presets[];
 
+/* What takes a preset when none is named. */
+enum neph_rt_preset_use {
+    NEPH_RT_STRESS_QUICK = 1 << 0, /* stress tests: the quick tier, .. */
+    NEPH_RT_STRESS_FULL = 1 << 1,  /* .. and the full one */
+    NEPH_RT_STRESS = NEPH_RT_STRESS_QUICK | NEPH_RT_STRESS_FULL,
+    NEPH_RT_FLICKER = 1 << 2,     /* `neph study flicker` */
+    NEPH_RT_CONVERGENCE = 1 << 3, /* `neph study convergence` */
+    NEPH_RT_REPORT = 1 << 4,      /* the report of `neph validate`: frames over time */
+    NEPH_RT_PICK = 1 << 5, /* `neph pick`: pipelines; the cheapest is the last in the table */
+};
+
 #endif

@@ -53,47 +53,56 @@
 
 const struct neph_preset neph_rt_presets[] = {
     {"off", "every pixel, every frame, no history: `march` itself",
-     "split=none taa=off ray_dither=none warm_up=0"},
+     "split=none taa=off ray_dither=none warm_up=0", NEPH_RT_STRESS_FULL},
     {"seed", "the Red Dead Redemption 2 frame split as the article has it, faults included",
      "depth_map=reversed override=parallel sky_m=20000 ray_depth_max_m=10000 "
      "clamp_pixel_depth=off edge_tiles=dropped gather=normalised tile_origin=buffer "
      "jittered_depth=on ray_dither=blue box_centre=off reproject_depth=tile reproject_measure=eye "
      "reproject_jitter=on wind=off validity=off cut_reset=off upscale_dither=slice "
-     "upscale_pair=shared taa_jitter_length=8"},
-    {"fixed", "the article's frame split with its faults mended: the defaults", ""},
+     "upscale_pair=shared taa_jitter_length=8",
+     NEPH_RT_STRESS | NEPH_RT_FLICKER | NEPH_RT_CONVERGENCE | NEPH_RT_REPORT},
+    {"fixed", "the article's frame split with its faults mended: the defaults", "",
+     NEPH_RT_STRESS | NEPH_RT_FLICKER | NEPH_RT_PICK},
     {"ue", "after Unreal Engine 5's volumetric render target, mode 0, of one trace",
      "slot_order=anticlockwise slot_checkerboard=off override=none jittered_depth=on "
      "ray_dither=interleaved fallback=bilinear fallback_rejected=around box=none "
      "reproject_depth=tile reproject_measure=eye wind=off reject_depth=0.1 reject_around=off "
      "upscale=inverse upscale_depth=0.1 upscale_dither=white upscale_law=constant "
-     "upscale_amount_px=0.5 taa_jitter_length=8"},
+     "upscale_amount_px=0.5 taa_jitter_length=8",
+     NEPH_RT_STRESS_FULL | NEPH_RT_FLICKER | NEPH_RT_CONVERGENCE},
     {"c52e", "after c52e/SkyRendering, an open implementation of the article",
      "override=parallel jittered_depth=on ray_dither=blue fresh_weight=0.2 fresh_space=channels "
      "fallback=tile box_depth=0.3 box_transmittance=0.2 contrast=opacity box_space=channels "
      "reproject_depth=tile upscale_depth=0.1 upscale_contrast=0.2 upscale_dither=none "
-     "taa_jitter_length=8"},
+     "taa_jitter_length=8",
+     NEPH_RT_STRESS_FULL | NEPH_RT_FLICKER},
     {"unity", "after Unity HDRP's volumetric clouds",
      "depth_map=nearest override=none jittered_depth=on ray_dither=white history_age_max=16 "
      "history_fade=0.95 fallback=bilateral fallback_rejected=bilateral box_depth=1000000 "
      "box_same_kind=on box_hold=clip box_age=0.5 reproject_depth=tile wind=off reject_depth=0.2 "
      "reject_around=off upscale=square upscale_tolerance_m=0.01 upscale_same_kind=on "
-     "upscale_dither=none taa_jitter_length=8"},
+     "upscale_dither=none taa_jitter_length=8",
+     NEPH_RT_STRESS_FULL | NEPH_RT_FLICKER},
     {"ours1", "no box for what is at rest and in the same light; quick anti-aliasing",
      "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
-     "taa_box=variance taa_sigma=1"},
+     "taa_box=variance taa_sigma=1",
+     0},
     {"ours", "the mean of all that is at rest, told from noise, in the light that there is",
      "reject_depth=0.1 reject_around=moved gradient=on relight=0.1 change_hold=0.75 "
      "change_strobe=on override_wake=32 box_motion_px=0.05 box_change=0.1 history_age_max=32 "
      "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
      "taa_change=0.1 taa_alpha=0.1 taa_box=variance taa_sigma=1 taa_pre_exposure=on "
-     "upscale=bilateral upscale_dither=none"},
+     "upscale=bilateral upscale_dither=none",
+     NEPH_RT_STRESS | NEPH_RT_FLICKER | NEPH_RT_CONVERGENCE | NEPH_RT_REPORT | NEPH_RT_PICK},
     {"fsr2", "`fixed`, upsampled from 67 % after AMD's FSR 2: locks, disocclusion, Lanczos",
      "screen_percent=67 taa=locks taa_jitter=halton taa_jitter_length=8 taa_motion=square "
      "taa_box=variance taa_sigma=1 taa_age_max=8 taa_responsive=medium "
-     "taa_pre_exposure=on upscale_dither=none"},
+     "taa_pre_exposure=on upscale_dither=none",
+     NEPH_RT_STRESS_FULL},
     {"svgf", "after SVGF: a mean of five rays, filtered by depth and luma, clamped by variance",
      "history_age_max=5 box=none reject_depth=0.1 fallback=bilateral "
      "fallback_rejected=bilateral atrous=on upscale=bilateral upscale_dither=none "
-     "taa_box=variance taa_sigma=1"},
+     "taa_box=variance taa_sigma=1",
+     NEPH_RT_STRESS_FULL},
     {.name = NULL},
 };

@@ -116,18 +116,22 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
 #define RAYS_OF_A_METRE "ao=gtao ao_radius_m=1 ao_places=plane ao_power=1 ao_intensity=1 "
 
 const struct neph_preset neph_screen_presets[] = {
-    {"unreal", "the defaults: occlusion of Unreal Engine 4.26, 2 m, squared, at half strength", ""},
+    {"unreal", "the defaults: occlusion of Unreal Engine 4.26, 2 m, squared, at half strength", "",
+     0},
     {"ours", "what is nearest to the truth at a price that a frame can pay",
-     RAYS_OF_A_METRE "ao_directions=3 ao_steps=6 targets=float32"},
+     RAYS_OF_A_METRE "ao_directions=3 ao_steps=6 targets=float32", NEPH_SCREEN_STUDY},
     {"fast", "ours with one ray for 2x2 pixels, a few steps each, in a long mean over frames",
      RAYS_OF_A_METRE "ao_directions=2 ao_steps=3 ao_resolution=half ao_blur_px=1 "
                      "gi_resolution=half gi_rays=1 gi_steps=12 gi_history=32 gi_smooth=1 "
                      "ssr_resolution=half ssr_rays=1 ssr_steps=24 ssr_history=32 ssr_smooth=1 "
-                     "targets=float16"},
+                     "targets=float16",
+     NEPH_SCREEN_STUDY},
     {"slices", "ours with many slices and steps: what gtao tends to",
-     RAYS_OF_A_METRE "ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0 targets=float32"},
+     RAYS_OF_A_METRE "ao_directions=32 ao_steps=64 ao_noise=off ao_blur_px=0 targets=float32",
+     NEPH_SCREEN_STUDY},
     {"paper", "GTAO as its paper has it: one slice a pixel, 4x4 pixels together",
      "ao=gtao ao_radius_m=1 ao_directions=1 ao_steps=6 ao_falloff=0.6 ao_slices=axis "
-     "ao_places=pixel ao_thickness=0.1 ao_sum=mean ao_power=1 ao_intensity=1 targets=float16"},
+     "ao_places=pixel ao_thickness=0.1 ao_sum=mean ao_power=1 ao_intensity=1 targets=float16",
+     0},
     {.name = NULL},
 };

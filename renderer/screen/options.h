@@ -13,4 +13,9 @@ extern const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1];
 
 extern const struct neph_preset neph_screen_presets[];
 
+/* What takes a preset when none is named. */
+enum neph_screen_preset_use {
+    NEPH_SCREEN_STUDY = 1, /* `neph study screen` */
+};
+
 #endif

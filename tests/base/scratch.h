@@ -9,7 +9,6 @@
 
 #include "base/files.h"
 
-#include <dirent.h>
 #include <unistd.h>
 
 #define SCRATCH_PATH_MAX 512
@@ -58,19 +57,29 @@ static inline void scratch_write(const char *path, const void *data, size_t size
     assert_int_equal(fclose(file), 0);
 }
 
-/* The number of things in the folder of the test, hidden ones too: temporary files that were left
- * behind show up here. */
+/* The number of things in a folder of the test ("": its own), hidden ones too: temporary files that
+ * were left behind show up here. */
+static inline int scratch_count_in(void **state, const char *name)
+{
+    char path[SCRATCH_PATH_MAX];
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    neph_assert_ok(neph_dir_list(scratch_path(state, path, name), &arena, &names, NULL), NULL);
+    neph_arena_finish(&arena);
+    return names.count;
+}
+
 static inline int scratch_count(void **state)
 {
-    const struct scratch *scratch = *state;
-    DIR *folder = opendir(scratch->folder);
-    assert_non_null(folder);
-    int count = 0;
-    for (const struct dirent *entry; (entry = readdir(folder));)
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
-            count++;
-    closedir(folder);
-    return count;
+    return scratch_count_in(state, "");
+}
+
+/* A text as a file in a folder, flushed to the disk. */
+static inline void scratch_put(const char *folder, const char *name, const char *text)
+{
+    char *path = neph_path_join(folder, name);
+    neph_assert_ok(neph_file_write(path, text, strlen(text), NULL), NULL);
+    free(path);
 }
 
 #define scratch_test(function)                                                                     \

@@ -27,6 +27,21 @@ static void test_pieces_are_zeroed_and_apart(void **state)
     neph_arena_finish(&arena);
 }
 
+static void test_a_list_grows(void **state)
+{
+    (void)state;
+    struct neph_arena arena = {0};
+    int *list = NULL, room = 0;
+    for (int i = 0; i < 100; i++) {
+        list = neph_arena_grown(&arena, list, i, &room, sizeof(*list));
+        assert_true(list && room > i && list[i] == 0);
+        list[i] = i + 1;
+    }
+    for (int i = 0; i < 100; i++)
+        assert_int_equal(list[i], i + 1);
+    neph_arena_finish(&arena);
+}
+
 static void test_a_shortage_is_remembered(void **state)
 {
     (void)state;
@@ -41,6 +56,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pieces_are_zeroed_and_apart),
+        cmocka_unit_test(test_a_list_grows),
         cmocka_unit_test(test_a_shortage_is_remembered),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

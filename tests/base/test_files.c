@@ -203,6 +203,26 @@ static void test_dir_create(void **state)
     assert_int_equal(neph_dir_create("", &diag), NEPH_ERR_IO);
 }
 
+static void test_dir_list(void **state)
+{
+    static const char *const made[] = {"list/b", "list/.hidden", "list/a", "list/B"};
+    static const char *const sorted[] = {".hidden", "B", "a", "b"};
+    char path[SCRATCH_PATH_MAX];
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    neph_assert_ok(neph_dir_create(scratch_path(state, path, "list"), NULL), NULL);
+    for (size_t i = 0; i < COUNT(made); i++)
+        neph_assert_ok(neph_file_write(scratch_path(state, path, made[i]), "x", 1, NULL), NULL);
+    neph_assert_ok(neph_dir_list(scratch_path(state, path, "list"), &arena, &names, NULL), NULL);
+    assert_int_equal(names.count, COUNT(sorted));
+    for (size_t i = 0; i < COUNT(sorted); i++)
+        assert_string_equal(names.list[i], sorted[i]);
+    assert_int_equal(neph_dir_list(scratch_path(state, path, "no"), &arena, &names, NULL),
+                     NEPH_ERR_IO);
+    assert_int_equal(names.count, 0);
+    neph_arena_finish(&arena);
+}
+
 static void test_dir_remove(void **state)
 {
     char path[SCRATCH_PATH_MAX], target[SCRATCH_PATH_MAX], link[SCRATCH_PATH_MAX];
@@ -306,6 +326,7 @@ int main(void)
         scratch_test(test_relative_path_without_folder),
         scratch_test(test_copy),
         scratch_test(test_dir_create),
+        scratch_test(test_dir_list),
         scratch_test(test_dir_remove),
         cmocka_unit_test(test_dir_remove_refuses_disasters),
         scratch_test(test_paths),

@@ -12,9 +12,9 @@ static const struct neph_option options[] = {
 };
 
 static const struct neph_preset presets[] = {
-    {"thin", "thin and red", "width_m=0.01 colour=red"},
-    {"plain", "the defaults", ""},
-    {"broken", "names what is not there", "colour=red length_m=1"},
+    {"thin", "thin and red", "width_m=0.01 colour=red", 1},
+    {"plain", "the defaults", "", 2},
+    {"broken", "names what is not there", "colour=red length_m=1", 3},
     {.name = NULL},
 };
 
@@ -125,9 +125,29 @@ static void test_a_preset_that_is_not_there_changes_nothing(void **state)
     }
 }
 
+static void test_presets_of_a_use(void **state)
+{
+    (void)state;
+    static const struct {
+        unsigned use;
+        const char *first, *separator, *names;
+    } cases[] = {{1, "", ",", "thin,broken"},
+                 {2, "none", ",a+", "none,a+plain,a+broken"},
+                 {4, "", ",", ""},
+                 {0, "", ", ", "thin, plain, broken"}};
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        char *names = neph_preset_names(presets, cases[i].use, cases[i].first, cases[i].separator);
+        assert_string_equal(names, cases[i].names);
+        free(names);
+    }
+    assert_string_equal(neph_preset_of_use(presets, 2, 1)->name, "broken");
+    assert_null(neph_preset_of_use(presets, 2, 2));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_presets_of_a_use),
         cmocka_unit_test(test_text_has_all_settings_and_reads_back),
         cmocka_unit_test(test_wrong_settings_are_refused_with_what_is_allowed),
         cmocka_unit_test(test_of_many_settings_those_alike_are_named),

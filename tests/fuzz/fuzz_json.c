@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
  * Readers of other JSON that somebody may have edited; the first byte chooses: lists of
- * expectations of the failure suite, times that a sweep has kept, results of `neph scaling`.
+ * expectations of the stress tests, times that a sweep has kept, results of `neph scaling`.
  */
 #include "tests/fuzz/fuzz.h"
 
-#include "harness/failure/expectations.h"
+#include "harness/stress/expectations.h"
 #include "harness/sweep/scaling.h"
 #include "harness/sweep/times.h"
 
 static enum neph_status read_expectations(const char *path, struct neph_diag *diag)
 {
-    static const struct neph_failure_place place = {"fence", "", "seed", "error", "all"};
+    static const struct neph_stress_place place = {"fence", "", "seed", "error", "all"};
     json_t *list = NULL;
     const char *reason = NULL;
-    const enum neph_status status = neph_failure_expectations_load(path, &list, diag);
+    const enum neph_status status = neph_stress_expectations_load(path, &list, diag);
     fuzz_require_outcome(status, diag, list);
     if (list)
-        neph_failure_expected_at(list, &place, &reason);
+        neph_stress_expected_at(list, &place, &reason);
     json_decref(list);
     return status;
 }

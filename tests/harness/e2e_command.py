@@ -363,8 +363,8 @@ write(light * job["settings"]["b"])
     @night.of_the_night
     def test_it_is_tried_where_methods_fail(self):
         def verdicts(body):
-            done = self.neph("validate", "--suite", "failure", "--only", "fog_none", "--preset",
-                             "command+a=0.05", "--preset", "ours", "-o", "failure", "-q", "--json",
+            done = self.neph("validate", "--suite", "stress", "--only", "fog_none", "--preset",
+                             "command+a=0.05", "--preset", "ours", "-o", "stress", "-q", "--json",
                              program=self.program(body), code=None)
             results = json.loads(done.stdout)["results"]
             return done.returncode, {(row["column"], row["measure"]): row["verdict"]

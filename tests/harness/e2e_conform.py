@@ -126,7 +126,7 @@ class Conform(unittest.TestCase):
         self.addCleanup(data.cleanup)
         catalog = pathlib.Path(data.name, "scenes", "catalog")
         catalog.mkdir(parents=True)
-        pathlib.Path(data.name, "scenes", "failure").mkdir()
+        pathlib.Path(data.name, "scenes", "stress").mkdir()
         for name in ("disney_cloud", "height_fog_level"):
             shutil.copy(pathlib.Path(os.environ["NEPH_SOURCE_DIR"], "scenes", "catalog",
                                      f"{name}.yaml"), catalog)

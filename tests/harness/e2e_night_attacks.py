@@ -60,7 +60,7 @@ class Attacks(unittest.TestCase):
         cls.root = pathlib.Path(cls.kept.name)
         cls.data, cls.out = cls.root / "data", cls.root / "out"
         cls.catalog = cls.data / "scenes/catalog"
-        for folder in (cls.catalog, cls.data / "scenes/failure"):
+        for folder in (cls.catalog, cls.data / "scenes/stress"):
             folder.mkdir(parents=True)
         for entry in SOURCES.iterdir():
             if entry.name in ("scripts", "docs"):
@@ -189,11 +189,11 @@ class Attacks(unittest.TestCase):
                       found["lost"][series])
 
     def test_a_scene_is_moved_to_another_suite(self):
-        shutil.move(self.catalog / "zz_haze.yaml", self.data / "scenes/failure/zz_haze.yaml")
+        shutil.move(self.catalog / "zz_haze.yaml", self.data / "scenes/stress/zz_haze.yaml")
         try:
             self.assertIn(self.series("zz_haze"), self.night()["lost"])
         finally:
-            (self.data / "scenes/failure/zz_haze.yaml").unlink()
+            (self.data / "scenes/stress/zz_haze.yaml").unlink()
 
     def test_a_scene_is_edited_and_nothing_is_worse(self):
         self.scene("zz_haze", 0.03)
@@ -225,8 +225,8 @@ class Attacks(unittest.TestCase):
     @of_the_night
     def test_scenes_of_the_other_suites_are_edited(self):
         """On a device. The accepted versions give the accepted numbers, to the last bit."""
-        folder = self.data / "scenes/failure"
-        shutil.copy(SOURCES / "scenes/failure/fog_none.yaml", folder)
+        folder = self.data / "scenes/stress"
+        shutil.copy(SOURCES / "scenes/stress/fog_none.yaml", folder)
         self.addCleanup((folder / "fog_none.yaml").unlink)
         shutil.copy(SOURCES / "scenes/catalog/voxel_grid.yaml", self.catalog)
         shutil.rmtree(self.out)

@@ -16,7 +16,7 @@ import xml.etree.ElementTree
 import night
 
 NEPH = os.environ["NEPH"]
-# Two scenarios of the failure suite, a second or two each; and a fog without other people's
+# Two scenarios of the stress tests, a second or two each; and a fog without other people's
 # renderers, which are not in this PATH.
 QUICK = ["nightly", "--only", "failure ridge_far", "--only", "failure fog_none", "-q", "--once"]
 FOG = ["nightly", "--only", "catalog height_fog_down", "--size", "32x18", "-q", "--once"]

@@ -26,6 +26,7 @@ import time
 # its files are compared after the last one. LIST is `quick` (also in the full list) or `full`, the
 # same in all lines of a case, so that a record of the full list serves both.
 # `first` is the first command of the case that STARTS_WITH names.
+# `--suite failure` is the word for the stress tests that programs of before know, too.
 # Sizes are the smallest at which the verb still gives all of its numbers.
 COMMANDS = """
 scenes            | quick | scenes

@@ -324,7 +324,7 @@ static void test_spec_refuses_what_is_not_a_number(void **state)
     stage.solids[1].box.max_m.y = INFINITY;
     assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
     set_full_stage(&stage);
-    stage.scene.name = (char *)"\xff";
+    stage.scene.name = "\xff";
     assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
     assert_null(spec);
 }

@@ -129,8 +129,7 @@ static void test_a_long_title_is_cut_between_characters(void **state)
         strcat(title, "v");
     while (strlen(title) < 119)
         strcat(title, "\u00e4");
-    free(scene->title);
-    scene->title = strdup(title);
+    scene->title = title;
     neph_fly_path_add(path, &key);
     struct neph_scene *flown = write_and_load(state, path, scene, "valley_path.yaml");
     strcpy(title + 95, "; a camera flown by hand");

@@ -13,7 +13,7 @@ static struct neph_fog_study study;
 static void set_stage(struct test_scene *test, double extinction_per_m, double falloff_per_m)
 {
     test_scene_init(test);
-    test->scene.name = (char *)"probe";
+    test->scene.name = "probe";
     struct neph_medium *fog = test_add_medium(test, extinction_per_m, falloff_per_m, 0.0);
     fog->albedo = make_grey(0.0);
     fog->emission_w_per_m2_sr = white;

@@ -3,7 +3,7 @@
  * A night without its renderers: what is read from results, in which order steps are worth their
  * time, and what is found in histories of which the answer is known.
  */
-#include "tests/base/scratch.h"
+#include "tests/harness/store_test.h"
 
 #include "base/exr.h"
 #include "harness/data.h"
@@ -11,7 +11,6 @@
 #include "harness/night/compare.h"
 #include "harness/night/readers.h"
 #include "harness/run/history.h"
-#include "harness/run/store.h"
 #include "harness/sweep/plan.h"
 
 static const double alpha = 0.005;
@@ -109,6 +108,28 @@ static void test_a_quick_night_looks_at_the_air(void **state)
         assert_int_equal(found, 1);
     }
     neph_arena_finish(&arena);
+}
+
+/* Steps and series keep the word that the stress tests had in the first nights. */
+static void test_the_stress_tests_keep_their_word_in_names(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *step, *text;
+        bool is_named;
+    } cases[] = {
+        {"failure ridge_far", "stress ridge_far", true},
+        {"failure ridge_far", "stress", true},
+        {"failure ridge_far", "failure ridge", true},
+        {"failure ridge_far", "stress fog", false},
+        {"failure ridge_far", "ridge", true},
+        {"sweep ridge_far", "stress", false},
+        {"catalog stress_one", "stress_one", true},
+        {"catalog stress_one", "stress", false},
+    };
+    assert_string_equal(neph_night_suite_name(NEPH_NIGHT_STRESS), "failure");
+    for (size_t i = 0; i < COUNT(cases); i++)
+        assert_true(neph_night_is_named(cases[i].step, cases[i].text) == cases[i].is_named);
 }
 
 /* `neph benchmark` refuses a scene that one of its engines cannot render. */
@@ -300,7 +321,7 @@ static void test_results_of_the_other_suites(void **state)
               "\"engine\": \"march\", \"deviation\": -0.01, \"standard_error\": null}]}}",
               NAN, &arena, &numbers);
     neph_assert_close(number_of(&numbers, "physics/slab/march/deviation/theory"), -0.01, 0.0, 0.0);
-    read_text(NEPH_NIGHT_FAILURE,
+    read_text(NEPH_NIGHT_STRESS,
               "{\"device\": \"D\", \"results\": [{\"scene\": \"none\", \"point\": \"\", "
               "\"measure\": \"error\", \"over\": \"solid\", \"column\": \"ours\", \"value\": 0.5}, "
               "{\"scene\": \"none\", \"point\": \"\", \"measure\": \"lag\", \"over\": \"all\", "
@@ -344,24 +365,33 @@ static void test_results_between_warnings(void **state)
 /* ---- histories ------------------------------------------------------------------------------- */
 
 struct bench {
+    struct scratch *scratch;
     struct neph_store *store;
     struct neph_database *index;
     struct neph_night_comparison c; /* the last */
 };
 
-static void open_bench(void **state, struct bench *bench)
+static int open_bench(void **state)
 {
-    char path[SCRATCH_PATH_MAX];
-    *bench = (struct bench){.store = NULL};
-    neph_assert_ok(neph_store_open(scratch_path(state, path, "store"), &bench->store, NULL), NULL);
+    struct bench *bench = calloc(1, sizeof(*bench));
+    if (!bench || scratch_setup(state))
+        return -1;
+    bench->scratch = *state;
+    bench->store = open_store(state);
     neph_assert_ok(neph_store_index(bench->store, &bench->index, NULL), NULL);
+    *state = bench;
+    return 0;
 }
 
-static void close_bench(struct bench *bench)
+static int close_bench(void **state)
 {
+    struct bench *bench = *state;
+    *state = bench->scratch;
     neph_night_comparison_finish(&bench->c);
     neph_database_close(bench->index);
     neph_store_close(bench->store);
+    free(bench);
+    return scratch_teardown(state);
 }
 
 /* A night of one step that is over, or goes on. */
@@ -429,20 +459,18 @@ static void compare_fog_of(struct bench *bench, const struct neph_measurement *n
 
 static void test_a_night_without_a_baseline_compares_nothing(void **state)
 {
-    struct bench bench;
-    open_bench(state, &bench);
-    const int64_t first = add_night(&bench, &fog_step, &fog, 1, true);
-    const int64_t night = add_night(&bench, &fog_step, &fog, 1, false);
-    compare(&bench, night, 0);
-    assert_int_equal(bench.c.compared, 0);
-    assert_int_equal(bench.c.fresh, 1);
-    assert_false(bench.c.passes);
-    compare(&bench, night, first); /* unless one is named */
-    assert_int_equal(bench.c.compared, 1);
-    assert_true(bench.c.passes);
-    assert_int_equal(neph_night_compare(bench.index, night, 99, NULL, alpha, &bench.c, NULL),
+    struct bench *bench = *state;
+    const int64_t first = add_night(bench, &fog_step, &fog, 1, true);
+    const int64_t night = add_night(bench, &fog_step, &fog, 1, false);
+    compare(bench, night, 0);
+    assert_int_equal(bench->c.compared, 0);
+    assert_int_equal(bench->c.fresh, 1);
+    assert_false(bench->c.passes);
+    compare(bench, night, first); /* unless one is named */
+    assert_int_equal(bench->c.compared, 1);
+    assert_true(bench->c.passes);
+    assert_int_equal(neph_night_compare(bench->index, night, 99, NULL, alpha, &bench->c, NULL),
                      NEPH_ERR_NOT_FOUND);
-    close_bench(&bench);
 }
 
 /* One of each kind of finding. */
@@ -474,41 +502,37 @@ static void test_what_is_found_in_a_night(void **state)
         {NEPH_FOUND_BETTER, "rel_bias/exact"}, {NEPH_FOUND_ENVIRONMENT, "Blender 3.6"},
         {NEPH_FOUND_MOVED, "p99/exact"},
     };
-    struct bench bench;
-    open_bench(state, &bench);
-    accept(&bench, "*", add_night(&bench, &fog_step, before, COUNT(before), true));
-    compare(&bench, add_night(&bench, &fog_step, tonight, COUNT(tonight), false), 0);
-    assert_int_equal(bench.c.finding_count, COUNT(expected));
-    for (int i = 0; i < bench.c.finding_count; i++) {
-        const char *series = bench.c.findings[i].series, *end = expected[i].series;
-        assert_int_equal(bench.c.findings[i].found, expected[i].found);
+    struct bench *bench = *state;
+    accept(bench, "*", add_night(bench, &fog_step, before, COUNT(before), true));
+    compare(bench, add_night(bench, &fog_step, tonight, COUNT(tonight), false), 0);
+    assert_int_equal(bench->c.finding_count, COUNT(expected));
+    for (int i = 0; i < bench->c.finding_count; i++) {
+        const char *series = bench->c.findings[i].series, *end = expected[i].series;
+        assert_int_equal(bench->c.findings[i].found, expected[i].found);
         assert_string_equal(series + strlen(series) - strlen(end), end);
     }
-    assert_int_equal(bench.c.compared, 3);
-    assert_int_equal(bench.c.fresh, 1); /* the scene that was changed */
-    assert_int_equal(bench.c.elsewhere, 1);
-    assert_false(bench.c.passes);
-    close_bench(&bench);
+    assert_int_equal(bench->c.compared, 3);
+    assert_int_equal(bench->c.fresh, 1); /* the scene that was changed */
+    assert_int_equal(bench->c.elsewhere, 1);
+    assert_false(bench->c.passes);
 }
 
 static void test_another_size_and_a_broken_step(void **state)
 {
     struct neph_history_step step = fog_step;
-    struct bench bench;
-    open_bench(state, &bench);
-    accept(&bench, "*", add_night(&bench, &fog_step, &fog, 1, true));
+    struct bench *bench = *state;
+    accept(bench, "*", add_night(bench, &fog_step, &fog, 1, true));
     step.size = "48x27";
-    compare(&bench, add_night(&bench, &step, &fog, 1, true), 0);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_SIZE), 1);
-    assert_int_equal(bench.c.compared, 0);
-    assert_false(bench.c.passes);
+    compare(bench, add_night(bench, &step, &fog, 1, true), 0);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_SIZE), 1);
+    assert_int_equal(bench->c.compared, 0);
+    assert_false(bench->c.passes);
     step.outcome = "failed";
     step.reason = "a crash";
-    compare(&bench, add_night(&bench, &step, NULL, 0, false), 0);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_STEP), 1);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_MISSING), 0); /* that is said once */
-    assert_false(bench.c.passes);
-    close_bench(&bench);
+    compare(bench, add_night(bench, &step, NULL, 0, false), 0);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_STEP), 1);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_MISSING), 0); /* that is said once */
+    assert_false(bench->c.passes);
 }
 
 /* Durations of a step that could not be calibrated are not missing; what else it lacks is. */
@@ -523,18 +547,15 @@ static void test_a_busy_machine_fails_no_night(void **state)
         int missing;
     } cases[] = {{0, 2, 0.1, 0}, {0, 1, NAN, 0}, {0, 1, 0.1, 1}, {1, 1, 0.1, 1}, {0, 0, NAN, 1}};
     struct neph_history_step step = {"speed fog", "done", "", "192x108", 1.0, 0.1};
-    struct bench bench;
-    open_bench(state, &bench);
-    accept(&bench, "*", add_night(&bench, &step, numbers, 2, true));
+    struct bench *bench = *state;
+    accept(bench, "*", add_night(bench, &step, numbers, 2, true));
     for (size_t i = 0; i < COUNT(cases); i++) {
         step.calibration_s = cases[i].calibration_s;
-        compare(&bench, add_night(&bench, &step, numbers + cases[i].first, cases[i].count, true),
-                0);
-        assert_int_equal(count_found(&bench.c, NEPH_FOUND_MISSING), cases[i].missing);
+        compare(bench, add_night(bench, &step, numbers + cases[i].first, cases[i].count, true), 0);
+        assert_int_equal(count_found(&bench->c, NEPH_FOUND_MISSING), cases[i].missing);
         if (i < 2)
-            assert_true(bench.c.passes);
+            assert_true(bench->c.passes);
     }
-    close_bench(&bench);
 }
 
 /* A change that was meant: it alarms until it is accepted, for its series alone, and then a change
@@ -547,20 +568,18 @@ static void test_acceptances_of_a_series(void **state)
                                            {b, "fixed", 0.5, NAN, "D", ""}},
                                   new[] = {{a, "fixed", 0.30, NAN, "D", ""},
                                            {b, "fixed", 0.6, NAN, "D", ""}};
-    struct bench bench;
-    open_bench(state, &bench);
-    accept(&bench, "*", add_night(&bench, &fog_step, old, 2, true));
-    const int64_t changed = add_night(&bench, &fog_step, new, 2, true);
-    accept(&bench, a, changed);
-    compare(&bench, add_night(&bench, &fog_step, new, 2, true), 0);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
-    assert_string_equal(bench.c.findings[0].series, b);
-    accept(&bench, "*", changed);
-    compare(&bench, add_night(&bench, &fog_step, new, 2, true), 0);
-    assert_true(bench.c.passes && bench.c.finding_count == 0);
-    compare(&bench, add_night(&bench, &fog_step, old, 2, true), 0);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_BETTER), 2);
-    close_bench(&bench);
+    struct bench *bench = *state;
+    accept(bench, "*", add_night(bench, &fog_step, old, 2, true));
+    const int64_t changed = add_night(bench, &fog_step, new, 2, true);
+    accept(bench, a, changed);
+    compare(bench, add_night(bench, &fog_step, new, 2, true), 0);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_WORSE), 1);
+    assert_string_equal(bench->c.findings[0].series, b);
+    accept(bench, "*", changed);
+    compare(bench, add_night(bench, &fog_step, new, 2, true), 0);
+    assert_true(bench->c.passes && bench->c.finding_count == 0);
+    compare(bench, add_night(bench, &fog_step, old, 2, true), 0);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_BETTER), 2);
 }
 
 /* A number that was accepted by itself, and gone; until a night without it is accepted. */
@@ -570,22 +589,20 @@ static void test_what_was_accepted_by_itself_is_missed(void **state)
                                                                                    "p99/exact");
     const struct neph_measurement numbers[] = {{a, "fixed", 0.25, NAN, "D", ""},
                                                {b, "fixed", 0.5, NAN, "D", ""}};
-    struct bench bench;
-    open_bench(state, &bench);
-    const int64_t first = add_night(&bench, &fog_step, numbers, 1, true);
-    accept(&bench, "*", first);
-    accept(&bench, b, add_night(&bench, &fog_step, numbers, 2, true));
-    const int64_t without = add_night(&bench, &fog_step, numbers, 1, true);
-    compare(&bench, without, 0);
-    assert_int_equal(bench.c.finding_count, 1);
-    assert_int_equal(bench.c.findings[0].found, NEPH_FOUND_MISSING);
-    assert_string_equal(bench.c.findings[0].series, b);
-    compare(&bench, without, first);
-    assert_int_equal(bench.c.finding_count, 0);
-    accept(&bench, "*", without);
-    compare(&bench, add_night(&bench, &fog_step, numbers, 1, true), 0);
-    assert_int_equal(bench.c.finding_count, 0);
-    close_bench(&bench);
+    struct bench *bench = *state;
+    const int64_t first = add_night(bench, &fog_step, numbers, 1, true);
+    accept(bench, "*", first);
+    accept(bench, b, add_night(bench, &fog_step, numbers, 2, true));
+    const int64_t without = add_night(bench, &fog_step, numbers, 1, true);
+    compare(bench, without, 0);
+    assert_int_equal(bench->c.finding_count, 1);
+    assert_int_equal(bench->c.findings[0].found, NEPH_FOUND_MISSING);
+    assert_string_equal(bench->c.findings[0].series, b);
+    compare(bench, without, first);
+    assert_int_equal(bench->c.finding_count, 0);
+    accept(bench, "*", without);
+    compare(bench, add_night(bench, &fog_step, numbers, 1, true), 0);
+    assert_int_equal(bench->c.finding_count, 0);
 }
 
 /* ---- what is not compared -------------------------------------------------------------------- */
@@ -615,25 +632,23 @@ static void compare_fog(struct bench *bench, const char *const *planned, int pla
 static void test_a_step_that_was_not_run_and_one_that_is_gone(void **state)
 {
     static const char *const planned[] = {"catalog fog", "catalog sea"};
-    struct bench bench;
-    open_bench(state, &bench);
-    accept_two_steps(&bench);
-    compare_fog(&bench, planned, 1);
-    assert_int_equal(bench.c.finding_count, 1);
-    assert_int_equal(bench.c.findings[0].found, NEPH_FOUND_LOST);
-    assert_string_equal(bench.c.findings[0].series, SEA);
-    assert_true(!bench.c.passes && bench.c.not_run == 0);
+    struct bench *bench = *state;
+    accept_two_steps(bench);
+    compare_fog(bench, planned, 1);
+    assert_int_equal(bench->c.finding_count, 1);
+    assert_int_equal(bench->c.findings[0].found, NEPH_FOUND_LOST);
+    assert_string_equal(bench->c.findings[0].series, SEA);
+    assert_true(!bench->c.passes && bench->c.not_run == 0);
     for (int nights = 1; nights <= neph_lost_after_nights + 1; nights++) {
-        compare_fog(&bench, planned, 2);
+        compare_fog(bench, planned, 2);
         const bool overdue = nights > neph_lost_after_nights;
-        assert_int_equal(count_found(&bench.c, NEPH_FOUND_LOST), overdue);
-        assert_true(bench.c.passes != overdue && bench.c.not_run == 1);
-        add_night(&bench, &fog_step, &fog, 1, true);
+        assert_int_equal(count_found(&bench->c, NEPH_FOUND_LOST), overdue);
+        assert_true(bench->c.passes != overdue && bench->c.not_run == 1);
+        add_night(bench, &fog_step, &fog, 1, true);
     }
-    accept(&bench, SEA, 5); /* which has not measured it */
-    compare_fog(&bench, planned, 1);
-    assert_true(bench.c.passes && bench.c.finding_count == 0);
-    close_bench(&bench);
+    accept(bench, SEA, 5); /* which has not measured it */
+    compare_fog(bench, planned, 1);
+    assert_true(bench->c.passes && bench->c.finding_count == 0);
 }
 
 /* A night that had no time for the sea, accepted: the sea is still compared with the first. */
@@ -642,19 +657,17 @@ static void test_an_accepted_night_loses_no_step_that_it_had_no_time_for(void **
     static const char *const planned[] = {"catalog fog", "catalog sea"};
     const struct neph_measurement sea = {SEA, "fixed", 0.26, NAN, "D", ""};
     const struct neph_history_step left_out = {"catalog sea", "not run", "", "", 0.0, NAN};
-    struct bench bench;
-    open_bench(state, &bench);
-    accept_two_steps(&bench);
-    const int64_t short_of_time = add_night(&bench, &fog_step, &fog, 1, false);
-    add_night(&bench, &left_out, NULL, 0, true);
-    accept(&bench, "*", short_of_time);
-    compare_fog(&bench, planned, 1);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_LOST), 1);
-    add_night(&bench, &fog_step, &fog, 1, true);
-    compare(&bench, add_night(&bench, &sea_step, &sea, 1, true), 0);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
-    assert_int_equal(bench.c.fresh, 0);
-    close_bench(&bench);
+    struct bench *bench = *state;
+    accept_two_steps(bench);
+    const int64_t short_of_time = add_night(bench, &fog_step, &fog, 1, false);
+    add_night(bench, &left_out, NULL, 0, true);
+    accept(bench, "*", short_of_time);
+    compare_fog(bench, planned, 1);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_LOST), 1);
+    add_night(bench, &fog_step, &fog, 1, true);
+    compare(bench, add_night(bench, &sea_step, &sea, 1, true), 0);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_WORSE), 1);
+    assert_int_equal(bench->c.fresh, 0);
 }
 
 /* A number of tonight in an environment, accepted in another. */
@@ -705,8 +718,7 @@ static void test_numbers_of_another_environment(void **state)
          "V, revision 10, CPU; against W", NEPH_FOUND_MOVED, true},
         {"contrast", "picture", 3.0, 0.0, NAN, "V 1", "V 2", NEPH_FOUND_BLANK, false},
     };
-    struct bench bench;
-    open_bench(state, &bench);
+    struct bench *bench = *state;
     for (size_t i = 0; i < COUNT(cases); i++) {
         char name[128];
         snprintf(name, sizeof(name), "catalog/fog@1/march/%s", cases[i].metric);
@@ -715,38 +727,33 @@ static void test_numbers_of_another_environment(void **state)
                       cases[i].error, cases[i].accepted_in, ""},
             tonight = {name,           cases[i].kind,        cases[i].tonight,
                        cases[i].error, cases[i].measured_in, ""};
-        judge_elsewhere(&bench, &before, &tonight, cases[i].found, cases[i].passes);
+        judge_elsewhere(bench, &before, &tonight, cases[i].found, cases[i].passes);
     }
-    close_bench(&bench);
 }
 
 /* An engine that is said to draw from tonight on, so that it would have eight nights of grace. */
 static void test_a_fixed_number_that_is_called_drawn_is_judged_as_before(void **state)
 {
     struct neph_measurement number = fog;
-    struct bench bench;
-    open_bench(state, &bench);
-    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    struct bench *bench = *state;
+    accept(bench, "*", add_night(bench, &fog_step, &number, 1, true));
     number.kind = "drawn";
     number.value = 0.26;
-    compare(&bench, add_night(&bench, &fog_step, &number, 1, false), 0);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
-    close_bench(&bench);
+    compare(bench, add_night(bench, &fog_step, &number, 1, false), 0);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_WORSE), 1);
 }
 
 /* By less than matters each night: the accepted night is what each is compared with. */
 static void test_a_little_worse_each_night_is_found(void **state)
 {
     struct neph_measurement number = fog;
-    struct bench bench;
-    open_bench(state, &bench);
-    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    struct bench *bench = *state;
+    accept(bench, "*", add_night(bench, &fog_step, &number, 1, true));
     for (int i = 1; i <= 2; i++) {
         number.value = 0.25 * (1.0 + 0.004 * i);
-        compare_fog_of(&bench, &number);
-        assert_int_equal(bench.c.findings[0].found, i == 1 ? NEPH_FOUND_MOVED : NEPH_FOUND_WORSE);
+        compare_fog_of(bench, &number);
+        assert_int_equal(bench->c.findings[0].found, i == 1 ? NEPH_FOUND_MOVED : NEPH_FOUND_WORSE);
     }
-    close_bench(&bench);
 }
 
 /* Nights are in the order of their numbers, whatever the clock said. */
@@ -754,42 +761,40 @@ static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
 {
     const struct neph_history_night who = {"quick", "a", "program", "host"};
     struct neph_measurement number = fog;
-    struct bench bench;
-    open_bench(state, &bench);
-    accept(&bench, "*", add_night(&bench, &fog_step, &number, 1, true));
+    struct bench *bench = *state;
+    accept(bench, "*", add_night(bench, &fog_step, &number, 1, true));
     number.value = 0.26;
-    neph_assert_ok(neph_history_adopt(bench.index, neph_store_folder(bench.store), &who, 2,
+    neph_assert_ok(neph_history_adopt(bench->index, neph_store_folder(bench->store), &who, 2,
                                       "1970-01-01T00:00:00Z", NULL),
                    NULL);
-    neph_assert_ok(neph_history_add(bench.index, 2, &fog_step, &number, 1, NULL), NULL);
-    compare(&bench, 2, 0);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
-    close_bench(&bench);
+    neph_assert_ok(neph_history_add(bench->index, 2, &fog_step, &number, 1, NULL), NULL);
+    compare(bench, 2, 0);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_WORSE), 1);
 }
 
 /* Nights on which a series was worse are no part of what later ones are compared with. */
 static void test_nights_that_were_worse_are_set_aside(void **state)
 {
-    struct bench bench;
+    struct bench *bench = *state;
     struct neph_measurement number = {
         "speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host", ""};
-    open_bench(state, &bench);
     for (int i = 0; i < 30; i++) {
         const bool is_slow = i >= 10;
         number.value = (is_slow ? 2.0 : 1.0) + 0.01 * (i % 3);
-        const int64_t night = add_night(&bench, &fog_step, &number, 1, false);
+        const int64_t night = add_night(bench, &fog_step, &number, 1, false);
         if (is_slow)
-            neph_assert_ok(neph_history_judge(bench.index, night, number.series, "worse", NULL),
+            neph_assert_ok(neph_history_judge(bench->index, night, number.series, "worse", NULL),
                            NULL);
-        add_night(&bench, &fog_step, &number, 0, true); /* goes on with it, and ends it */
+        add_night(bench, &fog_step, &number, 0, true); /* goes on with it, and ends it */
         if (i == 0)
-            accept(&bench, "*", night);
+            accept(bench, "*", night);
     }
-    compare(&bench, add_night(&bench, &fog_step, &number, 1, false), 0);
-    assert_int_equal(count_found(&bench.c, NEPH_FOUND_WORSE), 1);
-    neph_assert_close(bench.c.findings[0].change, 1.0, 0.03, 0.0);
-    close_bench(&bench);
+    compare(bench, add_night(bench, &fog_step, &number, 1, false), 0);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_WORSE), 1);
+    neph_assert_close(bench->c.findings[0].change, 1.0, 0.03, 0.0);
 }
+
+#define bench_test(function) cmocka_unit_test_setup_teardown(function, open_bench, close_bench)
 
 int main(void)
 {
@@ -799,24 +804,25 @@ int main(void)
         cmocka_unit_test(test_what_is_asked_for_goes_to_the_catalogue),
         cmocka_unit_test(test_what_steps_name_is_there),
         cmocka_unit_test(test_a_quick_night_looks_at_the_air),
+        cmocka_unit_test(test_the_stress_tests_keep_their_word_in_names),
         cmocka_unit_test(test_plans_that_differ_are_told_apart),
         cmocka_unit_test(test_what_tells_most_a_second_comes_first),
         scratch_test(test_results_of_the_catalogue),
         cmocka_unit_test(test_results_of_the_other_suites),
         cmocka_unit_test(test_results_between_warnings),
-        scratch_test(test_a_night_without_a_baseline_compares_nothing),
-        scratch_test(test_what_is_found_in_a_night),
-        scratch_test(test_another_size_and_a_broken_step),
-        scratch_test(test_a_busy_machine_fails_no_night),
-        scratch_test(test_acceptances_of_a_series),
-        scratch_test(test_what_was_accepted_by_itself_is_missed),
-        scratch_test(test_nights_that_were_worse_are_set_aside),
-        scratch_test(test_a_step_that_was_not_run_and_one_that_is_gone),
-        scratch_test(test_an_accepted_night_loses_no_step_that_it_had_no_time_for),
-        scratch_test(test_numbers_of_another_environment),
-        scratch_test(test_a_fixed_number_that_is_called_drawn_is_judged_as_before),
-        scratch_test(test_a_little_worse_each_night_is_found),
-        scratch_test(test_a_clock_that_was_set_back_changes_no_verdict),
+        bench_test(test_a_night_without_a_baseline_compares_nothing),
+        bench_test(test_what_is_found_in_a_night),
+        bench_test(test_another_size_and_a_broken_step),
+        bench_test(test_a_busy_machine_fails_no_night),
+        bench_test(test_acceptances_of_a_series),
+        bench_test(test_what_was_accepted_by_itself_is_missed),
+        bench_test(test_nights_that_were_worse_are_set_aside),
+        bench_test(test_a_step_that_was_not_run_and_one_that_is_gone),
+        bench_test(test_an_accepted_night_loses_no_step_that_it_had_no_time_for),
+        bench_test(test_numbers_of_another_environment),
+        bench_test(test_a_fixed_number_that_is_called_drawn_is_judged_as_before),
+        bench_test(test_a_little_worse_each_night_is_found),
+        bench_test(test_a_clock_that_was_set_back_changes_no_verdict),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

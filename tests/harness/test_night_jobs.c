@@ -11,7 +11,7 @@
 
 static const struct neph_history_night who = {"quick; a b", "r1", "program", "host"};
 static const struct neph_night_step step = {
-    .suite = NEPH_NIGHT_FAILURE, .name = "failure fog", .words = {"no", "such", "verb"}};
+    .suite = NEPH_NIGHT_STRESS, .name = "failure fog", .words = {"no", "such", "verb"}};
 
 static void begin(void **state, struct neph_arena *arena, int64_t night,
                   struct neph_night_jobs *jobs, double begin_by)

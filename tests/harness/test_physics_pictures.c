@@ -161,12 +161,6 @@ static void test_frame_of_another_size_is_refused(void **state)
     neph_physics_finish(&suite.physics);
 }
 
-static void test_no_suite_is_no_work(void **state)
-{
-    const struct scratch *scratch = *state;
-    assert_int_equal(neph_physics_pictures(NULL, scratch->folder, NULL), NEPH_OK);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -174,7 +168,6 @@ int main(void)
         cmocka_unit_test(test_black_view_has_a_scale),
         scratch_test(test_every_frame_is_drawn),
         scratch_test(test_frame_of_another_size_is_refused),
-        scratch_test(test_no_suite_is_no_work),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,7 +12,11 @@ struct sample {
     int64_t count, size_px[2];
     double value, error;
 };
-static const char fields[] = "s:name o:note i:count p:size_px d:value n:error";
+#define SAMPLE(member) NEPH_RECORD_FIELD(struct sample, member)
+static const struct neph_record_form form = {
+    sizeof(struct sample),
+    {SAMPLE(name), NEPH_RECORD_OPTIONAL(struct sample, note), SAMPLE(count), SAMPLE(size_px),
+     SAMPLE(value), NEPH_RECORD_OPTIONAL(struct sample, error)}};
 
 static const struct sample samples[] = {
     {"fog", "", 7, {96, 54}, 0.1, NAN},
@@ -30,20 +34,20 @@ static void test_a_record_survives_json_and_the_database(void **state)
     neph_assert_ok(neph_database_open(scratch_path(state, path, "a"), steps, &database, NULL),
                    NULL);
     for (size_t i = 0; i < COUNT(samples); i++) {
-        json_t *json = neph_record_json(fields, &samples[i]), *list = NULL;
+        json_t *json = neph_record_json(&form, &samples[i]), *list = NULL;
         struct sample read;
         assert_int_equal(json_object_size(json), samples[i].note[0] ? 6 : 5);
-        neph_record_read(fields, json, NULL, &read);
-        json_t *again = neph_record_json(fields, &read);
+        neph_record_read(&form, json, NULL, &read);
+        json_t *again = neph_record_json(&form, &read);
         assert_true(json_equal(json, again));
         neph_assert_ok(neph_record_put(database, NULL,
                                        "INSERT INTO rows VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-                                       (int64_t)i + 1, fields, &read),
+                                       (int64_t)i + 1, &form, &read),
                        NULL);
-        neph_assert_ok(neph_record_list(database, NULL,
+        neph_assert_ok(neph_record_list(database, &form, &list, NULL,
                                         "SELECT name, note, count, width, height, value, error "
                                         "FROM rows WHERE id = ?",
-                                        (int64_t)i + 1, fields, &list),
+                                        "i", (int64_t)i + 1),
                        NULL);
         assert_int_equal(json_array_size(list), 1);
         assert_true(json_equal(json_array_get(list, 0), json));
@@ -66,22 +70,22 @@ static void test_records_that_differ_in_any_field(void **state)
     others[4].size_px[1] = 2;
     others[5].value = 4.5;
     others[6].error = NAN;
-    assert_true(neph_record_is_equal(fields, &one, &one));
+    assert_true(neph_record_is_equal(&form, &one, &one));
     for (size_t i = 0; i < COUNT(others); i++)
-        assert_false(neph_record_is_equal(fields, &one, &others[i]));
+        assert_false(neph_record_is_equal(&form, &one, &others[i]));
 }
 
 static void test_what_json_lacks_is_nothing(void **state)
 {
     (void)state;
     struct sample read;
-    neph_record_read(fields, NULL, NULL, &read);
+    neph_record_read(&form, NULL, NULL, &read);
     assert_string_equal(read.name, "");
     assert_true(read.count == 0 && read.size_px[1] == 0 && read.value == 0.0 && isnan(read.error));
-    const struct sample broken = {"\xff", "", 0, {0, 0}, 0.0, 0.0}, infinite = {"a", .value = NAN};
-    assert_null(neph_record_json(fields, &broken));
-    assert_null(neph_record_json("s:name", &broken));
-    assert_null(neph_record_json("s:name s:note i:count p:size_px d:value", &infinite));
+    const struct sample broken = {"\xff", "", 0, {0, 0}, 0.0, 0.0},
+                        infinite = {"a", "", .value = NAN};
+    assert_null(neph_record_json(&form, &broken));
+    assert_null(neph_record_json(&form, &infinite));
 }
 
 /* Whatever the order of its keys. */

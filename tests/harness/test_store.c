@@ -4,7 +4,7 @@
  * do not disturb each other, and nothing of killed or failed ones stays. Everything happens in one
  * process: its number is the same for all, as in containers, and tells nothing.
  */
-#include "tests/base/scratch.h"
+#include "tests/harness/store_test.h"
 
 #include "base/lock.h"
 #include "harness/run/store.h"
@@ -16,31 +16,15 @@
 static const char key_a[] = "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa";
 static const char key_b[] = "bbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbb";
 
-static struct neph_store *open_store(void **state)
-{
-    char path[SCRATCH_PATH_MAX];
-    struct neph_store *store = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_store_open(scratch_path(state, path, "store"), &store, &diag), &diag);
-    return store;
-}
-
-static void write_text(const char *folder, const char *name, const char *text)
-{
-    char *path = neph_path_join(folder, name);
-    neph_assert_ok(neph_file_write(path, text, strlen(text), NULL), NULL);
-    free(path);
-}
-
 static void publish(struct neph_store *store, const char *key, const char *frame, double seconds)
 {
     struct neph_scratch *scratch = NULL;
     struct neph_diag diag = {0};
     json_t *record = json_pack("{s:f, s:s}", "wall_s", seconds, "engine", "none");
     neph_assert_ok(neph_store_begin(store, &scratch, &diag), &diag);
-    write_text(neph_scratch_path(scratch), "frame.exr", frame);
-    write_text(neph_scratch_path(scratch), "engine.log", "fine");
-    write_text(neph_scratch_path(scratch), "beauty.png", "large");
+    scratch_put(neph_scratch_path(scratch), "frame.exr", frame);
+    scratch_put(neph_scratch_path(scratch), "engine.log", "fine");
+    scratch_put(neph_scratch_path(scratch), "beauty.png", "large");
     neph_assert_ok(neph_store_publish(store, key, scratch, record, &diag), &diag);
     neph_scratch_destroy(scratch);
     json_decref(record);
@@ -74,15 +58,6 @@ static void assert_gone(void **state, const char *part, const char *key)
     assert_false(neph_path_exists(path));
 }
 
-static int count_in(void **state, const char *name)
-{
-    char path[SCRATCH_PATH_MAX];
-    struct scratch inner;
-    snprintf(inner.folder, sizeof(inner.folder), "%.250s", scratch_path(state, path, name));
-    void *inner_state = &inner;
-    return scratch_count(&inner_state);
-}
-
 /* Replace text in the record of an entry by another of the same length. */
 static void edit_record(void **state, const char *key, const char *old, const char *new)
 {
@@ -107,9 +82,9 @@ static void test_what_is_published_is_found(void **state)
     publish(store, key_a, "frame of a", 0.1);
     neph_assert_close(find(store, key_a), 0.1, 0.0, 0.0);
     neph_assert_close(find(store, key_b), -1.0, 0.0, 0.0);
-    assert_int_equal(count_in(state, "store/tmp"), 0);
+    assert_int_equal(scratch_count_in(state, "store/tmp"), 0);
     snprintf(path, sizeof(path), "store/frames/%s", key_a);
-    assert_int_equal(count_in(state, path), 3); /* frame, record, log */
+    assert_int_equal(scratch_count_in(state, path), 3); /* frame, record, log */
     neph_store_close(store);
 }
 
@@ -126,7 +101,7 @@ static void test_swapped_entries_are_absent(void **state)
     neph_assert_close(find(store, key_a), -1.0, 0.0, 0.0);
     neph_assert_close(find(store, key_b), -1.0, 0.0, 0.0);
     assert_gone(state, "frames", key_a);
-    assert_int_equal(count_in(state, "store/tmp"), 0);
+    assert_int_equal(scratch_count_in(state, "store/tmp"), 0);
     publish(store, key_a, "frame of a", 1.0);
     neph_assert_close(find(store, key_a), 1.0, 0.0, 0.0);
     neph_store_close(store);
@@ -166,7 +141,7 @@ static void test_damaged_and_missing_files_are_absent(void **state)
         if (i % 2)
             unlink(path);
         else
-            write_text(folder, names[i / 2], "torn");
+            scratch_put(folder, names[i / 2], "torn");
         neph_assert_close(find(store, key_a), -1.0, 0.0, 0.0);
         free(path);
     }
@@ -184,10 +159,10 @@ static void test_edited_results_are_absent(void **state)
         struct neph_scratch *scratch = NULL;
         json_t *record = json_pack("{s:f, s:[s]}", "wall_s", 1.0, "pictures", "flip_0.png");
         neph_assert_ok(neph_store_begin(store, &scratch, NULL), NULL);
-        write_text(neph_scratch_path(scratch), "frame.exr", "frame");
-        write_text(neph_scratch_path(scratch), "flicker.json", "{\"a4_p95\": 0.0191}");
-        write_text(neph_scratch_path(scratch), "flip_0.png", "picture");
-        write_text(neph_scratch_path(scratch), "pass_0.png", "large");
+        scratch_put(neph_scratch_path(scratch), "frame.exr", "frame");
+        scratch_put(neph_scratch_path(scratch), "flicker.json", "{\"a4_p95\": 0.0191}");
+        scratch_put(neph_scratch_path(scratch), "flip_0.png", "picture");
+        scratch_put(neph_scratch_path(scratch), "pass_0.png", "large");
         neph_assert_ok(neph_store_publish(store, key_a, scratch, record, NULL), NULL);
         neph_scratch_destroy(scratch);
         json_decref(record);
@@ -195,7 +170,7 @@ static void test_edited_results_are_absent(void **state)
         char *dropped = neph_path_join(folder, "pass_0.png");
         assert_false(neph_path_exists(dropped));
         free(dropped);
-        write_text(folder, results[i], "edited");
+        scratch_put(folder, results[i], "edited");
         neph_assert_close(find(store, key_a), -1.0, 0.0, 0.0);
     }
     neph_store_close(store);
@@ -210,7 +185,7 @@ static void test_who_publishes_second_keeps_the_first_if_it_is_good(void **state
     edit_record(state, key_a, "1.0", "0.1");
     publish(store, key_a, "frame", 3.0);
     neph_assert_close(find(store, key_a), 3.0, 0.0, 0.0);
-    assert_int_equal(count_in(state, "store/tmp"), 0);
+    assert_int_equal(scratch_count_in(state, "store/tmp"), 0);
     neph_store_close(store);
 }
 
@@ -220,7 +195,7 @@ static void test_runs_at_the_same_time_have_folders_of_their_own(void **state)
     struct neph_store *first = open_store(state);
     struct neph_scratch *of_first = NULL, *of_second = NULL;
     neph_assert_ok(neph_store_begin(first, &of_first, NULL), NULL);
-    write_text(neph_scratch_path(of_first), "frame.exr", "half");
+    scratch_put(neph_scratch_path(of_first), "frame.exr", "half");
     struct neph_store *second = open_store(state); /* which sweeps */
     neph_assert_ok(neph_store_begin(second, &of_second, NULL), NULL);
     char *half = neph_path_join(neph_scratch_path(of_first), "frame.exr");
@@ -229,7 +204,7 @@ static void test_runs_at_the_same_time_have_folders_of_their_own(void **state)
     neph_scratch_destroy(of_second);
     assert_true(neph_path_exists(half));
     neph_scratch_destroy(of_first);
-    assert_int_equal(count_in(state, "store/tmp"), 0);
+    assert_int_equal(scratch_count_in(state, "store/tmp"), 0);
     free(half);
     neph_store_close(first);
     neph_store_close(second);
@@ -240,7 +215,7 @@ static void abandon(struct neph_store *store, const char *key)
     struct neph_scratch *scratch = NULL;
     char *kept = NULL;
     neph_assert_ok(neph_store_begin(store, &scratch, NULL), NULL);
-    write_text(neph_scratch_path(scratch), "engine.log", "why");
+    scratch_put(neph_scratch_path(scratch), "engine.log", "why");
     neph_store_abandon(store, key, scratch, &kept);
     neph_scratch_destroy(scratch);
     assert_non_null(kept);
@@ -256,10 +231,10 @@ static void test_failed_tries_stay_until_their_key_succeeds(void **state)
     abandon(store, key_b);
     neph_store_close(store);
     store = open_store(state);
-    assert_int_equal(count_in(state, "store/failed"), 2);
+    assert_int_equal(scratch_count_in(state, "store/failed"), 2);
     publish(store, key_a, "frame", 1.0);
     assert_gone(state, "failed", key_a);
-    assert_int_equal(count_in(state, "store/failed"), 1);
+    assert_int_equal(scratch_count_in(state, "store/failed"), 1);
     neph_store_close(store);
 }
 
@@ -271,16 +246,16 @@ static void leave_leftovers(void **state, const char *work)
     snprintf(path, sizeof(path), "%s.lock", work);
     close(neph_lock_create(path));
     neph_assert_ok(neph_dir_create(work, NULL), NULL);
-    write_text(work, "frame.exr", "half");
+    scratch_put(work, "frame.exr", "half");
     entry_path(state, "tmp", key_a, path);
     strcat(path, ".1"); /* of a version that went by process numbers */
     neph_assert_ok(neph_dir_create(path, NULL), NULL);
     scratch_path(state, path, "store");
-    write_text(path, ".neph-0123456789abcdef.tmp", "half");
+    scratch_put(path, ".neph-0123456789abcdef.tmp", "half");
     scratch_path(state, path, "store/resting");
-    write_text(path, ".neph-0123456789abcdef.tmp", "half");
-    write_text(path, key_a, "of a finished key");
-    write_text(path, key_b, "old");
+    scratch_put(path, ".neph-0123456789abcdef.tmp", "half");
+    scratch_put(path, key_a, "of a finished key");
+    scratch_put(path, key_b, "old");
     entry_path(state, "resting", key_b, path);
     assert_int_equal(utimensat(AT_FDCWD, path, long_ago, 0), 0);
     entry_path(state, "failed", key_a, path);
@@ -293,20 +268,20 @@ static void test_leftovers_are_swept(void **state)
     struct neph_store *store = open_store(state);
     publish(store, key_a, "frame", 1.0);
     neph_store_close(store);
-    const int count = count_in(state, "store");
+    const int count = scratch_count_in(state, "store");
     leave_leftovers(state, scratch_path(state, work, "store/tmp/work-0123456789abcdef"));
     store = open_store(state);
-    assert_int_equal(count_in(state, "store/tmp"), 0);
-    assert_int_equal(count_in(state, "store/resting"), 0);
-    assert_int_equal(count_in(state, "store/failed"), 0);
-    assert_int_equal(count_in(state, "store"), count);
+    assert_int_equal(scratch_count_in(state, "store/tmp"), 0);
+    assert_int_equal(scratch_count_in(state, "store/resting"), 0);
+    assert_int_equal(scratch_count_in(state, "store/failed"), 0);
+    assert_int_equal(scratch_count_in(state, "store"), count);
     neph_assert_close(find(store, key_a), 1.0, 0.0, 0.0);
     neph_store_close(store);
 
     scratch_path(state, path, "store/resting"); /* what may still be gone on with stays */
-    write_text(path, key_b, "yesterday's");
+    scratch_put(path, key_b, "yesterday's");
     neph_store_close(open_store(state));
-    assert_int_equal(count_in(state, "store/resting"), 1);
+    assert_int_equal(scratch_count_in(state, "store/resting"), 1);
 }
 
 static void test_folders_of_others_are_refused(void **state)
@@ -315,10 +290,10 @@ static void test_folders_of_others_are_refused(void **state)
     struct neph_store *store = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_dir_create(scratch_path(state, path, "store/frames"), NULL), NULL);
-    write_text(path, "photo.jpg", "mine");
+    scratch_put(path, "photo.jpg", "mine");
     assert_int_equal(neph_store_open(scratch_path(state, path, "store"), &store, &diag),
                      NEPH_ERR_USAGE);
-    assert_int_equal(count_in(state, "store"), 1);
+    assert_int_equal(scratch_count_in(state, "store"), 1);
 }
 
 int main(void)

@@ -2,7 +2,7 @@
  *
  * The store's database: it says what the frames say, whatever happens to it or to who writes it.
  */
-#include "tests/base/scratch.h"
+#include "tests/harness/store_test.h"
 
 #include "harness/run/history.h"
 #include "harness/run/index.h"
@@ -15,22 +15,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
-static struct neph_store *open_store(void **state)
-{
-    char path[SCRATCH_PATH_MAX];
-    struct neph_store *store = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_store_open(scratch_path(state, path, "store"), &store, &diag), &diag);
-    return store;
-}
-
-static void write_text(const char *folder, const char *name, const char *text)
-{
-    char *path = neph_path_join(folder, name);
-    neph_assert_ok(neph_file_write(path, text, strlen(text), NULL), NULL);
-    free(path);
-}
 
 static void name_key(char key[NEPH_HASH_HEX_SIZE], int number)
 {
@@ -307,19 +291,10 @@ static void publish_for_ever(void **state, int first)
     }
 }
 
-static int count_in(void **state, const char *name)
-{
-    char path[SCRATCH_PATH_MAX];
-    struct scratch inner;
-    snprintf(inner.folder, sizeof(inner.folder), "%.250s", scratch_path(state, path, name));
-    void *inner_state = &inner;
-    return scratch_count(&inner_state);
-}
-
 /* The moments are counted in frames, and then in microseconds: a slow disk has as many of them. */
 static void wait_for_frames(void **state, int count, uint64_t *random)
 {
-    while (count_in(state, "store/frames") < count)
+    while (scratch_count_in(state, "store/frames") < count)
         usleep(200);
     usleep((useconds_t)neph_test_uniform(random, 0.0, 3000.0));
 }
@@ -337,16 +312,16 @@ static void test_kills_at_random_moments_are_survived(void **state)
         kill(pid, SIGKILL);
         waitpid(pid, NULL, 0);
         struct neph_store *store = open_store(state);
-        const int frames = count_in(state, "store/frames");
+        const int frames = scratch_count_in(state, "store/frames");
         assert_true(frames > kept);
-        assert_int_equal(count_in(state, "store/tmp"), 0);
+        assert_int_equal(scratch_count_in(state, "store/tmp"), 0);
         assert_int_equal(count_rows(store, "jobs"), frames);
         for (int k = 0; k < frames; k++)
             assert_true(has_frame(store, k));
         neph_store_close(store);
         kept = frames;
     }
-    assert_int_equal(count_in(state, "store/index"), 1); /* none was ever set aside */
+    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was ever set aside */
 }
 
 static void wait_for_all(const pid_t *pids, int count)
@@ -398,7 +373,7 @@ static void test_check_finds_a_changed_frame_and_repairs(void **state)
     must_publish(store, 2, 100);
     name_key(key, 2);
     snprintf(name, sizeof(name), "store/frames/%s", key);
-    write_text(scratch_path(state, folder, name), "frame.exr", "flipped");
+    scratch_put(scratch_path(state, folder, name), "frame.exr", "flipped");
     neph_assert_ok(neph_store_check(store, false, count_fault, &removed, &sums, NULL), NULL);
     assert_int_equal(sums.frames, 2);
     assert_int_equal(sums.bad, 1);
@@ -459,7 +434,7 @@ static json_t *spoil_a_document(void **state, struct neph_store *store, const ch
     accept(store, "*", make_night(store, "b", 0.5, "0000"), NEPH_OK);
     scratch_path(state, folder, "store/history");
     if (text)
-        write_text(folder, "night-000002.json", text);
+        scratch_put(folder, "night-000002.json", text);
     else
         assert_int_equal(unlink(scratch_path(state, path, "store/history/night-000002.json")), 0);
     return export_of(store);
@@ -724,7 +699,7 @@ static void test_acceptances_are_added_and_never_changed(void **state)
     accept(store, "*", 99, NEPH_ERR_NOT_FOUND);
     assert_int_equal(count_rows(store, "acceptances"), 2);
     assert_int_equal(count_rows(store, "nights"), 2);
-    write_text(scratch_path(state, path, "store/history"), "night-000002.json", "{\"torn");
+    scratch_put(scratch_path(state, path, "store/history"), "night-000002.json", "{\"torn");
     neph_store_close(store);
     remove_index(state);
     store = open_store(state); /* what hangs on a torn document is named and left out */
@@ -744,8 +719,8 @@ static void test_numbers_of_torn_documents_are_not_given_again(void **state)
     accept(store, "*", 1, NEPH_OK);
     neph_store_close(store);
     scratch_path(state, folder, "store/history");
-    write_text(folder, "night-000002.json", "{\"torn");
-    write_text(folder, "accept-000002.json", "{\"torn, too");
+    scratch_put(folder, "night-000002.json", "{\"torn");
+    scratch_put(folder, "accept-000002.json", "{\"torn, too");
     remove_index(state);
     store = open_store(state);
     assert_int_equal(make_night(store, "c", 0.75, NULL), 3);
@@ -769,14 +744,14 @@ static void test_a_step_without_a_time_leaves_its_night_out(void **state)
     char path[SCRATCH_PATH_MAX];
     struct neph_store *store = open_store(state);
     make_night(store, "a", 0.25, NULL);
-    write_text(
+    scratch_put(
         scratch_path(state, path, "store/history"), "night-000002.json",
         "{\"format\": \"neph-night-1\", \"ended_utc\": \"2026\", \"steps\": [{\"name\": \"a\"}]}");
     neph_store_close(store);
     store = open_store(state);
     assert_int_equal(count_rows(store, "nights"), 1);
     neph_store_close(store);
-    assert_int_equal(count_in(state, "store/index"), 1); /* none was set aside */
+    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was set aside */
 }
 
 /* Each has a number and a document. */
@@ -799,7 +774,7 @@ static void test_acceptances_at_the_same_time_are_all_kept(void **state)
     wait_for_all(pids, RUNS);
     assert_int_equal(count_rows(store, "acceptances"), RUNS * EACH);
     neph_store_close(store);
-    assert_int_equal(count_in(state, "store/index"), 1); /* none was set aside */
+    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was set aside */
 }
 
 int main(void)

@@ -277,32 +277,32 @@ static inline void cycle_check(enum neph_status status, const struct neph_diag *
 /* Frames with all that is planned in them; `truth` receives the mean squares by period. */
 static inline void cycle_make(struct neph_cycle_frames *frames, const struct cycle_plan *plan,
                               int width_px, int height_px, int frame_count,
-                              double truth[CYCLE_LIMIT])
+                              struct neph_arena *memory, double truth[CYCLE_LIMIT])
 {
     struct neph_diag diag = {0};
     uint64_t random = plan->seed;
-    cycle_check(neph_cycle_frames_begin(frames, width_px, height_px, frame_count, &diag), &diag);
-    memset(frames->values, 0,
-           sizeof(float) * (size_t)width_px * (size_t)height_px * (size_t)frame_count);
+    cycle_check(neph_cycle_frames_begin(frames, width_px, height_px, frame_count, memory, &diag),
+                &diag);
     memset(truth, 0, CYCLE_LIMIT * sizeof(*truth));
     if (plan->noise > 0.0)
         cycle_add_noise(frames, plan, &random);
     cycle_plant(frames, plan, &random, truth);
 }
 
-static inline struct neph_cycle_findings cycle_search(const struct neph_cycle_frames *frames)
+static inline struct neph_cycle_findings cycle_search(const struct neph_cycle_frames *frames,
+                                                      struct neph_arena *memory)
 {
     struct neph_diag diag = {0};
     struct neph_cycle_frequencies candidates = {0};
     struct neph_cycle_findings findings = {0};
     const struct neph_cycle_declared declared = {.count = 0};
     double *moments = NULL;
-    cycle_check(neph_cycle_candidates(frames->frame_count, &declared, &candidates, &diag), &diag);
-    cycle_check(neph_cycle_moments(frames, &moments, &diag), &diag);
-    cycle_check(neph_cycle_search(frames->frame_count, moments, &candidates, &findings, &diag),
+    cycle_check(neph_cycle_candidates(frames->frame_count, &declared, memory, &candidates, &diag),
                 &diag);
-    free(moments);
-    free(candidates.items);
+    cycle_check(neph_cycle_moments(frames, memory, &moments, &diag), &diag);
+    cycle_check(
+        neph_cycle_search(frames->frame_count, moments, &candidates, memory, &findings, &diag),
+        &diag);
     return findings;
 }
 
@@ -310,19 +310,18 @@ static inline struct cycle_result cycle_try(const struct cycle_plan *plan, int w
                                             int height_px, int frame_count)
 {
     struct neph_diag diag = {0};
+    struct neph_arena memory = {0};
     struct neph_cycle_frames frames = {0};
     struct neph_cycle_model model = {0};
     double truth[CYCLE_LIMIT];
-    cycle_make(&frames, plan, width_px, height_px, frame_count, truth);
-    struct neph_cycle_findings findings = cycle_search(&frames);
-    cycle_check(neph_cycle_model_begin(&model, frame_count, &findings, &diag), &diag);
+    cycle_make(&frames, plan, width_px, height_px, frame_count, &memory, truth);
+    struct neph_cycle_findings findings = cycle_search(&frames, &memory);
+    cycle_check(neph_cycle_model_begin(&model, frame_count, &findings, &memory, &diag), &diag);
     double *means = malloc((NEPH_CYCLE_SQUARES + (size_t)model.period_count) * sizeof(*means));
     cycle_means(&frames, &model, means);
     const struct cycle_result result = cycle_judge(&model, means, truth);
     free(means);
-    neph_cycle_model_end(&model);
-    free(findings.items);
-    free(frames.values);
+    neph_arena_finish(&memory);
     return result;
 }
 

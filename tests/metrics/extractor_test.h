@@ -16,6 +16,7 @@ struct extraction {
     struct neph_settings settings;
     struct neph_viewing viewing;
     int width_px, height_px, plane_count;
+    struct neph_arena *memory; /* of all that follows */
     void *state;
     struct neph_pair_codes *codes;
 };
@@ -85,11 +86,17 @@ static inline struct extraction extraction_begin(const struct neph_extractor *ex
         if (obstacle)
             fail_msg("%s: %s", extractor->name, obstacle);
     }
-    extraction.state = calloc(1, extractor->state_size ? extractor->state_size : 1);
-    extraction.codes = calloc(1, sizeof(*extraction.codes));
-    assert_non_null(extraction.state);
-    assert_non_null(extraction.codes);
-    neph_assert_ok(extractor->init(extraction.state, first, &extraction.settings, &diag), &diag);
+    extraction.memory = calloc(1, sizeof(*extraction.memory));
+    assert_non_null(extraction.memory);
+    extraction.state = neph_arena_zeroed(extraction.memory, 1, extractor->state_size);
+    extraction.codes = neph_arena_zeroed(extraction.memory, 1, sizeof(*extraction.codes));
+    neph_assert_ok(neph_arena_check(extraction.memory, &diag), &diag);
+    extraction.codes->memory = extraction.memory;
+    struct neph_frame_pair pair = *first;
+    pair.memory = extraction.memory;
+    if (extractor->init)
+        neph_assert_ok(extractor->init(extraction.state, &pair, &extraction.settings, &diag),
+                       &diag);
     return extraction;
 }
 
@@ -99,6 +106,7 @@ static inline void extraction_frame(struct extraction *extraction,
     struct neph_diag diag = {0};
     struct neph_frame_pair with_codes = *pair;
     with_codes.codes = extraction->codes;
+    with_codes.memory = extraction->memory;
     neph_pair_codes_forget(extraction->codes);
     neph_assert_ok(extraction->extractor->extract(extraction->state, &with_codes, &diag), &diag);
 }
@@ -180,11 +188,9 @@ static inline void extraction_end(struct extraction *extraction)
 {
     if (extraction->extractor->close)
         extraction->extractor->close(extraction->state);
-    free(extraction->state);
-    neph_pair_codes_finish(extraction->codes);
-    free(extraction->codes);
-    extraction->state = NULL;
-    extraction->codes = NULL;
+    neph_arena_finish(extraction->memory);
+    free(extraction->memory);
+    extraction->memory = NULL;
 }
 
 /* What every table must hold to: names and help, metrics that point at maps, pictures with a
@@ -195,7 +201,7 @@ static inline void extraction_check_table(const struct neph_extractor *extractor
     assert_true(extractor->quantities != 0);
     assert_true(extractor->options && extractor->metrics);
     assert_true(extractor->map_count <= NEPH_MAPS_MAX);
-    assert_true(extractor->init && extractor->extract);
+    assert_non_null(extractor->extract);
     for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++) {
         assert_true(metric->help && strlen(metric->help) > 0);
         assert_true(metric->low < metric->high);

@@ -273,7 +273,7 @@ def numbers(m):
 
 def main():
     print("/* SPDX-License-Identifier: MIT\n *\n * Printed by flip_reference.py; not to be "
-          "edited.\n */")
+          "edited.\n */\n/* clang-format off */")
     print("static const struct ldr_case ldr_cases[] = {")
     for kind, w, h, seed, ppd, ev, tone in LDR:
         r, t = (picture(kind, w, h, seed, i) for i in (0, 1))
@@ -286,7 +286,7 @@ def main():
         m, start, stop, count = hdr_flip(r, t, ppd, tone)
         print("    {%s, %d, %d, %d, %.15g, %d, %.15g, %.15g, %d, {%s}}," %
               (kind.__name__, w, h, seed, ppd, TONES.index(tone), start, stop, count, numbers(m)))
-    print("};")
+    print("};\n/* clang-format on */")
 
 
 main()

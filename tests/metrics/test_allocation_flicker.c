@@ -18,6 +18,7 @@ static enum neph_status live(void *context, struct neph_diag *diag)
 {
     const struct life *life = context;
     const struct neph_extractor *extractor = life->extractor;
+    struct neph_arena memory = {0};
     static const float dark[W * H], bright[W * H] = {1.0f};
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     const struct neph_settings settings = neph_options_default(extractor->options);
@@ -29,7 +30,8 @@ static enum neph_status live(void *context, struct neph_diag *diag)
                                    .test = {dark, dark, dark},
                                    .scene_mean = NAN,
                                    .frame_count = N,
-                                   .viewing = &viewing};
+                                   .viewing = &viewing,
+                                   .memory = &memory};
     void *state = __real_calloc(1, extractor->state_size);
     assert_non_null(state);
     enum neph_status status = extractor->init(state, &pair, &settings, diag);
@@ -41,6 +43,7 @@ static enum neph_status live(void *context, struct neph_diag *diag)
     if (!status && extractor->flush)
         status = extractor->flush(state, diag);
     extractor->close(state);
+    neph_arena_finish(&memory);
     free(state);
     return status;
 }

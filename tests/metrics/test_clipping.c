@@ -230,7 +230,8 @@ static void test_each_pixel_beyond_a_bound_is_counted(void **state)
         }
     }
     struct neph_mask *masks[2] = {create_mask(image, "all"), create_mask(image, "part")};
-    struct neph_clipping *clipping = neph_clipping_create(2);
+    struct neph_arena memory = {0};
+    struct neph_clipping *clipping = neph_clipping_create(2, &memory);
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct neph_frame_pair pair = {.quantity = neph_quantity_find("radiance"),
                                    .width_px = WIDE,
@@ -249,7 +250,7 @@ static void test_each_pixel_beyond_a_bound_is_counted(void **state)
                               0.0);
             assert_true(found.reference == found.test);
         }
-    neph_clipping_destroy(clipping);
+    neph_arena_finish(&memory);
     neph_mask_destroy(masks[0]);
     neph_mask_destroy(masks[1]);
     neph_image_destroy(image);

@@ -421,8 +421,10 @@ static struct neph_flicker_spectrum spectrum_of(const double *v, int n,
                                                 const struct neph_flicker_window *window)
 {
     struct neph_flicker_sums sums = {0};
+    struct neph_arena memory = {0};
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_flicker_sums_begin(&sums, 1, 1, NEPH_FLICKER_SUM_COUNT, &diag), &diag);
+    neph_assert_ok(neph_flicker_sums_begin(&sums, 1, 1, NEPH_FLICKER_SUM_COUNT, &memory, &diag),
+                   &diag);
     double rows[4][NEPH_FLICKER_LANES] = {0};
     const double *const frames[4] = {rows[0], rows[1], rows[2], rows[3]};
     for (int t = 0; t < n; t += 4) {
@@ -433,7 +435,7 @@ static struct neph_flicker_spectrum spectrum_of(const double *v, int n,
     }
     double values[NEPH_FLICKER_SUM_COUNT];
     neph_flicker_sums_of(&sums, 0, 0, values);
-    neph_flicker_sums_end(&sums);
+    neph_arena_finish(&memory);
     return neph_flicker_spectrum_of(window, values);
 }
 

@@ -13,13 +13,14 @@
 
 /* ---- frequencies ----------------------------------------------------------------------------- */
 
-static struct neph_cycle_frequencies candidates_of(int frame_count, const char *declared)
+static struct neph_cycle_frequencies candidates_of(int frame_count, const char *declared,
+                                                   struct neph_arena *memory)
 {
     struct neph_cycle_declared parsed = {.count = 0};
     struct neph_cycle_frequencies frequencies = {.items = NULL};
     struct neph_diag diag = {0};
     neph_assert_ok(neph_cycle_parse(declared, &parsed, &diag), &diag);
-    neph_assert_ok(neph_cycle_candidates(frame_count, &parsed, &frequencies, &diag), &diag);
+    neph_assert_ok(neph_cycle_candidates(frame_count, &parsed, memory, &frequencies, &diag), &diag);
     return frequencies;
 }
 
@@ -36,7 +37,8 @@ static bool has_period(const struct neph_cycle_frequencies *frequencies, int per
 static void test_each_frequency_has_one_period(void **state)
 {
     (void)state;
-    struct neph_cycle_frequencies frequencies = candidates_of(256, "");
+    struct neph_arena memory = {0};
+    struct neph_cycle_frequencies frequencies = candidates_of(256, "", &memory);
     assert_int_equal(frequencies.count, 162);
     for (int i = 0; i < frequencies.count; i++) {
         const struct neph_cycle_frequency f = frequencies.items[i];
@@ -45,7 +47,7 @@ static void test_each_frequency_has_one_period(void **state)
         assert_true(i == 0 ||
                     neph_cycle_per_frame(frequencies.items[i - 1]) < neph_cycle_per_frame(f));
     }
-    free(frequencies.items);
+    neph_arena_finish(&memory);
 }
 
 static void test_few_frames_have_few_periods(void **state)
@@ -53,24 +55,26 @@ static void test_few_frames_have_few_periods(void **state)
     (void)state;
     const int cases[][2] = {{16, 2}, {63, 7}, {64, 8}, {255, 31}, {256, 32}, {2048, 32}};
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        struct neph_cycle_frequencies frequencies = candidates_of(cases[i][0], "");
+        struct neph_arena memory = {0};
+        struct neph_cycle_frequencies frequencies = candidates_of(cases[i][0], "", &memory);
         assert_int_equal(neph_cycle_longest(cases[i][0]), cases[i][1]);
         assert_true(has_period(&frequencies, cases[i][1]));
         assert_false(has_period(&frequencies, cases[i][1] + 1));
-        free(frequencies.items);
+        neph_arena_finish(&memory);
     }
 }
 
 static void test_declared_periods_and_their_beats(void **state)
 {
     (void)state;
+    struct neph_arena memory = {0};
     struct neph_cycle_frequencies frequencies = candidates_of(
-        256, "slot 4, TAA jitter 7, ray 9,long 65");
+        256, "slot 4, TAA jitter 7, ray 9,long 65", &memory);
     assert_true(has_period(&frequencies, 36));  /* of 4 and 9 */
     assert_true(has_period(&frequencies, 63));  /* of 7 and 9 */
     assert_false(has_period(&frequencies, 65)); /* fewer than four of it */
     assert_false(has_period(&frequencies, 56));
-    free(frequencies.items);
+    neph_arena_finish(&memory);
     const char *const bad[] = {"slot",    "slot 1",   "7.5,slot",
                                "a 70000", "a 4,,b 7", "2,2,2,2,2,2,2,2,2,2,2,2,2,2,2,2,2"};
     for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
@@ -179,19 +183,19 @@ static void test_a_wrong_period_says_so(void **state)
                                         .rms = 0.02,
                                         .noise = 0.08,
                                         .seed = 1 + (uint64_t)i};
+        struct neph_arena memory = {0};
         struct neph_cycle_frames frames = {.values = NULL};
         double truth[CYCLE_LIMIT];
-        cycle_make(&frames, &plan, 2, 2, 256, truth);
-        struct neph_cycle_findings findings = cycle_search(&frames);
+        cycle_make(&frames, &plan, 2, 2, 256, &memory, truth);
+        struct neph_cycle_findings findings = cycle_search(&frames, &memory);
         for (int f = 0; f < findings.count; f++) {
             const bool is_right = findings.items[f].frequency.period == 31;
             wrong += !is_right;
             assert_true(is_right || findings.items[f].also_period == 31);
         }
-        free(findings.items);
-        free(frames.values);
+        neph_arena_finish(&memory);
     }
-    assert_true(wrong > 0 || NEPH_TEST_EVERY > 1); /* of the few there need not be one */
+    assert_true(wrong > 0 || neph_test_path_step() > 1); /* of the few there need not be one */
 }
 
 /* ---- the budget ------------------------------------------------------------------------------ */

@@ -361,9 +361,11 @@ static int count_called_cyclic(double (*noise)(uint64_t *random), int frame_coun
     int called = 0;
     for (int run = 0; run < NOISE_RUNS; run++) {
         struct neph_flicker_sums sums = {0};
+        struct neph_arena memory = {0};
         struct neph_diag diag = {0};
-        neph_assert_ok(neph_flicker_sums_begin(&sums, 16, 1, NEPH_FLICKER_VARIANCE_COUNT, &diag),
-                       &diag);
+        neph_assert_ok(
+            neph_flicker_sums_begin(&sums, 16, 1, NEPH_FLICKER_VARIANCE_COUNT, &memory, &diag),
+            &diag);
         for (int t = 0; t < frame_count; t += 4) {
             double rows[4][NEPH_FLICKER_LANES];
             const double *const frames[4] = {rows[0], rows[1], rows[2], rows[3]};
@@ -378,7 +380,7 @@ static int count_called_cyclic(double (*noise)(uint64_t *random), int frame_coun
             const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_of(&window, values);
             called += neph_flicker_is_cyclic(&spectrum);
         }
-        neph_flicker_sums_end(&sums);
+        neph_arena_finish(&memory);
     }
     return called;
 }

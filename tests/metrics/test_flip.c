@@ -5,6 +5,7 @@
  */
 #include "tests/metrics/extractor_test.h"
 
+#include "base/sort.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/flip.h"
 #include "metrics/meter.h"
@@ -164,20 +165,15 @@ static double *flip_of(const struct pictures *pictures, int first, double pixels
     struct neph_flip *flip = NULL;
     double *map = calloc(pixel_count(pictures), sizeof(*map));
     assert_non_null(map);
-    neph_assert_ok(neph_flip_create(pixels_per_degree, &flip, &diag), &diag);
+    struct neph_arena memory = {0};
+    neph_assert_ok(neph_flip_create(pixels_per_degree, &memory, &flip, &diag), &diag);
     neph_assert_ok(neph_flip_map(flip, pictures->width_px, pictures->height_px,
                                  (const float *const *)pictures->planes[first],
                                  (const float *const *)pictures->planes[!first], &display, 1, map,
                                  &diag),
                    &diag);
-    neph_flip_destroy(flip);
+    neph_arena_finish(&memory);
     return map;
-}
-
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 static struct expected facts_of(const double *map, int width_px, int height_px)
@@ -186,7 +182,7 @@ static struct expected facts_of(const double *map, int width_px, int height_px)
     double *sorted = malloc(count * sizeof(*sorted));
     assert_non_null(sorted);
     memcpy(sorted, map, count * sizeof(*sorted));
-    qsort(sorted, count, sizeof(*sorted), compare);
+    neph_sort_doubles(sorted, count);
     double sum = 0.0, running = 0.0;
     for (size_t i = 0; i < count; i++)
         sum += sorted[i];
@@ -350,13 +346,14 @@ static void test_largest_of_displays(void **state)
     assert_non_null(together);
     struct neph_flip *flip = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_flip_create(67.0, &flip, &diag), &diag);
+    struct neph_arena memory = {0};
+    neph_assert_ok(neph_flip_create(67.0, &memory, &flip, &diag), &diag);
     neph_assert_ok(neph_flip_map(flip, pictures.width_px, pictures.height_px,
                                  (const float *const *)pictures.planes[0],
                                  (const float *const *)pictures.planes[1], displays, 3, together,
                                  &diag),
                    &diag);
-    neph_flip_destroy(flip);
+    neph_arena_finish(&memory);
     int chosen[3] = {0};
     for (int i = 0; i < 3; i++)
         single[i] = flip_of(&pictures, 0, 67.0, displays[i]);
@@ -400,8 +397,9 @@ static void test_distance_out_of_range(void **state)
     const double bad[] = {0.0, -67.0, 0.99, 1000.1, INFINITY, NAN};
     for (int i = 0; i < 6; i++) {
         struct neph_flip *flip = NULL;
+        struct neph_arena memory = {0};
         struct neph_diag diag = {0};
-        assert_int_equal(neph_flip_create(bad[i], &flip, &diag), NEPH_ERR_INPUT);
+        assert_int_equal(neph_flip_create(bad[i], &memory, &flip, &diag), NEPH_ERR_INPUT);
         assert_null(flip);
         assert_non_null(strstr(diag.message, "outside 1..1000"));
     }
@@ -629,7 +627,6 @@ static void test_one_exposure_is_enough(void **state)
     void *opaque = calloc(1, neph_extractor_hdr_flip.state_size);
     assert_int_equal(neph_extractor_hdr_flip.init(opaque, &pair, &settings, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "from 100 EV down to"));
-    neph_extractor_hdr_flip.close(opaque);
     free(opaque);
     extraction_end(&rule);
     free_images(&pair);

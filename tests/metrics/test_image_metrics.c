@@ -315,8 +315,10 @@ static void test_codes_follow_their_formula(void **state)
     viewing.exposure_ev = -3.0;
     viewing.white_cd_per_m2 = 80.0; /* together 10 cd/m2 for 1 */
     for (int kind = NEPH_CODE_PU21; kind <= NEPH_CODE_DISPLAY; kind++) {
+        struct neph_arena memory = {0};
         struct neph_code *code = NULL;
-        neph_assert_ok(neph_code_create((enum neph_code_kind)kind, &viewing, &code, NULL), NULL);
+        neph_assert_ok(neph_code_create((enum neph_code_kind)kind, &viewing, &memory, &code, NULL),
+                       NULL);
         neph_code_pixels(code, planes, 0, COUNT, codes);
         double worst = 0.0;
         for (int i = 0; i < COUNT; i++) {
@@ -327,9 +329,8 @@ static void test_codes_follow_their_formula(void **state)
         print_message("%s: farthest from the formula %.3g codes\n",
                       kind == NEPH_CODE_PU21 ? "pu21" : "display", worst);
         assert_true(worst < 1e-10);
-        neph_code_destroy(code);
+        neph_arena_finish(&memory);
     }
-    neph_code_destroy(NULL);
     free(grey_values);
     free(codes);
 }

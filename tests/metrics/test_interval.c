@@ -5,6 +5,7 @@
  */
 #include "tests/metrics/metrics_test.h"
 
+#include "base/sort.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/interval.h"
 #include "metrics/statistics.h"
@@ -24,12 +25,6 @@ static void test_percentiles_by_hand(void **state)
     neph_assert_close(neph_percentile(hundred_and_one, 101, 0.95), 95, 1e-14, 0);
 }
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void test_percentiles_against_sorting(void **state)
 {
     (void)state;
@@ -45,7 +40,7 @@ static void test_percentiles_against_sorting(void **state)
                         : round % 3 == 1 ? floor(neph_test_uniform(&random, 0.0, steps))
                                          : fabs((double)i - 0.5 * (double)count);
         memcpy(sorted, values, count * sizeof(*values));
-        qsort(sorted, count, sizeof(*sorted), compare);
+        neph_sort_doubles(sorted, count);
         for (size_t s = 0; s < sizeof(shares) / sizeof(shares[0]); s++) {
             double h = (double)(count - 1) * shares[s];
             size_t k = (size_t)h;
@@ -53,7 +48,7 @@ static void test_percentiles_against_sorting(void **state)
             double expected = sorted[k] + (h - (double)k) * (next - sorted[k]);
             assert_true(neph_percentile(values, count, shares[s]) == expected);
         }
-        qsort(values, count, sizeof(*values), compare); /* reordered, nothing lost */
+        neph_sort_doubles(values, count); /* reordered, nothing lost */
         assert_memory_equal(values, sorted, count * sizeof(*values));
     }
 }

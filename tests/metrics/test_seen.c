@@ -287,8 +287,9 @@ static void test_energies(void **state)
         series[i] = (float)neph_test_uniform(&random, -1.0, 1.0);
     for (int i = 0; i < 5; i++) {
         const int n = frame_counts[i];
+        struct neph_arena memory = {0};
         struct neph_seen_window window;
-        neph_assert_ok(neph_seen_window_create(n, &window, NULL), NULL);
+        neph_assert_ok(neph_seen_window_create(n, &memory, &window, NULL), NULL);
         float *room = malloc(neph_seen_room(&window) * sizeof(*room));
         neph_seen_spectrum(&window, series, L, room, energies);
         for (int lane = 0; lane < L; lane += 5) {
@@ -321,7 +322,7 @@ static void test_energies(void **state)
             neph_assert_close(total, 2.0 * variance, 1e-5, 0.0);
         }
         free(room);
-        neph_seen_window_finish(&window);
+        neph_arena_finish(&memory);
     }
 }
 

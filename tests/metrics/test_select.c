@@ -4,14 +4,9 @@
  */
 #include "tests/neph_test.h"
 
+#include "base/sort.h"
 #include "metrics/select.h"
 #include "metrics/statistics.h"
-
-static int compare(const void *a, const void *b)
-{
-    const double left = *(const double *)a, right = *(const double *)b;
-    return (left > right) - (left < right);
-}
 
 struct set {
     double *values; /* ascending */
@@ -33,7 +28,7 @@ static void create_set(struct set *set, const float *values, size_t count)
         set->values[i] = (double)values[i];
         set->keys[i < part ? i : i + 5] = neph_key_of(set->values[i]);
     }
-    qsort(set->values, count, sizeof(*set->values), compare);
+    neph_sort_doubles(set->values, count);
     set->first[0] = 0;
     set->counts[0] = (uint32_t)part;
     set->first[1] = part;

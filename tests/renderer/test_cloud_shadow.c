@@ -4,11 +4,9 @@
  * twin, which interpolates between them in double; what it tells between clouds; and that it stays
  * where the clouds are.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/cloud_shadow.h"
-#include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
 #include "scenes/bounds.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"
@@ -54,15 +52,12 @@ static struct neph_march_params mapped(int texels, int layers)
 static void measure(struct neph_vulkan *vulkan, const struct test_scene *test,
                     const struct neph_march_params *params, int c, double through[PIXELS])
 {
-    struct neph_diag diag = {0};
-    struct neph_image *image = NULL;
-    float *rgb[3];
+    static const char *const names[3] = {"R", "G", "B"};
     const double sun[3] = {10.0, 9.0, 8.0}, albedo[3] = {0.5, 0.4, 0.3};
     const double full = sun[c] * albedo[c] / M_PI * test->scene.sun.direction.y;
-    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &image, NULL, &diag), &diag);
-    assert_true(neph_image_rgb(image, NULL, rgb));
+    struct neph_image *image = test_march(vulkan, &test->scene, params, NULL);
     for (int p = 0; p < PIXELS; p++)
-        through[p] = (double)rgb[c][p] / full;
+        through[p] = (double)neph_image_channel(image, names[c])[p] / full;
     neph_image_destroy(image);
 }
 
@@ -333,24 +328,15 @@ static void test_edges_keep_their_place(void **state)
 static double error_between(struct neph_vulkan *vulkan, const struct neph_scene *scene, int layers,
                             double *full)
 {
-    struct neph_diag diag = {0};
     struct neph_march_params params = mapped(256, layers);
-    struct neph_image *images[2] = {NULL, NULL};
-    float *rgb[2][3];
-    double error = 0.0, mean = 0.0;
     params.steps = 48;
-    for (int i = 0; i < 2; i++) {
-        params.shortcuts.cloud_shadow = i == 0;
-        neph_assert_ok(test_march_frame(vulkan, scene, &params, &images[i], NULL, &diag), &diag);
-        assert_true(neph_image_rgb(images[i], NULL, rgb[i]));
-    }
-    for (int p = 0; p < PIXELS; p++) {
-        error += fabs((double)rgb[0][0][p] - (double)rgb[1][0][p]) / PIXELS;
-        mean += (double)rgb[1][0][p] / PIXELS;
-    }
-    neph_image_destroy(images[1]);
-    neph_image_destroy(images[0]);
-    *full = mean;
+    struct neph_image *with = test_march(vulkan, scene, &params, NULL);
+    params.shortcuts.cloud_shadow = false;
+    struct neph_image *without = test_march(vulkan, scene, &params, NULL);
+    *full = test_mean(without, "R");
+    const double error = test_distance(with, without, "R") * *full;
+    neph_image_destroy(without);
+    neph_image_destroy(with);
     return error;
 }
 
@@ -485,31 +471,13 @@ static void test_a_map_of_all_clouds_stays(void **state)
 
 /* --- over pictures --------------------------------------------------------------------------- */
 
-static struct neph_image *next(struct neph_march *march, const struct neph_scene *scene,
-                               struct neph_march_stats *stats)
-{
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &frame, stats, &diag), &diag);
-    return frame;
-}
-
 static bool same_radiance(const struct neph_image *a, const struct neph_image *b)
 {
-    float *one[3], *other[3];
-    bool same = neph_image_rgb(a, NULL, one) && neph_image_rgb(b, NULL, other);
-    for (int c = 0; c < 3 && same; c++)
-        same = memcmp(one[c], other[c], neph_image_pixel_count(a) * sizeof(float)) == 0;
+    const struct test_rgb one = test_layer(a, NULL), other = test_layer(b, NULL);
+    bool same = true;
+    for (int c = 0; c < 3; c++)
+        same &= memcmp(one.of[c], other.of[c], neph_image_pixel_count(a) * sizeof(float)) == 0;
     return same;
-}
-
-static struct neph_image *alone(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                const struct neph_march_params *params)
-{
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    neph_assert_ok(test_march_frame(vulkan, scene, params, &frame, NULL, &diag), &diag);
-    return frame;
 }
 
 /* Filled once; over four pictures when the sun has moved; at once when the map has. */
@@ -526,14 +494,14 @@ static void test_the_map_is_filled_over_pictures(void **state)
     params.shortcuts.shadow.extent_m = 60.0;
     params.shortcuts.shadow.frames = PICTURES;
     neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
-    neph_image_destroy(next(march, &test.scene, &first));
-    neph_image_destroy(next(march, &test.scene, &rest));
+    neph_image_destroy(test_march_next(march, &test.scene, &first));
+    neph_image_destroy(test_march_next(march, &test.scene, &rest));
     assert_int_equal(first.closed_forms - rest.closed_forms, 64 * 64);
     for (int picture = -1; picture <= PICTURES; picture++) {
         if (picture == 0)
             test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.49, 0.7, -0.6});
-        struct neph_image *frame = next(march, &test.scene, &stats);
-        struct neph_image *fresh = alone(*state, &test.scene, &params);
+        struct neph_image *frame = test_march_next(march, &test.scene, &stats);
+        struct neph_image *fresh = test_march(*state, &test.scene, &params, NULL);
         const bool is_filling = picture >= 0 && picture < PICTURES;
         assert_int_equal(stats.closed_forms - rest.closed_forms,
                          is_filling ? 64 * 64 / PICTURES : 0);
@@ -544,7 +512,7 @@ static void test_the_map_is_filled_over_pictures(void **state)
     }
     test.key.position_m.x += 20.0;
     test.key.look_at_m.x += 20.0;
-    neph_image_destroy(next(march, &test.scene, &stats));
+    neph_image_destroy(test_march_next(march, &test.scene, &stats));
     assert_int_equal(stats.closed_forms - rest.closed_forms, 64 * 64);
     neph_march_destroy(march);
 }
@@ -555,72 +523,52 @@ static void test_the_map_is_filled_over_pictures(void **state)
  * frame, whose kernels take seconds to make, by night. */
 static void test_in_real_time_the_ground_is_the_same(void **state)
 {
-    const char *const assignments[] = {"cloud_shadow=map",
-                                       "taa=off",
-                                       "ray_dither=none",
-                                       "upscale_dither=none",
-                                       "cloud_shadow_texels=64",
-                                       "cloud_shadow_layers=2",
-                                       "cloud_shadow_levels=2",
-                                       "cloud_shadow_plane=sun",
-                                       "steps=1",
-                                       neph_test_is_night() ? "split=four" : "split=none",
-                                       NULL};
     struct test_scene test;
-    struct neph_diag diag = {0};
-    struct neph_realtime *realtime = NULL;
-    struct neph_image *image = NULL;
     struct neph_realtime_stats stats;
-    struct neph_settings settings = neph_options_default(neph_rt_options);
+    struct neph_settings settings = test_preset(
+        NULL, "cloud_shadow=map taa=off ray_dither=none upscale_dither=none "
+              "cloud_shadow_texels=64 cloud_shadow_layers=2 cloud_shadow_levels=2 "
+              "cloud_shadow_plane=sun steps=1 split=none");
+    if (neph_test_is_night())
+        settings.values[RT_SPLIT] = RT_SPLIT_FOUR;
     look_down(&test, 20.0);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
-    for (int i = 0; assignments[i]; i++)
-        neph_assert_ok(
-            neph_options_set(neph_rt_options, "realtime", assignments[i], &settings, &diag), &diag);
     const struct neph_realtime_params params = {SIDE_PX, SIDE_PX, &settings, 7, NULL};
-    const struct neph_realtime_frame picture = {&test.scene, 0, NULL};
-    neph_assert_ok(neph_realtime_create(*state, &test.scene, &params, &realtime, &diag), &diag);
-    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, &stats, &diag), &diag);
+    struct neph_image *image = test_film(*state, &test.scene, &params, 1, &stats);
     struct neph_march_params march = mapped(64, 2);
     march.shortcuts.shadow.levels = 2;
     march.shortcuts.shadow.plane = NEPH_SHADOW_SUN;
-    struct neph_image *marched = alone(*state, &test.scene, &march);
+    struct neph_image *marched = test_march(*state, &test.scene, &march, NULL);
     assert_true(same_radiance(image, marched));
     if (neph_test_is_night())
         assert_true(stats.shadow_gpu_s > 0.0 || isnan(stats.shadow_gpu_s));
     neph_image_destroy(marched);
     neph_image_destroy(image);
-    neph_realtime_destroy(realtime);
 }
 
 /* --- refusals -------------------------------------------------------------------------------- */
 
-static void assert_refused(const struct neph_scene *scene, struct neph_shadow_map map,
-                           const char *name)
-{
-    struct neph_diag diag = {0};
-    struct neph_march_params params = mapped(64, 1);
-    params.shortcuts.shadow = map;
-    assert_int_equal(neph_march_check(scene, &params, &diag), NEPH_ERR_USAGE);
-    assert_non_null(strstr(diag.message, name));
-}
-
 static void test_what_is_out_of_range_is_refused(void **state)
 {
+    static const struct {
+        struct neph_shadow_map map;
+        const char *name;
+    } cases[] = {{{15, 1, 1, 0.0, 0, 1}, "cloud_shadow_texels"},
+                 {{64, 0, 1, 0.0, 0, 1}, "cloud_shadow_layers"},
+                 {{64, 1, 5, 0.0, 0, 1}, "cloud_shadow_levels"},
+                 {{64, 1, 1, -1.0, 0, 1}, "cloud_shadow_extent_m"},
+                 {{64, 1, 1, 0.0, 0, 257}, "cloud_shadow_frames"}};
     (void)state;
     struct test_scene test;
     look_down(&test, 20.0);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
-    assert_refused(&test.scene, (struct neph_shadow_map){15, 1, 1, 0.0, 0, 1},
-                   "cloud_shadow_texels");
-    assert_refused(&test.scene, (struct neph_shadow_map){64, 0, 1, 0.0, 0, 1},
-                   "cloud_shadow_layers");
-    assert_refused(&test.scene, (struct neph_shadow_map){64, 1, 5, 0.0, 0, 1},
-                   "cloud_shadow_levels");
-    assert_refused(&test.scene, (struct neph_shadow_map){64, 1, 1, -1.0, 0, 1},
-                   "cloud_shadow_extent_m");
-    assert_refused(&test.scene, (struct neph_shadow_map){64, 1, 1, 0.0, 0, 257},
-                   "cloud_shadow_frames");
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct neph_diag diag = {0};
+        struct neph_march_params params = mapped(64, 1);
+        params.shortcuts.shadow = cases[i].map;
+        assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_ERR_USAGE);
+        assert_non_null(strstr(diag.message, cases[i].name));
+    }
 }
 
 int main(void)

@@ -4,7 +4,7 @@
  * pictures are their integrals in double precision; and how far those are from all orders of
  * scattering, by adding and doubling, and from a white furnace.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/march_scene.h"
 #include "scenes/media.h"

@@ -3,13 +3,10 @@
  * Clouds that repeat without end: pictures of them against those of many copies, and the step cloud
  * of I3RC by the path tracer against a Monte Carlo that shares next to nothing with it.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
-#include "renderer/march.h"
-#include "renderer/tracer.h"
 #include "scenes/grid.h"
 #include "truth/step_cloud.h"
-#include "truth/transport.h"
 
 /* `count` nodes along x, of which `copies` stand side by side around the world's middle, in 64 rows
  * along z; 0: both without end. Bounds cut it off above and below, between two nodes that are the
@@ -59,25 +56,7 @@ static struct neph_image *march(struct neph_vulkan *vulkan, const struct neph_sc
                                              .sun = mode,
                                              .sun_steps = 16,
                                              .shortcuts = {.skip = mode == NEPH_MARCH_MARCHED}};
-    struct neph_march *made = NULL;
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_create(vulkan, scene, &params, &made, &diag), &diag);
-    neph_assert_ok(neph_march_frame(made, scene, 0.0, NULL, &image, NULL, &diag), &diag);
-    neph_march_destroy(made);
-    return image;
-}
-
-/* Mean over pixels of |a - b| over that of b. */
-static double distance(const struct neph_image *a, const struct neph_image *b, const char *channel)
-{
-    const float *x = neph_image_channel(a, channel), *y = neph_image_channel(b, channel);
-    double off = 0.0, sum = 0.0;
-    for (int i = 0; i < PIXELS; i++) {
-        off += fabs((double)x[i] - (double)y[i]);
-        sum += (double)y[i];
-    }
-    return off / sum;
+    return test_march(vulkan, scene, &params, NULL);
 }
 
 /* 40 copies are as good as all where nothing beyond them is seen, and no sun comes from there. */
@@ -92,7 +71,8 @@ static void test_a_march_sees_no_end(void **state)
         set_stage(&finite, some, 200.0);
         struct neph_image *a = march(*state, &endless.scene, modes[n]),
                           *b = march(*state, &finite.scene, modes[n]);
-        const double off = distance(a, b, "G"), through_off = distance(a, b, "transmittance.G");
+        const double off = test_distance(a, b, "G"),
+                     through_off = test_distance(a, b, "transmittance.G");
         print_message("%s: radiance %.2g, transmittance %.2g\n", n ? "marched" : "exact", off,
                       through_off);
         assert_true(off < 2e-5);
@@ -114,14 +94,9 @@ static void test_exact_sees_no_end(void **state)
                      *some = make_columns(columns, 8, 50.0, 200.0, 40);
     set_stage(&endless, all, 200.0);
     set_stage(&finite, some, 200.0);
-    const struct neph_camera camera = neph_scene_camera(&endless.scene, 0.0);
     for (int i = 0; i < PIXELS; i += neph_test_by_day(37, 5)) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                          i / WIDTH);
-        const struct neph_ray_light a = neph_transport_ray(&endless.scene, ray.origin_m,
-                                                           ray.direction),
-                                    b = neph_transport_ray(&finite.scene, ray.origin_m,
-                                                           ray.direction);
+        const struct neph_ray_light a = test_exact_ray(&endless.scene, WIDTH, HEIGHT, i),
+                                    b = test_exact_ray(&finite.scene, WIDTH, HEIGHT, i);
         neph_assert_close(a.volume.g, b.volume.g, 1e-7, 1e-9);
         neph_assert_close(a.transmittance.g, b.transmittance.g, 1e-9, 1e-12);
     }
@@ -188,9 +163,7 @@ static struct neph_image *trace_step_cloud(struct neph_vulkan *vulkan, int copie
                                               .seed = 11,
                                               .samples = samples,
                                               .time_limit_s = INFINITY};
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_tracer_render(vulkan, scene, &params, &image, NULL, &diag), &diag);
+    struct neph_image *image = test_trace(vulkan, scene, &params, NULL);
     neph_grid_destroy(grid);
     return image;
 }

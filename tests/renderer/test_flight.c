@@ -3,30 +3,11 @@
  * Frames in flight: a picture that comes after some of which nothing was read is, bit for bit, what
  * it is after pictures that were.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
-#include "renderer/march.h"
-#include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
-
-#include <math.h>
-#include <stdlib.h>
-
+/* Scene camera_dolly: a camera that moves past solids in fog; all that a frame is told differs from
+ * the last. */
 enum { WIDTH_PX = 48, HEIGHT_PX = 28, FRAMES = 8 /* each lane and slot is used more than once */ };
-
-static struct neph_scene *load_file(const char *path)
-{
-    struct neph_scene *scene = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
-    return scene;
-}
-
-/* A camera that moves past solids in fog: all that a frame is told differs from the last. */
-static struct neph_scene *load(void)
-{
-    return load_file(NEPH_SOURCE_DIR "/scenes/catalog/camera_dolly.yaml");
-}
 
 static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
                                            const struct neph_scene *scene,
@@ -43,14 +24,7 @@ static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
 /* With dithers that need no masks. */
 static struct neph_settings few_steps(const char *preset)
 {
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, preset, &settings, &diag),
-        &diag);
-    settings.values[RT_STEPS] = 4;
-    settings.values[RT_RAY_DITHER] = settings.values[RT_UPSCALE_DITHER] = 0.0;
-    return settings;
+    return test_preset(preset, "steps=4 ray_dither=none upscale_dither=none");
 }
 
 static struct neph_image *render(struct neph_realtime *realtime, const struct neph_scene *scene,
@@ -70,14 +44,6 @@ static void send(struct neph_realtime *realtime, const struct neph_scene *scene,
     neph_assert_ok(neph_realtime_render(realtime, &picture, NULL, NULL, &diag), &diag);
 }
 
-static void assert_same_bits(const struct neph_image *a, const struct neph_image *b)
-{
-    assert_int_equal(a->channel_count, b->channel_count);
-    for (int c = 0; c < a->channel_count; c++)
-        assert_memory_equal(a->channels[c].samples, b->channels[c].samples,
-                            neph_image_pixel_count(a) * sizeof(float));
-}
-
 static void check_after_flight(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                const struct neph_settings *settings)
 {
@@ -92,7 +58,7 @@ static void check_after_flight(struct neph_vulkan *vulkan, const struct neph_sce
             send(sent, scene, frame);
     }
     struct neph_image *image = render(sent, scene, FRAMES - 1, &sent_stats);
-    assert_same_bits(image, expected);
+    assert_true(test_same_bits(image, expected));
     assert_true(sent_stats.density_evaluations > 0);
     assert_int_equal(sent_stats.density_evaluations, read_stats.density_evaluations);
     assert_int_equal(sent_stats.rays, read_stats.rays);
@@ -104,7 +70,7 @@ static void check_after_flight(struct neph_vulkan *vulkan, const struct neph_sce
 
 static void test_the_picture_after_pictures_in_flight(void **state)
 {
-    struct neph_scene *scene = load();
+    struct neph_scene *scene = test_load("catalog/camera_dolly");
     const struct neph_settings settings = few_steps("ours");
     check_after_flight(*state, scene, &settings);
     neph_scene_destroy(scene);
@@ -114,7 +80,7 @@ static void test_the_picture_after_pictures_in_flight(void **state)
  * that is in flight the fill alone is counted. */
 static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
 {
-    struct neph_scene *scene = load_file(NEPH_SOURCE_DIR "/scenes/failure/wind_cloud.yaml");
+    struct neph_scene *scene = test_load("stress/wind_cloud");
     struct neph_settings settings = few_steps("ours");
     settings.values[RT_SUN_CACHE] = 1.0;
     settings.values[RT_SUN_CACHE_VOXELS] = 16.0;
@@ -136,7 +102,7 @@ static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
 /* What passes move is known before; counts are nobody's. */
 static void test_costs_come_home_in_order(void **state)
 {
-    struct neph_scene *scene = load();
+    struct neph_scene *scene = test_load("catalog/camera_dolly");
     const struct neph_settings settings = few_steps("ours");
     struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
     struct neph_realtime_stats read, home;
@@ -164,7 +130,7 @@ static void test_costs_come_home_in_order(void **state)
 /* The march of every pixel goes through the CPU to the passes behind it. */
 static void test_no_split_flies_alone(void **state)
 {
-    struct neph_scene *scene = load();
+    struct neph_scene *scene = test_load("catalog/camera_dolly");
     struct neph_settings settings = few_steps("off");
     const struct neph_realtime_frame picture = {scene, 0, NULL};
     struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
@@ -187,7 +153,7 @@ static void test_the_march_in_flight(void **state)
 {
     const struct neph_march_params params = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 4, .sun_steps = 1};
-    struct neph_scene *scene = load();
+    struct neph_scene *scene = test_load("catalog/camera_dolly");
     struct neph_march *march = NULL;
     struct neph_image *alone = NULL, *after = NULL;
     struct neph_diag diag = {0};
@@ -203,7 +169,7 @@ static void test_the_march_in_flight(void **state)
     assert_int_equal(neph_march_home(march, &gpu_s, &diag), NEPH_ERR_USAGE);
     neph_assert_ok(neph_march_frame(march, scene, 0, NULL, NULL, NULL, &diag), &diag);
     neph_assert_ok(neph_march_frame(march, scene, FRAMES, NULL, &after, NULL, &diag), &diag);
-    assert_same_bits(alone, after);
+    assert_true(test_same_bits(alone, after));
     neph_image_destroy(after);
     neph_image_destroy(alone);
     neph_march_destroy(march);

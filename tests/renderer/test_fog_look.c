@@ -5,9 +5,8 @@
  * first and given to both sides. 1e-5 relative is what was asked for; of a transmittance it is so
  * as long as something comes through, for each unit of optical depth multiplies its own error.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/probe.h"
 
-#include "renderer/compute.h"
 #include "renderer/fog_look.h"
 #include "scenes/media.h"
 #include "truth/fog_look.h"
@@ -69,53 +68,20 @@ static struct probe probe_of(const struct question *question)
     return probe;
 }
 
-static void create_buffers(struct neph_vulkan *vulkan, const struct question *questions, int count,
-                           struct neph_buffer *in, struct neph_buffer *out,
-                           struct neph_buffer *readback)
-{
-    struct neph_diag diag = {0};
-    const size_t answer_bytes = (size_t)count * sizeof(struct answer);
-    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD,
-                                      (size_t)count * sizeof(struct probe), "probes", in, &diag),
-                   &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, answer_bytes, "answers", out, &diag), &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, answer_bytes, "readback", readback, &diag),
-        &diag);
-    for (int i = 0; i < count; i++)
-        ((struct probe *)in->mapped)[i] = probe_of(&questions[i]);
-}
-
 /* For the caller to free. */
 static struct answer *ask(struct neph_vulkan *vulkan, const struct question *questions, int count)
 {
-    struct neph_diag diag = {0};
-    const struct neph_kernel_params params = {
-        .name = "probe_fog_look",
-        .code = probe_code,
-        .code_bytes = sizeof(probe_code),
-        .buffer_count = 2,
-    };
-    const struct neph_kernel *kernel;
-    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
-    struct neph_buffer in = {0}, out = {0}, readback = {0};
-    create_buffers(vulkan, questions, count, &in, &out, &readback);
-    const size_t answer_bytes = (size_t)count * sizeof(struct answer);
-    const struct neph_dispatch dispatch = {
-        .buffers = {&in, &out},
-        .group_count = ((uint32_t)count + 63) / 64,
-        .copy_from = &out,
-        .copy_to = &readback,
-        .copy_size_bytes = answer_bytes,
-    };
-    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
-    struct answer *answers = malloc(answer_bytes);
-    assert_non_null(answers);
-    memcpy(answers, readback.mapped, answer_bytes);
-    neph_buffer_destroy(vulkan, &readback);
-    neph_buffer_destroy(vulkan, &out);
-    neph_buffer_destroy(vulkan, &in);
+    const struct neph_kernel_params params = {.name = "probe_fog_look",
+                                              .code = probe_code,
+                                              .code_bytes = sizeof(probe_code),
+                                              .buffer_count = 2};
+    struct probe *probes = calloc((size_t)count, sizeof(*probes));
+    assert_non_null(probes);
+    for (int i = 0; i < count; i++)
+        probes[i] = probe_of(&questions[i]);
+    struct answer *answers = test_probe(vulkan, &params, NULL, probes, sizeof(*probes),
+                                        sizeof(*answers), count);
+    free(probes);
     return answers;
 }
 

@@ -4,15 +4,11 @@
  * fog that only glows, whose look is physics, against the engine that draws nothing but looks, and
  * pictures that must be the same.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/fog_look.h"
-#include "renderer/march.h"
-#include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
 #include "scenes/fog_translation.h"
 #include "truth/fog_look.h"
-#include "truth/transport.h"
 
 enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
 
@@ -43,18 +39,6 @@ static struct neph_march_params params_of(int fog)
                                       .fog = neph_fog_for_march(fog)};
 }
 
-static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                 const struct neph_march_params *params)
-{
-    struct neph_march *march = NULL;
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_create(vulkan, scene, params, &march, &diag), &diag);
-    neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &image, NULL, &diag), &diag);
-    neph_march_destroy(march);
-    return image;
-}
-
 /* Mean over pixels of |a - b| over that of b. */
 static double distance(const float *a, const float *b)
 {
@@ -66,31 +50,21 @@ static double distance(const float *a, const float *b)
     return off / sum;
 }
 
-static double channel_distance(const struct neph_image *a, const struct neph_image *b,
-                               const char *channel)
-{
-    return distance(neph_image_channel(a, channel), neph_image_channel(b, channel));
-}
-
 /* A fog that takes light and gives its own, and clouds in it and over it that scatter what it
  * leaves of the sun: with its look the march is `exact`, as it is with the fog as a medium. */
 static void test_a_glowing_fog_and_clouds_are_exact(void **state)
 {
     struct test_scene test;
     set_stage(&test);
-    const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
     float radiance[PIXELS], through[PIXELS];
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                          i / WIDTH);
-        const struct neph_ray_light light = neph_transport_ray(&test.scene, ray.origin_m,
-                                                               ray.direction);
+        const struct neph_ray_light light = test_exact_ray(&test.scene, WIDTH, HEIGHT, i);
         radiance[i] = (float)light.radiance.g;
         through[i] = (float)light.transmittance.g;
     }
     for (int fog = neph_test_by_day(1, 0); fog < 2; fog++) {
         const struct neph_march_params params = params_of(fog);
-        struct neph_image *image = render(*state, &test.scene, &params);
+        struct neph_image *image = test_march(*state, &test.scene, &params, NULL);
         const double off = distance(neph_image_channel(image, "G"), radiance);
         print_message("fog as a %s: off by %.2g\n", fog ? "look" : "medium", off);
         assert_true(off < (fog ? 1e-5 : 5e-3)); /* the fog's own steps are longer than clouds' */
@@ -122,7 +96,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
     test.scene.fog_look.max_opacity = 0.8;
     test.scene.fog_look.directional_w_per_m2_sr = make_grey(0.5);
     const struct neph_march_params params = params_of(1);
-    struct neph_image *whole = render(*state, &test.scene, &params);
+    struct neph_image *whole = test_march(*state, &test.scene, &params, NULL);
     struct neph_medium *media = test.scene.media;
     cut_in_two(&test.scene, 1);
     cut_in_two(&test.scene, 2);
@@ -131,22 +105,12 @@ static void test_any_order_of_layers_is_the_same(void **state)
     const struct neph_fog_layer layer = media[4].layers[0];
     media[4].layers[0] = media[4].layers[1];
     media[4].layers[1] = layer;
-    struct neph_image *cut = render(*state, &test.scene, &params);
-    const double off = channel_distance(cut, whole, "G");
+    struct neph_image *cut = test_march(*state, &test.scene, &params, NULL);
+    const double off = test_distance(cut, whole, "G");
     print_message("cut and turned round: off by %.2g\n", off);
     assert_true(off < 3e-6);
     neph_image_destroy(cut);
     neph_image_destroy(whole);
-}
-
-static struct neph_scene *load(const char *name)
-{
-    struct neph_scene *scene = NULL;
-    struct neph_diag diag = {0};
-    char path[512];
-    snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/catalog/%s.yaml", name);
-    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
-    return scene;
 }
 
 /* Near fog included, which a march leaves to nobody. */
@@ -172,17 +136,17 @@ static void test_without_clouds_it_is_the_look(void **state)
     static const struct {
         const char *scene;
         enum neph_fog_model model;
-    } looks[] = {{"fog_look_evening", NEPH_FOG_UNREAL},
-                 {"fog_look_ridge", NEPH_FOG_UNREAL},
-                 {"fog_look_ridge", NEPH_FOG_FILAMENT}};
+    } looks[] = {{"catalog/fog_look_evening", NEPH_FOG_UNREAL},
+                 {"catalog/fog_look_ridge", NEPH_FOG_UNREAL},
+                 {"catalog/fog_look_ridge", NEPH_FOG_FILAMENT}};
     for (int n = 0; n < neph_test_by_day(1, 3); n++) {
-        struct neph_scene *scene = load(looks[n].scene);
+        struct neph_scene *scene = test_load(looks[n].scene);
         const struct neph_march_params params = params_of(1 + (int)looks[n].model);
-        struct neph_image *marched = render(*state, scene, &params),
+        struct neph_image *marched = test_march(*state, scene, &params, NULL),
                           *look = look_at(*state, scene, looks[n].model);
-        assert_true(channel_distance(marched, look, "R") < 1e-5);
-        assert_true(channel_distance(marched, look, "volume.B") < 1e-5);
-        assert_true(channel_distance(marched, look, "transmittance.G") < 1e-5);
+        assert_true(test_distance(marched, look, "R") < 1e-5);
+        assert_true(test_distance(marched, look, "volume.B") < 1e-5);
+        assert_true(test_distance(marched, look, "transmittance.G") < 1e-5);
         neph_image_destroy(look);
         neph_image_destroy(marched);
         neph_scene_destroy(scene);
@@ -192,62 +156,39 @@ static void test_without_clouds_it_is_the_look(void **state)
 /* ---- in real time ---------------------------------------------------------------------------- */
 
 static struct neph_image *render_realtime(struct neph_vulkan *vulkan,
-                                          const struct neph_scene *scene, const char *const *words)
+                                          const struct neph_scene *scene, const char *words)
 {
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, "off", &settings, &diag),
-        &diag);
-    for (; *words; words++)
-        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", *words, &settings, &diag),
-                       &diag);
-    const struct neph_realtime_params params = {
-        .width_px = WIDTH, .height_px = HEIGHT, .settings = &settings, .seed = 7};
-    const struct neph_realtime_frame picture = {scene, 0, NULL};
-    struct neph_realtime *realtime = NULL;
-    struct neph_image *image = NULL;
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
-    neph_realtime_destroy(realtime);
-    return image;
+    const struct neph_settings settings = test_preset("off", words);
+    const struct neph_realtime_params params = {WIDTH, HEIGHT, &settings, 7, NULL};
+    return test_film(vulkan, scene, &params, 1, NULL);
 }
 
 /* Without a split it is the march; of a ray for sixteen pixels what clouds send is as coarse, and
  * what is behind them is not. Clouds all in froxels are seen through the fog, too. */
 static void test_realtime_has_the_same_fog(void **state)
 {
-    static const char *const whole[] = {"split=none", "fog=unreal", "steps=256", NULL};
-    static const char *const split[] = {"split=four", "ray_dither=none", "upscale_dither=none",
-                                        "fog=unreal", "steps=64",        NULL};
-    static const char *const froxels[] = {"split=four",
-                                          "ray_dither=none",
-                                          "upscale_dither=none",
-                                          "fog=unreal",
-                                          "steps=16",
-                                          "froxels=on",
-                                          "froxel_px=1",
-                                          "froxel_near_m=100",
-                                          "froxel_slices=128",
-                                          "froxel_end_m=400",
-                                          "froxel_history=0",
-                                          "froxel_jitter=off",
-                                          NULL};
-    const struct {
-        const char *const *words;
+    static const struct {
+        const char *words;
         bool has_clouds;
         double most;
-    } cases[] = {{whole, true, 1e-6}, {split, false, 1e-3}, {froxels, true, 1e-3}};
+    } cases[] = {
+        {"split=none fog=unreal steps=256", true, 1e-6},
+        {"split=four ray_dither=none upscale_dither=none fog=unreal steps=64", false, 1e-3},
+        {"split=four ray_dither=none upscale_dither=none fog=unreal steps=16 froxels=on "
+         "froxel_px=1 froxel_near_m=100 froxel_slices=128 froxel_end_m=400 froxel_history=0 "
+         "froxel_jitter=off",
+         true, 1e-3},
+    };
     for (int n = 0; n < neph_test_by_day(1, 3); n++) {
         struct test_scene test;
         set_stage(&test);
         if (!cases[n].has_clouds)
             test.scene.medium_count = 1;
         const struct neph_march_params params = params_of(1);
-        struct neph_image *marched = render(*state, &test.scene, &params),
+        struct neph_image *marched = test_march(*state, &test.scene, &params, NULL),
                           *image = render_realtime(*state, &test.scene, cases[n].words);
-        const double off = channel_distance(image, marched, "G");
-        print_message("fog in real time, %s: off by %.2g\n", cases[n].words[0], off);
+        const double off = test_distance(image, marched, "G");
+        print_message("fog in real time, %s: off by %.2g\n", cases[n].words, off);
         assert_true(off < cases[n].most);
         neph_image_destroy(image);
         neph_image_destroy(marched);
@@ -256,20 +197,10 @@ static void test_realtime_has_the_same_fog(void **state)
 
 /* ---- near fog by froxels --------------------------------------------------------------------- */
 
-static const char *const handed_over[] = {"split=four",
-                                          "ray_dither=none",
-                                          "upscale_dither=none",
-                                          "fog=unreal",
-                                          "steps=64",
-                                          "froxels=on",
-                                          "froxel_px=1",
-                                          "froxel_slices=128",
-                                          "froxel_history=0",
-                                          "froxel_jitter=off",
-                                          "froxel_end_m=1",
-                                          "color_format=float",
-                                          "depth_format=float",
-                                          NULL};
+static const char handed_over[] =
+    "split=four ray_dither=none upscale_dither=none fog=unreal steps=64 froxels=on froxel_px=1 "
+    "froxel_slices=128 froxel_history=0 froxel_jitter=off froxel_end_m=1 color_format=float "
+    "depth_format=float";
 
 /* A glow is the same by physics and by its look, wherever the one ends and the other begins, on
  * this side of all that is seen and beyond it. Clouds are all in froxels, and come with the errors
@@ -287,9 +218,9 @@ static void test_a_glow_is_handed_over_anywhere(void **state)
         test.scene.medium_count = cases[n].is_clear ? 1 : clouds;
         test.scene.fog_look.volumetric_fog_distance_m = cases[n].handed_m;
         const struct neph_march_params params = params_of(1);
-        struct neph_image *whole = render(*state, &test.scene, &params),
+        struct neph_image *whole = test_march(*state, &test.scene, &params, NULL),
                           *image = render_realtime(*state, &test.scene, handed_over);
-        const double off = channel_distance(image, whole, "G");
+        const double off = test_distance(image, whole, "G");
         print_message("handed over at %g m, %s: off by %.2g\n", cases[n].handed_m,
                       cases[n].is_clear ? "fog alone" : "with clouds", off);
         assert_true(off < (cases[n].is_clear ? 1e-5 : 2e-3));
@@ -333,14 +264,13 @@ static void test_near_fog_is_physics(void **state)
     struct neph_image *image = render_realtime(*state, &test.scene, handed_over);
     float expected[PIXELS];
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                          i / WIDTH);
+        const struct neph_pixel_ray ray = test_ray(&test.scene, WIDTH, HEIGHT, i);
         const double slope = 1.0 / neph_vec3_dot(ray.direction, camera.forward);
         expected[i] = (float)handed_over_ray(&test.scene, &ray, handed_m * slope);
     }
     const double off = distance(neph_image_channel(image, "G"), expected);
     const struct neph_march_params params = params_of(1);
-    struct neph_image *looked = render(*state, &test.scene, &params);
+    struct neph_image *looked = test_march(*state, &test.scene, &params, NULL);
     const double look_off = distance(neph_image_channel(looked, "G"), expected);
     print_message("near fog by physics: off by %.2g; by its look: by %.2g\n", off, look_off);
     assert_true(off < 1e-5);
@@ -356,7 +286,7 @@ static void test_near_fog_is_physics(void **state)
 static void test_fog_before_the_sky(void **state)
 {
     neph_test_waits_for_the_night();
-    struct neph_scene *scene = load("sky_earth");
+    struct neph_scene *scene = test_load("catalog/sky_earth");
     struct neph_march_params params = params_of(0);
     params.steps = 8;
     params.sky = neph_sky_for_march((struct neph_march_sky_choices){true, false, 8, 8, 8, 6e4, 0});
@@ -364,20 +294,19 @@ static void test_fog_before_the_sky(void **state)
     params.sky.tables.field.suns = 16;
     params.sky.tables.field.orders = 1;
     scene->scattering = NEPH_SCATTERING_SINGLE;
-    struct neph_image *clear = render(*state, scene, &params);
+    struct neph_image *clear = test_march(*state, scene, &params, NULL);
     scene->media[scene->medium_count++] = make_height_fog(1e-4, 0.01);
     scene->fog_look = neph_fog_look_only(&(struct neph_fog_look){.present = true}, 0);
     scene->fog_look.inscattering_w_per_m2_sr.g = 0.5;
     params.fog = neph_fog_for_march(1);
-    struct neph_image *fogged = render(*state, scene, &params);
+    struct neph_image *fogged = test_march(*state, scene, &params, NULL);
     const float *clear_r = neph_image_channel(clear, "R"),
                 *clear_g = neph_image_channel(clear, "G"), *r = neph_image_channel(fogged, "R"),
                 *g = neph_image_channel(fogged, "G");
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     int skies = 0;
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                          i / WIDTH);
+        const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
         if (isfinite(neph_image_channel(fogged, "Z")[i]))
             continue; /* the ground's sun has come through the fog */
         const double above = ray.direction.y,
@@ -430,7 +359,7 @@ static void test_says_what_it_cannot(void **state)
     other = test.scene;
     other.scattering = NEPH_SCATTERING_MULTIPLE; /* of clouds */
     refuses(&other, 1, NEPH_MARCH_SINGLE, "multiple scattering");
-    struct neph_scene *earth = load("sky_earth");
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     earth->media[earth->medium_count++] = make_height_fog(1e-4, 0.01);
     earth->fog_look = (struct neph_fog_look){.present = true, .sky_light = white};
     refuses_under(earth, (struct neph_march_veils){true, neph_fog_for_march(1)}, NEPH_MARCH_OCTAVES,

@@ -3,12 +3,11 @@
  * Voxel grids by the texture unit: value by value within what its weights and its texels can tell,
  * and in a march, where nothing else changes.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
+#include "tests/renderer/probe.h"
 
 #include "renderer/grid_textures.h"
 #include "renderer/march_cut.h"
-#include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
 #include "renderer/texture.h"
 #include "renderer/vulkan_device.h"
 #include "scenes/grid.h"
@@ -79,8 +78,6 @@ static float *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
 {
     struct neph_diag diag = {0};
     struct neph_gpu_scene gpu = {0};
-    struct neph_buffer in = {0}, out = {0}, readback = {0};
-    const size_t in_bytes = POINTS * sizeof(*points), out_bytes = POINTS * sizeof(float);
     neph_assert_ok(neph_gpu_scene_create(vulkan, &test->scene, 0.0, 8, 8, false, &gpu, &diag),
                    &diag);
     neph_assert_ok(neph_grid_textures_create(vulkan, &test->scene, shortcuts, &gpu, &diag), &diag);
@@ -95,31 +92,8 @@ static float *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
     };
     neph_march_constants(&gpu, &(struct neph_march_params){.shortcuts = *shortcuts},
                          params.constants);
-    const struct neph_kernel *kernel;
-    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
-    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, in_bytes, "points", &in, &diag),
-                   &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, out_bytes, "answers", &out, &diag), &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, out_bytes, "readback", &readback, &diag),
-        &diag);
-    memcpy(in.mapped, points, in_bytes);
-    struct neph_dispatch dispatch = {
-        .buffers = {[NEPH_GPU_SCENE_BUFFERS] = &in, &out},
-        .group_count = (POINTS + 63) / 64,
-        .copy_from = &out,
-        .copy_to = &readback,
-        .copy_size_bytes = out_bytes,
-    };
-    neph_gpu_scene_bind(&gpu, &dispatch);
-    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
-    float *answers = malloc(out_bytes);
-    assert_non_null(answers);
-    memcpy(answers, readback.mapped, out_bytes);
-    neph_buffer_destroy(vulkan, &readback);
-    neph_buffer_destroy(vulkan, &out);
-    neph_buffer_destroy(vulkan, &in);
+    float *answers = test_probe(vulkan, &params, &gpu, points, sizeof(*points), sizeof(*answers),
+                                POINTS);
     neph_gpu_scene_destroy(vulkan, &gpu);
     return answers;
 }
@@ -205,27 +179,6 @@ static const struct neph_march_params marched = {.width_px = WIDTH_PX,
                                                  .sun = NEPH_MARCH_MARCHED,
                                                  .sun_steps = 6};
 
-static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                 const struct neph_march_params *params,
-                                 struct neph_march_stats *stats)
-{
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    neph_assert_ok(test_march_frame(vulkan, scene, params, &frame, stats, &diag), &diag);
-    return frame;
-}
-
-static double largest_difference(const struct neph_image *a, const struct neph_image *b)
-{
-    float *one[3], *other[3];
-    double largest = 0.0;
-    assert_true(neph_image_rgb(a, NULL, one) && neph_image_rgb(b, NULL, other));
-    for (int c = 0; c < 3; c++)
-        for (size_t p = 0; p < neph_image_pixel_count(a); p++)
-            largest = fmax(largest, fabs((double)one[c][p] - (double)other[c][p]));
-    return largest;
-}
-
 /* A texture changes values by a few parts in a thousand, and no count. With it, cells that are
  * empty are passed as without: what is 0 at eight nodes is 0 between them by any weights. */
 static void test_a_march_changes_by_the_values_alone(void **state)
@@ -235,29 +188,29 @@ static void test_a_march_changes_by_the_values_alone(void **state)
     test_scene_init(&test);
     const struct two_grids two = add_grids(&test);
     struct neph_march_params params = marched;
-    struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
+    struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
     params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
                                                .grid_format = NEPH_TEXEL_R16F};
-    struct neph_image *texture = render(*state, &test.scene, &params, &texture_stats);
+    struct neph_image *texture = test_march(*state, &test.scene, &params, &texture_stats);
     params.shortcuts.skip = true;
-    struct neph_image *skipped = render(*state, &test.scene, &params, NULL);
-    const double off = largest_difference(plain, texture);
+    struct neph_image *skipped = test_march(*state, &test.scene, &params, NULL);
+    const double off = test_largest_difference(plain, texture, NULL);
     print_message("by a texture: radiance off by %.2e\n", off);
     assert_true(off > 0.0 && off < 0.01);
     assert_int_equal(plain_stats.density_evaluations, texture_stats.density_evaluations);
-    assert_true(largest_difference(texture, skipped) == 0.0);
+    assert_true(test_largest_difference(texture, skipped, NULL) == 0.0);
     params.shortcuts.sun_cache = true;
     params.shortcuts.sun_cache_voxels = 48;
-    struct neph_image *cached = render(*state, &test.scene, &params, NULL);
+    struct neph_image *cached = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts.grid_texture = false;
-    struct neph_image *plain_cached = render(*state, &test.scene, &params, NULL);
-    const double off_cached = largest_difference(plain_cached, cached);
+    struct neph_image *plain_cached = test_march(*state, &test.scene, &params, NULL);
+    const double off_cached = test_largest_difference(plain_cached, cached, NULL);
     assert_true(off_cached > 0.0 && off_cached < 0.01);
     neph_image_destroy(plain_cached);
     neph_image_destroy(cached);
     params.shortcuts = (struct neph_shortcuts){.grid_format = NEPH_TEXEL_R8}; /* of what is off */
-    struct neph_image *off_again = render(*state, &test.scene, &params, NULL);
-    assert_true(largest_difference(plain, off_again) == 0.0);
+    struct neph_image *off_again = test_march(*state, &test.scene, &params, NULL);
+    assert_true(test_largest_difference(plain, off_again, NULL) == 0.0);
     neph_image_destroy(off_again);
     neph_image_destroy(skipped);
     neph_image_destroy(texture);
@@ -275,22 +228,22 @@ static void test_clear_air_adds_nothing(void **state)
     const struct two_grids two = add_grids(&test);
     struct neph_march_params params = marched;
     neph_medium_drift(&test.scene.media[1], (struct neph_vec3){0.0, 0.0, 200.0});
-    struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
+    struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
     params.shortcuts.grid_texture = true;
-    struct neph_image *plain_texture = render(*state, &test.scene, &params, NULL);
+    struct neph_image *plain_texture = test_march(*state, &test.scene, &params, NULL);
     test.scene.medium_count = 1;
-    struct neph_image *passed_texture = render(*state, &test.scene, &params, NULL);
+    struct neph_image *passed_texture = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts.skip = true;
-    struct neph_image *skipped_texture = render(*state, &test.scene, &params, NULL);
+    struct neph_image *skipped_texture = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts = (struct neph_shortcuts){.grid_texture = false};
-    struct neph_image *passed = render(*state, &test.scene, &params, &passed_stats);
-    const double off = largest_difference(plain_texture, passed_texture);
+    struct neph_image *passed = test_march(*state, &test.scene, &params, &passed_stats);
+    const double off = test_largest_difference(plain_texture, passed_texture, NULL);
     print_message("clear air passed: off by %.2e in a texture\n", off);
-    assert_true(largest_difference(plain, passed) == 0.0);
+    assert_true(test_largest_difference(plain, passed, NULL) == 0.0);
     assert_int_equal(plain_stats.density_evaluations, passed_stats.density_evaluations);
     assert_int_equal(plain_stats.view_steps, passed_stats.view_steps);
     assert_true(off < 1e-4);
-    assert_true(largest_difference(passed_texture, skipped_texture) < 1e-6);
+    assert_true(test_largest_difference(passed_texture, skipped_texture, NULL) < 1e-6);
     neph_image_destroy(passed);
     neph_image_destroy(skipped_texture);
     neph_image_destroy(passed_texture);
@@ -345,22 +298,22 @@ static void test_a_texture_has_its_own_march(void **state)
         test.scene.media[0].albedo = (struct neph_rgb){0.9, 0.8, 0.7};
         test.scene.media[0].emission_w_per_m2_sr = cases[i].glows ? white : make_grey(0.0);
         test.scene.medium_count = 2;
-        struct neph_image *all = render(*state, &test.scene, &params, NULL);
+        struct neph_image *all = test_march(*state, &test.scene, &params, NULL);
         test.scene.medium_count = 1;
-        struct neph_image *here = render(vulkan, &test.scene, &params, &here_stats);
+        struct neph_image *here = test_march(vulkan, &test.scene, &params, &here_stats);
         vulkan->description.is_cpu = false;
-        struct neph_image *own = render(vulkan, &test.scene, &params, &own_stats);
+        struct neph_image *own = test_march(vulkan, &test.scene, &params, &own_stats);
         params.shortcuts.skip = true;
-        struct neph_image *skipped = render(vulkan, &test.scene, &params, NULL);
+        struct neph_image *skipped = test_march(vulkan, &test.scene, &params, NULL);
         vulkan->description.is_cpu = is_cpu;
         params.shortcuts.skip = params.shortcuts.grid_texture = false;
-        struct neph_image *plain = render(*state, &test.scene, &params, &plain_stats);
-        const double off = largest_difference(all, own);
-        const double off_here = largest_difference(all, here);
-        const double off_skipped = largest_difference(own, skipped);
+        struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
+        const double off = test_largest_difference(all, own, NULL);
+        const double off_here = test_largest_difference(all, here, NULL);
+        const double off_skipped = test_largest_difference(own, skipped, NULL);
         print_message("%zu: off by %.2e, here by %.2e, with cells skipped by %.2e\n", i, off,
                       off_here, off_skipped);
-        assert_true(off < 1e-5 && largest_difference(plain, own) > 0.0);
+        assert_true(off < 1e-5 && test_largest_difference(plain, own, NULL) > 0.0);
         assert_true(off_here < 1e-5);
         assert_true(off_skipped < 1e-6); /* a driver may fuse either otherwise */
         assert_int_equal(own_stats.density_evaluations, plain_stats.density_evaluations);
@@ -432,22 +385,14 @@ static void test_a_format_that_the_device_lacks_is_named(void **state)
 static struct neph_image *first_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                       const char *sampling)
 {
-    const char *const assignments[] = {
-        "transmittance=marched", "sun=marched",         "sun_steps=6", "taa=off",
-        "ray_dither=none",       "upscale_dither=none", sampling};
-    struct neph_diag diag = {0};
-    struct neph_realtime *realtime = NULL;
-    struct neph_image *image = NULL;
-    struct neph_settings settings = neph_options_default(neph_rt_options);
-    for (size_t i = 0; i < COUNT(assignments); i++)
-        neph_assert_ok(
-            neph_options_set(neph_rt_options, "realtime", assignments[i], &settings, &diag), &diag);
+    char assignments[256];
+    snprintf(assignments, sizeof(assignments),
+             "transmittance=marched sun=marched sun_steps=6 taa=off ray_dither=none "
+             "upscale_dither=none grid_sampling=%s",
+             sampling);
+    const struct neph_settings settings = test_preset(NULL, assignments);
     const struct neph_realtime_params params = {WIDTH_PX, HEIGHT_PX, &settings, 7, NULL};
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    const struct neph_realtime_frame picture = {scene, 0, NULL};
-    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
-    neph_realtime_destroy(realtime);
-    return image;
+    return test_film(vulkan, scene, &params, 1, NULL);
 }
 
 static void test_textures_in_real_time(void **state)
@@ -455,9 +400,9 @@ static void test_textures_in_real_time(void **state)
     struct test_scene test;
     test_scene_init(&test);
     const struct two_grids two = add_grids(&test);
-    struct neph_image *exact = first_frame(*state, &test.scene, "grid_sampling=exact");
-    struct neph_image *texture = first_frame(*state, &test.scene, "grid_sampling=texture");
-    const double off = largest_difference(exact, texture);
+    struct neph_image *exact = first_frame(*state, &test.scene, "exact");
+    struct neph_image *texture = first_frame(*state, &test.scene, "texture");
+    const double off = test_largest_difference(exact, texture, NULL);
     print_message("in real time: radiance off by %.2e\n", off);
     assert_true(off > 0.0 && off < 0.01);
     neph_image_destroy(texture);

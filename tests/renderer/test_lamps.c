@@ -4,31 +4,9 @@
  * tracer is it within its noise, and of all orders it is the oracle.
  */
 #include "tests/lamp_stage.h"
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
-#include "renderer/tracer.h"
-#include "truth/oracle.h"
-#include "truth/transport.h"
-
-enum { WIDTH_PX = 24, HEIGHT_PX = 16 };
-
-struct exact {
-    double radiance[HEIGHT_PX][WIDTH_PX], sum;
-};
-
-static struct exact exact_of(const struct neph_scene *scene)
-{
-    struct exact exact = {.sum = 0.0};
-    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
-    for (int j = 0; j < HEIGHT_PX; j++)
-        for (int i = 0; i < WIDTH_PX; i++) {
-            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH_PX, HEIGHT_PX, i, j);
-            exact.radiance[j][i] =
-                neph_transport_ray(scene, ray.origin_m, ray.direction).radiance.g;
-            exact.sum += exact.radiance[j][i];
-        }
-    return exact;
-}
+enum { WIDTH_PX = 24, HEIGHT_PX = 16, PIXELS = WIDTH_PX * HEIGHT_PX };
 
 /* ---- march ---- */
 
@@ -39,21 +17,19 @@ struct error {
 static struct error march_error(struct neph_vulkan *vulkan, const struct test_scene *test,
                                 const struct neph_march_params *params)
 {
-    const struct exact exact = exact_of(&test->scene);
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    float *radiance[3];
-    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
-    assert_true(neph_image_rgb(frame, NULL, radiance));
-    double sum = 0.0, squares = 0.0;
-    for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++) {
-        const double error = (double)radiance[1][p] - exact.radiance[p / WIDTH_PX][p % WIDTH_PX];
-        sum += error;
+    struct neph_ray_light *exact = test_exact(&test->scene, WIDTH_PX, HEIGHT_PX);
+    struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
+    const float *radiance = neph_image_channel(frame, "G");
+    double sum = 0.0, off = 0.0, squares = 0.0;
+    for (int p = 0; p < PIXELS; p++) {
+        const double error = (double)radiance[p] - exact[p].radiance.g;
+        sum += exact[p].radiance.g;
+        off += error;
         squares += error * error;
     }
     neph_image_destroy(frame);
-    const double mean = exact.sum / (WIDTH_PX * HEIGHT_PX);
-    return (struct error){sum / exact.sum, sqrt(squares / (WIDTH_PX * HEIGHT_PX)) / mean};
+    free(exact);
+    return (struct error){off / sum, sqrt(squares / PIXELS) / (sum / PIXELS)};
 }
 
 static struct neph_march_params march_params(int steps, enum neph_march_mode sun)
@@ -193,10 +169,7 @@ static struct neph_image *trace(struct neph_vulkan *vulkan, const struct test_sc
                                               .seed = 7,
                                               .samples = samples,
                                               .time_limit_s = INFINITY};
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_tracer_render(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
-    return frame;
+    return test_trace(vulkan, &test->scene, &params, NULL);
 }
 
 struct sum {
@@ -205,13 +178,12 @@ struct sum {
 
 static struct sum sum_of(const struct neph_image *frame, int channel)
 {
-    float *radiance[3], *variance[3];
+    const struct test_rgb radiance = test_layer(frame, NULL),
+                          variance = test_layer(frame, "variance");
     struct sum sum = {0.0, 0.0};
-    assert_true(neph_image_rgb(frame, NULL, radiance));
-    assert_true(neph_image_rgb(frame, "variance", variance));
     for (size_t p = 0; p < neph_image_pixel_count(frame); p++) {
-        sum.light += (double)radiance[channel][p];
-        sum.variance += (double)variance[channel][p];
+        sum.light += (double)radiance.of[channel][p];
+        sum.variance += (double)variance.of[channel][p];
     }
     return sum;
 }
@@ -223,27 +195,23 @@ static void test_the_tracer_is_the_exact_transport(void **state)
     for (int with_sun = neph_test_by_day(1, 0); with_sun < 2; with_sun++) {
         struct test_scene test;
         lamp_stage(&test)->scene.sun.present = with_sun;
-        const struct exact exact = exact_of(&test.scene);
+        double exact = 0.0;
+        for (int p = 0; p < PIXELS; p++)
+            exact += test_exact_ray(&test.scene, WIDTH_PX, HEIGHT_PX, p).radiance.g;
         struct neph_image *frame = trace(*state, &test, 128);
         const struct sum sum = sum_of(frame, 1);
-        print_message("sum off by %+.1e, standard error %.1e\n", sum.light / exact.sum - 1.0,
-                      sqrt(sum.variance) / exact.sum);
-        neph_assert_close(sum.light, exact.sum, 0.0, 4.0 * sqrt(sum.variance));
-        assert_true(sqrt(sum.variance) < 0.01 * exact.sum);
+        print_message("sum off by %+.1e, standard error %.1e\n", sum.light / exact - 1.0,
+                      sqrt(sum.variance) / exact);
+        neph_assert_close(sum.light, exact, 0.0, 4.0 * sqrt(sum.variance));
+        assert_true(sqrt(sum.variance) < 0.01 * exact);
         neph_image_destroy(frame);
     }
 }
 
 static void is_the_oracle(struct neph_vulkan *vulkan, const struct test_scene *test, int samples)
 {
-    const struct neph_oracle_params of_oracle = {.width_px = WIDTH_PX,
-                                                 .height_px = HEIGHT_PX,
-                                                 .seed = 7,
-                                                 .samples = samples,
-                                                 .time_limit_s = INFINITY};
-    struct neph_image *frame = trace(vulkan, test, samples), *truth = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_oracle_render(&test->scene, &of_oracle, &truth, NULL, &diag), &diag);
+    struct neph_image *frame = trace(vulkan, test, samples);
+    struct neph_image *truth = test_oracle(&test->scene, WIDTH_PX, HEIGHT_PX, 7, samples);
     for (int channel = 0; channel < 3; channel++) {
         const struct sum a = sum_of(frame, channel), b = sum_of(truth, channel);
         print_message("sum off by %+.1e, standard error %.1e\n", a.light / b.light - 1.0,
@@ -284,27 +252,22 @@ static void test_the_tracer_finds_lights_near_rays(void **state)
     for (int l = 0; l < NEAR_LAMPS; l++) {
         struct test_scene test;
         const struct neph_scene *scene = near_lamp_stage(&test, &near_lamps[l]);
-        const struct neph_camera camera = neph_scene_camera(scene, 0.0);
         const struct neph_tracer_params params = {.width_px = 15,
                                                   .height_px = 9,
                                                   .seed = (uint64_t)l,
                                                   .samples = 4096,
                                                   .time_limit_s = INFINITY};
-        struct neph_image *frame = NULL;
-        struct neph_diag diag = {0};
-        float *radiance[3], *variance[3];
-        neph_assert_ok(neph_tracer_render(*state, scene, &params, &frame, NULL, &diag), &diag);
-        assert_true(neph_image_rgb(frame, NULL, radiance));
-        assert_true(neph_image_rgb(frame, "variance", variance));
+        struct neph_image *frame = test_trace(*state, scene, &params, NULL);
+        const float *radiance = neph_image_channel(frame, "G"),
+                    *variance = neph_image_channel(frame, "variance.G");
         double worst = 0.0;
         for (int p = 0; p < 15 * 9; p++) {
-            const struct neph_pixel_ray ray = neph_camera_ray(&camera, 15, 9, p % 15, p / 15);
-            const double truth = neph_transport_ray(scene, ray.origin_m, ray.direction).volume.g;
+            const double truth = test_exact_ray(scene, 15, 9, p).volume.g;
             const double rounding = 1e-6 * truth;
             if (truth == 0.0)
                 continue;
-            const double z = ((double)radiance[1][p] - truth) /
-                             sqrt((double)variance[1][p] + rounding * rounding);
+            const double z = ((double)radiance[p] - truth) /
+                             sqrt((double)variance[p] + rounding * rounding);
             worst = fmax(worst, fabs(z));
             squares += z * z;
             pixels++;

@@ -4,10 +4,9 @@
  * scramble; a point is anywhere; and the tracer that draws by them has the same mean as by chance,
  * less noise where one decision makes most of it, and tells the noise that it has.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/compute.h"
-#include "renderer/tracer.h"
 
 static const uint32_t probe_code[] = {
 #include "shaders/probe_sobol.comp.inc"
@@ -112,28 +111,25 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_s
                                               .sobol = sobol,
                                               .samples = SAMPLES,
                                               .time_limit_s = INFINITY};
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    neph_assert_ok(neph_tracer_render(vulkan, scene, &params, &frame, NULL, &diag), &diag);
-    return frame;
+    return test_trace(vulkan, scene, &params, NULL);
 }
 
 static struct noise noise_of(struct neph_vulkan *vulkan, const struct neph_scene *scene, bool sobol)
 {
     struct neph_image *frames[2];
-    float *light[2][3], *variance[2][3];
+    struct test_rgb light[2], variance[2];
     struct noise noise = {0.0, 0.0, 0.0};
     for (int s = 0; s < 2; s++) {
         frames[s] = render(vulkan, scene, sobol, 20 + (uint64_t)s);
-        assert_true(neph_image_rgb(frames[s], NULL, light[s]) &&
-                    neph_image_rgb(frames[s], "variance", variance[s]));
+        light[s] = test_layer(frames[s], NULL);
+        variance[s] = test_layer(frames[s], "variance");
     }
     for (int c = 0; c < 3; c++)
         for (int p = 0; p < PIXELS; p++) {
-            const double a = (double)light[0][c][p], b = (double)light[1][c][p];
+            const double a = (double)light[0].of[c][p], b = (double)light[1].of[c][p];
             noise.mean += 0.5 * (a + b) / (3 * PIXELS);
             noise.seen2 += 0.5 * (a - b) * (a - b) / (3 * PIXELS);
-            noise.told2 += 0.5 * ((double)variance[0][c][p] + (double)variance[1][c][p]) /
+            noise.told2 += 0.5 * ((double)variance[0].of[c][p] + (double)variance[1].of[c][p]) /
                            (3 * PIXELS);
         }
     for (int s = 0; s < 2; s++)

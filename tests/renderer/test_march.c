@@ -5,13 +5,12 @@
  * and no nonsense for extreme inputs.
  */
 #include "tests/renderer/fog_scenes.h"
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "base/interrupt.h"
 #include "renderer/shaders/constants.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
-#include "truth/transport.h"
 
 #include <signal.h>
 
@@ -84,29 +83,9 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_s
                                  struct neph_march_stats *stats)
 {
     const struct test_scene with = in_company(test);
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(test_march_frame(vulkan, &with.scene, params, &frame, stats, &diag), &diag);
+    struct neph_image *frame = test_march(vulkan, &with.scene, params, stats);
     assert_int_equal(frame->channel_count, neph_image_channel(frame, "volume.distance") ? 11 : 10);
     return frame;
-}
-
-/* The exact light of each pixel; for the caller to free. */
-static struct neph_ray_light *exact_light(const struct test_scene *test, int width_px,
-                                          int height_px)
-{
-    char reason[256];
-    if (!neph_transport_is_exact(&test->scene, reason, sizeof(reason)))
-        fail_msg("no truth: %s", reason);
-    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
-    struct neph_ray_light *light = calloc((size_t)width_px * (size_t)height_px, sizeof(*light));
-    assert_non_null(light);
-    for (int j = 0; j < height_px; j++)
-        for (int i = 0; i < width_px; i++)
-            light[j * width_px + i] = neph_transport_ray(
-                &test->scene, camera.position_m,
-                neph_camera_ray(&camera, width_px, height_px, i, j).direction);
-    return light;
 }
 
 /* --- transmittance ------------------------------------------------------------------------ */
@@ -160,24 +139,21 @@ static struct worst compare_transmittance(const struct test_scene *test,
                                           const struct neph_image *frame, double relative,
                                           double absolute)
 {
-    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     const float *actual = neph_image_channel(frame, "transmittance.G");
     struct worst worst = {0.0, 0.0};
-    for (int j = 0; j < frame->height_px; j++)
-        for (int i = 0; i < frame->width_px; i++) {
-            const struct neph_vec3 ray =
-                neph_camera_ray(&camera, frame->width_px, frame->height_px, i, j).direction;
-            const double end_m = neph_scene_hit(&test->scene, camera.position_m, ray).t_m;
-            const double expected = exp(
-                -neph_scene_optical_depth(&test->scene, camera.position_m, ray, 0.0, end_m).r);
-            const double error = fabs(actual[j * frame->width_px + i] - expected);
-            worst.absolute = fmax(worst.absolute, error);
-            if (expected > 0.01)
-                worst.relative = fmax(worst.relative, error / expected);
-            if (error > relative * expected && error > absolute)
-                fail_msg("pixel %d, %d: transmittance %.9g, expected %.9g", i, j,
-                         (double)actual[j * frame->width_px + i], expected);
-        }
+    for (int p = 0; p < frame->width_px * frame->height_px; p++) {
+        const struct neph_pixel_ray ray = test_ray(&test->scene, frame->width_px, frame->height_px,
+                                                   p);
+        const double end_m = neph_scene_hit(&test->scene, ray.origin_m, ray.direction).t_m;
+        const double expected = exp(
+            -neph_scene_optical_depth(&test->scene, ray.origin_m, ray.direction, 0.0, end_m).r);
+        const double error = fabs((double)actual[p] - expected);
+        worst.absolute = fmax(worst.absolute, error);
+        if (expected > 0.01)
+            worst.relative = fmax(worst.relative, error / expected);
+        if (error > relative * expected && error > absolute)
+            fail_msg("pixel %d: transmittance %.9g, expected %.9g", p, (double)actual[p], expected);
+    }
     return worst;
 }
 
@@ -230,16 +206,16 @@ static void test_marched_transmittance(void **state)
  * silhouette, whose ray hits on one side only, are left out. */
 static double volume_error(const struct neph_image *frame, const struct neph_ray_light *light)
 {
-    float *volume[3];
-    assert_true(neph_image_rgb(frame, "volume", volume));
+    const struct test_rgb volume = test_layer(frame, "volume");
     const float *depth_m = neph_image_channel(frame, "Z");
     double error = 0.0, total = 0.0;
     for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
         if (!isinf(depth_m[i]) != !isinf(light[i].hit_m))
             continue;
-        error += fabs(volume[0][i] - light[i].volume.r) + fabs(volume[1][i] - light[i].volume.g) +
-                 fabs(volume[2][i] - light[i].volume.b);
-        total += light[i].volume.r + light[i].volume.g + light[i].volume.b;
+        for (int c = 0; c < 3; c++) {
+            error += fabs((double)volume.of[c][i] - (&light[i].volume.r)[c]);
+            total += (&light[i].volume.r)[c];
+        }
     }
     return error / total;
 }
@@ -276,7 +252,7 @@ static void test_volume_converges_at_second_order(void **state)
         struct neph_march_params params = exact_48;
         params.width_px = 8;
         params.height_px = 6;
-        struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+        struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
         for (size_t m = 0; m < COUNT(mode_pairs); m += (size_t)neph_test_by_day(3, 1)) {
             double errors[2];
             print_message("%-16s %s:", smooth_scenes[s].name, mode_pairs[m].name);
@@ -308,7 +284,7 @@ static void test_volume_has_no_floor_but_float32(void **state)
     params.width_px = 8;
     params.height_px = 6;
     params.steps = 20000;
-    struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+    struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
     struct neph_march_stats stats;
     struct neph_image *frame = render(*state, &test, &params, &stats);
     const double error = volume_error(frame, light);
@@ -352,7 +328,8 @@ static void test_emission_converges_at_second_order(void **state)
             params.width_px = 8;
             params.height_px = 6;
             params.transmittance = params.sun = m ? NEPH_MARCH_MARCHED : NEPH_MARCH_EXACT;
-            struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+            struct neph_ray_light *light = test_exact(&test.scene, params.width_px,
+                                                      params.height_px);
             double errors[2];
             for (int c = 0; c < 2; c++) {
                 params.steps = params.sun_steps = counts[c];
@@ -380,7 +357,7 @@ static void test_an_even_medium_that_glows(void **state)
     test.scene.media[0].extinction_color = (struct neph_rgb){0.5, 1, 3};
     struct neph_march_params params = exact_48;
     params.steps = 7;
-    struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+    struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
     struct neph_image *frame = render(*state, &test, &params, NULL);
     assert_non_null(neph_image_channel(frame, "volume.distance"));
     const float *volume = neph_image_channel(frame, "volume.B");
@@ -409,7 +386,7 @@ static void test_a_fog_that_ends_hides_nothing(void **state)
     params.width_px = 8;
     params.height_px = 6;
     params.steps = 4000;
-    struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+    struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
     struct neph_image *frame = render(*state, &test, &params, NULL);
     const float *volume = neph_image_channel(frame, "volume.G");
     for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
@@ -439,16 +416,14 @@ static void scene_yard(struct test_scene *test)
 static double agreeing_fraction(const struct neph_image *frame, const struct test_scene *test,
                                 double relative, double absolute)
 {
-    struct neph_ray_light *light = exact_light(test, frame->width_px, frame->height_px);
+    struct neph_ray_light *light = test_exact(&test->scene, frame->width_px, frame->height_px);
     const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     const float *green = neph_image_channel(frame, "G");
     const float *depth_m = neph_image_channel(frame, "Z");
     size_t agreeing = 0;
-    for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, frame->width_px, frame->height_px,
-                                                     (double)(i % (size_t)frame->width_px),
-                                                     (double)(i / (size_t)frame->width_px))
-                                         .direction;
+    for (int i = 0; i < frame->width_px * frame->height_px; i++) {
+        const struct neph_vec3 ray =
+            test_ray(&test->scene, frame->width_px, frame->height_px, i).direction;
         const double z_m = light[i].hit_m * neph_vec3_dot(ray, camera.forward);
         const bool same_depth = isinf(z_m) ? isinf(depth_m[i])
                                            : fabs(depth_m[i] - z_m) <= 1e-5 * z_m;
@@ -520,7 +495,7 @@ static void test_shadows_in_the_air(void **state)
     struct neph_march_params params = exact_48;
     params.width_px = 24;
     params.height_px = 18;
-    struct neph_ray_light *light = exact_light(&test, params.width_px, params.height_px);
+    struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
     double errors[2];
     for (int c = 0; c < 2; c++) {
         params.steps = c ? 2048 : 128;
@@ -605,13 +580,6 @@ static void test_distance_of_what_is_seen(void **state)
     neph_image_destroy(frame);
 }
 
-static void assert_same_bits(const struct neph_image *a, const struct neph_image *b)
-{
-    for (int c = 0; c < a->channel_count; c++)
-        assert_memory_equal(a->channels[c].samples, b->channels[c].samples,
-                            neph_image_pixel_count(a) * sizeof(float));
-}
-
 static void test_same_inputs_give_the_same_bits(void **state)
 {
     struct test_scene test;
@@ -619,14 +587,14 @@ static void test_same_inputs_give_the_same_bits(void **state)
     scene_yard(&test);
     struct neph_image *first = render(*state, &test, &exact_48, NULL);
     struct neph_image *again = render(*state, &test, &exact_48, NULL);
-    assert_same_bits(first, again);
+    assert_true(test_same_bits(first, again));
     neph_image_destroy(again);
 
     struct neph_vulkan *other = NULL; /* another device object, without validation */
     struct neph_diag diag = {0};
     neph_assert_ok(neph_vulkan_create(NULL, &other, &diag), &diag);
     again = render(other, &test, &exact_48, NULL);
-    assert_same_bits(first, again);
+    assert_true(test_same_bits(first, again));
     neph_image_destroy(again);
     neph_image_destroy(first);
     neph_vulkan_destroy(other);
@@ -794,12 +762,11 @@ static bool is_crowd(const struct test_scene *test)
 /* How many samples of a layer are NaN, infinite, negative or above a maximum. */
 static size_t count_nonsense(const struct neph_image *frame, const char *layer, double maximum)
 {
-    float *samples[3];
-    assert_true(neph_image_rgb(frame, layer, samples));
+    const struct test_rgb samples = test_layer(frame, layer);
     size_t count = 0;
     for (int c = 0; c < 3; c++)
         for (size_t i = 0; i < neph_image_pixel_count(frame); i++)
-            count += !(samples[c][i] >= 0.0f && samples[c][i] <= maximum);
+            count += !(samples.of[c][i] >= 0.0f && samples.of[c][i] <= maximum);
     return count;
 }
 

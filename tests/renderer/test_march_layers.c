@@ -3,12 +3,12 @@
  * Layers above each other in a march: a medium that is cut into layers, in whatever order these are
  * listed, is the medium, seen from below, from inside, from between two layers and from above.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "scenes/bounds.h"
 #include "scenes/sheet.h"
 
-enum { WIDTH_PX = 24, HEIGHT_PX = 16, PIXELS = WIDTH_PX * HEIGHT_PX, LAYERS = 3 };
+enum { WIDTH_PX = 24, HEIGHT_PX = 16, LAYERS = 3 };
 
 static const struct neph_bounds room = {{-30.0, 0.0, -30.0}, {30.0, 12.0, 30.0}};
 static const double floors_m[LAYERS + 1] = {0.0, 3.5, 7.0, 12.0};
@@ -26,25 +26,14 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_s
 {
     const struct neph_march_params params = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 48};
-    struct neph_diag diag = {0};
-    struct neph_image *image = NULL;
-    neph_assert_ok(test_march_frame(vulkan, scene, &params, &image, NULL, &diag), &diag);
-    return image;
+    return test_march(vulkan, scene, &params, NULL);
 }
 
 static double largest_difference(const struct neph_image *a, const struct neph_image *b)
 {
-    static const char *const layers[] = {NULL, "volume", "transmittance"};
-    double largest = 0.0;
-    for (int layer = 0; layer < 3; layer++) {
-        float *one[3], *other[3];
-        assert_true(neph_image_rgb(a, layers[layer], one) &&
-                    neph_image_rgb(b, layers[layer], other));
-        for (int c = 0; c < 3; c++)
-            for (int p = 0; p < PIXELS; p++)
-                largest = fmax(largest, fabs((double)one[c][p] - (double)other[c][p]));
-    }
-    return largest;
+    return fmax(test_largest_difference(a, b, NULL),
+                fmax(test_largest_difference(a, b, "volume"),
+                     test_largest_difference(a, b, "transmittance")));
 }
 
 /* From each height the picture of `scene` beside that of other layers in its place. */

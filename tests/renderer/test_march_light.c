@@ -3,7 +3,7 @@
  * The lighting models of the ray marcher that are no physics, against their own formulas in double
  * precision: octaves in closed form over a slab, the Horizon light step by step.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/octaves_fitted.h"
 #include "renderer/slab_light.h"
@@ -29,14 +29,12 @@ static struct neph_medium *look_down_on_slab(struct test_scene *test, double ext
 static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_scene *test,
                                  enum neph_march_lighting lighting, int steps, float *volume[3])
 {
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
     const struct neph_march_params params = {.width_px = width_px,
                                              .height_px = height_px,
                                              .steps = steps,
                                              .sun_steps = 64,
                                              .lighting = lighting};
-    neph_assert_ok(test_march_frame(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
+    struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
     assert_true(neph_image_rgb(frame, "volume", volume));
     return frame;
 }
@@ -83,13 +81,11 @@ static void test_octaves_over_a_slab(void **state)
         slab->phase = phases[round % 3];
         test.scene.octaves = octaves[round / 3];
         struct neph_image *frame = render(*state, &test, NEPH_MARCH_OCTAVES, 512, volume);
-        const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
         /* The light at the middle of a step of optical depth h, where the sun's exponent has at
          * most k = 1 / sun.y per unit of the view's: off by (h k)^2 / 24, and by h^2 k / 12 because
          * the view's own weight has its centre nearer by h^2 / 12. */
         for (int p = 0; p < width_px * height_px; p++) {
-            const struct neph_vec3 ray =
-                neph_camera_ray(&camera, width_px, height_px, p % width_px, p / width_px).direction;
+            const struct neph_vec3 ray = test_ray(&test.scene, width_px, height_px, p).direction;
             const double h = slab->layers[0].extinction_per_m * 3.0 / -ray.y / 512.0;
             const double k = 1.0 / test.scene.sun.direction.y;
             neph_assert_close((double)volume[1][p], slab_octaves(&test, ray),
@@ -133,10 +129,8 @@ static void test_fitted_octaves_over_a_slab(void **state)
         slab->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, gs[round]};
         test.scene.sun.irradiance_w_per_m2 = (struct neph_rgb){3, 3, 3};
         struct neph_image *frame = render(*state, &test, NEPH_MARCH_OCTAVES_FITTED, 128, volume);
-        const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
         for (int p = 0; p < width_px * height_px; p++) {
-            const struct neph_vec3 ray =
-                neph_camera_ray(&camera, width_px, height_px, p % width_px, p / width_px).direction;
+            const struct neph_vec3 ray = test_ray(&test.scene, width_px, height_px, p).direction;
             const double h = slab->layers[0].extinction_per_m * 3.0 / -ray.y / 128.0;
             const double k = 1.0 / test.scene.sun.direction.y;
             for (int channel = 0; channel < 3; channel++)
@@ -265,12 +259,10 @@ static void test_similar_media_over_a_slab(void **state)
             slab->albedo = make_grey(albedos[round]);
             slab->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, gs[round]};
             struct neph_image *frame = render(*state, &test, similar[s].lighting, 256, volume);
-            const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
             double worst = 0.0;
             for (int p = 7; p < width_px * height_px; p += 97) {
-                const struct neph_vec3 ray = neph_camera_ray(&camera, width_px, height_px,
-                                                             p % width_px, p / width_px)
-                                                 .direction;
+                const struct neph_vec3 ray =
+                    test_ray(&test.scene, width_px, height_px, p).direction;
                 const double twin = similar[s].twin(&test, ray);
                 worst = fmax(worst, fabs((double)volume[1][p] / twin - 1.0));
             }
@@ -436,11 +428,9 @@ static void test_horizon_light_is_the_articles(void **state)
     const int steps = 64;
     struct neph_medium *layer = look_up_at_clouds(&test, &cloudy);
     struct neph_image *frame = render(*state, &test, NEPH_MARCH_HORIZON, steps, volume);
-    const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
     double brightest = 0.0, darkest = INFINITY;
     for (int p = 0; p < width_px * height_px; p++) {
-        const struct neph_vec3 ray =
-            neph_camera_ray(&camera, width_px, height_px, p % width_px, p / width_px).direction;
+        const struct neph_vec3 ray = test_ray(&test.scene, width_px, height_px, p).direction;
         const double expected = article_sum(&test, ray, steps);
         /* Both take the same steps; clamped noise amplifies float32 places, which are good to 1e-4
          * of a texel a kilometre away. */

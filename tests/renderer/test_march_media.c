@@ -3,12 +3,11 @@
  * Gaussian blobs, shells and voxel grids in the ray marcher, against the exact transport in double
  * precision: the GLSL twins of scenes/media.h at work. Horizon clouds against quadrature.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "scenes/grid.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
-#include "truth/transport.h"
 
 static const struct neph_march_params params_32 = {.width_px = 32, .height_px = 18, .steps = 64};
 
@@ -42,26 +41,18 @@ struct difference {
 static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *test,
                                  const struct neph_march_params *params)
 {
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
     struct difference worst = {0.0, 0.0};
     double brightest = 0.0;
-    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
-    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
-    float *transmittance[3], *volume[3];
-    assert_true(neph_image_rgb(frame, "transmittance", transmittance));
-    assert_true(neph_image_rgb(frame, "volume", volume));
+    struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
+    const struct test_rgb transmittance = test_layer(frame, "transmittance"),
+                          volume = test_layer(frame, "volume");
     for (int p = 0; p < params->width_px * params->height_px; p++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, params->width_px, params->height_px,
-                                                     p % params->width_px, p / params->width_px)
-                                         .direction;
-        const struct neph_ray_light light = neph_transport_ray(&test->scene, camera.position_m,
-                                                               ray);
-        const double t[3] = {light.transmittance.r, light.transmittance.g, light.transmittance.b};
-        const double v[3] = {light.volume.r, light.volume.g, light.volume.b};
+        const struct neph_ray_light light = test_exact_ray(&test->scene, params->width_px,
+                                                           params->height_px, p);
+        const double *t = &light.transmittance.r, *v = &light.volume.r;
         for (int c = 0; c < 3; c++) {
-            const double dt = fabs((double)transmittance[c][p] - t[c]);
-            const double dv = fabs((double)volume[c][p] - v[c]);
+            const double dt = fabs((double)transmittance.of[c][p] - t[c]);
+            const double dv = fabs((double)volume.of[c][p] - v[c]);
             assert_true(isfinite(dt) && isfinite(dv));
             worst.transmittance = fmax(worst.transmittance, dt);
             worst.volume = fmax(worst.volume, dv);
@@ -176,18 +167,14 @@ static double transmittance_error(struct neph_vulkan *vulkan, struct test_scene 
 {
     const struct neph_march_params params = {
         .width_px = 16, .height_px = 9, .steps = steps, .sun_steps = 1, .transmittance = mode};
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    float *transmittance[3];
+    struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
+    const float *transmittance = neph_image_channel(frame, "transmittance.G");
     double squares = 0.0;
-    neph_assert_ok(test_march_frame(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
-    assert_true(neph_image_rgb(frame, "transmittance", transmittance));
-    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     for (int p = 0; p < 16 * 9; p++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, 16, 9, p % 16, p / 16).direction;
+        const struct neph_pixel_ray ray = test_ray(&test->scene, 16, 9, p);
         const double depth =
-            neph_scene_optical_depth(&test->scene, camera.position_m, ray, 0.0, INFINITY).g;
-        const double error = (double)transmittance[1][p] - exp(-depth);
+            neph_scene_optical_depth(&test->scene, ray.origin_m, ray.direction, 0.0, INFINITY).g;
+        const double error = (double)transmittance[p] - exp(-depth);
         assert_true(isfinite(error));
         squares += error * error;
     }
@@ -253,17 +240,14 @@ static void test_horizon_scattering_against_quadrature(void **state)
     struct neph_horizon *horizon = add_cumulus(&test);
     const struct neph_march_params params = {
         .width_px = 6, .height_px = 3, .steps = 512, .sun_steps = 64};
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    float *volume[3];
+    struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+    const float *volume = neph_image_channel(frame, "volume.G");
     double worst = 0.0, brightest = 0.0;
-    neph_assert_ok(test_march_frame(*state, &test.scene, &params, &frame, NULL, &diag), &diag);
-    assert_true(neph_image_rgb(frame, "volume", volume));
-    const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
     for (int i = 0; i < 6; i++) {
-        const struct neph_vec3 ray = neph_camera_ray(&camera, 6, 3, i, 0).direction;
-        const double expected = single_scattering(&test.scene, camera.position_m, ray, 4e3, 300);
-        worst = fmax(worst, fabs((double)volume[1][i] - expected));
+        const struct neph_pixel_ray ray = test_ray(&test.scene, 6, 3, i);
+        const double expected = single_scattering(&test.scene, ray.origin_m, ray.direction, 4e3,
+                                                  300);
+        worst = fmax(worst, fabs((double)volume[i] - expected));
         brightest = fmax(brightest, expected);
     }
     print_message("Horizon: volume off by %.1e of %.2g\n", worst, brightest);

@@ -3,32 +3,17 @@
  * The sky of a planet from tables behind, before and between what is marched: against the exact
  * light of one order, the tables' own twin in C, and pictures that must be the same.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
-#include "renderer/march.h"
-#include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
 #include "renderer/sky/split.h"
-#include "renderer/tracer.h"
 #include "scenes/solids.h"
-#include "truth/transport.h"
 
 enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
-
-static struct neph_scene *load(const char *name)
-{
-    struct neph_scene *scene = NULL;
-    struct neph_diag diag = {0};
-    char path[512];
-    snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/catalog/%s.yaml", name);
-    neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
-    return scene;
-}
 
 /* The Earth with a cloud 12 km ahead and 2 km up; looked at over 40 degrees. */
 static struct neph_scene *load_with_cloud(double depth, enum neph_scattering scattering)
 {
-    struct neph_scene *scene = load("sky_earth");
+    struct neph_scene *scene = test_load("catalog/sky_earth");
     const double width_m = 500.0;
     const double peak_per_m = depth / (width_m * sqrt(2.0 * M_PI));
     scene->media[scene->medium_count++] = make_blob(
@@ -58,27 +43,14 @@ static struct neph_march_params params_of(enum neph_march_lighting lighting, int
     return params;
 }
 
-static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                 const struct neph_march_params *params)
-{
-    struct neph_march *march = NULL;
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_create(vulkan, scene, params, &march, &diag), &diag);
-    neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &image, NULL, &diag), &diag);
-    neph_march_destroy(march);
-    return image;
-}
-
 /* Mean over pixels and channels of |a - b| over that of b; of a layer of the image. */
 static double distance(const struct neph_image *image, const char *layer, const double *b)
 {
-    float *rgb[3];
+    const struct test_rgb rgb = test_layer(image, layer);
     double off = 0.0, sum = 0.0;
-    assert_true(neph_image_rgb(image, layer, rgb));
     for (int i = 0; i < PIXELS; i++)
         for (int c = 0; c < 3; c++) {
-            off += fabs((double)rgb[c][i] - b[3 * i + c]);
+            off += fabs((double)rgb.of[c][i] - b[3 * i + c]);
             sum += b[3 * i + c];
         }
     return off / sum;
@@ -86,12 +58,12 @@ static double distance(const struct neph_image *image, const char *layer, const 
 
 static double *values_of(const struct neph_image *image)
 {
-    float *rgb[3];
+    const struct test_rgb rgb = test_layer(image, NULL);
     double *values = malloc(3 * PIXELS * sizeof(*values));
-    assert_true(values && neph_image_rgb(image, NULL, rgb));
+    assert_non_null(values);
     for (int i = 0; i < PIXELS; i++)
         for (int c = 0; c < 3; c++)
-            values[3 * i + c] = (double)rgb[c][i];
+            values[3 * i + c] = (double)rgb.of[c][i];
     return values;
 }
 
@@ -99,11 +71,8 @@ static double *values_of(const struct neph_image *image)
 
 static void exact_light(const struct neph_scene *scene, double *radiance, double *through)
 {
-    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                          i / WIDTH);
-        const struct neph_ray_light light = neph_transport_ray(scene, ray.origin_m, ray.direction);
+        const struct neph_ray_light light = test_exact_ray(scene, WIDTH, HEIGHT, i);
         memcpy(&radiance[3 * i], &light.radiance, 3 * sizeof(double));
         memcpy(&through[3 * i], &light.transmittance, 3 * sizeof(double));
     }
@@ -120,7 +89,7 @@ static void test_air_and_cloud_are_exact_of_one_order(void **state)
         exact_light(scene, exact, through);
         for (int fine = neph_test_by_day(1, 0); fine < 2; fine++) {
             const struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, fine ? 64 : 16);
-            struct neph_image *image = render(*state, scene, &params);
+            struct neph_image *image = test_march(*state, scene, &params, NULL);
             off[fine] = distance(image, NULL, exact);
             assert_true(distance(image, "transmittance", through) < 1e-3);
             neph_image_destroy(image);
@@ -140,7 +109,7 @@ static void test_shadows_on_the_air_count(void **state)
     double exact[3 * PIXELS], through[3 * PIXELS];
     exact_light(scene, exact, through);
     params.sky.has_shadows = false;
-    struct neph_image *image = render(*state, scene, &params);
+    struct neph_image *image = test_march(*state, scene, &params, NULL);
     const double off = distance(image, NULL, exact);
     print_message("without shadows on the air: off by %.2g\n", off);
     assert_true(off > 0.1);
@@ -178,7 +147,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
     static const int cuts[][2] = {{CLOUD, HAZE + 1}, {-1, -1}, {CLOUD, -1}, {HAZE, -1}};
     struct neph_scene *scene = load_with_cloud(3.0, NEPH_SCATTERING_MULTIPLE);
     const struct neph_march_params params = params_of(NEPH_MARCH_OCTAVES, 16);
-    struct neph_image *image = render(*state, scene, &params);
+    struct neph_image *image = test_march(*state, scene, &params, NULL);
     double *whole = values_of(image);
     neph_image_destroy(image);
     for (int n = 0; n < neph_test_by_day(1, 4); n++) {
@@ -187,7 +156,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
             if (cuts[n][i] >= 0)
                 cut_in_two(&cut, cuts[n][i]);
         turn_round(&cut);
-        image = render(*state, &cut, &params);
+        image = test_march(*state, &cut, &params, NULL);
         const double off = distance(image, NULL, whole);
         print_message("cut and turned round, %d: off by %.2g\n", n, off);
         assert_true(off < 3e-6);
@@ -204,18 +173,17 @@ static void test_any_order_of_layers_is_the_same(void **state)
 static void test_without_clouds_it_is_the_sky(void **state)
 {
     neph_test_waits_for_the_night();
-    struct neph_scene *scene = load("sky_earth");
+    struct neph_scene *scene = test_load("catalog/sky_earth");
     struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
     struct neph_sky *sky = NULL;
     struct neph_diag diag = {0};
-    struct neph_image *image = render(*state, scene, &params);
+    struct neph_image *image = test_march(*state, scene, &params, NULL);
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     double *light = calloc(3 * PIXELS, sizeof(*light));
     neph_assert_ok(neph_sky_create(scene, &params.sky.tables, &sky, &diag), &diag);
     neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                          i / WIDTH);
+        const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
         const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
         memcpy(&light[3 * i], seen.radiance, sizeof(seen.radiance));
     }
@@ -231,7 +199,7 @@ static void test_without_clouds_it_is_the_sky(void **state)
 /* Solids 2.5 to 30 km away through the air: against walked rays, by the nodes of the table. */
 static void test_aerial_perspective_converges(void **state)
 {
-    struct neph_scene *scene = load("sky_aerial");
+    struct neph_scene *scene = test_load("catalog/sky_aerial");
     double off[2];
     struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
     struct neph_sky_params walked = params.sky.tables;
@@ -239,7 +207,6 @@ static void test_aerial_perspective_converges(void **state)
     struct neph_diag diag = {0};
     scene->camera_keys[0].look_at_m = (struct neph_vec3){-0.1, 2.02, -1.0};
     scene->vertical_fov_rad = 0.35;
-    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     walked.view.is_table = false;
     walked.steps = 96;
     neph_assert_ok(neph_sky_create(scene, &walked, &sky, &diag), &diag);
@@ -247,14 +214,13 @@ static void test_aerial_perspective_converges(void **state)
     for (int fine = 0; fine < 2; fine++) {
         params.sky.tables.aerial = fine ? (struct neph_sky_aerial_params){64, 64, 32, 6e4}
                                         : (struct neph_sky_aerial_params){16, 16, 16, 6e4};
-        struct neph_image *image = render(*state, scene, &params);
+        struct neph_image *image = test_march(*state, scene, &params, NULL);
         float *rgb[3];
         int solid = 0;
         off[fine] = 0.0;
         assert_true(neph_image_rgb(image, NULL, rgb));
         for (int i = 0; i < PIXELS; i++) {
-            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                              i / WIDTH);
+            const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
             const struct neph_hit hit = neph_scene_hit(scene, ray.origin_m, ray.direction);
             if (!hit.solid || hit.solid == &scene->solids[0])
                 continue;
@@ -317,10 +283,10 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
     scene->sun.direction = (struct neph_vec3){0.0, -sin(0.05), -cos(0.05)};
     params.light = (struct neph_light_paths){
         .texel_px = 8, .paths = 64, .rounds = 24, .memory = 1, .blur_texels = 2.0, .seed = 7};
-    struct neph_image *traced = render(*state, scene, &params);
+    struct neph_image *traced = test_march(*state, scene, &params, NULL);
     params.lighting = NEPH_MARCH_OCTAVES;
     scene->octaves.count = 1;
-    struct neph_image *once = render(*state, scene, &params);
+    struct neph_image *once = test_march(*state, scene, &params, NULL);
     float *a[3], *b[3];
     mean_sky(scene, &params.sky.tables, place_m, mean);
     assert_true(neph_image_rgb(traced, NULL, a) && neph_image_rgb(once, NULL, b));
@@ -342,7 +308,7 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
 static void test_clouds_light_the_air_below(void **state)
 {
     neph_test_waits_for_the_night();
-    struct neph_scene *scene = load("sky_aerial");
+    struct neph_scene *scene = test_load("catalog/sky_aerial");
     struct neph_march_params params = params_of(NEPH_MARCH_OCTAVES, 16);
     params.sky.tables.field.orders = 8;
     params.steps = 64;
@@ -364,9 +330,8 @@ static void test_clouds_light_the_air_below(void **state)
                                               .seed = 3,
                                               .samples = 256,
                                               .time_limit_s = INFINITY};
-    struct neph_image *image = render(*state, scene, &params), *truth = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_tracer_render(*state, scene, &tracer, &truth, NULL, &diag), &diag);
+    struct neph_image *image = test_march(*state, scene, &params, NULL);
+    struct neph_image *truth = test_trace(*state, scene, &tracer, NULL);
     float *a[3], *b[3];
     assert_true(neph_image_rgb(image, NULL, a) && neph_image_rgb(truth, NULL, b));
     for (int c = 0; c < 3; c++) {
@@ -386,51 +351,29 @@ static void test_clouds_light_the_air_below(void **state)
 
 /* --- in real time ----------------------------------------------------------------------------- */
 
-static const char *const plain_words[] = {"split=four",   "ray_dither=none", "upscale_dither=none",
-                                          "sky=tables",   "sky_columns=8",   "sky_rows=8",
-                                          "sky_slices=8", "sky_far_m=6e4",   NULL};
+static const char plain_words[] =
+    "split=four ray_dither=none upscale_dither=none sky=tables sky_columns=8 sky_rows=8 "
+    "sky_slices=8 sky_far_m=6e4";
 
-/* Preset `off` with changes, up to NULL. */
-static struct neph_settings realtime_settings(const char *const *words)
-{
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, "off", &settings, &diag),
-        &diag);
-    for (; *words; words++)
-        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", *words, &settings, &diag),
-                       &diag);
-    return settings;
-}
-
+/* Preset `off` with changes. */
 static struct neph_image *render_realtime(struct neph_vulkan *vulkan,
-                                          const struct neph_scene *scene,
-                                          const struct neph_settings *settings)
+                                          const struct neph_scene *scene, const char *words)
 {
-    const struct neph_realtime_params params = {
-        .width_px = WIDTH, .height_px = HEIGHT, .settings = settings, .seed = 7};
-    const struct neph_realtime_frame picture = {scene, 0, NULL};
-    struct neph_realtime *realtime = NULL;
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
-    neph_realtime_destroy(realtime);
-    return image;
+    const struct neph_settings settings = test_preset("off", words);
+    const struct neph_realtime_params params = {WIDTH, HEIGHT, &settings, 7, NULL};
+    return test_film(vulkan, scene, &params, 1, NULL);
 }
 
 /* Where no cloud is, `realtime` shows what the march does: the sky, and solids through the air, in
  * one order, for which no table of further ones has to be made. */
 static void test_realtime_has_the_same_sky(void **state)
 {
-    struct neph_scene *scene = load("sky_aerial");
+    struct neph_scene *scene = test_load("catalog/sky_aerial");
     scene->scattering = NEPH_SCATTERING_SINGLE;
     const struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
-    struct neph_image *marched = render(*state, scene, &params);
+    struct neph_image *marched = test_march(*state, scene, &params, NULL);
     double *values = values_of(marched);
-    const struct neph_settings settings = realtime_settings(plain_words);
-    struct neph_image *image = render_realtime(*state, scene, &settings);
+    struct neph_image *image = render_realtime(*state, scene, plain_words);
     const double off = distance(image, NULL, values);
     print_message("the sky in real time: off by %.2g\n", off);
     assert_true(off < 1e-3); /* halves */
@@ -445,29 +388,16 @@ static void test_realtime_has_the_same_sky(void **state)
  * without that air the picture would be another. */
 static void test_froxels_are_seen_through_the_air(void **state)
 {
-    static const char *const words[] = {"split=four",
-                                        "ray_dither=none",
-                                        "upscale_dither=none",
-                                        "sky=tables",
-                                        "sky_columns=32",
-                                        "sky_rows=32",
-                                        "sky_slices=32",
-                                        "sky_far_m=6e4",
-                                        "froxels=on",
-                                        "froxel_px=1",
-                                        "froxel_near_m=2000",
-                                        "froxel_end_m=14000",
-                                        "froxel_history=0",
-                                        "froxel_jitter=off",
-                                        "steps=16",
-                                        NULL};
+    static const char words[] =
+        "split=four ray_dither=none upscale_dither=none sky=tables sky_columns=32 sky_rows=32 "
+        "sky_slices=32 sky_far_m=6e4 froxels=on froxel_px=1 froxel_near_m=2000 froxel_end_m=14000 "
+        "froxel_history=0 froxel_jitter=off steps=16";
     struct neph_scene *scene = load_with_cloud(1.0, NEPH_SCATTERING_SINGLE);
     struct neph_medium *fog = &scene->media[scene->medium_count - 1];
     double exact[3 * PIXELS], through[3 * PIXELS];
     *fog = make_homogeneous(1e-4, (struct neph_bounds){{-6e3, 0.0, -12e3}, {6e3, 1500.0, -2e3}});
     exact_light(scene, exact, through);
-    const struct neph_settings settings = realtime_settings(words);
-    struct neph_image *image = render_realtime(*state, scene, &settings);
+    struct neph_image *image = render_realtime(*state, scene, words);
     const double off = distance(image, NULL, exact);
     print_message("fog in froxels under a sky: off by %.2g\n", off);
     assert_true(off < 5e-3); /* 4.4e-2 without that air */

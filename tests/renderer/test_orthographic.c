@@ -6,14 +6,10 @@
  * its history where the wind has taken it from.
  */
 #include "tests/renderer/fog_scenes.h"
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 #include "tests/renderer/realtime_test.h"
 
-#include "renderer/realtime/pipeline.h"
-#include "renderer/tracer.h"
 #include "scenes/motion.h"
-#include "truth/oracle.h"
-#include "truth/transport.h"
 
 enum { WIDTH = 16, HEIGHT = 9, PIXELS = WIDTH * HEIGHT };
 
@@ -30,19 +26,6 @@ static void teardown(struct test_scene *test)
         neph_grid_destroy(test->scene.media[m].grid);
         neph_horizon_destroy(test->scene.media[m].horizon);
     }
-}
-
-static struct neph_pixel_ray ray_of(const struct test_scene *test, int width_px, int height_px,
-                                    int pixel)
-{
-    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
-    return neph_camera_ray(&camera, width_px, height_px, pixel % width_px, pixel / width_px);
-}
-
-static struct neph_ray_light light_of(const struct test_scene *test, int pixel)
-{
-    const struct neph_pixel_ray ray = ray_of(test, WIDTH, HEIGHT, pixel);
-    return neph_transport_ray(&test->scene, ray.origin_m, ray.direction);
 }
 
 /* --- scenes -------------------------------------------------------------------------------- */
@@ -124,10 +107,7 @@ static const struct {
 static struct neph_image *march(struct neph_vulkan *vulkan, const struct test_scene *test,
                                 const struct neph_march_params *params)
 {
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
-    return frame;
+    return test_march(vulkan, &test->scene, params, NULL);
 }
 
 /* --- the march against exact transport ---------------------------------------------------- */
@@ -143,7 +123,7 @@ static struct difference compare(const struct test_scene *test, struct neph_imag
     const float *transmittance = neph_image_channel(frame, "transmittance.G");
     const float *volume = neph_image_channel(frame, "volume.G");
     for (int p = 0; p < PIXELS; p++) {
-        const struct neph_ray_light light = light_of(test, p);
+        const struct neph_ray_light light = test_exact_ray(&test->scene, WIDTH, HEIGHT, p);
         worst.transmittance = fmax(worst.transmittance,
                                    fabs((double)transmittance[p] - light.transmittance.g));
         worst.volume = fmax(worst.volume, fabs((double)volume[p] - light.volume.g));
@@ -200,7 +180,7 @@ static void test_solids(void **state)
     struct neph_image *frame = march(*state, &test, &params);
     const float *green = neph_image_channel(frame, "G"), *z_m = neph_image_channel(frame, "Z");
     for (int p = 0; p < PIXELS; p++) {
-        const struct neph_ray_light light = light_of(&test, p);
+        const struct neph_ray_light light = test_exact_ray(&test.scene, WIDTH, HEIGHT, p);
         const bool same_depth = isinf(light.hit_m)
                                     ? isinf(z_m[p])
                                     : fabs((double)z_m[p] - light.hit_m) <= 1e-5 * light.hit_m;
@@ -265,7 +245,8 @@ static const struct {
 static struct neph_image *march_alone(struct neph_vulkan *vulkan, const struct test_scene *test,
                                       const struct neph_march_params *params, int pixel)
 {
-    const struct neph_pixel_ray ray = ray_of(test, params->width_px, params->height_px, pixel);
+    const struct neph_pixel_ray ray = test_ray(&test->scene, params->width_px, params->height_px,
+                                               pixel);
     struct test_scene other = *test;
     struct neph_march_params one = *params;
     other.scene.camera_keys = &other.key;
@@ -314,28 +295,12 @@ static void test_every_pixel_is_a_perspective_cameras(void **state)
 static struct neph_image *trace(struct neph_vulkan *vulkan, const struct test_scene *test,
                                 int samples)
 {
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
     const struct neph_tracer_params params = {.width_px = WIDTH,
                                               .height_px = HEIGHT,
                                               .seed = 20261123,
                                               .samples = samples,
                                               .time_limit_s = INFINITY};
-    neph_assert_ok(neph_tracer_render(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
-    return frame;
-}
-
-static struct neph_image *trace_by_oracle(const struct test_scene *test, int samples)
-{
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    const struct neph_oracle_params params = {.width_px = WIDTH,
-                                              .height_px = HEIGHT,
-                                              .seed = 5,
-                                              .samples = samples,
-                                              .time_limit_s = INFINITY};
-    neph_assert_ok(neph_oracle_render(&test->scene, &params, &frame, NULL, &diag), &diag);
-    return frame;
+    return test_trace(vulkan, &test->scene, &params, NULL);
 }
 
 /* z-scores of the green channel against `truth`, which has a variance of its own or NULL. Below 10
@@ -383,7 +348,7 @@ static void test_tracer_is_exact_transport(void **state)
     scene_fog(&test);
     scene_gaussian(&test);
     for (int p = 0; p < PIXELS; p++)
-        truth[p] = (float)light_of(&test, p).radiance.g;
+        truth[p] = (float)test_exact_ray(&test.scene, WIDTH, HEIGHT, p).radiance.g;
     struct neph_image *frame = trace(*state, &test, 256);
     judge("blob, grid and fog", frame, truth, NULL, 2.0 / 32.0);
     neph_image_destroy(frame);
@@ -419,7 +384,7 @@ static void test_tracer_is_the_oracle(void **state)
         init(&test, traced[t].height_m);
         traced[t].build(&test);
         test.scene.scattering = traced[t].scattering;
-        struct neph_image *truth = trace_by_oracle(&test, traced[t].samples);
+        struct neph_image *truth = test_oracle(&test.scene, WIDTH, HEIGHT, 5, traced[t].samples);
         struct neph_image *frame = trace(*state, &test, traced[t].samples);
         judge(traced[t].name, frame, neph_image_channel(truth, "G"),
               neph_image_channel(truth, "variance.G"), 0.3);
@@ -433,30 +398,10 @@ static void test_tracer_is_the_oracle(void **state)
 
 enum { FILM_WIDTH = 64, FILM_HEIGHT = 36, FILM_FRAMES = 12 };
 
-static struct neph_image *film_last(struct neph_vulkan *vulkan, const struct test_scene *test,
-                                    const struct neph_settings *settings)
-{
-    struct neph_realtime *realtime = NULL;
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    const struct neph_realtime_params params = {
-        .width_px = FILM_WIDTH, .height_px = FILM_HEIGHT, .settings = settings, .seed = 7};
-    neph_assert_ok(neph_realtime_create(vulkan, &test->scene, &params, &realtime, &diag), &diag);
-    for (int frame = 0; frame < FILM_FRAMES; frame++) {
-        const struct neph_realtime_frame picture = {&test->scene, frame, NULL};
-        neph_image_destroy(image);
-        image = NULL;
-        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
-    }
-    neph_realtime_destroy(realtime);
-    return image;
-}
-
 static struct neph_image *film_truth(struct neph_vulkan *vulkan, const struct test_scene *test,
                                      const struct neph_settings *settings)
 {
     struct neph_scene *still = NULL;
-    struct neph_image *image = NULL;
     struct neph_diag diag = {0};
     const struct neph_march_params params = {
         .width_px = FILM_WIDTH,
@@ -467,7 +412,7 @@ static struct neph_image *film_truth(struct neph_vulkan *vulkan, const struct te
         .sun = (enum neph_march_mode)(int)settings->values[RT_SUN],
         .sun_steps = (int)settings->values[RT_SUN_STEPS]};
     neph_assert_ok(neph_scene_at(&test->scene, params.frame, &still, &diag), &diag);
-    neph_assert_ok(test_march_frame(vulkan, still, &params, &image, NULL, &diag), &diag);
+    struct neph_image *image = test_march(vulkan, still, &params, NULL);
     neph_scene_destroy(still);
     return image;
 }
@@ -477,7 +422,8 @@ static double film_error(struct neph_vulkan *vulkan, const struct test_scene *te
                          const char *assignments)
 {
     const struct neph_settings settings = test_settings(assignments);
-    struct neph_image *film = film_last(vulkan, test, &settings);
+    const struct neph_realtime_params params = {FILM_WIDTH, FILM_HEIGHT, &settings, 7, NULL};
+    struct neph_image *film = test_film(vulkan, &test->scene, &params, FILM_FRAMES, NULL);
     struct neph_image *truth = film_truth(vulkan, test, &settings);
     const float *found = neph_image_channel(film, "volume.G");
     const float *expected = neph_image_channel(truth, "volume.G");

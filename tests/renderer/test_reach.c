@@ -3,7 +3,7 @@
  * What lies too far from the camera for float32 is refused, and what is just near enough comes out
  * right: a face of an opaque box against the closed form of the half-space.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/reach.h"
 #include "renderer/tracer.h"
@@ -166,13 +166,9 @@ static double half_space(const struct test_scene *test, struct neph_vec3 normal)
 
 static double mean_red(struct neph_image *frame)
 {
-    const float *red = neph_image_channel(frame, "R");
-    const size_t count = neph_image_pixel_count(frame);
-    double sum = 0.0;
-    for (size_t i = 0; i < count; i++)
-        sum += red[i];
+    const double mean = test_mean(frame, "R");
     neph_image_destroy(frame);
-    return sum / (double)count;
+    return mean;
 }
 
 /* 0.05 % was measured of the mean in float32 alone; the tracer's own noise over 1024 pixels of 256
@@ -181,19 +177,17 @@ static void test_the_last_that_is_rendered_is_right(void **state)
 {
     enum { SIDE_PX = 32 };
     struct test_scene test;
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
     init_far(&test);
     add_cube(&test, 1.0, 9e4, 500.0);
     const double expected = half_space(&test, (struct neph_vec3){0.0, 0.0, 1.0});
     const struct neph_tracer_params traced = {
         .width_px = SIDE_PX, .height_px = SIDE_PX, .samples = 256, .time_limit_s = INFINITY};
-    neph_assert_ok(neph_tracer_render(*state, &test.scene, &traced, &frame, NULL, &diag), &diag);
-    neph_assert_close(mean_red(frame), expected, 4e-3, 0.0);
+    neph_assert_close(mean_red(test_trace(*state, &test.scene, &traced, NULL)), expected, 4e-3,
+                      0.0);
     const struct neph_march_params marched = {
         .width_px = SIDE_PX, .height_px = SIDE_PX, .steps = 8192, .sun_steps = 1};
-    neph_assert_ok(test_march_frame(*state, &test.scene, &marched, &frame, NULL, &diag), &diag);
-    neph_assert_close(mean_red(frame), expected, 4e-3, 0.0);
+    neph_assert_close(mean_red(test_march(*state, &test.scene, &marched, NULL)), expected, 4e-3,
+                      0.0);
 }
 
 /* Sunlight from a half-space, in pixels whose rays begin up to 9e4 mean free paths from the camera;
@@ -202,19 +196,17 @@ static void test_the_largest_orthographic_picture_is_right(void **state)
 {
     enum { WIDTH_PX = 48, HEIGHT_PX = 27 };
     struct test_scene test;
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
     init_far(&test);
     look_down_in_parallel(&test, 9e4);
     const double expected = half_space(&test, (struct neph_vec3){0.0, 1.0, 0.0});
     const struct neph_tracer_params traced = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .samples = 256, .time_limit_s = INFINITY};
-    neph_assert_ok(neph_tracer_render(*state, &test.scene, &traced, &frame, NULL, &diag), &diag);
-    neph_assert_close(mean_red(frame), expected, 4e-3, 0.0);
+    neph_assert_close(mean_red(test_trace(*state, &test.scene, &traced, NULL)), expected, 4e-3,
+                      0.0);
     const struct neph_march_params marched = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 1024, .sun_steps = 1};
-    neph_assert_ok(test_march_frame(*state, &test.scene, &marched, &frame, NULL, &diag), &diag);
-    neph_assert_close(mean_red(frame), expected, 4e-3, 0.0);
+    neph_assert_close(mean_red(test_march(*state, &test.scene, &marched, NULL)), expected, 4e-3,
+                      0.0);
 }
 
 int main(void)

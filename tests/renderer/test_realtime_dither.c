@@ -6,6 +6,7 @@
 #include "tests/base/scratch.h"
 #include "tests/renderer/realtime_test.h"
 
+#include "base/sort.h"
 #include "renderer/blue_noise.h"
 #include "renderer/realtime/noise.h"
 #include "tests/renderer/twins/dither.h"
@@ -103,12 +104,6 @@ static void test_interleaved_is_the_published_formula(void **state)
     assert_true(left_out < COUNT / 10000); /* the odds are 4 in a million */
 }
 
-static int compare(const void *a, const void *b)
-{
-    const double first = *(const double *)a, second = *(const double *)b;
-    return (first > second) - (first < second);
-}
-
 /* What Jimenez made it for: the nine values of any 3x3 window lie round the circle with gaps near
  * 1/9. With his constants the widest is 0.135018 (rational arithmetic; here rounded to 2^-19); of
  * white noise's nine the widest has mean (1 + 1/2 + ... + 1/9) / 9 = 0.31. */
@@ -119,7 +114,7 @@ static void test_interleaved_windows_cover_the_circle(void **state)
         double values[10], widest = 0.0;
         for (int k = 0; k < 9; k++)
             values[k] = interleaved(i % 100 + k % 3, i / 100 + k / 3, 5);
-        qsort(values, 9, sizeof(double), compare);
+        neph_sort_doubles(values, 9);
         values[9] = values[0] + 1.0;
         for (int k = 0; k < 9; k++)
             widest = fmax(widest, values[k + 1] - values[k]);

@@ -37,7 +37,7 @@ static char cache_folder[] = "/tmp/neph-test-frozen-XXXXXX";
 static struct neph_scene *load(const char *name)
 {
     char path[512];
-    snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/failure/%s.yaml", name);
+    snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/stress/%s.yaml", name);
     struct neph_scene *scene = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);

@@ -5,10 +5,8 @@
  * tolerance is what float32 can know: positions to `place` roundings of their size, each function
  * to a few roundings, both times the slope of the answer.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/probe.h"
 
-#include "renderer/compute.h"
-#include "renderer/gpu_scene.h"
 #include "scenes/grid.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
@@ -44,23 +42,6 @@ static void look_from(struct test_scene *test, struct neph_vec3 camera_m)
     test->key.look_at_m = neph_vec3_add(camera_m, (struct neph_vec3){0.0, 0.0, -1.0});
 }
 
-static void create_buffers(struct neph_vulkan *vulkan, const struct probe *probes, int count,
-                           struct neph_buffer *in, struct neph_buffer *out,
-                           struct neph_buffer *readback)
-{
-    struct neph_diag diag = {0};
-    const size_t answer_bytes = (size_t)count * sizeof(struct answer);
-    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, (size_t)count * sizeof(*probes),
-                                      "probes", in, &diag),
-                   &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, answer_bytes, "answers", out, &diag), &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, answer_bytes, "readback", readback, &diag),
-        &diag);
-    memcpy(in->mapped, probes, (size_t)count * sizeof(*probes));
-}
-
 /* For the caller to free. */
 static struct answer *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
                           const struct probe *probes, int count)
@@ -78,26 +59,8 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct test_scene *t
         .constant_count = NEPH_GPU_SCENE_CONSTANTS,
         .constants = {gpu.constants[0], gpu.constants[1]},
     };
-    const struct neph_kernel *kernel;
-    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
-    struct neph_buffer in = {0}, out = {0}, readback = {0};
-    create_buffers(vulkan, probes, count, &in, &out, &readback);
-    const size_t answer_bytes = (size_t)count * sizeof(struct answer);
-    struct neph_dispatch dispatch = {
-        .buffers = {[NEPH_GPU_SCENE_BUFFERS] = &in, &out},
-        .group_count = ((uint32_t)count + 63) / 64,
-        .copy_from = &out,
-        .copy_to = &readback,
-        .copy_size_bytes = answer_bytes,
-    };
-    neph_gpu_scene_bind(&gpu, &dispatch);
-    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
-    struct answer *answers = malloc(answer_bytes);
-    assert_non_null(answers);
-    memcpy(answers, readback.mapped, answer_bytes);
-    neph_buffer_destroy(vulkan, &readback);
-    neph_buffer_destroy(vulkan, &out);
-    neph_buffer_destroy(vulkan, &in);
+    struct answer *answers = test_probe(vulkan, &params, &gpu, probes, sizeof(*probes),
+                                        sizeof(*answers), count);
     neph_gpu_scene_destroy(vulkan, &gpu);
     return answers;
 }
@@ -165,9 +128,11 @@ static struct ray ray_of(const struct test_scene *test, const struct probe *p)
                         4.0 * epsilon * size_m};
 }
 
-/* Worst error in parts of what is allowed, for people. */
+/* Worst error in parts of what is allowed, for people; and how many probes were left out, or have met
+ * the medium. */
 struct worst {
     double extinction, depth;
+    int left_out, met;
 };
 
 static void hold(double actual, double expected, double allowed, double *worst, const char *what,
@@ -195,62 +160,93 @@ static void hold_stretch(const struct answer *answer, const struct ray *ray,
         fail_msg("probe %d: the stretch %g..%g leaves out %.3g", i, t0_m, t1_m, left_out);
 }
 
+/* A kind of medium, the scene's first: a probe of it, and what an answer may be off by. */
+typedef struct probe draw_probe(const struct test_scene *test, uint64_t *random, int i);
+typedef void check_answer(const struct test_scene *test, const struct ray *ray,
+                          const struct answer *answer, int i, struct worst *worst);
+
+static void check_probes(struct neph_vulkan *vulkan, const struct test_scene *test,
+                         uint64_t *random, draw_probe *draw, check_answer *check,
+                         struct worst *worst)
+{
+    static struct probe probes[PROBES_MAX];
+    for (int i = 0; i < PROBES_MAX; i++)
+        probes[i] = draw(test, random, i);
+    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
+    for (int i = 0; i < PROBES_MAX; i++) {
+        const struct ray ray = ray_of(test, &probes[i]);
+        check(test, &ray, &answers[i], i, worst);
+    }
+    free(answers);
+}
+
+static double extinction_at(const struct test_scene *test, const struct ray *ray)
+{
+    return neph_medium_extinction_per_m(&test->scene.media[0], ray->origin_m);
+}
+
+static double depth_along(const struct test_scene *test, const struct ray *ray)
+{
+    return neph_medium_optical_depth(&test->scene.media[0], ray->origin_m, ray->direction, 0.0,
+                                     ray->length_m);
+}
+
+static void print_worst(const char *name, const struct worst *worst)
+{
+    print_message("%s: worst error is %.2f of what is allowed at points, %.2f on rays\n", name,
+                  worst->extinction, worst->depth);
+}
+
 /* --- Gaussian blobs ----------------------------------------------------------------------- */
 
 /* neph_medium_support() ends where extinction has fallen to this. */
 static const double support_cut = 1e-12;
 
-static void check_gaussian(struct neph_vulkan *vulkan, const struct test_scene *test,
-                           uint64_t *random, struct worst *worst)
+static struct probe draw_gaussian(const struct test_scene *test, uint64_t *random, int i)
+{
+    static const double lengths[] = {1e-4, 0.01, 0.3, 1.0, 3.0, 20.0, 1e4, 1e12};
+    const struct neph_gaussian *blob = &test->scene.media[0].gaussian;
+    const double reach_m = blob->width_m * (i % 3 ? 3.0 : 10.0);
+    const struct neph_vec3 origin_m = i % 50 ? point_near(random, blob->center_m, reach_m)
+                                             : blob->center_m;
+    return probe_from(test, origin_m, odd_direction(random), blob->width_m * PICK(random, lengths));
+}
+
+static void check_gaussian(const struct test_scene *test, const struct ray *ray,
+                           const struct answer *answer, int i, struct worst *worst)
 {
     const struct neph_medium *medium = &test->scene.media[0];
-    const double w_m = medium->gaussian.width_m;
-    static const double lengths[] = {1e-4, 0.01, 0.3, 1.0, 3.0, 20.0, 1e4, 1e12};
-    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
-    assert_non_null(probes);
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const double reach_m = w_m * (i % 3 ? 3.0 : 10.0);
-        const struct neph_vec3 origin_m = i % 50 ? point_near(random, medium->gaussian.center_m,
-                                                              reach_m)
-                                                 : medium->gaussian.center_m;
-        probes[i] = probe_from(test, origin_m, odd_direction(random), w_m * PICK(random, lengths));
-    }
-    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
-    const struct neph_vec3 far_m = neph_vec3_sub(medium->gaussian.center_m, test->key.position_m);
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const struct ray ray = ray_of(test, &probes[i]);
-        const struct neph_vec3 to_center_m = neph_vec3_sub(medium->gaussian.center_m, ray.origin_m);
-        const double place_m = ray.place_m + 4.0 * epsilon * neph_vec3_length(far_m);
-        const double r = neph_vec3_length(to_center_m) / w_m;
-        const double extinction = neph_medium_extinction_per_m(medium, ray.origin_m);
-        /* e^-x: its own rounding, the rounding of x = r^2 / 2, and the slope r / w of x. */
-        const double relative = epsilon * (16.0 + 8.0 * r * r) + place_m / w_m * r;
-        hold(answers[i].extinction_per_m, extinction,
-             extinction * expm1(relative) + support_cut * medium->extinction_per_m,
-             &worst->extinction, "extinction", i);
-        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
-                                                       ray.length_m);
-        const double nearest_m = fmax(
-            0.0, fmin(ray.length_m, neph_vec3_dot(to_center_m, ray.direction)));
-        const double peak = neph_medium_extinction_per_m(
-            medium, neph_vec3_along(ray.origin_m, ray.direction, nearest_m));
-        const double q = log(medium->extinction_per_m / fmax(peak, 1e-300));
-        const double here_m = place_m + 8.0 * epsilon * fmin(ray.length_m, r * w_m + 6.0 * w_m);
-        /* Ends and line are off by `here`: the ends cost their density, the line its slope. */
-        const double allowed = depth * epsilon * (24.0 + 8.0 * q) +
-                               here_m * (2.0 * peak + depth / w_m * sqrt(2.0 * q)) +
-                               8.0 * support_cut * medium->extinction_per_m * w_m;
-        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-        hold_stretch(&answers[i], &ray, medium, allowed + depth * 1e-6, i);
-    }
-    free(answers);
-    free(probes);
+    const struct neph_gaussian *blob = &medium->gaussian;
+    const double w_m = blob->width_m;
+    const struct neph_vec3 to_center_m = neph_vec3_sub(blob->center_m, ray->origin_m);
+    const double far_m = neph_vec3_length(neph_vec3_sub(blob->center_m, test->key.position_m));
+    const double place_m = ray->place_m + 4.0 * epsilon * far_m;
+    const double r = neph_vec3_length(to_center_m) / w_m;
+    const double extinction = extinction_at(test, ray);
+    /* e^-x: its own rounding, the rounding of x = r^2 / 2, and the slope r / w of x. */
+    const double relative = epsilon * (16.0 + 8.0 * r * r) + place_m / w_m * r;
+    hold(answer->extinction_per_m, extinction,
+         extinction * expm1(relative) + support_cut * medium->extinction_per_m, &worst->extinction,
+         "extinction", i);
+    const double depth = depth_along(test, ray);
+    const double nearest_m = fmax(0.0,
+                                  fmin(ray->length_m, neph_vec3_dot(to_center_m, ray->direction)));
+    const double peak = neph_medium_extinction_per_m(
+        medium, neph_vec3_along(ray->origin_m, ray->direction, nearest_m));
+    const double q = log(medium->extinction_per_m / fmax(peak, 1e-300));
+    const double here_m = place_m + 8.0 * epsilon * fmin(ray->length_m, r * w_m + 6.0 * w_m);
+    /* Ends and line are off by `here`: the ends cost their density, the line its slope. */
+    const double allowed = depth * epsilon * (24.0 + 8.0 * q) +
+                           here_m * (2.0 * peak + depth / w_m * sqrt(2.0 * q)) +
+                           8.0 * support_cut * medium->extinction_per_m * w_m;
+    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    hold_stretch(answer, ray, medium, allowed + depth * 1e-6, i);
 }
 
 static void test_gaussian_blobs(void **state)
 {
     uint64_t random = seed;
-    struct worst worst = {0.0, 0.0};
+    struct worst worst = {0};
     static const double widths_m[] = {0.01, 3.0, 500.0};
     static const double depths[] = {1e-9, 0.5, 300.0};
     for (int round = 0; round < 9; round++) {
@@ -261,10 +257,9 @@ static void test_gaussian_blobs(void **state)
                                                   depths[round / 3] / width_m);
         blob->gaussian = (struct neph_gaussian){
             point_near(&random, test.key.position_m, 20.0 * width_m), width_m};
-        check_gaussian(*state, &test, &random, &worst);
+        check_probes(*state, &test, &random, draw_gaussian, check_gaussian, &worst);
     }
-    print_message("Gaussian: worst error is %.2f of what is allowed at points, %.2f on rays\n",
-                  worst.extinction, worst.depth);
+    print_worst("Gaussian", &worst);
 }
 
 /* --- plumes of smoke ---------------------------------------------------------------------- */
@@ -281,52 +276,49 @@ static double plume_slope_per_m(const struct neph_plume *plume, struct neph_vec3
     return 1.0 / plume->scale_height_m + across_m / width2_m2;
 }
 
-static void check_plume(struct neph_vulkan *vulkan, const struct test_scene *test, uint64_t *random,
-                        struct worst *worst)
+static struct probe draw_plume(const struct test_scene *test, uint64_t *random, int i)
+{
+    static const double lengths[] = {1e-4, 0.01, 0.3, 1.0, 3.0, 20.0, 1e4, 1e12};
+    const struct neph_plume *plume = &test->scene.media[0].plume;
+    const double scale_m = fmax(plume->width_m, plume->scale_height_m);
+    const struct neph_vec3 origin_m = point_near(random, plume->foot_m,
+                                                 scale_m * (i % 3 ? 1.0 : 6.0));
+    return probe_from(test, origin_m, i % 7 ? random_direction(random) : plume->axis,
+                      scale_m * PICK(random, lengths));
+}
+
+static void check_plume(const struct test_scene *test, const struct ray *ray,
+                        const struct answer *answer, int i, struct worst *worst)
 {
     const struct neph_medium *medium = &test->scene.media[0];
     const struct neph_plume *plume = &medium->plume;
     const double scale_m = fmax(plume->width_m, plume->scale_height_m);
-    static const double lengths[] = {1e-4, 0.01, 0.3, 1.0, 3.0, 20.0, 1e4, 1e12};
-    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
-    assert_non_null(probes);
-    for (int i = 0; i < PROBES_MAX; i++)
-        probes[i] = probe_from(
-            test, point_near(random, plume->foot_m, scale_m * (i % 3 ? 1.0 : 6.0)),
-            i % 7 ? random_direction(random) : plume->axis, scale_m * PICK(random, lengths));
-    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     const double far_m = neph_vec3_length(neph_vec3_sub(plume->foot_m, test->key.position_m));
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const struct ray ray = ray_of(test, &probes[i]);
-        const double place_m = ray.place_m + 4.0 * epsilon * far_m;
-        const struct neph_vec3 from_foot_m = neph_vec3_sub(ray.origin_m, plume->foot_m);
-        const double cut = support_cut * medium->extinction_per_m;
-        double folds;
-        const double slope_per_m = plume_slope_per_m(plume, ray.origin_m, &folds);
-        const double extinction = neph_medium_extinction_per_m(medium, ray.origin_m);
-        if (fabs(neph_vec3_dot(from_foot_m, plume->axis)) > place_m) /* above or below the foot */
-            hold(answers[i].extinction_per_m, extinction,
-                 extinction * expm1(epsilon * (16.0 + 16.0 * folds) + place_m * slope_per_m) + cut,
-                 &worst->extinction, "extinction", i);
-        /* The quadrature, the rounding of the exponent, and places: at the ends they cost the
-         * density, beside the ray its slope where the density counts. */
-        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
-                                                       ray.length_m);
-        const double here_m = place_m + 16.0 * epsilon * (neph_vec3_length(from_foot_m) + scale_m);
-        const double steepest_per_m = 1.0 / plume->scale_height_m + 6.0 / plume->width_m;
-        const double allowed = depth * (1e-6 + 64.0 * epsilon + here_m * steepest_per_m) +
-                               2.0 * here_m * medium->extinction_per_m + 8.0 * cut * scale_m;
-        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-        hold_stretch(&answers[i], &ray, medium, allowed, i);
-    }
-    free(answers);
-    free(probes);
+    const double place_m = ray->place_m + 4.0 * epsilon * far_m;
+    const struct neph_vec3 from_foot_m = neph_vec3_sub(ray->origin_m, plume->foot_m);
+    const double cut = support_cut * medium->extinction_per_m;
+    double folds;
+    const double slope_per_m = plume_slope_per_m(plume, ray->origin_m, &folds);
+    const double extinction = extinction_at(test, ray);
+    if (fabs(neph_vec3_dot(from_foot_m, plume->axis)) > place_m) /* above or below the foot */
+        hold(answer->extinction_per_m, extinction,
+             extinction * expm1(epsilon * (16.0 + 16.0 * folds) + place_m * slope_per_m) + cut,
+             &worst->extinction, "extinction", i);
+    /* The quadrature, the rounding of the exponent, and places: at the ends they cost the density,
+     * beside the ray its slope where the density counts. */
+    const double depth = depth_along(test, ray);
+    const double here_m = place_m + 16.0 * epsilon * (neph_vec3_length(from_foot_m) + scale_m);
+    const double steepest_per_m = 1.0 / plume->scale_height_m + 6.0 / plume->width_m;
+    const double allowed = depth * (1e-6 + 64.0 * epsilon + here_m * steepest_per_m) +
+                           2.0 * here_m * medium->extinction_per_m + 8.0 * cut * scale_m;
+    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    hold_stretch(answer, ray, medium, allowed, i);
 }
 
 static void test_plumes(void **state)
 {
     uint64_t random = seed;
-    struct worst worst = {0.0, 0.0};
+    struct worst worst = {0};
     static const double widths_m[] = {0.1, 3.0, 500.0}, heights[] = {0.2, 1.0, 30.0};
     for (int round = 0; round < 9; round++) {
         struct test_scene test;
@@ -335,10 +327,9 @@ static void test_plumes(void **state)
         struct neph_medium *plume = test_add_cloud(&test, NEPH_MEDIUM_PLUME, 0.5 / width_m);
         plume->plume = (struct neph_plume){point_near(&random, test.key.position_m, 10.0 * width_m),
                                            random_direction(&random), width_m, height_m};
-        check_plume(*state, &test, &random, &worst);
+        check_probes(*state, &test, &random, draw_plume, check_plume, &worst);
     }
-    print_message("plume: worst error is %.2f of what is allowed at points, %.2f on rays\n",
-                  worst.extinction, worst.depth);
+    print_worst("plumes", &worst);
 }
 
 /* --- shells ------------------------------------------------------------------------------- */
@@ -352,70 +343,60 @@ static double relevant_m(const struct neph_shell *shell, double r_m, double lowe
     return fmin(length_m, fabs(lowest_m) + reach_m);
 }
 
-static void check_shell(struct neph_vulkan *vulkan, const struct test_scene *test, uint64_t *random,
-                        struct worst *worst)
+static struct probe draw_shell(const struct test_scene *test, uint64_t *random, int i)
+{
+    static const double lengths[] = {1e-3, 0.1, 1.0, 10.0, 1e3, 1e12};
+    const struct neph_shell *shell = &test->scene.media[0].shell;
+    const double h_m = shell->scale_height_m;
+    const double reach_m = i % 7 == 0 ? 0.0 : i % 3 ? 5.0 * h_m : 2.0 * sqrt(shell->radius_m * h_m);
+    return probe_from(test, point_near(random, test->key.position_m, reach_m),
+                      odd_direction(random), h_m * PICK(random, lengths));
+}
+
+static void check_shell(const struct test_scene *test, const struct ray *ray,
+                        const struct answer *answer, int i, struct worst *worst)
 {
     const struct neph_medium *medium = &test->scene.media[0];
     const struct neph_shell *shell = &medium->shell;
     const double r_m = shell->radius_m, h_m = shell->scale_height_m;
-    static const double lengths[] = {1e-3, 0.1, 1.0, 10.0, 1e3, 1e12};
-    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
-    assert_non_null(probes);
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const double reach_m = i % 7 == 0 ? 0.0 : i % 3 ? 5.0 * h_m : 2.0 * sqrt(r_m * h_m);
-        probes[i] = probe_from(test, point_near(random, test->key.position_m, reach_m),
-                               odd_direction(random), h_m * PICK(random, lengths));
+    const struct neph_vec3 from_center_m = neph_vec3_sub(ray->origin_m, shell->center_m);
+    const double height_m = neph_vec3_length(from_center_m) - r_m;
+    const double lowest_m = -neph_vec3_dot(from_center_m, ray->direction);
+    const double low_m =
+        neph_vec3_length(neph_vec3_along(from_center_m, ray->direction, lowest_m)) - r_m;
+    const double extinction = extinction_at(test, ray);
+    const double place_m = 2.0 * ray->place_m + 4.0 * epsilon * fabs(height_m);
+    if (fabs(height_m) > place_m)
+        hold(answer->extinction_per_m, extinction,
+             extinction * expm1(epsilon * (16.0 + 4.0 * fabs(height_m) / h_m) + place_m / h_m) +
+                 smallest,
+             &worst->extinction, "extinction", i);
+    const double seen_m = relevant_m(shell, r_m, lowest_m, ray->length_m);
+    const double here_m = place_m + 16.0 * epsilon * seen_m;
+    assert_true(answer->optical_depth >= 0.0f && isfinite(answer->optical_depth));
+    /* Tangent to the ground within a rounding: in the densest air, or under the ground. */
+    if (fabs(low_m) <= 4.0 * here_m || fabs(height_m) <= 4.0 * here_m) {
+        worst->left_out++;
+        return;
     }
-    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
-    int grazing = 0;
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const struct ray ray = ray_of(test, &probes[i]);
-        const struct neph_vec3 from_center_m = neph_vec3_sub(ray.origin_m, shell->center_m);
-        const double height_m = neph_vec3_length(from_center_m) - r_m;
-        const double lowest_m = -neph_vec3_dot(from_center_m, ray.direction);
-        const double low_m =
-            neph_vec3_length(neph_vec3_along(from_center_m, ray.direction, lowest_m)) - r_m;
-        const double extinction = neph_medium_extinction_per_m(medium, ray.origin_m);
-        const double place_m = 2.0 * ray.place_m + 4.0 * epsilon * fabs(height_m);
-        if (fabs(height_m) > place_m)
-            hold(answers[i].extinction_per_m, extinction,
-                 extinction * expm1(epsilon * (16.0 + 4.0 * fabs(height_m) / h_m) + place_m / h_m) +
-                     smallest,
-                 &worst->extinction, "extinction", i);
-        const double seen_m = relevant_m(shell, r_m, lowest_m, ray.length_m);
-        const double here_m = place_m + 16.0 * epsilon * seen_m;
-        assert_true(answers[i].optical_depth >= 0.0f && isfinite(answers[i].optical_depth));
-        /* Tangent to the ground within a rounding: in the densest air, or under the ground. */
-        if (fabs(low_m) <= 4.0 * here_m || fabs(height_m) <= 4.0 * here_m) {
-            grazing++;
-            continue;
-        }
-        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
-                                                       ray.length_m);
-        const double ends = extinction +
-                            neph_medium_extinction_per_m(
-                                medium, neph_vec3_along(ray.origin_m, ray.direction, ray.length_m));
-        /* Where a ray meets the ground at a slant, a height off by `here` moves the place by
-         * here / slant. */
-        const double slant = low_m < 0.0 ? sqrt(-low_m * (2.0 * r_m + low_m)) / r_m : 1.0;
-        const double ground = low_m < 0.0 ? medium->extinction_per_m / slant : 0.0;
-        const double allowed = depth * (1e-6 + expm1(2.0 * here_m / h_m)) +
-                               here_m * (ends + 2.0 * ground) + smallest * seen_m;
-        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-        hold_stretch(&answers[i], &ray, medium, allowed + depth * 1e-6, i);
-    }
-    print_message("shell of %g m, %g m high, from %g m: %d of %d graze the ground\n", r_m, h_m,
-                  neph_vec3_length(neph_vec3_sub(test->key.position_m, shell->center_m)) - r_m,
-                  grazing, PROBES_MAX);
-    assert_true(grazing < PROBES_MAX / 2);
-    free(answers);
-    free(probes);
+    const double depth = depth_along(test, ray);
+    const double ends = extinction +
+                        neph_medium_extinction_per_m(
+                            medium, neph_vec3_along(ray->origin_m, ray->direction, ray->length_m));
+    /* Where a ray meets the ground at a slant, a height off by `here` moves the place by here /
+     * slant. */
+    const double slant = low_m < 0.0 ? sqrt(-low_m * (2.0 * r_m + low_m)) / r_m : 1.0;
+    const double ground = low_m < 0.0 ? medium->extinction_per_m / slant : 0.0;
+    const double allowed = depth * (1e-6 + expm1(2.0 * here_m / h_m)) +
+                           here_m * (ends + 2.0 * ground) + smallest * seen_m;
+    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    hold_stretch(answer, ray, medium, allowed + depth * 1e-6, i);
 }
 
 static void test_shells(void **state)
 {
     uint64_t random = seed;
-    struct worst worst = {0.0, 0.0};
+    struct worst worst = {0};
     static const struct {
         double radius_m, scale_height_m, altitude_m;
     } cases[] = {
@@ -432,10 +413,14 @@ static void test_shells(void **state)
         struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_SHELL,
                                                     0.3 / cases[c].scale_height_m);
         medium->shell = (struct neph_shell){center_m, cases[c].radius_m, cases[c].scale_height_m};
-        check_shell(*state, &test, &random, &worst);
+        worst.left_out = 0;
+        check_probes(*state, &test, &random, draw_shell, check_shell, &worst);
+        print_message("shell of %g m, %g m high, from %g m: %d of %d graze the ground\n",
+                      cases[c].radius_m, cases[c].scale_height_m, cases[c].altitude_m,
+                      worst.left_out, PROBES_MAX);
+        assert_true(worst.left_out < PROBES_MAX / 2);
     }
-    print_message("shells: worst error is %.2f of what is allowed at points, %.2f on rays\n",
-                  worst.extinction, worst.depth);
+    print_worst("shells", &worst);
 }
 
 /* --- tents -------------------------------------------------------------------------------- */
@@ -451,49 +436,41 @@ static double below_top_m(const struct neph_tent *tent, const struct ray *ray, d
     return fmax(0.0, fmin(ray->length_m, middle_m + half_m) - fmax(0.0, middle_m - half_m));
 }
 
-static void check_tent(struct neph_vulkan *vulkan, const struct test_scene *test, uint64_t *random,
-                       struct worst *worst)
+static struct probe draw_tent(const struct test_scene *test, uint64_t *random, int i)
 {
-    const struct neph_medium *medium = &test->scene.media[0];
-    const struct neph_tent *tent = &medium->tent;
     static const double lengths[] = {1e-2, 1.0, 10.0, 1e3, 1e12};
-    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
-    assert_non_null(probes);
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const double reach_m = i % 7 == 0 ? 0.0
-                               : i % 3    ? 2.0 * tent->half_width_m
-                                          : sqrt(tent->radius_m * tent->altitude_m);
-        probes[i] = probe_from(test, point_near(random, test->key.position_m, reach_m),
-                               odd_direction(random), tent->half_width_m * PICK(random, lengths));
-    }
-    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const struct ray ray = ray_of(test, &probes[i]);
-        const double off_m = fabs(neph_vec3_length(neph_vec3_sub(ray.origin_m, tent->center_m)) -
-                                  tent->radius_m);
-        const double place_m = 2.0 * ray.place_m + 8.0 * epsilon * (off_m + tent->altitude_m);
-        const double per_m = medium->extinction_per_m;
-        hold(answers[i].extinction_per_m, neph_medium_extinction_per_m(medium, ray.origin_m),
-             per_m * (place_m / tent->half_width_m + 8.0 * epsilon), &worst->extinction,
-             "extinction", i);
-        /* Heights along the ray are off by roundings of its length, wherever the tent is. */
-        const double inside_m = below_top_m(tent, &ray, place_m);
-        const double height_m = place_m + 16.0 * epsilon * inside_m;
-        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
-                                                       ray.length_m);
-        const double allowed = 2e-6 * depth +
-                               per_m * (inside_m * height_m / tent->half_width_m + 4.0 * height_m);
-        assert_true(answers[i].optical_depth >= 0.0f && isfinite(answers[i].optical_depth));
-        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-    }
-    free(answers);
-    free(probes);
+    const struct neph_tent *tent = &test->scene.media[0].tent;
+    const double reach_m = i % 7 == 0 ? 0.0
+                           : i % 3    ? 2.0 * tent->half_width_m
+                                      : sqrt(tent->radius_m * tent->altitude_m);
+    return probe_from(test, point_near(random, test->key.position_m, reach_m),
+                      odd_direction(random), tent->half_width_m * PICK(random, lengths));
+}
+
+static void check_tent(const struct test_scene *test, const struct ray *ray,
+                       const struct answer *answer, int i, struct worst *worst)
+{
+    const struct neph_tent *tent = &test->scene.media[0].tent;
+    const double per_m = test->scene.media[0].extinction_per_m;
+    const double off_m = fabs(neph_vec3_length(neph_vec3_sub(ray->origin_m, tent->center_m)) -
+                              tent->radius_m);
+    const double place_m = 2.0 * ray->place_m + 8.0 * epsilon * (off_m + tent->altitude_m);
+    hold(answer->extinction_per_m, extinction_at(test, ray),
+         per_m * (place_m / tent->half_width_m + 8.0 * epsilon), &worst->extinction, "extinction",
+         i);
+    /* Heights along the ray are off by roundings of its length, wherever the tent is. */
+    const double inside_m = below_top_m(tent, ray, place_m);
+    const double height_m = place_m + 16.0 * epsilon * inside_m;
+    const double depth = depth_along(test, ray);
+    const double allowed = 2e-6 * depth +
+                           per_m * (inside_m * height_m / tent->half_width_m + 4.0 * height_m);
+    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
 }
 
 static void test_tents(void **state)
 {
     uint64_t random = seed;
-    struct worst worst = {0.0, 0.0};
+    struct worst worst = {0};
     static const struct {
         double radius_m, altitude_m, half_width_m, camera_m;
     } cases[] = {
@@ -509,10 +486,9 @@ static void test_tents(void **state)
                                                     0.3 / cases[c].half_width_m);
         medium->tent = (struct neph_tent){center_m, cases[c].radius_m, cases[c].altitude_m,
                                           cases[c].half_width_m};
-        check_tent(*state, &test, &random, &worst);
+        check_probes(*state, &test, &random, draw_tent, check_tent, &worst);
     }
-    print_message("tents: worst error is %.2f of what is allowed at points, %.2f on rays\n",
-                  worst.extinction, worst.depth);
+    print_worst("tents", &worst);
 }
 
 /* --- grids -------------------------------------------------------------------------------- */
@@ -552,54 +528,53 @@ static double edge_effect(const struct neph_medium *medium, const struct ray *ra
            neph_medium_optical_depth(&narrow, ray->origin_m, ray->direction, 0.0, ray->length_m);
 }
 
-static void check_grid(struct neph_vulkan *vulkan, const struct test_scene *test, uint64_t *random,
-                       struct worst *worst)
+static double extent_of(const struct neph_grid *grid, struct neph_vec3 *center_m)
+{
+    const struct neph_bounds support = neph_grid_support(grid);
+    *center_m = neph_vec3_scale(neph_vec3_add(support.min_m, support.max_m), 0.5);
+    return neph_vec3_length(neph_vec3_sub(support.max_m, support.min_m));
+}
+
+static struct probe draw_grid(const struct test_scene *test, uint64_t *random, int i)
+{
+    static const double lengths[] = {1e-4, 0.03, 0.2, 1.0, 3.0, 1e6};
+    const struct neph_grid *grid = test->scene.media[0].grid;
+    struct neph_vec3 center_m;
+    const double extent_m = extent_of(grid, &center_m);
+    struct neph_vec3 origin_m = i % 4 ? point_near(random, center_m, 0.6 * extent_m)
+                                      : random_node(random, grid); /* on faces and edges */
+    struct neph_vec3 direction = odd_direction(random);
+    if (i % 5 == 0) /* from outside, aimed at a node */
+        direction = neph_vec3_normalize(neph_vec3_sub(
+            random_node(random, grid), origin_m = point_near(random, center_m, 3.0 * extent_m)));
+    return probe_from(test, origin_m, direction, extent_m * PICK(random, lengths));
+}
+
+static void check_grid(const struct test_scene *test, const struct ray *ray,
+                       const struct answer *answer, int i, struct worst *worst)
 {
     const struct neph_medium *medium = &test->scene.media[0];
     const struct neph_grid *grid = medium->grid;
-    const struct neph_bounds support = neph_grid_support(grid);
-    const struct neph_vec3 center_m = neph_vec3_scale(neph_vec3_add(support.min_m, support.max_m),
-                                                      0.5);
-    const double extent_m = neph_vec3_length(neph_vec3_sub(support.max_m, support.min_m));
-    static const double lengths[] = {1e-4, 0.03, 0.2, 1.0, 3.0, 1e6};
-    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
-    assert_non_null(probes);
-    for (int i = 0; i < PROBES_MAX; i++) {
-        struct neph_vec3 origin_m = i % 4 ? point_near(random, center_m, 0.6 * extent_m)
-                                          : random_node(random, grid); /* on faces and edges */
-        struct neph_vec3 direction = odd_direction(random);
-        if (i % 5 == 0) /* from outside, aimed at a node */
-            direction = neph_vec3_normalize(
-                neph_vec3_sub(random_node(random, grid),
-                              origin_m = point_near(random, center_m, 3.0 * extent_m)));
-        probes[i] = probe_from(test, origin_m, direction, extent_m * PICK(random, lengths));
-    }
-    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     const struct neph_vec3 h = grid->spacing_m;
     const double per_m = 1.0 / h.x + 1.0 / h.y + 1.0 / h.z;
     const double nodes = grid->size[0] + grid->size[1] + grid->size[2] + 6.0;
     const double peak = medium->extinction_per_m * (double)grid->maximum;
+    struct neph_vec3 center_m;
+    const double extent_m = extent_of(grid, &center_m);
     const double corner_m = neph_vec3_length(neph_vec3_sub(center_m, test->key.position_m)) +
                             extent_m;
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const struct ray ray = ray_of(test, &probes[i]);
-        /* A place is off by a few roundings of its size and of the corner's, and by one of its
-         * number among the nodes; that moves the density by at most its largest slope. */
-        const double place_m = ray.place_m + 4.0 * epsilon * corner_m;
-        const double slope = peak * (place_m * per_m + 4.0 * epsilon * nodes);
-        if (!is_near_face(&medium->bounds, ray.origin_m, place_m)) /* in or out */
-            hold(answers[i].extinction_per_m, neph_medium_extinction_per_m(medium, ray.origin_m),
-                 slope + 8.0 * epsilon * peak, &worst->extinction, "extinction", i);
-        const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
-                                                       ray.length_m);
-        const double inside_m = fmin(ray.length_m, extent_m);
-        const double allowed = slope * inside_m + 4.0 * place_m * peak + 24.0 * epsilon * depth +
-                               edge_effect(medium, &ray, 2.0 * place_m);
-        hold(answers[i].optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-        hold_stretch(&answers[i], &ray, medium, allowed, i);
-    }
-    free(answers);
-    free(probes);
+    /* A place is off by a few roundings of its size and of the corner's, and by one of its number
+     * among the nodes; that moves the density by at most its largest slope. */
+    const double place_m = ray->place_m + 4.0 * epsilon * corner_m;
+    const double slope = peak * (place_m * per_m + 4.0 * epsilon * nodes);
+    if (!is_near_face(&medium->bounds, ray->origin_m, place_m)) /* in or out */
+        hold(answer->extinction_per_m, extinction_at(test, ray), slope + 8.0 * epsilon * peak,
+             &worst->extinction, "extinction", i);
+    const double depth = depth_along(test, ray);
+    const double allowed = slope * fmin(ray->length_m, extent_m) + 4.0 * place_m * peak +
+                           24.0 * epsilon * depth + edge_effect(medium, ray, 2.0 * place_m);
+    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    hold_stretch(answer, ray, medium, allowed, i);
 }
 
 static void test_grids(void **state)
@@ -614,7 +589,7 @@ static void test_grids(void **state)
         {{64, 64, 64}, {0.5, 0.5, 0.5}, 100.0},  {{300, 2, 1}, {0.1, 7.0, 3.0}, 20.0},
         {{40, 30, 20}, {25.0, 50.0, 25.0}, 1e5},
     };
-    struct worst worst = {0.0, 0.0};
+    struct worst worst = {0};
     for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
         struct test_scene test;
         const struct neph_vec3 origin_m = {1000.0 + (double)c, 17.0, -3.0};
@@ -624,11 +599,10 @@ static void test_grids(void **state)
         medium->grid = random_lattice(cases[c].size, origin_m, cases[c].spacing_m, -0.5, &random);
         if (c == 2) /* bounds that cut the lattice */
             medium->bounds = (struct neph_bounds){{1005.0, 20.0, -INFINITY}, {1030.0, 40.0, 20.0}};
-        check_grid(*state, &test, &random, &worst);
+        check_probes(*state, &test, &random, draw_grid, check_grid, &worst);
         neph_grid_destroy(medium->grid);
     }
-    print_message("grids: worst error is %.2f of what is allowed at points, %.2f on rays\n",
-                  worst.extinction, worst.depth);
+    print_worst("grids", &worst);
 }
 
 /* Several media with data: each finds its own. */
@@ -751,55 +725,48 @@ static void change_nearby(const struct neph_horizon *horizon, struct neph_vec3 p
     }
 }
 
+/* As far as the place that the camera looks at. */
+static struct probe draw_horizon(const struct test_scene *test, uint64_t *random, int i)
+{
+    const struct neph_horizon_params *params = &test->scene.media[0].horizon->params;
+    const double altitude_m = params->thickness_m * neph_test_uniform(random, -0.05, 1.05);
+    const double look_m = neph_vec3_length(
+        neph_vec3_sub(test->key.look_at_m, test->key.position_m));
+    const double reach_m = look_m * (i % 3 ? 1.0 : 0.05);
+    const double x_m = test->key.position_m.x + reach_m * neph_test_uniform(random, -1, 1);
+    const double z_m = test->key.position_m.z + reach_m * neph_test_uniform(random, -1, 1);
+    return probe_from(test, point_in_layer(params, x_m, z_m, altitude_m), odd_direction(random),
+                      1e4);
+}
+
 /* Positions: a few roundings of the distance from the camera, of its height and of one repeat of
  * the weather map. Formulas: a few roundings of numbers up to 1, divided by the coverage and by
  * 1 - erosion, which is at least 0.2; times the most mass there is. */
-static void check_horizon(struct neph_vulkan *vulkan, const struct test_scene *test,
-                          uint64_t *random, double reach_m, struct worst *worst)
+static void check_horizon(const struct test_scene *test, const struct ray *ray,
+                          const struct answer *answer, int i, struct worst *worst)
 {
     const struct neph_medium *medium = &test->scene.media[0];
     const struct neph_horizon *horizon = medium->horizon;
     const struct neph_horizon_params *params = &horizon->params;
-    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
-    assert_non_null(probes);
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const double altitude_m = params->thickness_m * neph_test_uniform(random, -0.05, 1.05);
-        const double reach = i % 3 ? reach_m : 0.05 * reach_m;
-        const struct neph_vec3 origin_m = point_in_layer(
-            params, test->key.position_m.x + reach * neph_test_uniform(random, -1, 1),
-            test->key.position_m.z + reach * neph_test_uniform(random, -1, 1), altitude_m);
-        probes[i] = probe_from(test, origin_m, odd_direction(random), 1e4);
-    }
-    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     const double camera_m = fabs(test->key.position_m.y - params->bottom_m);
-    int clouds = 0;
-    for (int i = 0; i < PROBES_MAX; i++) {
-        const struct ray ray = ray_of(test, &probes[i]);
-        const double place_m = 2.0 * ray.place_m +
-                               8.0 * epsilon * (camera_m + params->texture_scale_m);
-        double without_detail, change[2];
-        const double density = neph_horizon_density(horizon, ray.origin_m, &without_detail);
-        change_nearby(horizon, ray.origin_m, place_m, change);
-        const double coverage = params->coverage * coverage_at(horizon, ray.origin_m);
-        const double rounding = 64.0 * epsilon * 2.0 * params->density *
-                                (1.0 + 1.0 / fmax(coverage, epsilon));
-        const double scale = medium->extinction_per_m;
-        hold(answers[i].extinction_per_m, scale * density, scale * (2.0 * change[0] + rounding),
-             &worst->extinction, "extinction", i);
-        hold(answers[i].without_detail, without_detail, 2.0 * change[1] + rounding,
-             &worst->extinction, "density without detail", i);
-        hold(answers[i].height, horizon_height(horizon, ray.origin_m),
-             place_m / params->thickness_m + 4.0 * epsilon, &worst->extinction, "height", i);
-        clouds += density > 0.0;
-        if (i % 20 == 0)
-            hold_stretch(&answers[i], &ray, medium, 4.0 * place_m * scale * params->density + 1e-6,
-                         i);
-    }
-    print_message("Horizon clouds of coverage %g: density in %d of %d points\n", params->coverage,
-                  clouds, PROBES_MAX);
-    assert_true(clouds > PROBES_MAX / 100);
-    free(answers);
-    free(probes);
+    const double place_m = 2.0 * ray->place_m +
+                           8.0 * epsilon * (camera_m + params->texture_scale_m);
+    double without_detail, change[2];
+    const double density = neph_horizon_density(horizon, ray->origin_m, &without_detail);
+    change_nearby(horizon, ray->origin_m, place_m, change);
+    const double coverage = params->coverage * coverage_at(horizon, ray->origin_m);
+    const double rounding = 64.0 * epsilon * 2.0 * params->density *
+                            (1.0 + 1.0 / fmax(coverage, epsilon));
+    const double scale = medium->extinction_per_m;
+    hold(answer->extinction_per_m, scale * density, scale * (2.0 * change[0] + rounding),
+         &worst->extinction, "extinction", i);
+    hold(answer->without_detail, without_detail, 2.0 * change[1] + rounding, &worst->extinction,
+         "density without detail", i);
+    hold(answer->height, horizon_height(horizon, ray->origin_m),
+         place_m / params->thickness_m + 4.0 * epsilon, &worst->extinction, "height", i);
+    worst->met += density > 0.0;
+    if (i % 20 == 0)
+        hold_stretch(answer, ray, medium, 4.0 * place_m * scale * params->density + 1e-6, i);
 }
 
 static void test_horizon_clouds(void **state)
@@ -815,7 +782,7 @@ static void test_horizon_clouds(void **state)
         {1e4, 0.0, 500.0, 0.9, 1e3, {1e7, 1e7, 1e7}, {5e3, 100.0, 0.0}, 4e3},
     };
     uint64_t random = seed;
-    struct worst worst = {0.0, 0.0};
+    struct worst worst = {0};
     for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
         struct test_scene test;
         struct neph_diag diag = {0};
@@ -830,10 +797,15 @@ static void test_horizon_clouds(void **state)
         params.wind_m = cases[c].wind_m;
         params.seed = c + 1;
         neph_assert_ok(neph_horizon_create(&params, &medium->horizon, &diag), &diag);
-        check_horizon(*state, &test, &random, cases[c].reach_m, &worst);
+        test.key.look_at_m.z = test.key.position_m.z - cases[c].reach_m;
+        worst.met = 0;
+        check_probes(*state, &test, &random, draw_horizon, check_horizon, &worst);
+        print_message("Horizon clouds of coverage %g: density in %d of %d points\n",
+                      params.coverage, worst.met, PROBES_MAX);
+        assert_true(worst.met > PROBES_MAX / 100);
         neph_horizon_destroy(medium->horizon);
     }
-    print_message("Horizon clouds: worst error is %.2f of what is allowed\n", worst.extinction);
+    print_worst("Horizon clouds", &worst);
 }
 
 /* --- hostile media ------------------------------------------------------------------------ */

@@ -5,10 +5,8 @@
  * measured is the shader's arithmetic. A tolerance is the unit roundoff of float32 times the
  * condition number of the question, with Vulkan's bound for exp(x): 3 + 2|x| ulp.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/probe.h"
 
-#include "renderer/compute.h"
-#include "renderer/gpu_scene.h"
 #include "renderer/halves.h"
 #include "renderer/media/fog.h"
 #include "renderer/realtime/view.h"
@@ -59,41 +57,8 @@ static struct probe *new_probes(void)
 static struct answer *ask(struct neph_vulkan *vulkan, const struct probe *probes, int count)
 {
     const struct neph_kernel_params params = {
-        .name = "probe",
-        .code = probe_code,
-        .code_bytes = sizeof(probe_code),
-        .buffer_count = 2,
-    };
-    const size_t probe_bytes = (size_t)count * sizeof(*probes);
-    const size_t answer_bytes = (size_t)count * sizeof(struct answer);
-    const struct neph_kernel *kernel;
-    struct neph_buffer in = {0}, out = {0}, readback = {0};
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, probe_bytes, "probes", &in, &diag), &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, answer_bytes, "answers", &out, &diag),
-        &diag);
-    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, answer_bytes, "readback",
-                                      &readback, &diag),
-                   &diag);
-    memcpy(in.mapped, probes, probe_bytes);
-    const struct neph_dispatch dispatch = {
-        .buffers = {&in, &out},
-        .group_count = ((uint32_t)count + 63) / 64,
-        .copy_from = &out,
-        .copy_to = &readback,
-        .copy_size_bytes = answer_bytes,
-    };
-    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
-    struct answer *answers = malloc(answer_bytes);
-    assert_non_null(answers);
-    memcpy(answers, readback.mapped, answer_bytes);
-    neph_buffer_destroy(vulkan, &readback);
-    neph_buffer_destroy(vulkan, &out);
-    neph_buffer_destroy(vulkan, &in);
-    return answers;
+        .name = "probe", .code = probe_code, .code_bytes = sizeof(probe_code), .buffer_count = 2};
+    return test_probe(vulkan, &params, NULL, probes, sizeof(*probes), sizeof(struct answer), count);
 }
 
 static float uniform(uint64_t *random, double low, double high)

@@ -3,10 +3,8 @@
  * Shortcuts of the march: each off keeps the bits, each on does something, and what it changes
  * stays within what it promises.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
-#include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
 #include "renderer/sun_cache.h"
 #include "scenes/media.h"
 
@@ -20,37 +18,6 @@ static const struct neph_march_params marched = {.width_px = WIDTH_PX,
                                                  .transmittance = NEPH_MARCH_MARCHED,
                                                  .sun = NEPH_MARCH_MARCHED,
                                                  .sun_steps = 6};
-
-static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                 const struct neph_march_params *params,
-                                 struct neph_march_stats *stats)
-{
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    neph_assert_ok(test_march_frame(vulkan, scene, params, &frame, stats, &diag), &diag);
-    return frame;
-}
-
-static bool same_bits(const struct neph_image *a, const struct neph_image *b)
-{
-    bool same = a->channel_count == b->channel_count;
-    for (int c = 0; c < a->channel_count && same; c++)
-        same = memcmp(a->channels[c].samples, b->channels[c].samples,
-                      neph_image_pixel_count(a) * sizeof(float)) == 0;
-    return same;
-}
-
-static double largest_difference(const struct neph_image *a, const struct neph_image *b,
-                                 const char *layer)
-{
-    float *one[3], *other[3];
-    double largest = 0.0;
-    assert_true(neph_image_rgb(a, layer, one) && neph_image_rgb(b, layer, other));
-    for (int c = 0; c < 3; c++)
-        for (size_t p = 0; p < neph_image_pixel_count(a); p++)
-            largest = fmax(largest, fabs((double)one[c][p] - (double)other[c][p]));
-    return largest;
-}
 
 /* --- scenes --------------------------------------------------------------------------------- */
 
@@ -113,10 +80,10 @@ static void test_values_of_what_is_off_do_not_count(void **state)
     test_scene_init(&test);
     const struct two_grids two = add_two_grids(&test);
     struct neph_march_params params = marched;
-    struct neph_image *plain = render(*state, &test.scene, &params, NULL);
+    struct neph_image *plain = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts = (struct neph_shortcuts){.sun_cache_voxels = 77, .step_growth = 1.0};
-    struct neph_image *off = render(*state, &test.scene, &params, NULL);
-    assert_true(same_bits(plain, off));
+    struct neph_image *off = test_march(*state, &test.scene, &params, NULL);
+    assert_true(test_same_bits(plain, off));
     neph_image_destroy(off);
     neph_image_destroy(plain);
     destroy_two(two);
@@ -128,13 +95,13 @@ static void check_skip(struct neph_vulkan *vulkan, const struct neph_scene *scen
                        struct neph_march_params params, const char *what)
 {
     struct neph_march_stats every, some;
-    struct neph_image *plain = render(vulkan, scene, &params, &every);
+    struct neph_image *plain = test_march(vulkan, scene, &params, &every);
     params.shortcuts.skip = true;
-    struct neph_image *skipped = render(vulkan, scene, &params, &some);
+    struct neph_image *skipped = test_march(vulkan, scene, &params, &some);
     print_message("%s: %llu density evaluations, then %llu\n", what,
                   (unsigned long long)every.density_evaluations,
                   (unsigned long long)some.density_evaluations);
-    assert_true(same_bits(plain, skipped));
+    assert_true(test_same_bits(plain, skipped));
     assert_true(some.density_evaluations > 0);
     assert_true(some.density_evaluations < every.density_evaluations);
     neph_image_destroy(skipped);
@@ -162,10 +129,10 @@ static void test_skipping_keeps_the_bits(void **state)
 static void assert_same_with(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                              struct neph_march_params params, struct neph_shortcuts shortcuts)
 {
-    struct neph_image *plain = render(vulkan, scene, &params, NULL);
+    struct neph_image *plain = test_march(vulkan, scene, &params, NULL);
     params.shortcuts = shortcuts;
-    struct neph_image *short_cut = render(vulkan, scene, &params, NULL);
-    assert_true(same_bits(plain, short_cut));
+    struct neph_image *short_cut = test_march(vulkan, scene, &params, NULL);
+    assert_true(test_same_bits(plain, short_cut));
     neph_image_destroy(short_cut);
     neph_image_destroy(plain);
 }
@@ -218,10 +185,10 @@ static struct neph_march_params cached(int voxels)
 static double cache_error(struct neph_vulkan *vulkan, const struct neph_scene *scene, int voxels)
 {
     struct neph_march_params params = cached(voxels);
-    struct neph_image *with = render(vulkan, scene, &params, NULL);
+    struct neph_image *with = test_march(vulkan, scene, &params, NULL);
     params.shortcuts.sun_cache = false;
-    struct neph_image *without = render(vulkan, scene, &params, NULL);
-    const double error = largest_difference(with, without, "volume");
+    struct neph_image *without = test_march(vulkan, scene, &params, NULL);
+    const double error = test_largest_difference(with, without, "volume");
     neph_image_destroy(without);
     neph_image_destroy(with);
     return error;
@@ -303,15 +270,6 @@ static void test_the_sun_cache_has_a_depth_a_channel(void **state)
     assert_int_equal(cache_bytes(*state, &test.scene), 3 * NODES * sizeof(float));
 }
 
-static struct neph_image *next(struct neph_march *march, const struct neph_scene *scene,
-                               struct neph_march_stats *stats)
-{
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &frame, stats, &diag), &diag);
-    return frame;
-}
-
 /* Filled once, and again when the sun or the cloud has moved: then as if it were the first. */
 static void check_refill(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                          struct neph_march *march, uint64_t *fill_evaluations)
@@ -320,10 +278,10 @@ static void check_refill(struct neph_vulkan *vulkan, const struct neph_scene *sc
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
     struct neph_march_stats first, again;
-    struct neph_image *moved = next(march, scene, &first);
-    struct neph_image *still = next(march, scene, &again);
-    struct neph_image *alone = render(vulkan, scene, &params, NULL);
-    assert_true(same_bits(moved, still) && same_bits(moved, alone));
+    struct neph_image *moved = test_march_next(march, scene, &first);
+    struct neph_image *still = test_march_next(march, scene, &again);
+    struct neph_image *alone = test_march(vulkan, scene, &params, NULL);
+    assert_true(test_same_bits(moved, still) && test_same_bits(moved, alone));
     *fill_evaluations = first.density_evaluations - again.density_evaluations;
     neph_image_destroy(alone);
     neph_image_destroy(still);
@@ -366,28 +324,28 @@ static void test_the_sun_cache_is_filled_over_pictures(void **state)
     struct neph_march_params params = cached(32);
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
-    struct neph_image *before = render(*state, &test.scene, &params, NULL);
+    struct neph_image *before = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts.sun_cache_frames = PICTURES;
     neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
     struct neph_march_stats whole, rest, stats;
-    struct neph_image *first = next(march, &test.scene, &whole);
-    struct neph_image *still = next(march, &test.scene, &rest);
-    assert_true(same_bits(first, before) && same_bits(still, before));
+    struct neph_image *first = test_march_next(march, &test.scene, &whole);
+    struct neph_image *still = test_march_next(march, &test.scene, &rest);
+    assert_true(test_same_bits(first, before) && test_same_bits(still, before));
 
     test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){-0.5, 0.7, -0.6});
-    struct neph_image *after = render(*state, &test.scene, &params, NULL);
-    assert_false(same_bits(after, before));
+    struct neph_image *after = test_march(*state, &test.scene, &params, NULL);
+    assert_false(test_same_bits(after, before));
     uint64_t filled = 0;
     for (int picture = 1; picture <= PICTURES + 1; picture++) {
-        struct neph_image *image = next(march, &test.scene, &stats);
+        struct neph_image *image = test_march_next(march, &test.scene, &stats);
         const uint64_t evaluations = stats.density_evaluations - rest.density_evaluations;
-        assert_int_equal(same_bits(image, after), picture >= PICTURES);
+        assert_int_equal(test_same_bits(image, after), picture >= PICTURES);
         assert_int_equal(evaluations > 0, picture <= PICTURES);
         filled += evaluations;
         neph_image_destroy(image);
     }
     struct neph_march_stats alone;
-    neph_image_destroy(render(*state, &test.scene, &params, &alone));
+    neph_image_destroy(test_march(*state, &test.scene, &params, &alone));
     assert_int_equal(filled, alone.density_evaluations - rest.density_evaluations);
     neph_image_destroy(after);
     neph_image_destroy(still);
@@ -411,15 +369,15 @@ static void test_early_out_loses_what_it_says(void **state)
     const double brightest = 10.0 * phase_per_sr + 0.4;
     struct neph_march_params params = marched;
     struct neph_march_stats whole, ended;
-    struct neph_image *plain = render(*state, &test.scene, &params, &whole);
+    struct neph_image *plain = test_march(*state, &test.scene, &params, &whole);
     for (int i = 0; i < 2; i++) {
         params.shortcuts.early_out = limits[i];
-        struct neph_image *early = render(*state, &test.scene, &params, &ended);
-        const double error = largest_difference(plain, early, NULL);
+        struct neph_image *early = test_march(*state, &test.scene, &params, &ended);
+        const double error = test_largest_difference(plain, early, NULL);
         print_message("early_out %g: off by %.2e, %llu of %llu steps\n", limits[i], error,
                       (unsigned long long)ended.view_steps, (unsigned long long)whole.view_steps);
         assert_true(error > 0.0 && error < limits[i] * brightest);
-        assert_true(largest_difference(plain, early, "transmittance") < limits[i]);
+        assert_true(test_largest_difference(plain, early, "transmittance") < limits[i]);
         assert_true(ended.view_steps < whole.view_steps / 2);
         assert_true(ended.density_evaluations < whole.density_evaluations / 2);
         neph_image_destroy(early);
@@ -434,10 +392,10 @@ static double growth_difference(struct neph_vulkan *vulkan, const struct neph_sc
 {
     struct neph_march_params params = marched;
     params.steps = steps;
-    struct neph_image *equal = render(vulkan, scene, &params, NULL);
+    struct neph_image *equal = test_march(vulkan, scene, &params, NULL);
     params.shortcuts.step_growth = growth;
-    struct neph_image *grown = render(vulkan, scene, &params, NULL);
-    const double difference = largest_difference(equal, grown, layer);
+    struct neph_image *grown = test_march(vulkan, scene, &params, NULL);
+    const double difference = test_largest_difference(equal, grown, layer);
     neph_image_destroy(grown);
     neph_image_destroy(equal);
     return difference;
@@ -465,12 +423,12 @@ static double depth_growth_difference(struct neph_vulkan *vulkan, const struct n
 {
     struct neph_march_stats every, some;
     params.shortcuts.depth_growth = 0.0;
-    struct neph_image *equal = render(vulkan, scene, &params, &every);
+    struct neph_image *equal = test_march(vulkan, scene, &params, &every);
     params.shortcuts.depth_growth = 4.0;
-    struct neph_image *grown = render(vulkan, scene, &params, &some);
-    const double difference = largest_difference(equal, grown, "volume");
+    struct neph_image *grown = test_march(vulkan, scene, &params, &some);
+    const double difference = test_largest_difference(equal, grown, "volume");
     /* What lies behind is the whole medium, by steps of any length. */
-    assert_true(largest_difference(equal, grown, "transmittance") < 3e-6);
+    assert_true(test_largest_difference(equal, grown, "transmittance") < 3e-6);
     steps[0] = every.view_steps;
     steps[1] = some.view_steps;
     neph_image_destroy(grown);
@@ -507,11 +465,11 @@ static void test_steps_in_thin_media_do_not_grow(void **state)
     struct neph_march_params params = marched;
     params.shortcuts.depth_growth = 1e-6;
     struct neph_march_stats plain, thin;
-    struct neph_image *grown = render(*state, &test.scene, &params, &thin);
+    struct neph_image *grown = test_march(*state, &test.scene, &params, &thin);
     params.shortcuts.depth_growth = 0.0;
-    struct neph_image *equal = render(*state, &test.scene, &params, &plain);
+    struct neph_image *equal = test_march(*state, &test.scene, &params, &plain);
     assert_int_equal(thin.density_evaluations, plain.density_evaluations);
-    assert_true(largest_difference(equal, grown, "volume") < 1e-6);
+    assert_true(test_largest_difference(equal, grown, "volume") < 1e-6);
     neph_image_destroy(equal);
     neph_image_destroy(grown);
     neph_grid_destroy(grid);
@@ -519,39 +477,34 @@ static void test_steps_in_thin_media_do_not_grow(void **state)
 
 /* --- refusals ------------------------------------------------------------------------------- */
 
-static enum neph_status check(const struct neph_scene *scene,
-                              const struct neph_march_params *params)
-{
-    struct neph_diag diag = {0};
-    return neph_march_check(scene, params, &diag);
-}
-
 static void test_what_is_of_no_use_is_refused(void **state)
 {
+    static const struct {
+        struct neph_shortcuts shortcuts;
+        enum neph_march_lighting lighting;
+        enum neph_status status;
+    } cases[] = {
+        {{.step_growth = 1.2}, NEPH_MARCH_SINGLE, NEPH_OK},
+        {{.step_growth = 1.3}, NEPH_MARCH_SINGLE, NEPH_ERR_USAGE},
+        {{.step_growth = 1.0005}, NEPH_MARCH_SINGLE, NEPH_ERR_USAGE},
+        {{.depth_growth = 17.0}, NEPH_MARCH_SINGLE, NEPH_ERR_USAGE},
+        {{.depth_growth = -1.0}, NEPH_MARCH_SINGLE, NEPH_ERR_USAGE},
+        {{.early_out = 1.5}, NEPH_MARCH_SINGLE, NEPH_ERR_USAGE},
+        {{.sun_cache = true, .sun_cache_voxels = 7}, NEPH_MARCH_SINGLE, NEPH_ERR_USAGE},
+        {{.skip = true}, NEPH_MARCH_HORIZON, NEPH_ERR_UNSUPPORTED},
+        {{.sun_cache = true, .sun_cache_voxels = 64}, NEPH_MARCH_HORIZON, NEPH_ERR_UNSUPPORTED},
+    };
     (void)state;
     struct test_scene test;
     test_scene_init(&test);
     add_blob(&test);
-    struct neph_march_params params = marched;
-    params.shortcuts.step_growth = 1.2;
-    assert_int_equal(check(&test.scene, &params), NEPH_OK);
-    params.shortcuts.step_growth = 1.3;
-    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
-    params.shortcuts.step_growth = 1.0005;
-    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
-    params.shortcuts = (struct neph_shortcuts){.depth_growth = 17.0};
-    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
-    params.shortcuts = (struct neph_shortcuts){.depth_growth = -1.0};
-    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
-    params.shortcuts = (struct neph_shortcuts){.early_out = 1.5};
-    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
-    params.shortcuts = (struct neph_shortcuts){.sun_cache = true, .sun_cache_voxels = 7};
-    assert_int_equal(check(&test.scene, &params), NEPH_ERR_USAGE);
-    params.lighting = NEPH_MARCH_HORIZON;
-    params.shortcuts = (struct neph_shortcuts){.skip = true};
-    assert_int_equal(check(&test.scene, &params), NEPH_ERR_UNSUPPORTED);
-    params.shortcuts = (struct neph_shortcuts){.sun_cache = true, .sun_cache_voxels = 64};
-    assert_int_equal(check(&test.scene, &params), NEPH_ERR_UNSUPPORTED);
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct neph_march_params params = marched;
+        struct neph_diag diag = {0};
+        params.shortcuts = cases[i].shortcuts;
+        params.lighting = cases[i].lighting;
+        assert_int_equal(neph_march_check(&test.scene, &params, &diag), cases[i].status);
+    }
 }
 
 /* Two clouds, of which one moves: empty cells do not stay empty. Both together do. */
@@ -569,10 +522,10 @@ static void test_skipping_refuses_media_that_part(void **state)
     neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
     for (int m = 0; m < 2; m++)
         neph_medium_drift(&test.scene.media[m], by_m);
-    struct neph_image *together = next(march, &test.scene, NULL);
+    struct neph_image *together = test_march_next(march, &test.scene, NULL);
     params.shortcuts.skip = false;
-    struct neph_image *plain = render(*state, &test.scene, &params, NULL);
-    assert_true(same_bits(plain, together));
+    struct neph_image *plain = test_march(*state, &test.scene, &params, NULL);
+    assert_true(test_same_bits(plain, together));
     neph_medium_drift(&test.scene.media[0], by_m);
     assert_int_equal(neph_march_frame(march, &test.scene, 0.0, NULL, &frame, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
@@ -586,44 +539,27 @@ static void test_skipping_refuses_media_that_part(void **state)
 
 /* The second of two frames. */
 static struct neph_image *second_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                       const char *const *assignments,
-                                       struct neph_realtime_stats *stats)
+                                       const char *assignments, struct neph_realtime_stats *stats)
 {
-    struct neph_diag diag = {0};
-    struct neph_realtime *realtime = NULL;
-    struct neph_image *image = NULL;
-    struct neph_settings settings = neph_options_default(neph_rt_options);
-    for (int i = 0; assignments[i]; i++)
-        neph_assert_ok(
-            neph_options_set(neph_rt_options, "realtime", assignments[i], &settings, &diag), &diag);
+    const struct neph_settings settings = test_preset(NULL, assignments);
     const struct neph_realtime_params params = {WIDTH_PX, HEIGHT_PX, &settings, 7, NULL};
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    for (int f = 0; f < 2; f++) {
-        neph_image_destroy(image);
-        const struct neph_realtime_frame picture = {scene, f, NULL};
-        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, stats, &diag), &diag);
-    }
-    neph_realtime_destroy(realtime);
-    return image;
+    return test_film(vulkan, scene, &params, 2, stats);
 }
 
 static void test_shortcuts_in_real_time(void **state)
 {
-    static const char *const plain[] = {
-        "transmittance=marched", "sun=marched",         "sun_steps=6", "taa=off",
-        "ray_dither=none",       "upscale_dither=none", NULL};
-    static const char *const all[] = {"transmittance=marched", "sun=marched",
-                                      "sun_steps=6",           "taa=off",
-                                      "ray_dither=none",       "upscale_dither=none",
-                                      "skip=majorant",         "sun_cache=grid",
-                                      "sun_cache_voxels=32",   NULL};
+    static const char plain[] = "transmittance=marched sun=marched sun_steps=6 taa=off "
+                                "ray_dither=none upscale_dither=none";
+    static const char all[] = "transmittance=marched sun=marched sun_steps=6 taa=off "
+                              "ray_dither=none upscale_dither=none skip=majorant sun_cache=grid "
+                              "sun_cache_voxels=32";
     struct test_scene test;
     struct neph_realtime_stats stats[2];
     test_scene_init(&test);
     struct neph_grid *grid = add_sparse_grid(&test);
     struct neph_image *slow = second_frame(*state, &test.scene, plain, &stats[0]);
     struct neph_image *fast = second_frame(*state, &test.scene, all, &stats[1]);
-    assert_false(same_bits(slow, fast));
+    assert_false(test_same_bits(slow, fast));
     assert_true(stats[1].view_steps < stats[0].view_steps);
     /* The lattice is there already: one evaluation a step is left. */
     assert_int_equal(stats[1].density_evaluations, stats[1].view_steps);

@@ -3,15 +3,13 @@
  * The sky's tables against closed forms, the exact light of one order, adding-doubling, and the
  * oracle.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/sky/device.h"
 #include "scenes/media.h"
 #include "scenes/skyward.h"
 #include "scenes/solids.h"
-#include "truth/oracle.h"
 #include "truth/slab.h"
-#include "truth/transport.h"
 
 static const struct neph_sky_params usual = {
     .steps = 48,
@@ -26,15 +24,6 @@ static const struct neph_sky_params usual = {
               .around = 4,
               .steps = 12},
 };
-
-static struct neph_scene *load_earth(void)
-{
-    struct neph_scene *scene = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_scene_load(NEPH_SOURCE_DIR "/scenes/catalog/sky_earth.yaml", &scene, &diag),
-                   &diag);
-    return scene;
-}
 
 static struct neph_scene *look(const struct neph_scene *earth, double sun_deg, double altitude_m,
                                enum neph_scattering scattering)
@@ -91,7 +80,7 @@ static void test_phase_functions_are_their_series(void **state)
     (void)state;
     struct neph_sky_air air;
     char reason[200];
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
     for (int n = 0; n < 50; n++) {
         const double a = 0.13 * n, b = 1.0 + 0.29 * n;
@@ -125,7 +114,7 @@ static void test_sun_table(void **state)
     struct neph_sky_air air;
     char reason[200];
     struct neph_diag diag = {0};
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
     double worst[2] = {0.0, 0.0};
     for (int fine = 0; fine < 2; fine++) {
@@ -166,11 +155,10 @@ static double off_by(const struct neph_scene *scene, int steps, double *transmit
     params.sun_altitudes = 128;
     params.sun_cosines = 512;
     struct neph_sky *sky = make_sky(scene, &params);
-    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     double worst = 0.0;
     *transmittance = 0.0;
     for (int i = 0; i < 6 * 7; i++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, 6, 7, i % 6, i / 6);
+        const struct neph_pixel_ray ray = test_ray(scene, 6, 7, i);
         const struct neph_ray_light exact = neph_transport_ray(scene, ray.origin_m, ray.direction);
         const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
         const double *through = &exact.transmittance.r, *light = &exact.radiance.r;
@@ -191,7 +179,7 @@ static double off_by(const struct neph_scene *scene, int steps, double *transmit
 static void test_one_order_is_exact_in_the_limit(void **state)
 {
     (void)state;
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     static const struct {
         double sun_deg, altitude_m;
     } places[] = {{60.0, 2.0}, {5.0, 10e3}, {40.0, 300e3}};
@@ -357,30 +345,19 @@ static void test_all_orders_of_the_earth(void **state)
     (void)state;
     const int samples = neph_test_by_day(400, 20000);
     enum { WIDTH = 12, HEIGHT = 8 };
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_MULTIPLE);
-    const struct neph_oracle_params params = {.width_px = WIDTH,
-                                              .height_px = HEIGHT,
-                                              .seed = 3,
-                                              .samples = samples,
-                                              .time_limit_s = INFINITY};
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_oracle_render(scene, &params, &frame, NULL, &diag), &diag);
-    float *rgb[3], *variance[3];
-    assert_true(neph_image_rgb(frame, NULL, rgb));
-    assert_true(neph_image_rgb(frame, "variance", variance));
+    struct neph_image *frame = test_oracle(scene, WIDTH, HEIGHT, 3, samples);
+    const struct test_rgb rgb = test_layer(frame, NULL), variance = test_layer(frame, "variance");
     struct neph_sky *sky = make_sky(scene, &usual);
-    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     double seen = 0.0, truth = 0.0, noise2 = 0.0;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                          i / WIDTH);
+        const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
         const struct neph_sky_light light = neph_sky_see(sky, ray.origin_m, ray.direction);
         for (int c = 0; c < 3; c++) {
             seen += light.radiance[c];
-            truth += (double)rgb[c][i];
-            noise2 += (double)variance[c][i];
+            truth += (double)rgb.of[c][i];
+            noise2 += (double)variance.of[c][i];
         }
     }
     print_message("sun at 5 degrees: %.4f of the oracle's light, whose noise is %.4f\n",
@@ -423,17 +400,15 @@ static void test_solids_behind_air(void **state)
         enum neph_scattering scattering;
         double from_m, limit;
     } cases[] = {{NEPH_SCATTERING_NONE, 0.0, 2e-3}, {NEPH_SCATTERING_SINGLE, 3e3, 0.05}};
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
         struct neph_solid solids[5];
         struct neph_scene *scene = with_solids(earth, solids, cases[n].scattering);
         struct neph_sky *sky = make_sky(scene, &usual);
-        const struct neph_camera camera = neph_scene_camera(scene, 0.0);
         int hits = 0, close = 0;
         double worst = 0.0;
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
-            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                              i / WIDTH);
+            const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
             const struct neph_hit hit = neph_scene_hit(scene, ray.origin_m, ray.direction);
             if (!hit.solid || hit.solid == &solids[0] || hit.t_m < cases[n].from_m)
                 continue;
@@ -467,7 +442,7 @@ static void test_moments_light_surfaces(void **state)
     struct neph_sky_air air;
     struct neph_diag diag = {0};
     char reason[200];
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
     struct neph_sky_sun_table sun;
     struct neph_sky_field field;
@@ -500,7 +475,7 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
 {
     (void)state;
     enum { WIDTH = 13, HEIGHT = 11, TABLES = 2 };
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_scene *scene = look(earth, 14.0, 1000.0, NEPH_SCATTERING_MULTIPLE);
     struct neph_sky_params params = usual;
     params.steps = 16;
@@ -514,8 +489,7 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
         struct neph_sky *table = make_sky(scene, &params);
         neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
-            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                              i / WIDTH);
+            const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
             const struct neph_sky_light a = neph_sky_see(walk, ray.origin_m, ray.direction);
             const struct neph_sky_light b = neph_sky_see(table, ray.origin_m, ray.direction);
             assert_true(a.length_m == b.length_m);
@@ -540,7 +514,7 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
 static void test_view_table_sees_the_ground_near(void **state)
 {
     (void)state;
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_SINGLE);
     struct neph_sky_params params = usual;
     struct neph_diag diag = {0};
@@ -578,7 +552,7 @@ static void test_view_table_sees_the_ground_near(void **state)
 static void test_splitting_a_medium_changes_nothing(void **state)
 {
     (void)state;
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_scene *whole = look(earth, 8.0, 2000.0, NEPH_SCATTERING_MULTIPLE);
     struct neph_scene split = *whole;
     split.medium_count = 5; /* air 0.3, haze, ozone, air 0.5, air 0.2; then in another order */
@@ -636,7 +610,7 @@ static void test_device_is_the_twin(void **state)
     params.field.altitudes = 6;
     params.field.suns = 16;
     params.field.orders = 3;
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
         struct neph_scene *scene = look(earth, cases[n].sun_deg, cases[n].altitude_m,
                                         cases[n].scattering);
@@ -651,25 +625,24 @@ static void test_device_is_the_twin(void **state)
             &diag);
         neph_assert_ok(neph_sky_pictures_frame(pictures, scene, 0.0, &image, &stats, &diag), &diag);
         neph_sky_pictures_destroy(pictures);
-        float *rgb[3], *volume[3], *through[3], *depth = neph_image_channel(image, "Z");
-        assert_true(neph_image_rgb(image, NULL, rgb) && neph_image_rgb(image, "volume", volume) &&
-                    neph_image_rgb(image, "transmittance", through) && depth);
+        const struct test_rgb rgb = test_layer(image, NULL), volume = test_layer(image, "volume"),
+                              through = test_layer(image, "transmittance");
+        const float *depth = neph_image_channel(image, "Z");
         struct neph_sky *sky = make_sky(scene, &params);
         const struct neph_camera camera = neph_scene_camera(scene, 0.0);
         double worst = 0.0;
         neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
-            const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH,
-                                                              i / WIDTH);
+            const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
             const struct neph_sky_light light = neph_sky_see(sky, ray.origin_m, ray.direction);
             assert_true(isinf(light.length_m) == isinf((double)depth[i]));
             for (int c = 0; c < 3; c++) {
                 const double floor = 1e-7;
-                worst = fmax(worst, fabs((double)rgb[c][i] - light.radiance[c]) /
+                worst = fmax(worst, fabs((double)rgb.of[c][i] - light.radiance[c]) /
                                         (light.radiance[c] + floor));
-                worst = fmax(worst, fabs((double)volume[c][i] - light.volume[c]) /
+                worst = fmax(worst, fabs((double)volume.of[c][i] - light.volume[c]) /
                                         (light.volume[c] + floor));
-                worst = fmax(worst, fabs((double)through[c][i] - light.transmittance[c]));
+                worst = fmax(worst, fabs((double)through.of[c][i] - light.transmittance[c]));
             }
         }
         print_message("on a device, sun at %g degrees: off by %.2g\n", cases[n].sun_deg, worst);
@@ -685,7 +658,7 @@ static void test_device_says_what_it_cannot(void **state)
 {
     (void)state;
     char reason[200];
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_sky_params params = usual;
     assert_true(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
     params.field.closure = true;
@@ -720,7 +693,7 @@ static void refuses(const struct neph_scene *scene, const char *words)
 static void test_says_what_it_cannot(void **state)
 {
     (void)state;
-    struct neph_scene *earth = load_earth();
+    struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_scene scene = *earth;
     scene.medium_count = 0;
     refuses(&scene, "without an atmosphere");

@@ -4,9 +4,8 @@
  * against the same in C, that the layer finds nothing wrong with the renderer's own, and what
  * becomes of a shader that is none.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/probe.h"
 
-#include "renderer/compute.h"
 #include "renderer/shader_code.h"
 #include "renderer/specialize.h"
 
@@ -87,62 +86,9 @@ static float scaled(const struct constants *c, uint32_t x)
 
 /* --- the probe ---------------------------------------------------------------------------- */
 
-struct buffers {
-    struct neph_buffer asked, answers, readback;
-};
-
-static void create_buffers(struct neph_vulkan *vulkan, struct buffers *buffers)
-{
-    struct neph_diag diag = {0};
-    const size_t bytes = ANSWERS * 4 * sizeof(uint32_t);
-    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, ANSWERS * sizeof(uint32_t),
-                                      "asked", &buffers->asked, &diag),
-                   &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, "answers", &buffers->answers, &diag),
-        &diag);
-    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, bytes, "readback",
-                                      &buffers->readback, &diag),
-                   &diag);
-    for (uint32_t i = 0; i < ANSWERS; i++)
-        ((uint32_t *)buffers->asked.mapped)[i] = i;
-}
-
-static void destroy_buffers(struct neph_vulkan *vulkan, struct buffers *buffers)
-{
-    neph_buffer_destroy(vulkan, &buffers->readback);
-    neph_buffer_destroy(vulkan, &buffers->answers);
-    neph_buffer_destroy(vulkan, &buffers->asked);
-}
-
-static void run_probe(struct neph_vulkan *vulkan, const struct constants *constants,
-                      const struct buffers *buffers)
-{
-    struct neph_kernel_params params = {
-        .name = "probe_constants",
-        .code = probe_code,
-        .code_bytes = sizeof(probe_code),
-        .buffer_count = 2,
-        .constant_count = CONSTANTS,
-    };
-    memcpy(params.constants, constants, sizeof(*constants));
-    const struct neph_dispatch dispatch = {
-        .buffers = {&buffers->asked, &buffers->answers},
-        .group_count = 1,
-        .copy_from = &buffers->answers,
-        .copy_to = &buffers->readback,
-        .copy_size_bytes = buffers->readback.size_bytes,
-    };
-    struct neph_diag diag = {0};
-    const struct neph_kernel *kernel = NULL;
-    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
-    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
-}
-
-static void check_answers(const struct constants *c, const struct buffers *buffers)
+static void check_answers(const struct constants *c, uint32_t (*answers)[4])
 {
     enum { KEPT = 11 };
-    const uint32_t(*answers)[4] = buffers->readback.mapped;
     for (uint32_t x = 0; x < ANSWERS; x++) {
         const float value = scaled(c, x);
         assert_int_equal(answers[x][0], early(c, x) + KEPT);
@@ -154,14 +100,22 @@ static void check_answers(const struct constants *c, const struct buffers *buffe
 
 static void test_every_way(void **state)
 {
-    struct buffers buffers = {0};
-    create_buffers(*state, &buffers);
+    uint32_t asked[ANSWERS];
+    for (uint32_t i = 0; i < ANSWERS; i++)
+        asked[i] = i;
     for (uint32_t i = 0; i < 24; i++) {
         const struct constants constants = {i % 6, i / 6 % 2, i / 12 * 3, 0.25f};
-        run_probe(*state, &constants, &buffers);
-        check_answers(&constants, &buffers);
+        struct neph_kernel_params params = {.name = "probe_constants",
+                                            .code = probe_code,
+                                            .code_bytes = sizeof(probe_code),
+                                            .buffer_count = 2,
+                                            .constant_count = CONSTANTS};
+        memcpy(params.constants, &constants, sizeof(constants));
+        uint32_t(*answers)[4] = test_probe(*state, &params, NULL, asked, sizeof(asked[0]),
+                                           sizeof(*answers), ANSWERS);
+        check_answers(&constants, answers);
+        free(answers);
     }
-    destroy_buffers(*state, &buffers);
 }
 
 /* --- the renderer's own ------------------------------------------------------------------- */

@@ -3,11 +3,9 @@
  * What is asked for after a loop: what a device makes of it, and that renderer/spirv_loops.h finds
  * what lavapipe loses. All kernels that any test makes are looked at in the same way.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/probe.h"
+#include "tests/renderer/shader_words.h"
 
-#include "renderer/compute.h"
-#include "renderer/shader_code.h"
-#include "renderer/specialize.h"
 #include "renderer/spirv_loops.h"
 
 static const uint32_t probe_code[] = {
@@ -85,33 +83,16 @@ static struct neph_kernel_params params_of(uint32_t way)
 /* How many threads answer something else. */
 static int run(struct neph_vulkan *vulkan, uint32_t way)
 {
-    struct neph_buffer asked = {0}, answers = {0}, readback = {0};
-    const size_t bytes = ANSWERS * sizeof(uint32_t);
     const struct neph_kernel_params params = params_of(way);
-    const struct neph_kernel *kernel = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, bytes, "asked", &asked, &diag),
-                   &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, "answers", &answers, &diag), &diag);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, bytes, "readback", &readback, &diag),
-        &diag);
-    for (uint32_t i = 0; i < ANSWERS; i++)
-        ((uint32_t *)asked.mapped)[i] = i;
-    const struct neph_dispatch dispatch = {.buffers = {&asked, &answers},
-                                           .group_count = 1,
-                                           .copy_from = &answers,
-                                           .copy_to = &readback,
-                                           .copy_size_bytes = bytes};
-    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
-    neph_assert_ok(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), &diag);
+    uint32_t asked[ANSWERS];
     int off = 0;
     for (uint32_t i = 0; i < ANSWERS; i++)
-        off += ((const uint32_t *)readback.mapped)[i] != ways[way].answer(i);
-    neph_buffer_destroy(vulkan, &readback);
-    neph_buffer_destroy(vulkan, &answers);
-    neph_buffer_destroy(vulkan, &asked);
+        asked[i] = i;
+    uint32_t *answers = test_probe(vulkan, &params, NULL, asked, sizeof(*asked), sizeof(*answers),
+                                   ANSWERS);
+    for (uint32_t i = 0; i < ANSWERS; i++)
+        off += answers[i] != ways[way].answer(i);
+    free(answers);
     return off;
 }
 
@@ -128,17 +109,10 @@ static void test_what_is_lost_is_found(void **state)
     for (uint32_t way = 0; way < WAYS; way++) {
         const struct neph_kernel_params params = params_of(way);
         struct neph_spirv_lost lost;
-        struct neph_diag diag = {0};
-        uint32_t *spirv = NULL;
-        size_t bytes = 0;
-        uint32_t *whole = NULL;
-        size_t whole_bytes = 0;
-        neph_assert_ok(
-            neph_shader_unpack(params.code, params.code_bytes, &whole, &whole_bytes, &diag), &diag);
-        neph_assert_ok(
-            neph_specialize(whole, whole_bytes, params.constants, 2, &spirv, &bytes, &diag), &diag);
-        free(whole);
-        assert_true(neph_spirv_find_lost(spirv, bytes, &lost));
+        size_t words = 0;
+        uint32_t *spirv = test_shader_words(params.code, params.code_bytes, params.constants, 2,
+                                            &words);
+        assert_true(neph_spirv_find_lost(spirv, words * sizeof(*spirv), &lost));
         print_message("%s: value %u, loop %u\n", ways[way].name, lost.value, lost.header);
         assert_int_equal(lost.value == 0, ways[way].is_kept);
         assert_int_equal(lost.header == 0, ways[way].is_kept);

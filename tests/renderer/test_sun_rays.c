@@ -3,7 +3,7 @@
  * Sun rays of few steps, which grow and lie within a cone: what they are is written down once more
  * here, in double precision, and where a medium is even they know its optical depth.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/shortcuts.h"
 #include "scenes/media.h"
@@ -22,11 +22,6 @@ static const struct neph_march_params marched = {.width_px = WIDTH_PX,
 static struct neph_vec3 cross(struct neph_vec3 a, struct neph_vec3 b)
 {
     return (struct neph_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-static struct neph_vec3 ahead(struct neph_vec3 from_m, struct neph_vec3 direction, double way_m)
-{
-    return neph_vec3_add(from_m, neph_vec3_scale(direction, way_m));
 }
 
 /* Optical depth of a medium from a point towards the sun, which does not stand straight above. */
@@ -49,9 +44,9 @@ static double depth_of(const struct neph_medium *medium, struct neph_vec3 from_m
             start_m += (t1_m - t0_m) * pow(rays->sun_growth, k) / parts;
         const double t_m = start_m + 0.5 * length_m, angle = M_PI * (3.0 - sqrt(5.0)) * i;
         const double width_m = t_m * rays->sun_cone * sqrt((i + 0.5) / params->sun_steps);
-        const struct neph_vec3 on_ray_m = ahead(from_m, to_sun, t_m);
-        const struct neph_vec3 tap_m = ahead(ahead(on_ray_m, right, width_m * cos(angle)), up,
-                                             width_m * sin(angle));
+        const struct neph_vec3 on_ray_m = neph_vec3_along(from_m, to_sun, t_m);
+        const struct neph_vec3 tap_m = neph_vec3_along(
+            neph_vec3_along(on_ray_m, right, width_m * cos(angle)), up, width_m * sin(angle));
         depth += length_m * neph_medium_extinction_per_m(medium, tap_m);
     }
     return depth;
@@ -62,35 +57,30 @@ static double depth_of(const struct neph_medium *medium, struct neph_vec3 from_m
 /* Optical depth towards the sun at what a pixel shows of level ground. */
 static double shown_depth(const struct neph_image *frame, const struct test_scene *test, int pixel)
 {
-    float *radiance[3], *through[3];
-    assert_true(neph_image_rgb(frame, NULL, radiance) &&
-                neph_image_rgb(frame, "transmittance", through));
+    const double radiance = (double)neph_image_channel(frame, "R")[pixel];
+    const double through = (double)neph_image_channel(frame, "transmittance.R")[pixel];
     const struct neph_sun *sun = &test->scene.sun;
     const double clear = test->solids[0].albedo.r / M_PI * sun->direction.y *
                          sun->irradiance_w_per_m2.r;
-    return -log((double)radiance[0][pixel] / (double)through[0][pixel] / clear);
+    return -log(radiance / through / clear);
 }
 
 /* The largest difference over all pixels of ground, and how many have something before the sun. */
 static double worst_difference(struct neph_vulkan *vulkan, const struct test_scene *test,
                                const struct neph_march_params *params, int *shaded)
 {
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
-    const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
+    struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
     const float *z_m = neph_image_channel(frame, "Z");
     double worst = 0.0;
     *shaded = 0;
     assert_non_null(z_m);
     for (int p = 0; p < PIXELS; p++) {
-        const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH_PX, HEIGHT_PX,
-                                                          p % WIDTH_PX, p / WIDTH_PX);
+        const struct neph_pixel_ray ray = test_ray(&test->scene, WIDTH_PX, HEIGHT_PX, p);
         if (isinf(z_m[p]))
             continue;
         const double way_m = (test->solids[0].box.max_m.y - ray.origin_m.y) / ray.direction.y;
         const double own = depth_of(&test->scene.media[0],
-                                    ahead(ray.origin_m, ray.direction, way_m),
+                                    neph_vec3_along(ray.origin_m, ray.direction, way_m),
                                     test->scene.sun.direction, params);
         worst = fmax(worst, fabs(shown_depth(frame, test, p) - own));
         *shaded += own > 0.1;
@@ -148,9 +138,7 @@ static void test_in_an_even_medium(void **state)
     test_add(&test, make_homogeneous(0.05, box));
     struct neph_march_params params = marched;
     params.shortcuts = (struct neph_shortcuts){.sun_growth = 1.5, .sun_cone = 0.1};
-    struct neph_diag diag = {0};
-    struct neph_image *frame = NULL;
-    neph_assert_ok(test_march_frame(*state, &test.scene, &params, &frame, NULL, &diag), &diag);
+    struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
     const double depth = 0.05 * 14.0 / test.scene.sun.direction.y;
     const double shown = shown_depth(frame, &test, PIXELS - WIDTH_PX / 2);
     print_message("optical depth %.7f, where it is %.7f\n", shown, depth);

@@ -3,12 +3,9 @@
  * Traced light: a slab by adding and doubling, white furnaces of every medium, texels against the
  * tracer, and pictures that follow each other.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/march_scene.h"
-#include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
-#include "renderer/tracer.h"
 #include "truth/slab.h"
 
 enum { WIDTH_PX = 32, HEIGHT_PX = 18, PATHS = 16, SEEDS = 4, PICTURES = 24 };
@@ -29,10 +26,7 @@ static struct neph_march_params params_of(uint32_t seed)
 static struct neph_image *march(struct neph_vulkan *vulkan, const struct test_scene *test,
                                 const struct neph_march_params *params)
 {
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(test_march_frame(vulkan, &test->scene, params, &frame, NULL, &diag), &diag);
-    return frame;
+    return test_march(vulkan, &test->scene, params, NULL);
 }
 
 /* The mean of a channel; each value is finite and not negative. */
@@ -267,10 +261,8 @@ static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene
                                               .seed = seed,
                                               .samples = 256,
                                               .time_limit_s = INFINITY};
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
+    struct neph_image *frame = test_trace(vulkan, scene, &params, NULL);
     double light[TEXELS] = {0.0};
-    neph_assert_ok(neph_tracer_render(vulkan, scene, &params, &frame, NULL, &diag), &diag);
     const float *all = neph_image_channel(frame, "volume.G");
     const float *first = neph_image_channel(frame, "order1.G");
     const float *through = neph_image_channel(frame, "transmittance.G");
@@ -543,38 +535,16 @@ static void test_similar_media(void **state)
 
 /* --- pictures in a row ---------------------------------------------------------------------- */
 
-static struct neph_settings settings_of(void)
-{
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, "ours", &settings, &diag),
-        &diag);
-    settings.values[RT_RAY_DITHER] = settings.values[RT_UPSCALE_DITHER] = 0.0; /* no masks */
-    settings.values[RT_LIGHTING] = NEPH_MARCH_TRACED;
-    settings.values[RT_LIGHT_TEXEL_PX] = 4.0;
-    settings.values[RT_LIGHT_PATHS] = 8.0;
-    return settings;
-}
-
 /* The last of some pictures. */
 static struct neph_image *play(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                uint32_t seed, int count)
 {
-    const struct neph_settings settings = settings_of();
+    struct neph_settings settings = test_preset("ours", "light_texel_px=4 light_paths=8 "
+                                                        "ray_dither=none upscale_dither=none");
+    settings.values[RT_LIGHTING] = NEPH_MARCH_TRACED;
     const struct neph_realtime_params params = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .settings = &settings, .seed = seed};
-    struct neph_realtime *realtime = NULL;
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    for (int i = 0; i < count; i++) {
-        const struct neph_realtime_frame picture = {scene, i, NULL};
-        neph_image_destroy(image);
-        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
-    }
-    neph_realtime_destroy(realtime);
-    return image;
+    return test_film(vulkan, scene, &params, count, NULL);
 }
 
 static void moving_scene(struct test_scene *test, struct neph_camera_key keys[2])
@@ -616,12 +586,12 @@ static void test_same_seed_same_bits(void **state)
     struct neph_camera_key keys[2];
     moving_scene(&test, keys);
     struct neph_image *frames[3];
-    for (int i = 0; i < 3; i++)
-        frames[i] = play(*state, &test.scene, i == 2 ? 2 : 1, 4);
-    const size_t bytes = neph_image_pixel_count(frames[0]) * sizeof(float);
     const float *volumes[3];
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
+        frames[i] = play(*state, &test.scene, i == 2 ? 2 : 1, 4);
         volumes[i] = neph_image_channel(frames[i], "volume.G");
+    }
+    const size_t bytes = neph_image_pixel_count(frames[0]) * sizeof(float);
     assert_memory_equal(volumes[0], volumes[1], bytes);
     assert_memory_not_equal(volumes[0], volumes[2], bytes);
     for (int i = 0; i < 3; i++)
@@ -632,13 +602,18 @@ static void test_same_seed_same_bits(void **state)
 
 static void test_what_it_cannot_is_refused(void **state)
 {
-    static const struct {
-        int texel_px, paths, rounds, memory;
-        double blur, similar;
-    } bad[] = {{0, 1, 1, 1, 0.0, 0.0},  {65, 1, 1, 1, 0.0, 0.0}, {1, 0, 1, 1, 0.0, 0.0},
-               {1, 65, 1, 1, 0.0, 0.0}, {1, 1, 0, 1, 0.0, 0.0},  {1, 1, 1, 0, 0.0, 0.0},
-               {1, 1, 1, 1, NAN, 0.0},  {1, 1, 1, 1, -1.0, 0.0}, {1, 1, 1, 1, 0.0, NAN},
-               {1, 1, 1, 1, 0.0, 1.1}};
+    static const struct neph_light_paths bad[] = {
+        {.texel_px = 0, .paths = 1, .rounds = 1, .memory = 1},
+        {.texel_px = 65, .paths = 1, .rounds = 1, .memory = 1},
+        {.texel_px = 1, .paths = 0, .rounds = 1, .memory = 1},
+        {.texel_px = 1, .paths = 65, .rounds = 1, .memory = 1},
+        {.texel_px = 1, .paths = 1, .rounds = 0, .memory = 1},
+        {.texel_px = 1, .paths = 1, .rounds = 1, .memory = 0},
+        {.texel_px = 1, .paths = 1, .rounds = 1, .memory = 1, .blur_texels = NAN},
+        {.texel_px = 1, .paths = 1, .rounds = 1, .memory = 1, .blur_texels = -1.0},
+        {.texel_px = 1, .paths = 1, .rounds = 1, .memory = 1, .similar = NAN},
+        {.texel_px = 1, .paths = 1, .rounds = 1, .memory = 1, .similar = 1.1},
+    };
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
@@ -647,13 +622,8 @@ static void test_what_it_cannot_is_refused(void **state)
     add_blob(&test);
     no_sky(&test, NULL);
     struct neph_march_params params = params_of(1);
-    for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
-        params.light = (struct neph_light_paths){.texel_px = bad[i].texel_px,
-                                                 .paths = bad[i].paths,
-                                                 .rounds = bad[i].rounds,
-                                                 .memory = bad[i].memory,
-                                                 .blur_texels = bad[i].blur,
-                                                 .similar = bad[i].similar};
+    for (size_t i = 0; i < COUNT(bad); i++) {
+        params.light = bad[i];
         assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_ERR_USAGE);
     }
     params = params_of(1);

@@ -4,9 +4,8 @@
  * event, which test_tracer.c holds to the oracle: whatever the table has, however few its nodes,
  * the light is the same but for noise, which the frame knows; and nothing is ever negative.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
-#include "renderer/tracer.h"
 #include "scenes/grid.h"
 
 enum { WIDTH_PX = 32, HEIGHT_PX = 18, PIXELS = WIDTH_PX * HEIGHT_PX };
@@ -68,9 +67,7 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_s
                                               .sun_nodes = sun_nodes,
                                               .samples = samples,
                                               .time_limit_s = INFINITY};
-    struct neph_image *frame = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_tracer_render(vulkan, &test->scene, &params, &frame, NULL, &diag), &diag);
+    struct neph_image *frame = test_trace(vulkan, &test->scene, &params, NULL);
     for (int c = 0; c < frame->channel_count; c++)
         for (int i = 0; i < PIXELS; i++)
             if (!(frame->channels[c].samples[i] >= 0.0f))

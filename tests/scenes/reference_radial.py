@@ -9,6 +9,7 @@ forms.
 
   apt-get install python3-mpmath && /usr/bin/python3 tests/scenes/reference_radial.py
 """
+import itertools
 import math
 import pathlib
 import random
@@ -27,7 +28,9 @@ def c_number(value):
 
 
 def c_list(values):
-    return "{%s}" % ", ".join(c_number(v) for v in values)
+    """Numbers, and lists of them."""
+    return "{%s}" % ", ".join(c_list(v) if isinstance(v, (list, tuple)) else c_number(v)
+                              for v in values)
 
 
 def radial(center, origin, direction, t0, t1):
@@ -119,7 +122,7 @@ def shell_table():
     for radius, height, origin, direction, t0, t1 in shell_cases():
         center = (0.0, -radius, 0.0)
         depth = shell_depth(radius, height, center, origin, direction, t0, t1)
-        yield radius, height, origin, direction, t0, t1, depth
+        yield (radius, height, direction), (origin, t0, t1, depth)
 
 
 # ---- blobs -----------------------------------------------------------------------------------
@@ -174,35 +177,56 @@ def gaussian_cases():
 def gaussian_table():
     check_gaussian()
     for case in gaussian_cases():
-        yield case + (gaussian_depth(*case),)
+        width, center, origin, direction, t0, t1 = case
+        yield (width, center, direction), (origin, t0, t1, gaussian_depth(*case))
 
 
 # ---- the header ------------------------------------------------------------------------------
 
 
+HEAD = """/* SPDX-License-Identifier: MIT
+ *
+ * Written by reference_radial.py (mpmath, 40 digits). Do not edit.
+ */
+#ifndef NEPH_TESTS_SCENES_REFERENCE_RADIAL_H
+#define NEPH_TESTS_SCENES_REFERENCE_RADIAL_H
+
+#include "base/vec3.h"
+
+#include <math.h>
+
+/* clang-format off */
+
+struct reference_piece { struct neph_vec3 origin_m; double t0_m, t1_m, optical_depth; };
+"""
+
+SHELLS = """/* Extinction 1 at the ground, centre (0, -radius, 0). */
+struct reference_shell {
+    double radius_m, scale_height_m; struct neph_vec3 direction;
+    int count; struct reference_piece pieces[10];
+};
+static const struct reference_shell reference_shell[] = {"""
+
+BLOBS = """/* Extinction 1 at the centre. */
+struct reference_gaussian {
+    double width_m; struct neph_vec3 center_m, direction;
+    int count; struct reference_piece pieces[8];
+};
+static const struct reference_gaussian reference_gaussian[] = {"""
+
+
+def c_rows(table, most):
+    """A row for the medium and the direction of neighbours in the table, with their pieces."""
+    for same, cases in itertools.groupby(table, lambda case: case[0]):
+        pieces = [piece for _, piece in cases]
+        for first in range(0, len(pieces), most):
+            part = pieces[first:first + most]
+            yield "    {%s, %d, %s}," % (c_list(same)[1:-1], len(part), c_list(part))
+
+
 def write(path):
-    out = ["/* SPDX-License-Identifier: MIT", " *",
-           " * Written by reference_radial.py (mpmath, 40 digits). Do not edit.", " */",
-           "#ifndef NEPH_TESTS_SCENES_REFERENCE_RADIAL_H",
-           "#define NEPH_TESTS_SCENES_REFERENCE_RADIAL_H", "", '#include "base/vec3.h"', "",
-           "#include <math.h>", "", "/* clang-format off */", "",
-           "/* Extinction 1 at the ground, centre (0, -radius, 0). */",
-           "struct reference_shell { double radius_m, scale_height_m; struct neph_vec3 origin_m, "
-           "direction; double t0_m, t1_m, optical_depth; };",
-           "static const struct reference_shell reference_shell[] = {"]
-    for radius, height, origin, direction, t0, t1, depth in shell_table():
-        out.append("    {%s, %s, %s, %s, %s, %s, %s}," %
-                   (c_number(radius), c_number(height), c_list(origin), c_list(direction),
-                    c_number(t0), c_number(t1), c_number(depth)))
-    out.append(
-        "};\n\n/* Extinction 1 at the centre. */\nstruct reference_gaussian { double width_m; "
-        "struct neph_vec3 center_m, origin_m, direction; double t0_m, t1_m, optical_depth; "
-        "};\nstatic const struct reference_gaussian reference_gaussian[] = {")
-    for width, center, origin, direction, t0, t1, depth in gaussian_table():
-        out.append("    {%s, %s, %s, %s, %s, %s, %s}," %
-                   (c_number(width), c_list(center), c_list(origin), c_list(direction),
-                    c_number(t0), c_number(t1), c_number(depth)))
-    out.append("};\n\n/* clang-format on */\n\n#endif")
+    out = [HEAD, SHELLS, *c_rows(shell_table(), 10), "};\n", BLOBS, *c_rows(gaussian_table(), 8),
+           "};\n\n/* clang-format on */\n\n#endif"]
     path.write_text("\n".join(out) + "\n", encoding="utf-8")
 
 

@@ -70,14 +70,13 @@ def fog_cases():
     unreal = (9.609e-4, 0.01386294361119891, 0.0)
     for k_y, length in itertools.product(slopes, lengths):  # a camera at eye height
         yield unreal + (1.7, k_y, length)
-    for k_y, length in itertools.product((0.0, -1e-9, -0.3, -1.0, 1.0), (1e3, 1e6, INFINITE)):
-        yield unreal + (1e6, k_y, length)  # far above
-        yield unreal + (-2e3, k_y, length)  # far below
-        yield (0.3, 1e-300, 0.0, 10.0, k_y, length)  # all but homogeneous
-        yield (0.3, 0.0, 0.0, 10.0, k_y, length)
-        yield (0.0, 0.1, 0.0, 10.0, k_y, length)
-    for length in (999990.0, 999999.0, 1e6, 1000050.0):
-        for falloff in (0.01, 0.5):
+    far = [unreal + (1e6,), unreal + (-2e3,)]  # above, below
+    homogeneous = [(0.3, 1e-300, 0.0, 10.0), (0.3, 0.0, 0.0, 10.0), (0.0, 0.1, 0.0, 10.0)]
+    for fog, k_y, length in itertools.product(far + homogeneous, (0.0, -1e-9, -0.3, -1.0, 1.0),
+                                              (1e3, 1e6, INFINITE)):
+        yield fog + (k_y, length)
+    for falloff in (0.01, 0.5):
+        for length in (999990.0, 999999.0, 1e6, 1000050.0):
             yield (1e-3, falloff, 3.0, 1e6, -1.0, length)  # 0 * inf in the textbook form
     # Extinction and exponential of opposite sizes: both factors leave the range of a double.
     yield (1e-300, 1.0, 0.0, -720.0, 0.5, 1.0)
@@ -111,7 +110,7 @@ def fog_table():
         # rounding any of them by 2^-53 moves the optical depth by 2^-53 times this, relatively.
         run = 0 if b * k_y >= 0 else abs(exact[4]) * mpf(length)
         condition = exact[1] * (abs(exact[3]) + abs(exact[2]) + run)
-        yield a, b, h, y, k_y, length, depth, condition
+        yield ((a, b, h), y, k_y), (length, depth, condition)
 
 
 # ---- phase functions -------------------------------------------------------------------------
@@ -131,10 +130,10 @@ def phase_table():
     cosines = (-1.0, -0.9999, -0.5, 0.0, 0.3, 0.999, 0.999999, 1.0)
     for g in (0.0, 1e-9, 0.5, -0.5, 0.85, -0.85, 0.99, 0.999, -0.999):
         for cosine in cosines:
-            yield "HENYEY_GREENSTEIN", g, cosine, phase_per_sr("HENYEY_GREENSTEIN", g, cosine)
+            yield ("HENYEY_GREENSTEIN", g), (cosine, phase_per_sr("HENYEY_GREENSTEIN", g, cosine))
     for kind in ("RAYLEIGH", "ISOTROPIC"):
         for cosine in cosines:
-            yield kind, 0.0, cosine, phase_per_sr(kind, 0, cosine)
+            yield (kind, 0.0), (cosine, phase_per_sr(kind, 0, cosine))
 
 
 # ---- single scattering -----------------------------------------------------------------------
@@ -431,7 +430,17 @@ HEAD = """/* SPDX-License-Identifier: MIT
 
 
 def c_list(values):
-    return "{" + ", ".join(c_number(v) for v in values) + "}"
+    """Numbers, phase functions, and lists of them."""
+    return "{%s}" % ", ".join("NEPH_PHASE_" + v if isinstance(v, str) else
+                              c_list(v) if isinstance(v, (list, tuple)) else c_number(v)
+                              for v in values)
+
+
+def c_rows(table):
+    """A row for neighbours in the table of which the first part is the same."""
+    for same, cases in itertools.groupby(table, lambda case: case[0]):
+        values = [value for _, value in cases]
+        yield same, len(values), c_list(values)
 
 
 def c_medium(medium):
@@ -444,6 +453,18 @@ def c_medium(medium):
          medium.phase[0], c_number(medium.phase[1]), len(medium.layers), layers))
 
 
+def c_views():
+    """The media, each once, and the views, which say which of them they have."""
+    media, views = {}, []
+    for view, value in view_table():
+        which = [media.setdefault(c_medium(m), len(media)) for m in view.media]
+        views.append('    {"%s", %s, %s, %s, %s, %s, %d, {%s}},' %
+                     (view.name, c_list(view.sun), c_list(view.origin), c_list(view.direction),
+                      c_number(value), c_number(view.condition()), len(which),
+                      ", ".join(map(str, which))))
+    return ["    %s," % medium for medium in media], views
+
+
 def write(path):
     out = [HEAD]
     out.append("struct reference_phi { double x, phi; };")
@@ -452,26 +473,26 @@ def write(path):
     out.append("};\n")
     out.append(
         "/* Optical depth of one layer; 2^-53 * condition is its unavoidable relative error. */")
-    out.append("struct reference_fog { struct neph_fog_layer layer; double y_m, k_y, length_m, "
-               "optical_depth, condition; };")
+    out.append("struct reference_depth { double length_m, optical_depth, condition; };")
+    out.append("struct reference_fog { struct neph_fog_layer layer; double y_m, k_y; int count; "
+               "struct reference_depth depths[8]; };")
     out.append("static const struct reference_fog reference_fog[] = {")
-    out += ["    {%s, %s}," % (c_list(row[:3]), c_list(row[3:])[1:-1]) for row in fog_table()]
+    out += ["    {%s, %d, %s}," % (c_list(same)[1:-1], *rest) for same, *rest in c_rows(fog_table())]
     out.append("};\n")
-    out.append("struct reference_phase { struct neph_phase phase; double cosine, per_sr; };")
+    out.append("struct reference_phase { struct neph_phase phase; int count; "
+               "struct { double cosine, per_sr; } values[8]; };")
     out.append("static const struct reference_phase reference_phase[] = {")
-    out += ["    {{NEPH_PHASE_%s, %s}, %s, %s}," % (kind, *map(c_number, rest))
-            for kind, *rest in phase_table()]
+    out += ["    {%s, %d, %s}," % (c_list(same), *rest) for same, *rest in c_rows(phase_table())]
     out.append("};\n")
-    out.append("/* In-scattered radiance of a ray under a sun of irradiance 1. */")
+    media, views = c_views()
+    out += ["static const struct neph_medium reference_medium[] = {", *media, "};\n"]
+    out.append("/* In-scattered radiance of a ray under a sun of irradiance 1; `media` are of "
+               "reference_medium. */")
     out.append(
         "struct reference_view { const char *name; struct neph_vec3 sun, origin_m, direction; "
-        "double radiance, condition; int medium_count; struct neph_medium media[2]; };")
+        "double radiance, condition; int medium_count, media[2]; };")
     out.append("static const struct reference_view reference_view[] = {")
-    for view, value in view_table():
-        out.append('    {"%s", %s, %s, %s, %s, %s, %d,\n     {%s}},' %
-                   (view.name, c_list(view.sun), c_list(view.origin), c_list(view.direction),
-                    c_number(value), c_number(view.condition()), len(view.media),
-                    ",\n      ".join(c_medium(m) for m in view.media)))
+    out += views
     out.append("};\n\n/* clang-format on */\n\n#endif")
     path.write_text("\n".join(out) + "\n", encoding="utf-8")
 

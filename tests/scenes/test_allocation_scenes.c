@@ -169,7 +169,7 @@ static void test_points(void **state)
 {
     (void)state;
     struct neph_scene *scene = NULL;
-    neph_assert_ok(neph_scene_load(NEPH_SOURCE_DIR "/scenes/failure/fog_none.yaml", &scene, NULL),
+    neph_assert_ok(neph_scene_load(NEPH_SOURCE_DIR "/scenes/stress/fog_none.yaml", &scene, NULL),
                    NULL);
     assert_every_failure_is_told("a point", sweep, scene);
     neph_scene_destroy(scene);

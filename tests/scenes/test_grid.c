@@ -5,6 +5,7 @@
  */
 #include "tests/neph_test.h"
 
+#include "base/sort.h"
 #include "scenes/grid.h"
 
 #include <float.h>
@@ -145,12 +146,6 @@ static void test_density_at_nodes_and_beyond(void **state)
 
 enum { CUTS_MAX = 64 };
 
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Where a ray meets the planes of the lattice across one axis. */
 static int cut_axis(double *cuts, double origin, double direction, double first, double spacing,
                     int size, double t0, double t1)
@@ -179,7 +174,7 @@ static double reference_integral(const struct neph_grid *grid, struct neph_vec3 
     count += cut_axis(cuts + count, o.z, d.z, grid->origin_m.z, grid->spacing_m.z, grid->size[2],
                       t0, t1);
     assert_true(count <= CUTS_MAX);
-    qsort(cuts, (size_t)count, sizeof(cuts[0]), compare);
+    neph_sort_doubles(cuts, (size_t)count);
     double sum = 0.0;
     for (int i = 0; i + 1 < count; i++) {
         const double a = cuts[i], b = cuts[i + 1], middle = 0.5 * (a + b);

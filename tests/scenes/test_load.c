@@ -556,7 +556,7 @@ static void test_all_scenes_load(void **state)
 {
     const struct scratch *scratch = *state;
     assert_true(load_folder(NEPH_SOURCE_DIR "/scenes/catalog", scratch->folder, true) >= 8);
-    assert_true(load_folder(NEPH_SOURCE_DIR "/scenes/failure", scratch->folder, false) >= 7);
+    assert_true(load_folder(NEPH_SOURCE_DIR "/scenes/stress", scratch->folder, false) >= 7);
 }
 
 static void test_camera_rays(void **state)

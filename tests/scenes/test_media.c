@@ -48,29 +48,34 @@ static void test_phi(void **state)
 
 /* One layer: all corners of the parameters. 1e-12, or, where the exponent b (y - h) is so large
  * that rounding its inputs moves the result further, four such roundings. */
+static void assert_fog_depth(double tau, const struct reference_depth *r, struct worst *depth,
+                             struct worst *light)
+{
+    const double relative = fmax(1e-12, 4.0 * unit_roundoff * r->condition);
+    assert_true(tau >= 0.0);
+    if (relative < 0.1)
+        neph_assert_close(tau, r->optical_depth, relative, 2.0 * 0x1p-1074);
+    note(depth, tau, r->optical_depth, relative);
+    /* exp turns an absolute error of its argument into a relative one. */
+    const double transmittance = exp(-tau), expected = exp(-r->optical_depth);
+    assert_true(transmittance >= 0.0 && transmittance <= 1.0);
+    if (relative < 0.1)
+        neph_assert_close(transmittance, expected,
+                          2.0 * relative * fmin(700.0, fmax(1.0, r->optical_depth)),
+                          2.0 * 0x1p-1074);
+    if (r->optical_depth <= 1.0)
+        note(light, transmittance, expected, relative);
+}
+
 static void test_fog_layer_against_reference(void **state)
 {
     (void)state;
     struct worst depth = {.what = "fog optical depth"}, light = {.what = "fog transmittance"};
     for (size_t i = 0; i < COUNT(reference_fog); i++) {
         const struct reference_fog *r = &reference_fog[i];
-        const double tau = neph_fog_layer_optical_depth(&r->layer, r->y_m, r->k_y, r->length_m);
-        const double relative = fmax(1e-12, 4.0 * unit_roundoff * r->condition);
-        if (!(tau >= 0.0))
-            print_error("row %zu: optical depth %g\n", i, tau);
-        assert_true(tau >= 0.0);
-        if (relative < 0.1)
-            neph_assert_close(tau, r->optical_depth, relative, 2.0 * 0x1p-1074);
-        note(&depth, tau, r->optical_depth, relative);
-        /* exp turns an absolute error of its argument into a relative one. */
-        const double transmittance = exp(-tau), expected = exp(-r->optical_depth);
-        assert_true(transmittance >= 0.0 && transmittance <= 1.0);
-        if (relative < 0.1)
-            neph_assert_close(transmittance, expected,
-                              2.0 * relative * fmin(700.0, fmax(1.0, r->optical_depth)),
-                              2.0 * 0x1p-1074);
-        if (r->optical_depth <= 1.0)
-            note(&light, transmittance, expected, relative);
+        for (const struct reference_depth *d = r->depths; d < r->depths + r->count; d++)
+            assert_fog_depth(neph_fog_layer_optical_depth(&r->layer, r->y_m, r->k_y, d->length_m),
+                             d, &depth, &light);
     }
     report(&depth);
     report(&light);
@@ -291,9 +296,11 @@ static void test_phase_against_reference(void **state)
     struct worst worst = {.what = "phase functions"};
     for (size_t i = 0; i < COUNT(reference_phase); i++) {
         const struct reference_phase *r = &reference_phase[i];
-        const double value = neph_phase_per_sr(&r->phase, r->cosine);
-        neph_assert_close(value, r->per_sr, 4e-15, 0.0);
-        note(&worst, value, r->per_sr, 0.0);
+        for (int k = 0; k < r->count; k++) {
+            const double value = neph_phase_per_sr(&r->phase, r->values[k].cosine);
+            neph_assert_close(value, r->values[k].per_sr, 4e-15, 0.0);
+            note(&worst, value, r->values[k].per_sr, 0.0);
+        }
     }
     report(&worst);
 }

@@ -25,7 +25,7 @@ static struct neph_scene *make(const struct neph_scene *scene, enum neph_variant
     return made;
 }
 
-static const char wind_cloud[] = NEPH_SOURCE_DIR "/scenes/failure/wind_cloud.yaml";
+static const char wind_cloud[] = NEPH_SOURCE_DIR "/scenes/stress/wind_cloud.yaml";
 
 static double irradiance_of(const struct neph_scene *scene, double frame)
 {
@@ -117,13 +117,13 @@ static void test_obstacles(void **state)
         enum neph_variant_kind kind;
         const char *words;
     } cases[] = {
-        {"failure/sun_step", NEPH_VARIANT_SUN_STEP, "sun moves already"},
-        {"failure/sun_step", NEPH_VARIANT_SUN_SINE, "sun moves already"},
-        {"failure/camera_pan", NEPH_VARIANT_CAMERA_CUT, "camera moves already"},
+        {"stress/sun_step", NEPH_VARIANT_SUN_STEP, "sun moves already"},
+        {"stress/sun_step", NEPH_VARIANT_SUN_SINE, "sun moves already"},
+        {"stress/camera_pan", NEPH_VARIANT_CAMERA_CUT, "camera moves already"},
         {"catalog/orthographic_slab", NEPH_VARIANT_CAMERA_CUT, "orthographic"},
         {"catalog/absorbing_slab", NEPH_VARIANT_SUN_STEP, "no sun"},
-        {"failure/camera_pan", NEPH_VARIANT_SUN_STEP, NULL},
-        {"failure/sun_step", NEPH_VARIANT_CAMERA_CUT, NULL},
+        {"stress/camera_pan", NEPH_VARIANT_SUN_STEP, NULL},
+        {"stress/sun_step", NEPH_VARIANT_CAMERA_CUT, NULL},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         char *path = neph_format(NEPH_SOURCE_DIR "/scenes/%s.yaml", cases[i].scene);
@@ -208,8 +208,8 @@ static void test_files_of_the_catalogue(void **state)
         const char *scene;
         int variants;
     } cases[] = {
-        {"catalog/height_fog_down", 3}, {"catalog/fence_backlit", 3}, {"failure/ridges", 3},
-        {"catalog/camera_dolly", 2},    {"failure/sun_step", 1},      {"failure/wind_cloud", 3},
+        {"catalog/height_fog_down", 3}, {"catalog/fence_backlit", 3}, {"stress/ridges", 3},
+        {"catalog/camera_dolly", 2},    {"stress/sun_step", 1},       {"stress/wind_cloud", 3},
         {"catalog/white_furnace", 1},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {

@@ -631,7 +631,8 @@ static void test_damaged_files(void **state)
     write_df3(scratch_path(state, original, "plain.df3"), size, 2, seed);
     for (size_t i = 0; i < COUNT(files); i++)
         damage(scratch_path(state, original, files[i].original),
-               scratch_path(state, damaged, files[i].damaged), files[i].count, &seed);
+               scratch_path(state, damaged, files[i].damaged),
+               neph_test_by_day(files[i].count / 3, files[i].count), &seed);
 }
 
 /* ---- production data ------------------------------------------------------------------------- */

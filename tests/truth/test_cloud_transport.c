@@ -6,6 +6,7 @@
  */
 #include "tests/scene_builders.h"
 
+#include "base/sort.h"
 #include "scenes/grid.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
@@ -190,12 +191,6 @@ static struct neph_rgb composite(const struct neph_scene *scene, struct neph_vec
  * shells, and where nothing is left. */
 static const double nothing_left_m = 250.0;
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void jumps_on_ray(struct neph_vec3 origin, struct neph_vec3 d, double at_m[5])
 {
     const struct neph_vec3 from_center_m = neph_vec3_sub(origin, shell_center_m);
@@ -209,7 +204,7 @@ static void jumps_on_ray(struct neph_vec3 origin, struct neph_vec3 d, double at_
     at_m[2] = fmax(0.0, middle_m - half_m);
     at_m[3] = fmax(0.0, middle_m + half_m);
     at_m[4] = nothing_left_m;
-    qsort(at_m, 5, sizeof(at_m[0]), compare_doubles);
+    neph_sort_doubles(at_m, 5);
 }
 
 static struct neph_rgb composite_parts(const struct neph_scene *scene, struct neph_vec3 origin,

@@ -27,9 +27,9 @@ static void test_single_scattering_against_reference(void **state)
     int failures = 0;
     for (size_t i = 0; i < COUNT(reference_view); i++) {
         const struct reference_view *r = &reference_view[i];
-        struct neph_scene scene = make_sunny(r->media[0], r->sun);
+        struct neph_scene scene = make_sunny(reference_medium[r->media[0]], r->sun);
         scene.medium_count = r->medium_count;
-        scene.media[1] = r->media[1];
+        scene.media[1] = reference_medium[r->media[1]];
         const struct neph_ray_light light = neph_transport_ray(&scene, r->origin_m, r->direction);
         const double relative = fmax(1e-12, 4.0 * unit_roundoff * r->condition);
         const double error = fabs(light.volume.r - r->radiance);

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph validate`, the main job: scenes over engines, measured against the highest rung of truth,
+ * with gates.
+ */
+#include "harness/experiments/validate.h"
+
+#include "harness/data.h"
+
+/* The scenes that are named, or those of the tier; `*listed`, to free, is the whole catalogue. */
+static enum neph_status choose_scenes(const struct neph_validate_request *request,
+                                      struct neph_validate_params *params, char ***listed,
+                                      struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_validate_tier *tier = neph_validate_tier(request);
+    enum neph_status status = NEPH_OK;
+    params->scenes = shared->operand_count > 0 ? shared->operands : tier->scenes;
+    params->scene_count = shared->operand_count;
+    if (!params->scenes) {
+        status = neph_data_list_scenes(NEPH_DATA_CATALOG, listed, &params->scene_count, diag);
+        params->scenes = (const char *const *)*listed;
+    } else if (shared->operand_count == 0) {
+        while (params->scenes[params->scene_count])
+            params->scene_count++;
+    }
+    return status;
+}
+
+static enum neph_status run(void *request_, const struct neph_experiment_run *run,
+                            struct neph_publication *publication, struct neph_diag *diag)
+{
+    const struct neph_validate_request *request = request_;
+    const struct neph_validate_tier *tier = neph_validate_tier(request);
+    const bool names_engines = request->engines.count > 0;
+    const bool is_tier = !names_engines && request->shared.operand_count == 0;
+    struct neph_validation validation = {.title = NULL};
+    struct neph_validate_params params = neph_validate_params_of(request, run);
+    const struct neph_charts_params charts = {.ids = tier->charts,
+                                              .repeats = tier->chart_repeats,
+                                              .time_limit_s = params.budget_s,
+                                              .device = run->device};
+    char **listed = NULL;
+    enum neph_status status = choose_scenes(request, &params, &listed, diag);
+    params.over_time = is_tier && !request->no_charts;
+    params.charts = params.over_time ? &charts : NULL;
+    if (is_tier && tier->engines)
+        for (params.engines = tier->engines; tier->engines[params.engine_count];)
+            params.engine_count++;
+    if (!status)
+        status = neph_validate(&params, run->store, &validation, diag);
+    status = neph_validate_publish(request, &validation, publication, status, diag);
+    neph_validation_finish(&validation);
+    neph_data_free_names(listed);
+    return status;
+}
+
+const struct neph_experiment neph_experiment_catalog = {
+    .prepare = neph_validate_open_report, .run = run, .finish = neph_validate_close_report};

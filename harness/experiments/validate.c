@@ -1,0 +1,343 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph validate`: the options of the catalogue, the physics suite and the stress tests.
+ */
+#include "harness/experiments/validate.h"
+#include "harness/experiments/experiments.h"
+
+#include "base/files.h"
+#include "base/interrupt.h"
+#include "renderer/realtime/options.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- tiers ----------------------------------------------------------------------------------- */
+
+/* A fog with lit ground, a slab, a cloud of optical depths of tens: every engine can do them, and
+ * there is an exact answer to each. */
+static const char *const quick_scenes[] = {"height_fog_down", "scattering_slab_above",
+                                           "grid_cloud_single", NULL};
+static const char *const quick_engines[] = {"exact",  "tracer", "march", "realtime",
+                                            "cycles", "povray", NULL};
+static const char *const quick_charts[] = {"slab", NULL};
+
+enum { QUICK, FULL, TIER_COUNT };
+static const struct neph_validate_tier tiers[TIER_COUNT] = {
+    [QUICK] = {.name = "quick",
+               .scenes = quick_scenes,
+               .engines = quick_engines,
+               .width_px = 128,
+               .height_px = 72,
+               .budget_s = 30.0,
+               .charts = quick_charts,
+               .chart_repeats = 1},
+    [FULL] =
+        {.name = "full", .width_px = 192, .height_px = 108, .budget_s = 300.0, .chart_repeats = 3},
+};
+
+/* NULL: there is none. */
+static const struct neph_validate_tier *find_tier(const char *name)
+{
+    for (int i = 0; i < TIER_COUNT; i++)
+        if (strcmp(tiers[i].name, name) == 0)
+            return &tiers[i];
+    return NULL;
+}
+
+/* Without --tier scenes that are named get all engines, as in the full tier. */
+const struct neph_validate_tier *neph_validate_tier(const struct neph_validate_request *request)
+{
+    if (request->tier)
+        return find_tier(request->tier);
+    return &tiers[request->suite || request->shared.operand_count > 0 ? FULL : QUICK];
+}
+
+/* ---- options --------------------------------------------------------------------------------- */
+
+static const struct neph_cli_option options[] = {
+    {"tier", 0, "NAME",
+     "quick: a fog, a slab, a cloud, a chart and a sequence, a few minutes on two cores (default); "
+     "full: the whole catalogue, all engines, all charts",
+     NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, tier)},
+    {"suite", 0, "NAME",
+     "catalog: the same as --tier full; physics: every engine against truth that needs no "
+     "renderer; "
+     "stress: presets of realtime where such methods fail, and engines in fog, with limits (tiers "
+     "quick, full)",
+     NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, suite)},
+    {"check", 0, "TEXT", "Of the physics suite: only checks whose name or rung contains TEXT",
+     NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, check)},
+    {"samples", 0, "N",
+     "Of the physics suite: paths per pixel and seed of our tracers (default: 256)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, samples), .minimum = 2,
+     .maximum = 1000000},
+    {"only", 0, "SCENARIO",
+     "Of the stress tests: only this scenario, whatever its tier; may be given several times",
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, only)},
+    {"preset", 0, "NAME",
+     "Of the stress tests: only this preset, or PRESET+KEY=VALUE; may be given several times; "
+     "without it, the full tier has more of them, and march, cycles and povray are beside them",
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, presets),
+     .presets = neph_rt_presets, .uses = NEPH_RT_STRESS_QUICK},
+    {"on-device", 0, NULL,
+     "Of the stress tests: only count bad values, in all images of every frame, on the device "
+     "(preset off, which has none: in its pictures); nothing is kept",
+     NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, on_device)},
+    {.name = "jobs",
+     .help = "Processes that render at the same time: scenes, checks of the physics suite, or "
+             "trials of the stress tests; results do not depend on it",
+     .otherwise = "1",
+     .minimum = 1,
+     .maximum = NEPH_STRESS_JOBS_MAX},
+    {"pictures", 0, "WHICH",
+     "Of the stress tests: results that the page has pictures of: failed (default), changed, all, "
+     "none",
+     NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, pictures)},
+    {"page-limit", 0, "MB",
+     "Of the stress tests: what the page may take; the worst results have their pictures first "
+     "(default: 60)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, page_limit_mb), .minimum = 1,
+     .maximum = 1000000},
+    {"engine", 'e', "NAME", "Only this engine; may be given several times (default: all)",
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, engines)},
+    {.name = "set",
+     .argument = "ENGINE:KEY=VALUE",
+     .help = "A setting of an engine, in scenes and not in charts; may be given several times"},
+    {.name = "size", .help = "Size in pixels (default: 192x108; quick: 128x72)"},
+    {"seed", 0, "N", "Of scenes: the N-th seed of engines that draw paths (default: 1)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, seed), .minimum = 1,
+     .maximum = 1000000},
+    {.name = "output", .help = "Folder of the store and the report", .otherwise = "out"},
+    {"no-charts", 0, NULL,
+     "Leave out the speed-against-accuracy charts and the sequence; so do named scenes and engines",
+     NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, no_charts)},
+    {"budget", 0, "S",
+     "Seconds that Blender or POV-Ray may take for one picture; what needs more gets fewer "
+     "samples, or is reported as not fitting (default: 300; quick: 30)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, budget_s), .minimum = 1,
+     .maximum = 1000000},
+    {.name = "time-limit", .kind = NEPH_CLI_ALIAS},
+    {.name = "json", .help = "The whole document as JSON on stdout"},
+    {.name = "quiet"},
+    {.name = NULL},
+};
+
+static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
+
+static const struct {
+    const char *name;
+    const struct neph_experiment *experiment;
+} suites[] = {{"catalog", &neph_experiment_catalog},
+              {"physics", &neph_experiment_physics},
+              {"stress", &neph_experiment_stress},
+              {"failure", &neph_experiment_stress_by_old_name}};
+
+/* NULL: there is no such suite. */
+static const struct neph_experiment *choose(const void *request_)
+{
+    const struct neph_validate_request *request = request_;
+    for (size_t i = 0; i < sizeof(suites) / sizeof(suites[0]); i++)
+        if (!request->suite || strcmp(request->suite, suites[i].name) == 0)
+            return suites[i].experiment;
+    return NULL;
+}
+
+static bool is_physics(const struct neph_validate_request *request)
+{
+    return choose(request) == &neph_experiment_physics;
+}
+
+static bool is_stress(const struct neph_validate_request *request)
+{
+    const struct neph_experiment *chosen = choose(request);
+    return chosen == &neph_experiment_stress || chosen == &neph_experiment_stress_by_old_name;
+}
+
+/* What belongs to the stress tests, and what does not. */
+static void check_stress(const struct neph_validate_request *request,
+                         const struct argp_state *state)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    if (!is_stress(request)) {
+        if (request->only.count > 0 || request->presets.count > 0 || request->pictures ||
+            request->page_limit_mb >= 0 || request->on_device)
+            argp_error(state, "--only, --preset, --pictures, --page-limit and --on-device belong "
+                              "to --suite stress");
+        return;
+    }
+    if (shared->operand_count > 0)
+        argp_error(state,
+                   "the stress tests have scenarios of their own; --only chooses among them");
+    if (shared->settings.count > 0)
+        argp_error(state, "the stress tests have no --set; presets take settings: --preset "
+                          "NAME+KEY=VALUE");
+    if (request->pictures &&
+        neph_stress_pictures_of(request->pictures) == NEPH_STRESS_PICTURES_COUNT)
+        argp_error(state, "there are no pictures '%s'; there are failed, changed, all and none",
+                   request->pictures);
+}
+
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct neph_validate_request *request = request_;
+    const struct neph_cli_shared *shared = &request->shared;
+    if (!choose(request))
+        argp_error(state, "there is no suite '%s'; there are catalog, physics and stress",
+                   request->suite);
+    check_stress(request, state);
+    if (request->tier && !find_tier(request->tier))
+        argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
+    if (request->check && request->check[0] == '\0')
+        argp_error(state, "--check needs a part of the name of a check or rung");
+    if (is_physics(request) && shared->settings.count > 0)
+        argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
+    if (request->seed > 0 && (is_physics(request) || is_stress(request)))
+        argp_error(state, "--seed is of scenes; the suites have their own");
+    if (!is_physics(request) && (request->check || request->samples >= 0))
+        argp_error(state, "--check and --samples belong to --suite physics");
+    if (request->suite && request->tier && !is_stress(request))
+        argp_error(state, "either --suite or --tier: the catalogue is --tier full");
+    if (is_physics(request) && shared->operand_count > 0)
+        argp_error(state,
+                   "the physics suite makes its own scenes; '%s' cannot be given, "
+                   "--check chooses among them",
+                   shared->operands[0]);
+}
+
+static const struct neph_cli_syntax syntax = {
+    .options = options,
+    .operands = &operands,
+    .check = check,
+    .doc =
+        "Run scenes (default: those of the quick tier) over engines, measure each against the "
+        "highest rung of truth, check the gates, and write DIR/report/index.html: from the first "
+        "scene on, so that it can be watched.\v"
+        "Finished frames are kept in DIR/store and used again; an interrupted or killed run "
+        "goes on where it stopped. Both folders are neph's own: one of that name that neph did "
+        "not make is refused. Runs at the same time may share DIR: each frame is stored once, "
+        "and the report is that of the run that wrote it last. A missing engine is reported as "
+        "missing and the others go on. Exit code 1: a gate failed, an engine broke, or nothing "
+        "could be compared.\n\n"
+        "Examples:\n"
+        "  neph validate\n"
+        "  neph validate --tier full --budget 120\n"
+        "  neph validate fence_backlit --size 320x180\n"
+        "  neph validate my_fog.yaml -e exact -e march -s march:steps=256 -o /tmp/fog\n"
+        "  neph validate --suite physics --jobs 4 -o out/physics\n"
+        "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096\n"
+        "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
+        "  neph validate --suite stress --only fog_seam -e povray --pictures all",
+};
+
+const struct neph_experiment neph_experiment_validate = {
+    .syntax = &syntax, .request_size = sizeof(struct neph_validate_request), .choose = choose};
+
+/* ---- the report of the catalogue and of the physics suite ------------------------------------ */
+
+enum neph_status neph_validate_open_report(void *request_, struct neph_diag *diag)
+{
+    struct neph_validate_request *request = request_;
+    request->page_folder = neph_path_join(request->shared.output, "report");
+    return request->page_folder ? neph_report_open(request->page_folder, &request->report, diag)
+                                : neph_fail_memory(diag);
+}
+
+void neph_validate_close_report(void *request_)
+{
+    struct neph_validate_request *request = request_;
+    neph_report_close(request->report);
+    free(request->page_folder);
+}
+
+static enum neph_status show_page(struct neph_validation *validation, void *report,
+                                  struct neph_diag *diag)
+{
+    return neph_report_publish(report, validation, diag);
+}
+
+struct neph_validate_params neph_validate_params_of(const struct neph_validate_request *request,
+                                                    const struct neph_experiment_run *run)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    const struct neph_validate_tier *tier = neph_validate_tier(request);
+    const bool has_size = shared->size.width_px > 0;
+    return (struct neph_validate_params){
+        .engines = request->engines.list,
+        .engine_count = request->engines.count,
+        .settings = shared->settings.list,
+        .setting_count = shared->settings.count,
+        .width_px = has_size ? shared->size.width_px : tier->width_px,
+        .height_px = has_size ? shared->size.height_px : tier->height_px,
+        .seed = request->seed > 0 ? request->seed : 1,
+        .budget_s = request->budget_s >= 0 ? request->budget_s : tier->budget_s,
+        .device = run->device,
+        .jobs = shared->jobs,
+        .quiet = run->quiet,
+        .skip_absent = shared->operand_count == 0,
+        .show = show_page,
+        .context = request->report,
+    };
+}
+
+static void tell(const struct neph_validation *validation, const char *folder, FILE *out)
+{
+    const struct neph_counts *counts = &validation->counts;
+    fprintf(out, "%s: %d of %d in the report, %d compared with the truth\n",
+            validation->physics ? "rows" : "frames", counts->reported, counts->expected,
+            counts->compared);
+    if (counts->ungated > 0)
+        fprintf(
+            out,
+            "gates: of %d no gate limits the radiance: its mean is to be within a factor of two "
+            "of the truth's\n",
+            counts->ungated);
+    fprintf(out, "verdict: %s\nreport: %s/index.html\n", neph_verdict_name(validation->verdict),
+            folder);
+}
+
+static enum neph_status judge(const struct neph_validation *validation, struct neph_diag *reason)
+{
+    const struct neph_counts *counts = &validation->counts;
+    if (validation->verdict == NEPH_VERDICT_PASS)
+        return NEPH_OK;
+    if (counts->reported != counts->expected)
+        return neph_fail(reason, NEPH_ERR_INTERNAL, "%d of %d results are not in the report",
+                         counts->expected - counts->reported, counts->expected);
+    if (counts->compared == 0) {
+        neph_fail(reason, NEPH_ERR_GATE, "nothing was compared with a truth: that is no verdict");
+        neph_hint(reason, "a run needs an engine that is the truth of its scenes (exact, oracle, "
+                          "tracer) and another; the report says why frames are missing");
+        return NEPH_ERR_GATE;
+    }
+    return neph_fail(reason, NEPH_ERR_GATE,
+                     validation->physics
+                         ? "an engine that claims to be the truth is off, or an engine broke; the "
+                           "report names it"
+                         : "a gate failed or an engine broke; the report names it");
+}
+
+enum neph_status neph_validate_publish(const struct neph_validate_request *request,
+                                       struct neph_validation *validation,
+                                       struct neph_publication *publication,
+                                       enum neph_status status, struct neph_diag *diag)
+{
+    FILE *text = publication->text;
+    if (status == NEPH_ERR_INTERRUPTED && validation->title) {
+        neph_interrupt_acknowledge();
+        neph_report_publish(request->report, validation, NULL);
+    }
+    if (!status)
+        status = neph_report_publish(request->report, validation, diag);
+    if (status)
+        return status;
+    if (text && validation->physics)
+        neph_physics_print(validation->physics, text);
+    else if (text)
+        neph_validation_print(validation, text);
+    else
+        publication->json = neph_validation_json(validation);
+    tell(validation, request->page_folder, text ? text : stderr);
+    publication->verdict = judge(validation, &publication->reason);
+    return NEPH_OK;
+}

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/stress/measures.h"
+
+#include "harness/study/flicker_metrics.h"
+#include "harness/study/take.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+
+static double itself(const double numbers[NEPH_STRESS_NUMBERS])
+{
+    return numbers[0];
+}
+
+static double magnitude(const double numbers[NEPH_STRESS_NUMBERS])
+{
+    return fabs(numbers[0]);
+}
+
+/* The bound stands for what cannot be told from the rest: a part is no more than the whole. */
+static double or_bound(const double numbers[NEPH_STRESS_NUMBERS])
+{
+    return isnan(numbers[0]) ? numbers[1] : numbers[0];
+}
+
+/* Pixels that never get there have no time, and are not in the percentile. */
+static double or_never(const double numbers[NEPH_STRESS_NUMBERS])
+{
+    return numbers[1] > NEPH_STUDY_NEVER_MOST ? INFINITY : numbers[0];
+}
+
+/* Nothing wrong at edges is no fault, whatever is around them. */
+static double ratio(const double numbers[NEPH_STRESS_NUMBERS])
+{
+    return numbers[0] == 0.0 ? 0.0 : numbers[0] / numbers[1];
+}
+
+static const struct neph_stress_measure measures[NEPH_FAILING_MEASURES] = {
+    [NEPH_FAILING_ERROR] = {"error", {"rel_rmse"}, {NULL}, itself},
+    [NEPH_FAILING_FLICKER] = {"seen", {"seen_contrast"}, {NULL}, itself, true},
+    [NEPH_FAILING_PERIOD_4] = {"cycles", {"repeats_4", "cycle_std"}, {NULL}, or_bound, true},
+    [NEPH_FAILING_LAG] =
+        {"lag", {"frames_to_10_p95", "share_unsettled_10"}, {NULL}, or_never, true},
+    [NEPH_FAILING_EDGE_RATIO] = {"error", {"rmse", "rmse"}, {"depth_edge", "non_edge"}, ratio},
+    [NEPH_FAILING_NEVER_SEEN] = {"lag", {"share_never_settled"}, {NULL}, itself, true},
+    [NEPH_FAILING_ENERGY] = {"error", {"rel_bias"}, {NULL}, magnitude},
+    [NEPH_FAILING_BAD_VALUES] = {NULL, {NULL}, {NULL}, itself},
+};
+
+const struct neph_stress_measure *neph_stress_measure(enum neph_failing_measure measure)
+{
+    return &measures[measure];
+}
+
+static bool is_listed(const char *const *names, const char *name)
+{
+    while (*names && strcmp(*names, name) != 0)
+        names++;
+    return *names != NULL;
+}
+
+/* Whether a limit's numbers are taken. */
+static bool is_taken(const struct neph_failing_limit *limit, bool over_time)
+{
+    return over_time || !measures[limit->measure].over_time;
+}
+
+void neph_stress_extractors(const struct neph_failing *failing, bool over_time,
+                            const char *names[NEPH_FAILING_MEASURES + 1])
+{
+    int count = 0;
+    names[0] = NULL;
+    for (int i = 0; i < failing->limit_count; i++) {
+        const char *extractor = measures[failing->limits[i].measure].extractor;
+        if (!extractor || is_listed(names, extractor) || !is_taken(&failing->limits[i], over_time))
+            continue;
+        names[count++] = extractor;
+        names[count] = NULL;
+    }
+}
+
+static const char *mask_of(const struct neph_failing_limit *limit, int number)
+{
+    const char *own = measures[limit->measure].masks[number];
+    return own ? own : limit->over;
+}
+
+void neph_stress_kept(const struct neph_failing *failing, bool over_time,
+                      struct neph_meter_number kept[NEPH_STRESS_KEPT_MAX])
+{
+    int count = 0;
+    for (int i = 0; i < failing->limit_count; i++) {
+        const struct neph_failing_limit *limit = &failing->limits[i];
+        for (int n = 0; n < NEPH_STRESS_NUMBERS && is_taken(limit, over_time); n++)
+            if (measures[limit->measure].metrics[n])
+                kept[count++] = (struct neph_meter_number){measures[limit->measure].metrics[n],
+                                                           mask_of(limit, n)};
+    }
+    kept[count] = (struct neph_meter_number){.metric = NULL};
+}
+
+double neph_stress_read(const struct neph_failing_limit *limit, const json_t *document,
+                        char why[NEPH_STRESS_WHY_SIZE])
+{
+    const struct neph_stress_measure *measure = &measures[limit->measure];
+    double numbers[NEPH_STRESS_NUMBERS] = {NAN, NAN};
+    why[0] = '\0';
+    for (int n = 0; n < NEPH_STRESS_NUMBERS && measure->metrics[n]; n++) {
+        const json_t *found = neph_take_find(document, measure->metrics[n], mask_of(limit, n));
+        const json_t *value = json_object_get(found, "value");
+        if (json_is_number(value))
+            numbers[n] = json_number_value(value);
+        else if (!why[0])
+            snprintf(why, NEPH_STRESS_WHY_SIZE, "%s",
+                     found ? neph_json_text(found, "undefined_because")
+                           : "the mask is empty, or the whole picture");
+    }
+    const double value = measure->value(numbers);
+    if (!isnan(value))
+        why[0] = '\0';
+    return value;
+}

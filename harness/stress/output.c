@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/stress/output.h"
+
+#include "base/files.h"
+#include "harness/document/table.h"
+#include "harness/run/seed.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
+
+/* ---- for people ------------------------------------------------------------------------------ */
+
+static void add_row(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
+                    struct neph_table *table)
+{
+    neph_table_word(table, "");
+    neph_table_shown(table, "%s %s", row->scene->name, row->point);
+    neph_table_word(table, "");
+    neph_table_shown(table, "%s/%s", neph_failing_measure_name(row->limit->measure),
+                     row->limit->over);
+    neph_table_number(table, row->limit->limit);
+    for (int c = 0; c < suite->column_count; c++) {
+        const double value = row->cells[c].value;
+        const char *mark = neph_stress_verdicts[row->cells[c].verdict].mark;
+        neph_table_word(table, mark);
+        if (!isnan(value))
+            neph_table_shown(table, "%.3g%s%s", value, *mark ? " " : "", mark);
+    }
+}
+
+static bool is_first_of_row(const struct neph_stress_spot *spots, int index)
+{
+    for (int i = 0; i < index; i++)
+        if (spots[i].row == spots[index].row)
+            return false;
+    return true;
+}
+
+/* A row is as bad as its worst cell. */
+static enum neph_status print_table(const struct neph_stress_suite *suite,
+                                    const struct neph_stress_spot *spots, int count, FILE *out,
+                                    struct neph_diag *diag)
+{
+    const struct neph_column fixed[] = {
+        {.title = "scenario, the worst first", .width = -36},
+        {.title = "measure/over", .width = -20},
+        {.title = "limit", .format = "%.4g", .width = -6},
+    };
+    struct neph_table table = {.cells = NULL};
+    neph_table_columns(&table, fixed, 3);
+    for (int c = 0; c < suite->column_count; c++)
+        neph_table_column(&table,
+                          (struct neph_column){.title = suite->columns[c].name, .width = -16});
+    for (int i = 0; i < count; i++)
+        if (is_first_of_row(spots, i))
+            add_row(suite, spots[i].row, &table);
+    const enum neph_status status = neph_table_check(&table, diag);
+    if (!status)
+        neph_table_print_aligned(&table, out);
+    fputc('\n', out);
+    neph_table_finish(&table);
+    return status;
+}
+
+static void print_value(const struct neph_stress_row *row, const struct neph_stress_cell *cell,
+                        FILE *out)
+{
+    const char *verdict = neph_stress_verdicts[cell->verdict].name;
+    const char *measure = neph_failing_measure_name(row->limit->measure);
+    if (isnan(cell->value))
+        fprintf(out, "%s/%s has %s, limit %.4g", measure, row->limit->over, verdict,
+                row->limit->limit);
+    else
+        fprintf(out, "%s/%s is %.4g, limit %.4g: %s", measure, row->limit->over, cell->value,
+                row->limit->limit, verdict);
+}
+
+/* The same number at another point of its sweep. */
+static bool is_kin(const struct neph_stress_spot *a, const struct neph_stress_spot *b)
+{
+    return a->column == b->column && a->row->scene == b->row->scene &&
+           a->row->limit == b->row->limit &&
+           a->row->cells[a->column].verdict == b->row->cells[b->column].verdict;
+}
+
+/* How many of a list are kin of one. */
+static int count_kin(const struct neph_stress_spot *spots, int count,
+                     const struct neph_stress_spot *spot)
+{
+    int kin = 0;
+    for (int i = 0; i < count; i++)
+        kin += is_kin(&spots[i], spot);
+    return kin;
+}
+
+/* At its worst point; `more` are the others. */
+static enum neph_status print_news(const struct neph_stress_suite *suite,
+                                   const struct neph_stress_spot *spot, int more, FILE *out,
+                                   struct neph_diag *diag)
+{
+    const struct neph_stress_row *row = spot->row;
+    const struct neph_stress_cell *cell = &row->cells[spot->column];
+    char *command = neph_stress_command(suite, row, spot->column);
+    if (!command)
+        return neph_fail_memory(diag);
+    fprintf(out, "%s%s%s, %s: ", row->scene->name, row->point[0] ? " " : "", row->point,
+            suite->columns[spot->column].name);
+    print_value(row, cell, out);
+    if (more > 0)
+        fprintf(out, ", and at %d points more", more);
+    fprintf(out, "\n  %s\n", cell->why[0] ? cell->why : row->limit->reason);
+    if (cell->verdict == NEPH_STRESS_FAIL)
+        fprintf(out, "  symptom: %s\n", row->scene->failing.symptom);
+    fprintf(out, "  %s\n", command);
+    free(command);
+    return NEPH_OK;
+}
+
+static void print_counts(const struct neph_stress_suite *suite, FILE *out)
+{
+    const struct neph_stress_counts *counts = &suite->counts;
+    fprintf(out, "%s\n%d comparisons in %d scenarios, %d frames:", suite->device, counts->compared,
+            suite->scene_count, suite->frame_count);
+    for (int v = NEPH_STRESS_PASS; v < NEPH_STRESS_VERDICTS; v++)
+        if (counts->verdicts[v] > 0)
+            fprintf(out, " %d %s", counts->verdicts[v], neph_stress_verdicts[v].name);
+    fprintf(out, "\nverdict: %s\n", suite->passes ? "pass" : "fail");
+}
+
+enum neph_status neph_stress_print(const struct neph_stress_suite *suite, FILE *out,
+                                   struct neph_diag *diag)
+{
+    int count = 0;
+    struct neph_stress_spot *spots = neph_stress_worst(suite, &count);
+    enum neph_status status = spots ? NEPH_OK : neph_fail_memory(diag);
+    if (!status)
+        status = print_table(suite, spots, count, out, diag);
+    for (int i = 0; i < count && !status; i++)
+        if (neph_stress_verdicts[spots[i].row->cells[spots[i].column].verdict].is_news &&
+            count_kin(spots, i, &spots[i]) == 0)
+            status = print_news(suite, &spots[i], count_kin(spots, count, &spots[i]) - 1, out,
+                                diag);
+    if (!status)
+        print_counts(suite, out);
+    free(spots);
+    return status;
+}
+
+/* A column of the suite alone, as it was asked for. */
+static char *suite_command(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
+                           const struct neph_stress_column *column)
+{
+    char size[64] = "";
+    if (suite->width_px > 0)
+        snprintf(size, sizeof(size), " --size %dx%d", suite->width_px, suite->height_px);
+    return neph_format("neph validate --suite stress%s --only %s %s %s%s%s --pictures all -o %s",
+                       row->point[0] ? " --tier full" : "", row->scene->name,
+                       column->is_preset ? "--preset" : "--engine", column->name, size,
+                       suite->on_device ? " --on-device" : "", row->scene->name);
+}
+
+char *neph_stress_command(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
+                          int column)
+{
+    const struct neph_failing *failing = &row->scene->failing;
+    const struct neph_stress_column *of = &suite->columns[column];
+    const bool is_plain = of->is_preset && !of->engine->is_guest && !row->point[0] &&
+                          !strchr(of->name, '+') && !suite->on_device;
+    if (!is_plain)
+        return suite_command(suite, row, of);
+    return neph_format(
+        "neph render %s -e realtime --preset %s -s steps=%d --seed %llu --frames %d "
+        "--size %dx%d -o %s",
+        row->scene->name, of->name, failing->steps, (unsigned long long)neph_seed_of(row->scene, 1),
+        failing->frame_count, suite->width_px > 0 ? suite->width_px : failing->width_px,
+        suite->width_px > 0 ? suite->height_px : failing->height_px, row->scene->name);
+}
+
+/* ---- for programs ---------------------------------------------------------------------------- */
+
+/* The worst first. */
+static json_t *results_json(const struct neph_stress_suite *suite)
+{
+    int count = 0;
+    struct neph_stress_spot *spots = neph_stress_worst(suite, &count);
+    json_t *results = spots ? json_array() : NULL;
+    for (int i = 0; i < count; i++) {
+        const struct neph_stress_row *row = spots[i].row;
+        const struct neph_stress_cell *cell = &row->cells[spots[i].column];
+        neph_json_add(&results,
+                      json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s, s:s}",
+                                "scene", row->scene->name, "point", row->point, "measure",
+                                neph_failing_measure_name(row->limit->measure), "over",
+                                row->limit->over, "limit", row->limit->limit, "reason",
+                                row->limit->reason, "column", suite->columns[spots[i].column].name,
+                                "value", neph_json_number(cell->value), "infinite",
+                                isinf(cell->value) != 0, "verdict",
+                                neph_stress_verdicts[cell->verdict].name, "why", cell->why,
+                                "frame_key", cell->frame_key ? cell->frame_key : ""));
+    }
+    free(spots);
+    return results;
+}
+
+static json_t *scene_json(const struct neph_stress_suite *suite, const struct neph_scene *scene)
+{
+    const struct neph_failing *failing = &scene->failing;
+    const int count = suite->full ? neph_failing_point_count(failing) : 1;
+    json_t *points = json_array();
+    for (int point = 0; point < count; point++) {
+        char name[NEPH_FAILING_POINT_SIZE];
+        neph_failing_point_name(failing, point, name, sizeof(name));
+        neph_json_add(&points, json_string(name));
+    }
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:o}", "name", scene->name,
+                     "title", scene->title, "fails", failing->fails, "known", failing->known,
+                     "symptom", failing->symptom, "truth", neph_failing_truth_name(failing->truth),
+                     "width_px", failing->width_px, "height_px", failing->height_px, "frames",
+                     failing->frame_count, "steps", failing->steps, "points", points);
+}
+
+json_t *neph_stress_json(const struct neph_stress_suite *suite)
+{
+    json_t *columns = json_array(), *scenes = json_array(), *counts = json_object();
+    for (int c = 0; c < suite->column_count; c++)
+        neph_json_add(&columns, json_pack("{s:s, s:s, s:b}", "name", suite->columns[c].name,
+                                          "engine", suite->columns[c].engine->name, "preset",
+                                          suite->columns[c].is_preset));
+    for (int s = 0; s < suite->scene_count; s++)
+        neph_json_add(&scenes, scene_json(suite, suite->scenes[s]));
+    for (int v = NEPH_STRESS_PASS; v < NEPH_STRESS_VERDICTS; v++)
+        neph_json_set(&counts, neph_stress_verdicts[v].name,
+                      json_integer(suite->counts.verdicts[v]));
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:i, s:i, s:o, s:s, s:f, s:i, s:o}", "format",
+                     "neph-failure-2", "device", suite->device, "tier",
+                     suite->full ? "full" : "quick", "columns", columns, "scenes", scenes,
+                     "compared", suite->counts.compared, "news", suite->counts.news, "counts",
+                     counts, "verdict", suite->passes ? "pass" : "fail", "seconds", suite->seconds,
+                     "frames", suite->frame_count, "results", results_json(suite));
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A run of the stress tests for people and for programs.
+ */
+#ifndef NEPH_HARNESS_STRESS_OUTPUT_H
+#define NEPH_HARNESS_STRESS_OUTPUT_H
+
+#include "harness/json.h"
+#include "harness/stress/results.h"
+
+#include <stdio.h>
+
+/* A line for each number over the columns, the worst first, then what is new and how to see it, and
+ * the counts. */
+enum neph_status neph_stress_print(const struct neph_stress_suite *suite, FILE *out,
+                                   struct neph_diag *diag);
+
+/* The command that makes the pictures of a column of a scenario, for the caller to free; NULL when
+ * memory is short. */
+char *neph_stress_command(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
+                          int column);
+
+/* {"format": "neph-failure-2", "device", "tier", "columns": [{"name", "engine", "preset": bool}],
+ * "scenes": [{"name", "title", "fails", "known", "symptom", "truth", "width_px", "height_px",
+ *   "frames", "steps", "points": [names, "" the file as it is]}],
+ * "compared", "news", "counts": {verdict: n}, "verdict", "seconds", "frames",
+ * "results": [{"scene", "point", "measure", "over", "limit", "reason", "column", "value" (null:
+ *   none, or infinite), "infinite", "verdict", "why"}, ...], the worst first}; NULL when memory is
+ * short. */
+json_t *neph_stress_json(const struct neph_stress_suite *suite);
+
+#endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The stress tests: scenarios of scenes/stress over presets of `realtime`, each number held
+ * against its limit (scenes/failing.h) and against what is expected of it (expectations.h). What is
+ * finished is in the store, and the same run goes on from there; a limit that is changed costs no
+ * picture.
+ */
+#ifndef NEPH_HARNESS_STRESS_SUITE_H
+#define NEPH_HARNESS_STRESS_SUITE_H
+
+#include "harness/run/store.h"
+#include "harness/stress/results.h"
+
+/* Run it. NEPH_OK also when it does not pass. NEPH_ERR_USAGE: no such scenario or preset.
+ * NEPH_ERR_INTERRUPTED: what is finished stays in the store. For _finish in any case. */
+enum neph_status neph_stress_run(const struct neph_stress_params *params, struct neph_store *store,
+                                 struct neph_stress_suite *suite, struct neph_diag *diag);
+
+/* A trial: a column at a point. */
+struct neph_stress_trial {
+    int row, column; /* the first row of its point */
+    bool is_later;   /* another trial of its point makes the reference of both */
+    double cost;     /* samples along rays of all its frames, about */
+};
+
+/* Start from {0}; free the list. */
+struct neph_stress_trials {
+    struct neph_stress_trial *list;
+    int count;
+};
+
+/* All trials of a suite. For one process: from point to point, so that a loaded scene serves
+ * several. For several processes: a trial that makes a reference before those that need it, so that
+ * it is made once, and long ones before short ones, so that in the end all are busy. */
+enum neph_status neph_stress_list_trials(const struct neph_stress_suite *suite, bool are_spread,
+                                         struct neph_stress_trials *trials, struct neph_diag *diag);
+
+/* ---- its parts ------------------------------------------------------------------------------- */
+
+/* Scenes, rows and columns of `suite`. Errors as of neph_stress_run(). */
+enum neph_status neph_stress_plan(const struct neph_stress_params *params,
+                                  struct neph_stress_suite *suite, struct neph_diag *diag);
+
+/* Whether a number of a scenario is asked of a column. All are of a guest ("command"), of which
+ * nobody knows what it is prone to; of a preset those of scenarios that name it, or none, or what
+ * it is a change of. */
+bool neph_stress_asks(const struct neph_failing *failing, const struct neph_failing_limit *limit,
+                      const struct neph_stress_column *column);
+
+/* The message of a worker to the process that shows the run: the cells of a column at a point, and
+ * what they took. */
+struct neph_stress_message {
+    int first_row, row_count, column; /* of the cells */
+    int frame_count;                  /* of the take */
+    double seconds;                   /* of the trial */
+    int reference_count;              /* frames of the reference, made or found */
+    double reference_s;
+};
+
+/* Write it, with the cells of `suite`, for the caller to free; NULL when memory is short. */
+char *neph_stress_write_message(const struct neph_stress_message *message,
+                                const struct neph_stress_suite *suite);
+
+/* Read it into the cells of `suite`, of the same plan. NEPH_ERR_INTERNAL: it is no message of such
+ * a suite. */
+enum neph_status neph_stress_read_message(const char *text, struct neph_stress_suite *suite,
+                                          struct neph_stress_message *message,
+                                          struct neph_diag *diag);
+
+#endif
